@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Before what a shared library shows to those who link it; all else is hidden. A static library
-/// hides all of it, so that a plug-in that is linked to one does not show it in its turn.
+/// Marks what a shared library exports; everything else is hidden. A static library exports
+/// nothing, so that a plug-in linked to it does not export our symbols either.
 #if defined(__GNUC__) && !defined(ESPALIER_STATIC)
 #define ESPALIER_API __attribute__((visibility("default")))
 #else

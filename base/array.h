@@ -7,7 +7,7 @@
 
 namespace espalier {
 
-/// Leaves new elements as the memory is, where none would give them a value.
+/// An allocator that leaves new elements uninitialized unless they are given a value.
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
     UninitializedAllocator() = default;
@@ -25,7 +25,8 @@ struct UninitializedAllocator : std::allocator<T> {
 };
 
 /// A vector for large arrays of numbers that are filled in parallel: Array<T>(n) and resize(n) do
-/// not write the new elements. (To set those of a table to 0 first takes as long as to fill them.)
+/// not write the new elements. (Setting the elements of a table to 0 first takes as long as filling
+/// them.)
 template <class T>
 using Array = std::vector<T, UninitializedAllocator<T>>;
 

@@ -10,19 +10,19 @@
 
 namespace espalier {
 
-/// Base of every exception that Espalier throws on purpose but Cancelled (progress.h), which
-/// is nobody's mistake. what() is one line that names the offender; the library never prints and
-/// never aborts.
+/// Base of every exception that Espalier throws on purpose, except Cancelled (progress.h), which is
+/// not an error. what() is one line that names the offender. The library never prints and never
+/// aborts.
 class ESPALIER_API Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// A word or a name from outside as messages show it: printable (printable.h), in quotes. One of
-/// more than 40 bytes keeps its beginning and its end.
+/// Returns a word or a name from outside as messages show it: printable (printable.h) and in
+/// quotes. A text of more than 40 bytes is shortened to its beginning and its end.
 ESPALIER_API std::string inQuotes(std::string_view text);
 
-/// Texts and numbers in one text, for messages.
+/// Joins texts and numbers to one text, for messages.
 template <class... Parts>
 std::string concat(const Parts&... parts) {
     std::string text;

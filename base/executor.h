@@ -7,48 +7,49 @@
 
 namespace espalier {
 
-/// The threads of a host: what runs the ranges of parallelFor() where an ExecutorScope says so.
+/// Interface to the threads of a host. Within an ExecutorScope it runs the ranges of parallelFor().
 class ESPALIER_API Executor {
 public:
     virtual ~Executor();
 
-    /// Calls task(0) to task(count − 1), in any order and from any threads, this one included, and
-    /// returns on the thread that it was called on when all calls have ended. A host's own parallel
-    /// loop over an index does that.
+    /// Calls task(0) to task(count − 1), in any order and from any threads, including the calling
+    /// one, and returns when all calls have ended. A host's own parallel loop over an index does
+    /// this.
     ///
-    /// Calls nest, from the threads that run tasks: there must be an end to it even if no other
-    /// thread is free, as there is where the calling thread takes part. A thread that waits may run
-    /// other work of the host, to which none of our scopes on that thread applies; of ours it turns
-    /// away what it must not begin then. What is turned away is asked for again, in a call of run()
-    /// for fewer, as are calls that were left out, and is done by the thread that began the loop if
-    /// that is of no use.
+    /// Tasks may call run() again (nested loops). run() must return even if no other thread is
+    /// free; it does if the calling thread runs tasks too. A thread that waits in run() may run
+    /// other work of the host; our scopes on this thread do not apply to that work. It may also
+    /// call tasks of other loops of the library. Such a task returns at once without doing its
+    /// work, because the waiting thread may hold a lock that the work needs. The library then calls
+    /// run() again with a smaller count, also for calls that were left out, and does the rest on
+    /// the thread that began the loop if that makes no progress.
     ///
-    /// \param task throws nothing
-    /// \throws what it likes, which arrives at the caller of the library, but not before all calls
-    ///         that have begun have ended
+    /// \param task never throws
+    /// \throws anything, but only after all calls that have begun have ended; the exception reaches
+    ///         the caller of the library
     virtual void run(Offset count, FunctionRef<void(Offset)> task) = 0;
 };
 
-/// No threads: all work is done by the thread that calls, in order, without a lock and without
-/// memory of its own. For real time, and for hosts that have a thread for each of many models.
+/// Runs all work on the calling thread, in order, without locks or allocations. For real-time use,
+/// and for hosts that have one thread for each of many models.
 class ESPALIER_API SerialExecutor final : public Executor {
 public:
     void run(Offset count, FunctionRef<void(Offset)> task) override;
 };
 
-/// While this object lives, what the calling thread asks of the library runs on an executor, and
-/// not in its oneTBB arena; in a build without oneTBB, not on the calling thread alone. So do the
-/// loops inside those that the executor runs, on whatever thread. Other threads of the host are as
-/// they were. Results are the same, bit for bit.
+/// While this object lives, the library's work for the calling thread runs on an executor, instead
+/// of the thread's oneTBB arena (or, in a build without oneTBB, instead of this thread alone).
+/// Nested loops of this work run there too, on any thread. Other threads of the host are not
+/// affected. Results are the same, bit for bit.
 ///
 ///     SerialExecutor serial;
 ///     const ExecutorScope scope(serial);
 ///     table.evaluate(…);  // on this thread alone
 ///
-/// Scopes of a thread end in the reverse order of their beginning. Of two, the inner one counts.
+/// Scopes of a thread must end in the reverse order of their beginning. The innermost one applies.
 class ESPALIER_API ExecutorScope {
 public:
-    /// \param executor lives longer than this
+    /// \param executor must outlive the scope
     explicit ExecutorScope(Executor& executor);
     ~ExecutorScope();
     ExecutorScope(const ExecutorScope&) = delete;

@@ -10,8 +10,8 @@ namespace espalier {
 template <class Signature>
 class FunctionRef;
 
-/// A function object that is somewhere else, and lives longer than this: for arguments. Unlike a
-/// std::function it never allocates. It is two pointers, and copied as such.
+/// A reference to a function object, for arguments of functions. The function object must outlive
+/// it. Unlike a std::function it never allocates; it consists of two pointers.
 template <class Result, class... Arguments>
 class FunctionRef<Result(Arguments...)> {
 public:

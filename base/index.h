@@ -10,20 +10,19 @@
 #include <span>
 #include <vector>
 
-// base/: what every library needs, and no geometry.
+// base/ has the types and functions that all other folders use. It has no geometry.
 //
-// In and out: nothing; other folders build on it.
-//
-// Types: Index and Offset (this header), Error (error.h), Array (array.h), parallelFor()
+// Its types are Index and Offset (this header), Error (error.h), Array (array.h), parallelFor()
 // (parallel.h), ExecutorScope (executor.h), ProgressScope (progress.h), MemoryLimit (memory.h).
 //
-// Read this header first, then error.h and parallel.h; the others when they are included.
+// Read this header first, then error.h and parallel.h; read the others when a file includes them.
 namespace espalier {
 
-/// Number of an entity among those of its dimension, counted from 0.
+/// Number of an entity among the entities of its dimension, counted from 0.
 using Index = std::int32_t;
 
-/// Position in the values of a CSR relation. Relations may hold more entries than an Index counts.
+/// Position in the values of a CSR relation. A relation may have more entries than an Index can
+/// count.
 using Offset = std::int64_t;
 
 inline constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
@@ -31,19 +30,20 @@ inline constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
 /// Largest dimension of a complex: a lattice.
 inline constexpr int kMaxDimension = 3;
 
-/// A vertex, edge, face or cell whose dimension is known only at run time.
-/// Refinement and the masks are written in these, so that they serve every dimension.
+/// A vertex, edge, face or cell whose dimension is known only at run time. Refinement and masks use
+/// this type, so that the same code serves every dimension.
 struct Entity {
     int dimension = 0;
     Index index = 0;
     friend auto operator<=>(const Entity&, const Entity&) = default;
 };
 
-/// A value for every entity of a complex, by its dimension.
+/// A value for every entity of a complex, by dimension and index.
 template <class T>
 using ByEntity = std::array<std::vector<T>, kMaxDimension + 1>;
 
-/// Index of an entity of a dimension known at compile time; ids of different dimensions do not mix.
+/// Index of an entity whose dimension is known at compile time. Ids of different dimensions are
+/// different types.
 template <int Dimension>
 struct Id {
     Index value = 0;
@@ -59,7 +59,7 @@ using EdgeId = Id<1>;
 using FaceId = Id<2>;
 using CellId = Id<3>;
 
-/// "vertex", "edge", "face" or "cell": how messages name an entity of this dimension.
+/// Returns the name of an entity of this dimension in messages: "vertex", "edge", "face" or "cell".
 inline const char* dimensionName(int dimension) {
     constexpr const char* kNames[] = {"vertex", "edge", "face", "cell"};
     return dimension >= 0 && dimension <= kMaxDimension ? kNames[dimension] : "entity";

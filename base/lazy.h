@@ -6,11 +6,11 @@
 
 namespace espalier {
 
-/// A value that is made when it is first asked for, by any thread.
+/// A value that is made on first use, by any thread.
 ///
-/// Nobody waits: threads that ask at the same time all make the value, and the first result wins.
-/// Waiting could deadlock a thread that takes up other work meanwhile, or that a signal handler
-/// interrupts, and that then asks for the same value.
+/// No thread waits: threads that request the value at the same time all make it, and the first
+/// result wins. Waiting could deadlock a thread that requests the same value again, from other work
+/// that it takes up while it waits, or from a signal handler.
 template <class T>
 class Lazy {
 public:
@@ -19,9 +19,10 @@ public:
     Lazy(const Lazy&) = delete;
     Lazy& operator=(const Lazy&) = delete;
 
-    /// The value, or null if it has not been made.
+    /// Returns the value, or null if it has not been made yet.
     const T* known() const { return known_.load(std::memory_order_acquire); }
 
+    /// Returns the value. Calls make() if it has not been made yet.
     template <class Make>
     const T& get(Make make) {
         if (const T* value = known()) return *value;

@@ -15,17 +15,18 @@ class ProgressState {
 public:
     ProgressState(ProgressScope::Callback callback, std::chrono::milliseconds interval);
 
-    /// \throws what ended the work, if it is to end
+    /// Throws if the work has been cancelled or the callback has thrown.
+    /// \throws Cancelled, or the exception of the callback
     void check() const;
 
-    /// A stage begins, and ends: on the scope's thread, while no other works for it.
+    /// Begins and ends a stage. Called on the scope's thread, while no other thread works for it.
     void beginStage(Offset count);
     void endStage();
 
     /// Counts `items` more of the current stage as done.
     void add(Offset items) { done_.fetch_add(items, std::memory_order_relaxed); }
 
-    /// Calls the callback, unless another thread does so, or it is not yet time.
+    /// Calls the callback, unless another thread is calling it, or the interval has not passed.
     void report();
 
 private:
@@ -38,29 +39,30 @@ private:
     std::atomic<Offset> done_ = 0;
 
     std::atomic_flag isReporting_ = ATOMIC_FLAG_INIT;
-    Clock::time_point lastCall_;  ///< of the thread that reports
+    Clock::time_point lastCall_;  ///< used only by the thread that reports
     std::atomic<bool> isEnded_ = false;
-    std::exception_ptr end_;  ///< once isEnded_
+    std::exception_ptr end_;  ///< set once isEnded_ is true
 };
 
-/// What scopes have said to this thread, or to that which began the loop that it works for.
+/// The scopes that apply to a thread: its own, or those of the thread that began the loop that it
+/// works for.
 struct LoopContext {
-    Executor* executor = nullptr;       ///< or oneTBB's arena
-    ProgressState* progress = nullptr;  ///< or nobody asks
-    bool isInStage = false;             ///< whether this is inside of what counts as a stage
+    Executor* executor = nullptr;       ///< null for oneTBB's arena
+    ProgressState* progress = nullptr;  ///< null without a ProgressScope
+    bool isInStage = false;             ///< true inside a loop that counts as a stage
 
     /// The loop that this thread has handed to an executor and waits for.
     const void* awaited = nullptr;
 
-    /// Whether others may wait for what this thread works on (CellComplex::relation()). Then it
-    /// does not wait for others.
+    /// True if other threads may wait for the work of this thread (CellComplex::relation()). Then
+    /// this thread does not wait for others.
     bool isAwaited = false;
 };
 
-/// Of the calling thread.
+/// Returns the context of the calling thread.
 LoopContext& loopContext();
 
-/// Gives the calling thread another context while this lives.
+/// Gives the calling thread another context until destruction.
 class LoopContextScope {
 public:
     explicit LoopContextScope(const LoopContext& context)

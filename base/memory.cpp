@@ -32,7 +32,7 @@ public:
     }
     std::uint64_t lowest() const { return lowest_.load(std::memory_order_relaxed); }
 
-    /// Whether it is time to look at the memory again.
+    /// Returns true if it is time to check the memory again.
     bool isLookDue() {
         using Clock = std::chrono::steady_clock;
         constexpr Clock::duration kInterval = std::chrono::milliseconds(5);
@@ -66,7 +66,7 @@ MemoryLimit::~MemoryLimit() {
 }
 
 std::uint64_t residentMemory() {
-    // Pages: of the program, in memory, shared ... Without streams, which take memory.
+    // The file has numbers of pages: total, resident, shared ... Streams would allocate memory.
     const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     if (file < 0) return 0;
     std::array<char, 64> text;

@@ -9,23 +9,23 @@
 
 namespace espalier {
 
-/// More memory than a MemoryLimit allows.
+/// Thrown when work needs more memory than a MemoryLimit allows.
 class ESPALIER_API MemoryError : public Error {
 public:
     using Error::Error;
 };
 
-/// While this object lives, work that takes the process beyond so many bytes of memory is refused:
-/// the call throws MemoryError, and all objects are as they were before it.
+/// Limits the memory of the process while this object lives. A call that would need more throws
+/// MemoryError and leaves all objects unchanged.
 ///
-/// Where the size of something is known beforehand (levels of a lattice, tables, what a file
-/// claims), it is refused before memory is taken for it. Where it is not, what the process holds is
-/// looked at every few milliseconds, between the ranges of parallel loops. So memory stays below
-/// the limit but for what a few ranges take.
+/// If a size is known beforehand (levels of a lattice, tables, sizes that a file claims), it is
+/// checked before memory is allocated. Otherwise the memory of the process is checked every few
+/// milliseconds, between the ranges of parallel loops. So the process may exceed the limit by the
+/// memory of a few ranges.
 ///
-/// Counts what the process holds in memory, whoever took it. Of several limits the lowest counts;
-/// they hold for the whole process. Without one, memory is as the system gives it, and the library
-/// throws std::bad_alloc where there is no more.
+/// All memory that the process holds is counted, whoever allocated it. Limits apply to the whole
+/// process; if there are several, the lowest one applies. Without a limit, the library throws
+/// std::bad_alloc when the system has no more memory.
 class ESPALIER_API MemoryLimit {
 public:
     explicit MemoryLimit(std::uint64_t bytes);
@@ -37,22 +37,24 @@ private:
     std::uint64_t bytes_;
 };
 
-/// Bytes that this process holds in memory (its resident set); 0 where the system does not say.
+/// Returns the bytes that this process holds in memory (its resident set); 0 if the system does not
+/// tell.
 ESPALIER_API std::uint64_t residentMemory();
 
-/// For work that is about to take memory, and knows how much.
-/// \param bytes at least, beside what is held already; a size that overflows is the largest number
-/// \param what takes it, for the message: "level 15"
-/// \throws MemoryError if that is beyond the limit
+/// Throws if work that is about to allocate memory would exceed the limit.
+/// \param bytes a lower bound of the memory that the work will add; if it overflows, pass the
+///        largest number
+/// \param what the work, for the message: "level 15"
+/// \throws MemoryError
 ESPALIER_API void requireMemory(std::uint64_t bytes, const std::string& what);
 
-/// For work that goes on, and does not know how much it will take.
-/// \throws MemoryError if the process holds more than the limit
-/// \cost without a limit nothing; with one, a look at the clock, and at the memory if some
-///       milliseconds have passed since the last look
+/// Throws if the process exceeds the limit. For work that does not know how much memory it needs.
+/// \throws MemoryError
+/// \cost nothing without a limit. With a limit, one query of the clock, and one of the memory if
+/// some milliseconds have passed since the last one
 ESPALIER_API void checkMemory();
 
-/// 1536 → "1.5 kB".
+/// Returns a size as text: 1536 becomes "1.5 kB".
 ESPALIER_API std::string formatBytes(std::uint64_t bytes);
 
 }  // namespace espalier

@@ -21,8 +21,8 @@
 namespace espalier {
 
 LoopContext& loopContext() {
-    // Of the block that each thread is born with: in a library that is loaded later the first use
-    // on a thread would allocate.
+    // The TLS model places the context in the static block that each thread starts with. In a
+    // library that is loaded later, the default model would allocate on a thread's first use.
     [[gnu::tls_model("initial-exec")]] thread_local constinit LoopContext context;
     return context;
 }
@@ -50,7 +50,8 @@ public:
 
     Offset rangeCount() const { return rangeCount_; }
 
-    /// For any thread, each range once. Does nothing if a lower range has failed.
+    /// Runs a range, on any thread; called once per range. Does nothing if a lower range has
+    /// failed.
     void runRange(Offset range) {
         if (range > failedRange_.load(std::memory_order_relaxed)) return;
         const LoopContextScope scope({outer_.executor, outer_.progress, outer_.progress != nullptr,
@@ -73,7 +74,7 @@ public:
         }
     }
 
-    /// When all ranges have run.
+    /// Rethrows the exception of the lowest range that failed, if any. Called after all ranges.
     void rethrowFailure() const {
         if (failure_) std::rethrow_exception(failure_);
     }
@@ -88,7 +89,7 @@ private:
     std::mutex failureMutex_;
 };
 
-/// Ranges are taken in ascending order, whatever the order of the calls.
+/// Hands out the ranges of a loop in ascending order, whatever the order of the executor's calls.
 class SharedRanges {
 public:
     explicit SharedRanges(ParallelLoop& loop) : loop_(loop) {}
@@ -98,7 +99,7 @@ public:
         if (range < loop_.rangeCount()) loop_.runRange(range);
     }
 
-    /// Ranges that nobody has taken.
+    /// Returns the number of ranges that no thread has taken.
     Offset left() const {
         return std::max(loop_.rangeCount() - next_.load(std::memory_order_relaxed), Offset{0});
     }
@@ -110,14 +111,15 @@ private:
 
 void runOn(Executor& executor, ParallelLoop& loop) {
     SharedRanges ranges(loop);
-    // A thread that waits for another loop may hold a lock that this one wants.
+    // A thread that waits for another loop may hold a lock that this loop needs.
     const auto task = [&](Offset) {
         const void* awaited = loopContext().awaited;
         if (awaited == nullptr || awaited == &loop) ranges.runNext();
     };
-    // What work of the host this thread takes up meanwhile is no concern of our scopes.
+    // Our scopes do not apply to work of the host that this thread takes up while it waits.
     const LoopContextScope scope({nullptr, nullptr, false, &loop, loopContext().isAwaited});
-    // Again for what threads turned away, as long as that brings us on; and alone in the end.
+    // Calls the executor again for ranges that threads turned away, as long as this makes progress;
+    // then runs the rest on this thread.
     for (Offset left = ranges.left(), before = left + 1; left > 1 && left < before;
          before = std::exchange(left, ranges.left()))
         executor.run(left, task);
@@ -126,10 +128,10 @@ void runOn(Executor& executor, ParallelLoop& loop) {
 
 #ifdef ESPALIER_WITH_TBB
 void runInArena(ParallelLoop& loop) {
-    // Isolated: the caller may hold a lock that other work of the arena wants.
+    // Isolated, because the caller may hold a lock that other work of the arena needs.
     tbb::this_task_arena::isolate([&] {
-        // Of its own: a loop that ended when a group of the host's is cancelled would leave ranges
-        // out, and nobody would know.
+        // Has its own context, because cancelling a group of the host must not silently skip
+        // ranges.
         tbb::task_group_context context(tbb::task_group_context::isolated);
         tbb::parallel_for(
             Offset{0}, loop.rangeCount(), [&](Offset range) { loop.runRange(range); }, context);
@@ -163,12 +165,12 @@ void parallelFor(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> b
 #ifdef ESPALIER_WITH_TBB
 
 struct ThreadLimit::Control {
-    // What the limit goes back to is asked for now: oneTBB's first look at the machine takes
-    // memory, and ends the program if that is short when a limit ends.
+    // Queries oneTBB's default now: the first query allocates memory, and oneTBB would end the
+    // program if that failed at the end of the limit.
     explicit Control(int threads)
-        : unlimited(tbb::info::default_concurrency()),
+        : defaultConcurrency(tbb::info::default_concurrency()),
           limit(tbb::global_control::max_allowed_parallelism, threads) {}
-    int unlimited;
+    int defaultConcurrency;
     tbb::global_control limit;
 };
 

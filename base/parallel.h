@@ -16,27 +16,27 @@ namespace espalier {
 /// (executor.h), or one after the other in a build without oneTBB. They do not depend on the number
 /// of threads: range k is [k·grain, min((k+1)·grain, count)), so a body that keeps a result per
 /// range is deterministic. A single range runs on the calling thread.
-/// That a host cancels a group of oneTBB's in which this runs has no effect on it; a ProgressScope
-/// (progress.h) cancels.
-/// Calls nest: a thread that waits here does nothing else of the library's meanwhile, so that the
-/// caller may hold a lock that other work of the arena wants.
+/// If the host cancels a oneTBB group in which the loop runs, the loop goes on; a ProgressScope
+/// (progress.h) can cancel it.
+/// Calls may be nested. A thread that waits here runs no other work of the library, so the caller
+/// may hold a lock that other work of the arena needs.
 ///
-/// Of the exceptions that bodies throw, that of the lowest range is rethrown here: errors too are
-/// the same for every number of threads.
+/// If bodies throw, the exception of the lowest range is rethrown, so that errors too are the same
+/// for every number of threads.
 ///
-/// Allocates nothing and takes no lock of its own, unless a body throws; oneTBB has tasks to
-/// allocate, and threads to wake.
+/// The loop itself allocates nothing and takes no lock unless a body throws; oneTBB allocates tasks
+/// and wakes threads.
 ///
-/// \throws Cancelled where the callback of a ProgressScope (progress.h) wants that
+/// \throws Cancelled if the callback of a ProgressScope (progress.h) cancels
 ESPALIER_API void parallelFor(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> body);
 
-/// Upper bound on the threads that oneTBB uses while this object lives: of the whole process, for
-/// whoever uses oneTBB in it, and of several the lowest. For programs; a host that has other work
-/// than ours calls us in an arena of so many threads (`arena.execute([&] { … })`, with scopes of
-/// ours made in there), or makes an ExecutorScope.
+/// Limits the number of oneTBB threads while this object lives: for the whole process, including
+/// all other users of oneTBB in it. If there are several limits, the lowest one applies. This is
+/// for programs. A host with other work should call the library in an arena with a limited number
+/// of threads (`arena.execute([&] { … })`, and create our scopes inside), or use an ExecutorScope.
 class ESPALIER_API ThreadLimit {
 public:
-    /// \param threads at least 1; 0 leaves the number to oneTBB (one a core)
+    /// \param threads at least 1; or 0 for oneTBB's default (one per core)
     explicit ThreadLimit(int threads);
     ~ThreadLimit();
     ThreadLimit(const ThreadLimit&) = delete;

@@ -13,12 +13,12 @@ struct Range {
     std::uint32_t first, last;
 };
 
-// Code points that a terminal obeys, or does not show.
+// Code points that control a terminal, or that it does not show.
 constexpr Range kEscaped[] = {
     {0x00, 0x1F},        // C0
     {0x7F, 0x9F},        // DEL and C1
     {0x61C, 0x61C},      // direction of writing
-    {0x200B, 0x200B},    // without width
+    {0x200B, 0x200B},    // no width
     {0x200E, 0x200F},    // direction of writing
     {0x2028, 0x202E},    // ends of lines and paragraphs, direction of writing
     {0x2060, 0x206F},    // invisible, direction of writing
@@ -60,13 +60,13 @@ std::string escaped(std::string_view text) {
     return result;
 }
 
-/// The largest place that is not after `at`, and not within a code point.
+/// Returns the largest place up to `at` that is not within a code point.
 std::size_t placeBetweenCharacters(std::string_view text, std::size_t at) {
     for (std::size_t back = 0; back < 4 && back <= at; ++back) {
         const std::size_t begin = at - back;
         if (begin == text.size() || !isContinuation(text[begin])) return begin;
     }
-    return at;  // that is no UTF-8
+    return at;  // not UTF-8
 }
 
 }  // namespace

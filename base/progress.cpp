@@ -31,7 +31,7 @@ void ProgressState::endStage() {
 void ProgressState::report() {
     if (isReporting_.test_and_set(std::memory_order_acquire)) return;
     if (!isEnded_ && Clock::now() - lastCall_ >= interval_) {
-        // What the callback does to the library is no part of the work.
+        // Calls of the library inside the callback are not part of the work.
         LoopContext own = loopContext();
         own.progress = nullptr;
         own.isInStage = false;

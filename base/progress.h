@@ -13,38 +13,39 @@ namespace espalier {
 
 class ProgressState;
 
-/// How far a call has come.
+/// The progress of a call.
 ///
-/// A call is a sequence of stages, which are its outermost parallel loops of more than one range:
-/// that of bindPoints() over points, which takes nearly all of its time; one or two a level for
-/// tables, each level taking eight times the last one's; several a level for refinement. How many
-/// there will be is not known beforehand. It depends on the arguments, but not on threads, and what
-/// the first call has left for the next (derived incidences) that one need not do again.
-/// What one thread does between stages is not counted, and cannot be cancelled: sorting, and all of
-/// solve::fitLattice().
+/// A call is a sequence of stages. A stage is an outermost parallel loop of more than one range.
+/// bindPoints() has one stage that takes nearly all of its time, the loop over points. Tables have
+/// one or two stages per level, and each level takes eight times as long as the one before;
+/// refinement has several stages per level. The number of stages is not known beforehand. It
+/// depends on the arguments but not on the number of threads; a second call may have fewer stages,
+/// because it reuses incidences that the first call derived.
+/// Work that a single thread does between stages is not counted and cannot be cancelled: sorting,
+/// and all of solve::fitLattice().
 ///
-/// So a bar that shows the fraction fills once a stage. One for a whole call is the host's: it
-/// knows what it calls, and how the stages of such calls share their time.
+/// So a progress bar that shows the fraction fills once per stage. A bar for a whole call is up to
+/// the host, which knows its calls and how their stages share the time.
 struct Progress {
-    Offset stage = 0;  ///< stages that ended before, since the scope began
-    Offset done = 0;   ///< items (points, rows, cells …) of this stage that are done
-    Offset count = 0;  ///< its items; 0 between two stages
+    Offset stage = 0;  ///< number of stages that have ended since the scope began
+    Offset done = 0;   ///< number of items (points, rows, cells …) of this stage that are done
+    Offset count = 0;  ///< number of items of this stage; 0 between two stages
 
-    /// Of the stage, 0 to 1; it never falls while the stage lasts.
+    /// Returns the fraction of the stage that is done, from 0 to 1. It never falls during a stage.
     double fraction() const {
         return count > 0 ? static_cast<double>(done) / static_cast<double>(count) : 0;
     }
 };
 
-/// Thrown by whatever was at work when the callback of a ProgressScope wanted no more of it. Not an
-/// Error: nobody has offended, and nobody who translates errors should take this for one.
+/// Thrown by a call that the callback of a ProgressScope has cancelled. It is not an Error, so that
+/// code that translates errors does not take it for one.
 class ESPALIER_API Cancelled : public std::exception {
 public:
     const char* what() const noexcept override;
 };
 
-/// While this object lives, a callback hears how far the calls of this thread have come, and may
-/// cancel them.
+/// While this object lives, a callback is told the progress of calls on this thread, and may cancel
+/// them.
 ///
 ///     const ProgressScope scope([&](const Progress& progress) {
 ///         bar.show(progress.fraction());
@@ -52,25 +53,25 @@ public:
 ///     });
 ///     const auto model = embed::bindPoints(…);  // may throw Cancelled
 ///
-/// Once it returns false it is not called again, and calls throw Cancelled as soon as the ranges at
-/// hand on other threads have come to a nested loop or to their end, or return if that was the last
-/// of them; and so do all calls that this thread begins while the scope lives. What they were about
-/// to return is gone; nothing else is changed: a refiner has the levels that were complete, and all
-/// objects are as usable as before. What a callback throws has the same effect, and arrives instead
-/// of Cancelled.
+/// Once the callback returns false, it is not called again, and the current call throws Cancelled
+/// as soon as the running ranges on other threads reach a nested loop or their end. (If these were
+/// the last ranges, the call may return normally.) All later calls of this thread throw Cancelled
+/// too while the scope lives. The results of cancelled calls are lost, but all objects stay usable:
+/// a refiner, for example, has the levels that were complete. If the callback throws, the effect is
+/// the same, with its exception instead of Cancelled.
 ///
-/// Scopes of a thread end in the reverse order of their beginning. Of two, the inner one counts.
+/// Scopes of a thread must end in the reverse order of their beginning. The innermost one applies.
 ///
-/// \cost nothing without a scope; with one a look at the clock for each range of a loop
+/// \cost nothing without a scope; with a scope, one query of the clock for each range of a loop
 class ESPALIER_API ProgressScope {
 public:
-    /// Returns whether to go on. Called from any thread that works for this one, but never from
-    /// two at once; what it does to the library is not reported. It holds up the thread that calls
-    /// it, not the others.
+    /// Returns true to go on, false to cancel. It is called from any thread that works for the
+    /// scope's thread, but never from two at once. Calls of the library inside the callback are not
+    /// reported. The callback delays only the thread that calls it.
     using Callback = std::function<bool(const Progress&)>;
 
-    /// \param interval from one call to the next, at least; 0 calls at the end of every range. A
-    ///        range that ends during a call is not told of.
+    /// \param interval shortest time between two calls; with 0, the callback is called at the end
+    ///        of every range. A range that ends during a call is not reported.
     explicit ProgressScope(Callback callback,
                            std::chrono::milliseconds interval = std::chrono::milliseconds(20));
     ~ProgressScope();

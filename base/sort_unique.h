@@ -9,13 +9,13 @@
 
 namespace espalier {
 
-/// Sorts numbers, and leaves each once.
+/// Sorts numbers and removes duplicates.
 inline void sortUnique(std::vector<Index>& numbers) {
     std::sort(numbers.begin(), numbers.end());
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-/// Where a value is among ascending ones, which hold it.
+/// Returns the position of a value in ascending numbers that contain it.
 inline Index placeIn(std::span<const Index> ascending, Index value) {
     return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
                               ascending.begin());

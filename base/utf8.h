@@ -9,7 +9,7 @@
 
 namespace espalier {
 
-/// A code point of a text, or a byte that is no part of one.
+/// A code point of a text, or a byte that is not UTF-8.
 struct CodePoint {
     std::uint32_t value;
     std::size_t size;  ///< in bytes

@@ -22,7 +22,7 @@ inline Point3 scaled(const Point3& a, double factor) {
     return {a[0] * factor, a[1] * factor, a[2] * factor};
 }
 
-/// From a (at t = 0) to b (at t = 1); exact at both ends.
+/// Returns the point from a (at t = 0) to b (at t = 1), exactly at both ends.
 inline Point3 between(const Point3& a, const Point3& b, double t) {
     return {std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), std::lerp(a[2], b[2], t)};
 }
@@ -44,18 +44,18 @@ inline Point3 normalised(const Point3& a) {
     return scaled(a, 1 / length(a));
 }
 
-/// The mean of at least one point.
+/// Returns the mean of one or more points.
 inline Point3 mean(std::span<const Point3> points) {
     Point3 total = {0, 0, 0};
     for (const Point3& point : points) total = sum(total, point);
     return scaled(total, 1 / static_cast<double>(points.size()));
 }
 
-/// Half the sum of the cross products round a loop: its length is the area of a flat loop, and it
-/// points to the side from which the loop runs anticlockwise.
+/// Returns half the sum of the cross products around a loop. Its length is the area of a flat loop,
+/// and it points to the side from which the loop runs anticlockwise.
 inline Point3 areaVector(std::span<const Point3> loop) {
     Point3 total = {0, 0, 0};
-    // Taken from a corner of the loop, so that a loop far from the origin loses no digits.
+    // Relative to a corner of the loop, so that a loop far from the origin loses no digits.
     for (std::size_t i = 2; i < loop.size(); ++i)
         total = sum(total, cross(difference(loop[i - 1], loop[0]), difference(loop[i], loop[0])));
     return scaled(total, 0.5);

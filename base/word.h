@@ -5,8 +5,8 @@
 
 namespace espalier {
 
-/// The word of a choice. The program and the Python module take the words of an array of these,
-/// which stands beside the enumeration: far::kBoundaryWords, for example.
+/// A choice and its word. An array of these beside each enumeration, such as far::kBoundaryWords,
+/// gives the words that the program and the Python module accept.
 template <class Choice>
 struct Word {
     std::string_view text;

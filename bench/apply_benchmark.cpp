@@ -18,9 +18,9 @@
 #include <opensubdiv/osd/cpuEvaluator.h>
 #endif
 
-// A table times xyz values: ours, OpenSubdiv's and Eigen's on the same arrays, named
-// apply/WORKLOAD/REAL/COMPONENTS/WHO. What each gives is compared with our plain evaluator's before
-// it is timed.
+// Multiplies a table by xyz values with our evaluators, OpenSubdiv's and Eigen's, on the same
+// arrays. Benchmarks are named apply/WORKLOAD/REAL/COMPONENTS/WHO. Each result is compared with our
+// plain evaluator's before it is timed.
 namespace espalier {
 namespace {
 
@@ -29,7 +29,7 @@ using bench::Workload;
 using osd::BufferDescriptor;
 using stencils::StencilTable;
 
-/// Made when it is asked for; the latest is kept.
+/// Returns a workload, which is built on demand; only the latest one is kept.
 const Workload& workload(const std::string& key, const std::function<Workload()>& make) {
     static std::string held;
     static std::unique_ptr<const Workload> latest;
@@ -57,7 +57,8 @@ void run(benchmark::State& state, const StencilTable<Real>& table, int component
     const std::vector<Real> source = bench::randomValues(table, components);
     std::vector<Real> result(table.rowCount() * Offset{components});
     evaluate(source, result);
-    // Against sums in the order of the table; values up to 1, rows up to 64 entries.
+    // Compare with sums in the order of the table; values are at most 1, rows have up to 64
+    // entries.
     for (Index row = 0; row < table.rowCount(); row += 997)
         for (int c = 0; c < components; ++c) {
             double sum = 0;
@@ -86,7 +87,7 @@ void applyOurs(benchmark::State& state, const Compiled& compiled, const StencilT
         });
     const double csr = static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
     state.counters["bytes of CSR"] = static_cast<double>(compiled.byteCount()) / csr;
-    // What must be moved: the table, and the results, which are written once.
+    // Necessary traffic: the table, and the results, which are written once.
     const double moved = static_cast<double>(compiled.byteCount()) +
                          static_cast<double>(table.rowCount()) * components * sizeof(Real);
     state.SetBytesProcessed(static_cast<Offset>(static_cast<double>(state.iterations()) * moved));
@@ -104,7 +105,7 @@ void applyFactors(benchmark::State& state, const Tables<Real>& tables, int compo
     applyOurs(state, osd::CompiledChain<Real>(*tables.factors), tables.table, components, threads);
 }
 
-/// Dᵀ, from values of the rows to sums of the columns.
+/// Times Dᵀ, from values of the rows to sums over the columns.
 template <class Real, class Adjoint>
 void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const Adjoint& adjoint,
                 int components, int threads) {
@@ -151,7 +152,7 @@ void applyFactorsAdjoint(benchmark::State& state, const Tables<Real>& tables, in
                threads);
 }
 
-/// With the number of columns known when it is compiled, for which Eigen is quicker.
+/// Eigen is faster if the number of columns is known at compile time.
 template <class Real>
 void applyEigen(benchmark::State& state, const Tables<Real>& tables, int components, int threads) {
     const StencilTable<Real>& table = tables.table;

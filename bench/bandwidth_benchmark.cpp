@@ -7,8 +7,8 @@
 namespace espalier {
 namespace {
 
-/// a = b + s · c over arrays that no cache holds: what the memory gives. Counts two reads and one
-/// write a number.
+/// a = b + s · c over arrays that exceed every cache: the bandwidth of the memory. Counts two reads
+/// and one write for each number.
 void triad(benchmark::State& state) {
     constexpr Offset kCount = 64 << 20;
     const ThreadLimit limit(static_cast<int>(state.range(0)));

@@ -24,13 +24,12 @@
 #include <vtkUnstructuredGrid.h>
 #endif
 
-// A million points bound to a box of 1,000 cells: random ones at level 3, which has 512,000 cells,
-// and those of a surface at level 5. Named bind/POINTS/LEVEL/WHO. VTK searches and interpolates in
-// the cells of level 3, which it is given; embed/ does of ours what VTK does.
+// Binds a million points to a box of 1,000 cells: random points on level 3, which has 512,000
+// cells, and points of a surface on level 5. Benchmarks are named bind/POINTS/LEVEL/WHO. VTK gets
+// the cells of level 3, finds the points and interpolates; embed/ is the part of ours that does the
+// same work.
 namespace espalier {
 namespace {
-
-constexpr auto kRules = stencils::Rules::Siggraph96;
 
 struct Scene {
     int level;
@@ -39,8 +38,7 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     embed::Binding bind() const {
-        return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-            .binding;
+        return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
     }
 };
 
@@ -51,7 +49,7 @@ Scene surfaceScene() {
     return {5, bench::model()};
 }
 
-/// A scene with its whole level.
+/// A scene with a whole level.
 struct Refined {
     Scene scene = randomScene();
     far::TopologyRefiner refiner{scene.lattice.complex};
@@ -59,8 +57,7 @@ struct Refined {
 
     Refined() {
         refiner.refineUniform(scene.level);
-        positions =
-            stencils::refinePositions(refiner, scene.level, kRules, scene.lattice.positions);
+        positions = stencils::refinePositions(refiner, scene.level, scene.lattice.positions);
     }
     const far::CellComplex& complex() const { return refiner.level(scene.level).complex; }
 };
@@ -70,7 +67,7 @@ const Refined& refined() {
     return made;
 }
 
-/// Refines what the points ask for, finds them and makes D.
+/// Binds: refines around the points, finds them and makes D.
 void bind(benchmark::State& state, Scene (*make)(), int threads) {
     const ThreadLimit limit(threads);
     const Scene scene = make();
@@ -82,7 +79,7 @@ void bind(benchmark::State& state, Scene (*make)(), int threads) {
         static_cast<double>(binding.table.entryCount()) / binding.table.rowCount();
 }
 
-/// Finds the points alone, in the whole level.
+/// Only finds the points, in the whole level.
 void embed(benchmark::State& state, int threads) {
     const ThreadLimit limit(threads);
     const Refined& made = refined();
@@ -102,7 +99,7 @@ vtkNew<vtkPoints> toVtk(std::span<const Point3> points) {
     return result;
 }
 
-/// Finds the points, and interpolates the positions of the vertices there.
+/// Finds the points with VTK, and interpolates the positions of the vertices there.
 void probe(benchmark::State& state) {
     const far::CellComplex& complex = refined().complex();
     const std::vector<Point3>& positions = refined().positions;
@@ -154,8 +151,8 @@ std::size_t byteCount(const stencils::StencilTable<double>& table) {
            table.weights().size_bytes();
 }
 
-/// Binds and applies one pose: what the program's `deform` does. The peak is that of the process,
-/// so it means something in a run of this benchmark alone. Fails if it is 3 GB or more.
+/// Binds and applies one pose, as the program's `deform` does. The peak memory is the peak of the
+/// process, so it is meaningful only if no other benchmark ran before. Fails at 3 GB or more.
 void bindAndApply(benchmark::State& state, Scene (*make)()) {
     constexpr std::size_t kMemoryLimit = 3'000'000'000;
     for (auto _ : state) {
@@ -169,7 +166,7 @@ void bindAndApply(benchmark::State& state, Scene (*make)()) {
     if (peakMemory() >= kMemoryLimit) state.SkipWithError("took 3 GB or more");
 }
 
-/// One iteration of each takes long enough.
+/// Registers a benchmark with one iteration, which takes long enough.
 template <class Job>
 void add(const std::string& name, Job job) {
     benchmark::RegisterBenchmark(name.c_str(), job)

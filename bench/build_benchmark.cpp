@@ -19,14 +19,12 @@
 #include "open_subdiv_mesh.h"
 #endif
 
-// What is done once for a lattice or a mesh: its levels, and the tables that lead to them; and
-// values carried to a level without a table. Named JOB/WORKLOAD/LEVEL/WHO.
+// Work that is done once for a lattice or a mesh: its levels and their tables; and carrying values
+// to a level without a table. Benchmarks are named JOB/WORKLOAD/LEVEL/WHO.
 namespace espalier {
 namespace {
 
-using stencils::Rules;
-
-/// A value a vertex that tells vertices apart.
+/// Returns one value for each vertex; the values distinguish vertices.
 std::vector<double> valuesOf(Index count) {
     std::vector<double> values(3 * static_cast<std::size_t>(count));
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -40,7 +38,7 @@ far::TopologyRefiner refined(const far::CellComplex& complex, int level) {
     return refiner;
 }
 
-/// Entities of the complex's own dimension in levels 1 to `level`.
+/// Number of entities of the complex's own dimension in levels 1 to the last.
 double childCount(const far::TopologyRefiner& refiner) {
     double count = 0;
     for (int k = 1; k <= refiner.maxLevel(); ++k)
@@ -53,7 +51,7 @@ void refine(benchmark::State& state, const far::CellComplex& complex, int level,
     const far::TopologyRefiner base(complex);
     double children = 0;
     for (auto _ : state) {
-        // As the peer's, made and classified outside the time.
+        // As for the peer, the base is made and classified outside the measured time.
         far::TopologyRefiner refiner = base;
         refiner.refineUniform(level);
         state.PauseTiming();
@@ -76,8 +74,8 @@ void build(benchmark::State& state, const far::CellComplex& complex, int level, 
     state.counters["entries"] = entries;
 }
 
-/// Values carried to a level, as for one pose after the other: what does not depend on them is made
-/// before, as OpenSubdiv's levels are.
+/// Times carrying values to a level, as for one pose after another: everything that is independent
+/// of the values is made before, as OpenSubdiv's levels are.
 template <class Evaluator>
 void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int level, int threads,
            const Evaluator& evaluator) {
@@ -90,15 +88,15 @@ void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int lev
         evaluator.evaluate(source, layout, result, layout, {0, evaluator.rowCount()});
         benchmark::ClobberMemory();
     }
-    const auto expected = stencils::refineValues(refiner, level, Rules::Siggraph96, values, 3);
-    // Sums in single precision, level upon level.
+    const auto expected = stencils::refineValues(refiner, level, values, 3);
+    // Tolerance for sums in single precision over all levels.
     if (!std::equal(expected.begin(), expected.end(), result.begin(), result.end(),
                     [](double x, float y) { return std::abs(x - static_cast<double>(y)) < 1e-5; }))
         state.SkipWithError("the values are wrong");
     state.counters["items"] = refiner.level(level).complex.count(0);
 }
 
-/// By R_1 to R_n.
+/// Uses R_1 to R_n.
 void inTurn(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
     const far::TopologyRefiner refiner = refined(complex, level);
     std::vector<stencils::StencilTable<float>> tables;
@@ -107,7 +105,7 @@ void inTurn(benchmark::State& state, const far::CellComplex& complex, int level,
     carry(state, refiner, level, threads, osd::CompiledChain<float>(tables));
 }
 
-/// By S_n.
+/// Uses S_n.
 void atOnce(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
     const far::TopologyRefiner refiner = refined(complex, level);
     carry(state, refiner, level, threads,
@@ -119,7 +117,7 @@ void atOnce(benchmark::State& state, const far::CellComplex& complex, int level,
 
 namespace Far = OpenSubdiv::Far;
 
-/// xyz in single precision, as OpenSubdiv's refiner wants its values.
+/// xyz in single precision, in the form that OpenSubdiv's refiner requires.
 struct Xyz {
     float values[3];
     void Clear() { values[0] = values[1] = values[2] = 0; }
@@ -135,7 +133,7 @@ std::vector<Xyz> asXyz(const std::vector<double>& values) {
     return result;
 }
 
-/// Whether two sets of points are the same, in whatever order: the levels are numbered differently.
+/// True if two sets of points are equal in some order, since the levels are numbered differently.
 bool areSame(const std::vector<Xyz>& theirs, const std::vector<double>& ours) {
     std::vector<float> a, b;
     for (const Xyz& point : theirs) a.push_back(point.values[0] + 2 * point.values[1]);
@@ -143,7 +141,7 @@ bool areSame(const std::vector<Xyz>& theirs, const std::vector<double>& ours) {
         b.push_back(static_cast<float>(ours[i] + 2 * ours[i + 1]));
     std::sort(a.begin(), a.end());
     std::sort(b.begin(), b.end());
-    // Theirs are sums in single precision, level upon level.
+    // OpenSubdiv's values are sums in single precision over all levels.
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](float x, float y) {
                return std::abs(x - y) < 1e-5F;
            });
@@ -151,7 +149,7 @@ bool areSame(const std::vector<Xyz>& theirs, const std::vector<double>& ours) {
 
 std::vector<double> ourValues(const bench::Mesh& mesh, int level) {
     const auto refiner = refined(far::buildMesh(mesh.vertexCount, mesh.loops), level);
-    return stencils::refineValues(refiner, level, Rules::Siggraph96, valuesOf(mesh.vertexCount), 3);
+    return stencils::refineValues(refiner, level, valuesOf(mesh.vertexCount), 3);
 }
 
 void refineOpenSubdiv(benchmark::State& state, const bench::Mesh& mesh, int level) {

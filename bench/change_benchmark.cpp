@@ -11,9 +11,9 @@
 
 #include "workloads.h"
 
-// Moving some vertices of the lattice: what is evaluated again, beside all of it. Named
-// change/MOVED/WHO, where MOVED is so many vertices "together", around one of them, or "apart", all
-// over the lattice; or "all" for CompiledTable::evaluate().
+// Moves some vertices of the lattice, and compares the update with a whole evaluation. Benchmarks
+// are named change/MOVED/WHO. MOVED is a number of vertices "together", around one of them, or
+// "apart", all over the lattice; or "all" for CompiledTable::evaluate().
 namespace espalier {
 namespace {
 
@@ -32,7 +32,7 @@ Model& model() {
     return model;
 }
 
-/// Some vertices, of which the first carries some of the model.
+/// Returns some vertices, of which the first carries some of the model.
 std::vector<Index> someVertices(const Model& model, std::size_t count, bool areTogether) {
     std::vector<Index> vertices(model.table.columnCount());
     std::iota(vertices.begin(), vertices.end(), Index{0});

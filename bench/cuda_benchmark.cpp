@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tables on a GPU, for docs/performance.md: prints its tables, and fails if a result is wrong.
+// Measures tables on a GPU, for docs/performance.md: prints its tables, and fails if a result is
+// wrong.
 //
-//     cuda_bench [MILLIONS]...    regular models of so many points; 1 and 30 unless it is said
+//     cuda_bench [MILLIONS]...    regular models with MILLIONS of points; the default is 1 and 30
 
 #include <cuda_runtime_api.h>
 #include <cusparse.h>
@@ -37,9 +38,9 @@ void check(cusparseStatus_t status) {
     if (status != CUSPARSE_STATUS_SUCCESS) throw std::runtime_error(cusparseGetErrorString(status));
 }
 
-/// Times what is put on the default stream, with nothing of it in the cache: the median of many
-/// runs, before each of which a larger array is read. (Were it written, the cache would be full of
-/// what has yet to go to memory, at the cost of the run.)
+/// Times work on the default stream with a cold cache: the median of many runs, each preceded by
+/// reading a larger array. (Writing that array would leave a cache full of data to be written back,
+/// at the cost of the measured run.)
 class Timer {
 public:
     Timer() : other_(kOtherCount), sum_(1) {
@@ -78,7 +79,7 @@ private:
     cudaEvent_t start_ = nullptr, stop_ = nullptr;
 };
 
-/// Bytes a millisecond that a copy reads and writes.
+/// Bandwidth of a copy in bytes per millisecond, reads plus writes.
 double copyBandwidth(Timer& timer) {
     constexpr std::size_t kBytes = std::size_t{1} << 32;
     osd::CudaBuffer<float> from(kBytes / sizeof(float)), to(from.size());
@@ -88,13 +89,13 @@ double copyBandwidth(Timer& timer) {
     });
 }
 
-/// Every byte of it, so that what nobody writes is no number.
+/// Sets every byte, so that values that nobody writes are NaN.
 template <class Real>
 void poison(osd::CudaBuffer<Real>& buffer) {
     check(cudaMemset(buffer.data(), 0xFF, buffer.size() * sizeof(Real)));
 }
 
-/// The table as peers take it, on the device.
+/// A table on the device in the form that peers take.
 template <class Real>
 class PeerTable {
 public:
@@ -105,7 +106,7 @@ public:
           offsets_(copied(table.offsets())),
           columns_(copied(table.columns())),
           weights_(copied(table.weights())) {
-        // cuSPARSE wants offsets and columns of one size: 32 bits, which is the less to read.
+        // cuSPARSE requires offsets and columns of the same size: 32 bits, which is less to read.
         if (entryCount_ > std::numeric_limits<std::int32_t>::max())
             throw std::runtime_error("too many entries for cuSPARSE's 32-bit offsets");
         const std::vector<std::int32_t> shortOffsets(table.offsets().begin(),
@@ -124,7 +125,7 @@ public:
     PeerTable(const PeerTable&) = delete;
     PeerTable& operator=(const PeerTable&) = delete;
 
-    /// One thread a row.
+    /// Evaluates with one thread per row.
     void evaluateByRows(const Real* source, Real* destination, int components) const {
         const bench::DeviceTable<Real> table = {static_cast<const std::int64_t*>(offsets_),
                                                 static_cast<const std::int32_t*>(columns_),
@@ -132,9 +133,9 @@ public:
         check(bench::evaluateByRows(table, source, destination, components, nullptr));
     }
 
-    /// cuSPARSE's product with a dense matrix whose rows are entries, by the quickest of its
-    /// algorithms, each prepared before it is timed, and its result checked. One that cannot do it,
-    /// or not in the memory that is left, is left out.
+    /// Times cuSPARSE's product with a dense matrix whose rows are entries: the fastest of its
+    /// algorithms, each prepared before it is timed, with its result checked. An algorithm that
+    /// does not support this product, or needs more memory than is left, is skipped.
     double milliseconds(Timer& timer, bool isTransposed, const Real* source,
                         osd::CudaBuffer<Real>& result, int components,
                         const std::function<void()>& checkResult) {
@@ -210,7 +211,8 @@ void refuse(const char* who, double error) {
                              std::to_string(error));
 }
 
-/// Compares some rows with sums in the order of the table; values up to 1, rows up to 64 entries.
+/// Compares some rows with sums in the order of the table. Values are at most 1, rows have up to 64
+/// entries.
 template <class Real>
 void checkForward(const StencilTable<Real>& table, const std::vector<Real>& pose, int components,
                   const osd::CudaBuffer<Real>& result, const char* who) {
@@ -227,8 +229,8 @@ void checkForward(const StencilTable<Real>& table, const std::vector<Real>& pose
         }
 }
 
-/// Compares with sums that others have made: of as many values up to 1 as there are rows, of whose
-/// roundings the root remains.
+/// Compares with sums that were computed otherwise. A sum has up to `rowCount` values of at most 1,
+/// and the rounding of the sum grows with the root of their number.
 template <class Real>
 void checkAdjoint(const std::vector<Real>& expected, Index rowCount,
                   const osd::CudaBuffer<Real>& result, const char* who) {
@@ -244,7 +246,7 @@ void checkAdjoint(const std::vector<Real>& expected, Index rowCount,
 }
 
 struct Row {
-    double bytes;         ///< that our form has to read and write
+    double bytes;         ///< traffic of our form
     double grouped, csr;  ///< milliseconds
     double cuSparse;
     std::optional<double> byRows;
@@ -270,7 +272,7 @@ void print(const std::string& table, const char* direction, int components, cons
     std::fflush(stdout);
 }
 
-/// A table on the device, ours in both forms and the peers'.
+/// Benchmarks a table on the device, in both of our forms and in the peers'.
 template <class Real>
 class TableBench {
 public:
@@ -335,7 +337,8 @@ public:
         row.bytes = bytesOf(gradients.size() + result.size());
         row.grouped = timeOf(grouped_, "our adjoint");
         row.csr = timeOf(csr_, "our adjoint in compressed rows");
-        // Of the table, transposed by the product, or of its transpose: the quicker of the two.
+        // The transposed product of the table, or the product of its transpose: the faster one
+        // counts.
         PeerTable<Real> transpose(stencils::transposeTable(table_));
         for (const bool isTransposed : {true, false}) {
             PeerTable<Real>& peer = isTransposed ? peer_ : transpose;
@@ -361,7 +364,8 @@ private:
 template <class Real>
 void benchTable(Timer& timer, const std::string& name, const StencilTable<Real>& table,
                 double bandwidth) {
-    // Of the largest not, which would lie in memory four times: of the host, while it is turned.
+    // The largest tables have no adjoint here: during transposition the host would hold them four
+    // times.
     const bool hasAdjoint = table.entryCount() < Offset{1} << 28;
     TableBench<Real> bench(timer, table, hasAdjoint);
     const std::string full = name + (sizeof(Real) == 4 ? ", float" : ", double");

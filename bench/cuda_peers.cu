@@ -23,7 +23,7 @@ __global__ void sumUp(const float* values, std::size_t count, float* sum) {
     for (std::size_t i = std::size_t{blockIdx.x} * blockDim.x + threadIdx.x; i < count;
          i += std::size_t{gridDim.x} * blockDim.x)
         own += values[i];
-    if (own != 0) *sum = own;  // all are 0; but the compiler does not know
+    if (own != 0) *sum = own;  // All values are 0, which the compiler does not know.
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ template <class Real>
 cudaError_t evaluateByRows(const DeviceTable<Real>& table, const Real* source, Real* destination,
                            int components, cudaStream_t stream) {
     constexpr int kThreads = 256;
-    cudaGetLastError();  // of what others have failed with
+    cudaGetLastError();  // Clears earlier errors.
     const int blocks = (table.rowCount + kThreads - 1) / kThreads;
     if (components == 3)
         rows<3><<<blocks, kThreads, 0, stream>>>(table, source, destination);

@@ -8,7 +8,7 @@
 
 namespace espalier::bench {
 
-/// A table in compressed rows, on the device.
+/// A table in CSR form on the device.
 template <class Real>
 struct DeviceTable {
     const std::int64_t* offsets;
@@ -17,14 +17,13 @@ struct DeviceTable {
     std::int32_t rowCount;
 };
 
-/// What OpenSubdiv's evaluator for CUDA does: one thread a row, which goes through its entries one
-/// after the other. `components` is 3 or 12, entries one behind the other.
+/// Evaluates as OpenSubdiv's CUDA evaluator does: one thread per row, which adds up its entries in
+/// order. `components` is 3 or 12, and the components of an entry are consecutive.
 template <class Real>
 cudaError_t evaluateByRows(const DeviceTable<Real>& table, const Real* source, Real* destination,
                            int components, cudaStream_t stream);
 
-/// Reads all of an array, so that nothing else is in the cache, and nothing that has yet to be
-/// written.
+/// Reads a whole array, so that the cache holds nothing else and no data to be written back.
 cudaError_t readAll(const float* values, std::size_t count, float* sum, cudaStream_t stream);
 
 }  // namespace espalier::bench

@@ -12,15 +12,13 @@
 
 #include "workloads.h"
 
-// How the cost of binding and of applying grows, for points of a surface in a box. Named
-// growth/JOB BY SIZE/SIZE, and where threads are compared /THREADS; the counter `size` is what the
-// cost is plotted against.
+// Measures how the costs of binding and applying grow, for points of a surface in a box. Benchmarks
+// are named growth/JOB BY SIZE/SIZE, plus /THREADS where threads are compared. The cost is plotted
+// against the counter `size`.
 namespace espalier {
 namespace {
 
-constexpr auto kRules = stencils::Rules::Siggraph96;
-
-/// A box of cellCount³ cells with the points of a surface in it.
+/// A box of cellCount³ cells, and points of a surface in it.
 struct Scene {
     std::vector<Point3> points;
     Lattice lattice;
@@ -32,8 +30,7 @@ struct Scene {
           base(lattice.complex) {}
 
     embed::Binding bind(int level) const {
-        return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-            .binding;
+        return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
     }
 };
 
@@ -48,7 +45,7 @@ void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
 void bindByLevel(benchmark::State& state) {
     const auto level = static_cast<int>(state.range(0));
     bind(state, Scene(10, 30'000), level, 1);
-    state.counters["size"] = 1000 * std::pow(8, level);  // cells of the whole level
+    state.counters["size"] = 1000 * std::pow(8, level);  // Cells of the whole level.
 }
 
 void bindByPoints(benchmark::State& state) {
@@ -63,7 +60,7 @@ void bindByCells(benchmark::State& state) {
     state.counters["size"] = std::pow(side, 3);
 }
 
-/// D of a scene at level 3, ready to apply.
+/// D of a scene on level 3, compiled.
 struct Bound {
     Scene scene;
     osd::CompiledTable<float> table;
@@ -72,7 +69,7 @@ struct Bound {
         : scene(10, pointCount), table(stencils::convertTable<float>(scene.bind(3).table)) {}
 };
 
-/// Made once, for binding takes longer than applying.
+/// Cached, since binding takes longer than applying.
 const Bound& bound(int pointCount) {
     static std::map<int, Bound> made;
     return made.try_emplace(pointCount, pointCount).first->second;
@@ -90,7 +87,7 @@ void applyByPoints(benchmark::State& state) {
         table.evaluate(source, layout, result, layout, {0, rowCount});
         benchmark::ClobberMemory();
     }
-    // Sums of some 50 products of numbers up to 1, in single precision.
+    // Sums of about 50 products of numbers up to 1, in single precision.
     for (std::size_t i = 0; i < result.size(); ++i)
         if (!(std::abs(static_cast<double>(result[i]) - scene.points[i / 3][i % 3]) < 1e-5))
             return state.SkipWithError("the rest pose does not give the points back");

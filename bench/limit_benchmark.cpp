@@ -13,13 +13,12 @@
 
 #include "workloads.h"
 
-// The points of a surface bound to the limit, and to levels 5 and 6, which are off from it by so
-// much: limit/bind/LATTICE/WHAT and limit/apply/LATTICE/WHAT. In the box all cells are
-// regular; the cylinder is around its irregular axis.
+// Binds the points of a surface to the limit, and to levels 5 and 6, and measures the distance of
+// these from the limit. Benchmarks are named limit/bind/LATTICE/WHAT and limit/apply/LATTICE/WHAT.
+// In the box all cells are regular; the cylinder has an irregular axis.
 namespace espalier {
 namespace {
 
-constexpr auto kRules = stencils::Rules::Siggraph96;
 constexpr int kPointCount = 200'000;
 
 struct Scene {
@@ -27,16 +26,14 @@ struct Scene {
     std::vector<Point3> points = bench::model(kPointCount);
     far::TopologyRefiner base{lattice.complex};
 
-    /// D; of the limit if the level is 0.
+    /// Returns D for a level, or for the limit if the level is 0.
     embed::Binding bind(int level) const {
         if (level > 0)
-            return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-                .binding;
-        return limit::withoutGradients(limit::bindLimit({base, lattice.positions, kRules}, points))
-            .binding;
+            return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
+        return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points)).binding;
     }
 
-    /// The vertices where no two go the same way: by sines of places.
+    /// Returns a pose that moves all vertices differently, by sines of their positions.
     std::vector<Point3> pose() const {
         std::vector<Point3> result = lattice.positions;
         for (Point3& p : result)
@@ -52,7 +49,7 @@ const Scene& scene(bool isRegular) {
     return isRegular ? regular : irregular;
 }
 
-/// Bound once, on all threads; for what is not about binding.
+/// Returns a cached binding, made on all threads, for benchmarks that do not measure binding.
 const embed::Binding& bound(bool isRegular, int level) {
     static std::map<std::pair<bool, int>, embed::Binding> made;
     const auto [place, isNew] = made.try_emplace({isRegular, level});
@@ -60,7 +57,7 @@ const embed::Binding& bound(bool isRegular, int level) {
     return place->second;
 }
 
-/// The mean distance of two poses of a model.
+/// Mean distance of two poses of a model.
 double meanDistance(const std::vector<Point3>& first, const std::vector<Point3>& second) {
     double sum = 0;
     for (std::size_t i = 0; i < first.size(); ++i)

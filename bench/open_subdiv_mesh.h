@@ -9,8 +9,8 @@
 
 namespace espalier::bench {
 
-/// OpenSubdiv's refiner of a mesh, at level 0. New vertices are numbered as here: those of the
-/// vertices, then those of the faces and edges.
+/// Returns OpenSubdiv's refiner of a mesh at level 0. New vertices that come from vertices have the
+/// lowest numbers, as in ours; then come those from faces and edges.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> openSubdivRefiner(const Mesh& mesh);
 
 }  // namespace espalier::bench

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A bound model spread over the ranks, for docs/scaling.md.
+// Measures a bound model that is distributed over the ranks, for docs/scaling.md.
 //
 //     mpirun -n RANKS petsc_bench products   D times three components, by petsc::DistributedTable,
 //                                            and by PETSc's product with a dense matrix of three
 //                                            columns; the same transposed
-//     mpirun -n RANKS petsc_bench lattice    what a rank has of a lattice of a million vertices
+//     mpirun -n RANKS petsc_bench lattice    memory of a rank, for a lattice of a million vertices
 
 #include <espalier/base/parallel.h>
 #include <espalier/embed/local_binding.h>
@@ -48,10 +48,10 @@ int rankCount() {
 }
 
 void check(PetscErrorCode code) {
-    if (code) MPI_Abort(MPI_COMM_WORLD, 1);  // PETSc has printed why
+    if (code) MPI_Abort(MPI_COMM_WORLD, 1);  // PETSc has printed the error.
 }
 
-/// Of the slowest rank.
+/// Time of the slowest rank.
 double secondsOf(const std::function<void()>& body) {
     MPI_Barrier(MPI_COMM_WORLD);
     const double start = MPI_Wtime();
@@ -61,13 +61,13 @@ double secondsOf(const std::function<void()>& body) {
     return seconds;
 }
 
-/// The largest of all ranks.
+/// Largest value of all ranks.
 double largest(double value) {
     MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     return value;
 }
 
-/// Resident, of this rank so far.
+/// Peak resident memory of this rank so far.
 double peakMegabytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -88,7 +88,7 @@ std::vector<double> randomValues(Offset count, unsigned seed) {
     return values;
 }
 
-/// PETSc's dense matrix of the same numbers, which it keeps column by column.
+/// Returns a dense matrix of PETSc with the same numbers; PETSc stores it by columns.
 Mat denseMatrix(const std::vector<double>& values, Offset own, Offset all) {
     Mat matrix = nullptr;
     check(MatCreateDense(MPI_COMM_WORLD, static_cast<PetscInt>(own), PETSC_DECIDE,
@@ -116,12 +116,14 @@ double largestDifference(Mat dense, const std::vector<double>& values) {
     return largest(difference);
 }
 
-/// Ours, the peer's, and what the rows of the rank alone take by osd's evaluators.
+/// Times of our product, of PETSc's, and of osd's evaluators on the rank's rows without
+/// communication.
 struct Times {
     double ours = 1e9, dense = 1e9, compiled = 1e9;
 };
 
-/// In turn, so that what else the machine does is shared; the quickest of ten counts.
+/// Measures in turn, so that other load on the machine affects all alike. The fastest of ten runs
+/// counts.
 Times measure(const std::function<void()>& ours, const std::function<void()>& dense,
               const std::function<void()>& compiled) {
     Times best;
@@ -146,7 +148,7 @@ void measureProducts(const std::string& name, const StencilTable<double>& rows) 
     const osd::CompiledTable<double> compiled(rows);
     const osd::CompiledAdjoint<double> compiledAdjoint(rows);
     const auto layout = osd::BufferDescriptor::packed(kComponents);
-    // The rows alone, without their neighbours: on all vertices.
+    // The rank's rows without communication need the values of all vertices.
     std::vector<double> all = randomValues(Offset{kComponents} * rows.columnCount(), 100);
 
     const auto pose = randomValues(kComponents * vertices.count(), 1);
@@ -186,9 +188,10 @@ void measureProducts(const std::string& name, const StencilTable<double>& rows) 
 
     printRow(name + ", forward", forward);
     printRow(name + ", adjoint", adjoint);
-    // Sums of the same products in different orders. An adjoint's may have all points in it, with
-    // gradients up to 1: 10⁶ roundings of 1e-16, of whose sum the root remains, some 1e-13; forward
-    // has less. A product that is wrong or missing is off by its weight, mostly above 1e-3.
+    // Both add the same products in different orders. A sum of the adjoint may include all points,
+    // with gradients up to 1: the rounding of 10⁶ terms of 1e-16 grows with the root, to about
+    // 1e-13; forward sums have less. A wrong or missing product shows as its weight, mostly above
+    // 1e-3.
     if (std::max(forwardDifference, adjointDifference) > 1e-9) {
         std::fprintf(stderr, "%s: the results differ by %g and %g\n", name.c_str(),
                      forwardDifference, adjointDifference);
@@ -222,7 +225,7 @@ void runProducts() {
     if (rankOf() == 0) std::printf("\nPeak of a rank: %.0f MB, with the peer's.\n", peak);
 }
 
-/// Of the ranks that own vertices which this one needs.
+/// Number of ranks that own vertices which this rank needs.
 int neighbourCount(const DistributedTable& table) {
     PetscInt count = 0;
     const PetscInt *ghosts = nullptr, *ranges = nullptr;
@@ -295,7 +298,7 @@ void runLattice() {
 
 int main(int argumentCount, char** arguments) {
     if (PetscInitialize(&argumentCount, &arguments, nullptr, nullptr)) return 2;
-    // Ranks take the place of threads.
+    // Ranks replace threads here.
     const espalier::ThreadLimit oneThread(1);
     const bool ofLattice = argumentCount == 2 && !std::strcmp(arguments[1], "lattice");
     const bool ofProducts = argumentCount == 2 && !std::strcmp(arguments[1], "products");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How cost grows: series of the growth/ benchmarks, their exponents, and a figure of them in SVG."""
+"""Plots the growth of costs: series of the growth/ benchmarks, their exponents, and an SVG figure."""
 
 import math
 from collections import namedtuple
@@ -14,11 +14,11 @@ PANELS = (
 )
 COLOURS = ("#1f5fa8", "#c4511a")
 WIDTH, HEIGHT, MARGIN = 430, 300, 14
-LEFT, RIGHT, TOP, BOTTOM = 62, 22, 46, 48  # of the plot in its panel
+LEFT, RIGHT, TOP, BOTTOM = 62, 22, 46, 48  # margins of the plot in its panel
 
 
 def series(best, job):
-    """For each number of threads the points (size, milliseconds), ascending."""
+    """Returns the points (size, milliseconds) for each number of threads, ascending."""
     result = {}
     for name, run in best.items():
         kind, *rest = name.split("/")
@@ -29,7 +29,7 @@ def series(best, job):
 
 
 def fit(points):
-    """(a, b) of time = a · size^b, by least squares of the logarithms."""
+    """Fits time = a · size^b by least squares of the logarithms; returns (a, b)."""
     xs, ys = ([math.log(point[c]) for point in points] for c in (0, 1))
     x, y = sum(xs) / len(xs), sum(ys) / len(ys)
     b = sum((u - x) * (v - y) for u, v in zip(xs, ys)) / sum((u - x) ** 2 for u in xs)
@@ -48,8 +48,8 @@ def duration(milliseconds):
 
 
 def decades(values):
-    """The powers of ten around positive values."""
-    # A measured size may be a little below the round number that was asked for.
+    """Returns powers of ten that enclose positive values."""
+    # A measured size may be slightly below the round number that was requested.
     low = math.floor(math.log10(min(values) * 1.001))
     high = math.ceil(math.log10(max(values) * 0.999))
     return [10.0 ** k for k in range(low, max(high, low + 1) + 1)]
@@ -66,7 +66,7 @@ def line(x1, y1, x2, y2, colour, width=1.0, more=""):
 
 
 def draw(best, panel, left, top):
-    """One panel: grid, fitted lines, data points and legend."""
+    """Draws one panel: grid, fitted lines, data points and legend."""
     lines = series(best, panel.job)
     sizes = decades([x for points in lines.values() for x, _ in points])
     fits = {threads: fit(points) for threads, points in lines.items()}
@@ -106,7 +106,7 @@ def draw(best, panel, left, top):
 
 
 def figure(best):
-    """All panels, two in a row, on white so that it is read in dark mode too."""
+    """Draws all panels, two in a row, on white, which is readable in dark mode too."""
     width, height = 2 * WIDTH + 2 * MARGIN, (len(PANELS) + 1) // 2 * HEIGHT + 2 * MARGIN
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
            f'width="{width}" height="{height}" font-family="Helvetica, Arial, sans-serif">',

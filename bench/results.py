@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads what espalier_bench measured."""
+"""Reads the measurements of espalier_bench."""
 
 import json
 import re
@@ -7,9 +7,9 @@ import sys
 
 
 def read(paths):
-    """The quickest repetition of each benchmark, by name, and what the machine is.
+    """Returns the fastest repetition of each benchmark by name, and a description of the machine.
 
-    A neighbour on the machine can only make a repetition slower.
+    Other load on the machine can only make a repetition slower.
     """
     best = {}
     for path in paths:

@@ -20,16 +20,16 @@
 #include <thread>
 #include <vector>
 
-// Lattices bound, applied from several threads, saved, loaded and freed, one after the other, as a
-// host does in a long session: results must stay right, and memory flat.
+// Binds lattices, applies them from several threads, saves, loads and frees them, one after the
+// other, as a host does in a long session. Results must stay correct, and memory must not grow.
 //
-//     soak [LATTICES] [THREADS]     1000 and 8
+//     soak [LATTICES] [THREADS]     default 1000 and 8
 
 namespace {
 
 using namespace espalier;
 
-/// One of 24 lattices, so that large and small ones take turns.
+/// Returns one of 24 lattices, alternating between large and small ones.
 Lattice latticeOf(int number) {
     const int size = 1 + number / 4 % 6;
     switch (number % 4) {
@@ -64,7 +64,7 @@ void require(bool isSo, const std::string& what) {
     if (!isSo) throw Error(what);
 }
 
-/// Everything that is done with one lattice.
+/// Does all the work with one lattice.
 void runOne(int number, const std::filesystem::path& folder) {
     const Lattice lattice = latticeOf(number);
     const std::vector<Point3> points = pointsAround(lattice, number);
@@ -99,15 +99,15 @@ void runOne(int number, const std::filesystem::path& folder) {
     }
 }
 
-/// What the process holds, each time that so many lattices are done.
+/// Memory of the process, recorded after every few lattices.
 class MemoryRecord {
 public:
     void add() {
         const std::lock_guard lock(mutex_);
         bytes_.push_back(residentMemory());
     }
-    /// The most in a part of the record.
-    std::uint64_t most(double from, double to) const {
+    /// The maximum in a part of the record.
+    std::uint64_t peak(double from, double to) const {
         const auto at = [&](double share) {
             return bytes_.begin() +
                    static_cast<std::ptrdiff_t>(share * static_cast<double>(bytes_.size()));
@@ -139,7 +139,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// \return whether memory stayed flat
+/// \return true if memory did not grow
 bool soak(int latticeCount, int threadCount) {
     const Folder folder;
     MemoryRecord record;
@@ -165,15 +165,15 @@ bool soak(int latticeCount, int threadCount) {
     if (failure) std::rethrow_exception(failure);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    // The first quarter warms up: allocators keep what threads give back.
-    const std::uint64_t early = record.most(0.25, 0.5), late = record.most(0.75, 1);
+    // The first quarter is warm-up: allocators keep memory that threads free.
+    const std::uint64_t early = record.peak(0.25, 0.5), late = record.peak(0.75, 1);
     std::printf(
         "%d lattices on %d threads in %.1f s; most memory %s in the second quarter, %s in "
         "the last\n",
         latticeCount, threadCount, seconds.count(), formatBytes(early).c_str(),
         formatBytes(late).c_str());
-    // What lattices are at work at once is chance. A leak of one table in each would be ten times
-    // as much.
+    // Which lattices are in memory at the same time is random. A leak of one table per lattice
+    // would be ten times as much.
     return static_cast<double>(late) < 1.1 * static_cast<double>(early);
 }
 

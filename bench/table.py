@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints docs/performance.md from what espalier_bench measured, and draws its figure.
+"""Writes docs/performance.md and its two figures from the results of espalier_bench.
 
-    table.py FIGURE.svg RESULTS.json...
+    table.py PAGE.md GROWTH.svg RATIOS.svg RESULTS.json...
 """
 
 import sys
 import textwrap
 
 import plots
+import ratios
 from results import read
 
-OURS = (("Espalier", ""), ("Espalier 2 threads", ", 2 threads"))
-FORMS = dict([*OURS, ("Espalier factors", ", in factors"),
-              ("Espalier factors 2 threads", ", in factors, 2 threads"),
-              ("Espalier adjoint", ", adjoint"),
-              ("Espalier adjoint 2 threads", ", adjoint, 2 threads"),
-              ("Espalier factors adjoint", ", in factors, adjoint"),
-              ("Espalier factors adjoint 2 threads", ", in factors, adjoint, 2 threads")])
+THREADS = (("Espalier", "1"), ("Espalier 2 threads", "2"))
+PEERS = ("OpenSubdiv", "Eigen")
 
 
 def wrap(paragraph, mark=""):
@@ -27,13 +23,13 @@ def wrap(paragraph, mark=""):
 def table(head, rows):
     rows = list(rows)
     if not rows:
-        return "The peer was not there."
+        return "The peer was not installed."
     rows = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
 def ratio(theirs, ours):
-    return f"{theirs / ours:.1f} ×"
+    return f"{theirs / ours:.1f}"
 
 
 def milliseconds(run):
@@ -42,57 +38,74 @@ def milliseconds(run):
 
 
 def nanoseconds(run, factor=1):
-    """Of one item."""
+    """Returns the nanoseconds of one item, times `factor`."""
     return 1e6 * run["real_time"] / run["items"] * factor
 
 
-def apply_rows(best):
-    """One row for each of our runs and each peer on the same data."""
-    triad = {threads: best[f"triad/threads/{threads}"]["bytes_per_second"] for threads in (1, 2)}
-    for name, ours in best.items():
+def compared(run, peer):
+    """Returns two columns: the peer's time, and the ratio."""
+    return (milliseconds(peer), ratio(peer["real_time"], run["real_time"])) if peer else ("", "")
+
+
+def our_applications(best):
+    """Yields the runs of Espalier: (key of the case, components, who, label of the row, run)."""
+    for name, run in best.items():
         kind, *case, who = name.split("/")
-        if kind != "apply" or not who.startswith("Espalier"):
-            continue
-        workload, real, components = case
-        threads = 2 if who.endswith("2 threads") else 1
-        share = ours["bytes_per_second"] / triad[threads]
-        what = f"{workload}, {real}" + FORMS[who]
+        if kind == "apply" and who.startswith("Espalier"):
+            workload, real, components = case
+            label = workload + (", in factors" if "factors" in who else "")
+            threads = "2" if who.endswith("2 threads") else "1"
+            yield "/".join([kind, workload, real]), int(components), who, (label, real, threads), run
+
+
+def memory_columns(best, run, threads):
+    """Returns two columns: the share of the memory bandwidth, and the size over compressed rows."""
+    share = run["bytes_per_second"] / best[f"triad/threads/{threads}"]["bytes_per_second"]
+    return f"{share:.2f}", f"{run['bytes of CSR']:.2f}"
+
+
+def apply_rows(best):
+    """Yields rows for one pose at a time, with the peers' times."""
+    for key, components, who, label, run in our_applications(best):
+        if components == 3 and "adjoint" not in who:
+            columns = [compared(run, best.get(f"{key}/3/{peer}")) for peer in PEERS]
+            yield (*label, milliseconds(run), *columns[0], *columns[1],
+                   *memory_columns(best, run, label[2]))
+
+
+def pose_rows(best):
+    """Yields rows for several poses in one call, compared with one pose."""
+    for key, components, who, label, run in our_applications(best):
+        if components > 3:
+            one, poses = best[f"{key}/3/{who}"], components // 3
+            yield (label[0], milliseconds(one), f"{run['real_time'] / poses:.1f} ms",
+                   f"{run['real_time'] / poses / one['real_time']:.2f}",
+                   memory_columns(best, run, label[2])[0])
+
+
+def adjoint_rows(best):
+    for key, _, who, label, run in our_applications(best):
         if "adjoint" in who:
-            forward = best["/".join([kind, *case, who.replace(" adjoint", "")])]
-            yield (what, "forward", milliseconds(forward), milliseconds(ours),
-                   ratio(forward["real_time"], ours["real_time"]), f"{share:.2f}",
-                   f"{ours['bytes of CSR']:.2f}")
-            continue
-        if int(components) > 3:
-            one = best["/".join([kind, workload, real, "3", who])]
-            poses = int(components) // 3
-            yield (f"{what}, {poses} poses, a pose", "one pose", milliseconds(one),
-                   f"{ours['real_time'] / poses:.1f} ms",
-                   f"{ours['real_time'] / poses / one['real_time']:.2f} of it", f"{share:.2f}",
-                   f"{ours['bytes of CSR']:.2f}")
-            continue
-        for peer in ("OpenSubdiv", "Eigen"):
-            theirs = best.get("/".join([kind, *case, peer]))
-            if theirs:
-                yield (what, peer, milliseconds(theirs), milliseconds(ours),
-                       ratio(theirs["real_time"], ours["real_time"]), f"{share:.2f}",
-                       f"{ours['bytes of CSR']:.2f}")
+            forward = best[f"{key}/3/{who.replace(' adjoint', '')}"]
+            yield (label[0], label[2], milliseconds(forward), milliseconds(run),
+                   ratio(forward["real_time"], run["real_time"]),
+                   *memory_columns(best, run, label[2]))
 
 
 def levels(best, job, peer=None):
-    """Our runs of a job on the surface with OpenSubdiv's, of another job if `peer` is given:
+    """Yields our runs of a job on the surface and OpenSubdiv's runs of the same job, or of job `peer`:
     (level, threads, ours, theirs)."""
     for level in (3, 4, 5):
         theirs = best.get(f"{peer or job}/surface/{level}/OpenSubdiv")
-        for who, threads in OURS if theirs else ():
+        for who, threads in THREADS if theirs else ():
             yield level, threads, best[f"{job}/surface/{level}/{who}"], theirs
 
 
 def lattices(best, job):
-    """Our runs of a job on the lattice, with OpenSubdiv's run of the most like number of items."""
+    """Yields our runs of a job on the lattice, and OpenSubdiv's run with the closest number of items."""
     peers = [(best[name], level) for level in (3, 4, 5)
              if (name := f"{job}/surface/{level}/OpenSubdiv") in best]
-    for who, threads in OURS if peers else ():
+    for who, threads in THREADS if peers else ():
         ours = best[f"{job}/lattice/3/{who}"]
         theirs, level = min(peers, key=lambda peer: abs(peer[0]["items"] - ours["items"]))
         yield threads, ours, theirs, level
@@ -101,97 +114,163 @@ def lattices(best, job):
 def refine_rows(best):
     for level, threads, ours, theirs in levels(best, "refine"):
         a, b = nanoseconds(theirs), nanoseconds(ours)
-        yield (f"surface, levels 1 to {level}{threads}, a child face", "OpenSubdiv", f"{a:.0f} ns",
-               f"{b:.0f} ns", ratio(a, b))
+        yield f"levels 1 to {level}", threads, f"{b:.0f} ns", f"{a:.0f} ns", ratio(a, b)
+
+
+def refine_lattice_rows(best):
     for threads, ours, theirs, level in lattices(best, "refine"):
         a, b = nanoseconds(theirs), nanoseconds(ours)
-        yield (f"lattice, levels 1 to 3{threads}, a child cell",
-               f"OpenSubdiv, a child face of levels 1 to {level}", f"{a:.0f} ns", f"{b:.0f} ns",
-               ratio(a, b))
+        yield ("a child", threads, f"{b:.0f} ns", f"{a:.0f} ns, levels 1 to {level}", ratio(a, b))
 
 
 def build_rows(best):
     for level, threads, ours, theirs in levels(best, "build"):
-        yield (f"surface, S_{level}{threads}", "OpenSubdiv", milliseconds(theirs),
-               milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
+        yield f"S_{level}", threads, milliseconds(ours), *compared(ours, theirs)
+
+
+def build_lattice_rows(best):
     for threads, ours, theirs, level in lattices(best, "build"):
         a, b = nanoseconds(theirs, 64 / 13), nanoseconds(ours)
-        yield (f"lattice, S_3{threads}, a row", f"OpenSubdiv, a row of S_{level} × 64/13",
-               f"{a:.0f} ns", f"{b:.0f} ns", ratio(a, b))
-        # Their table is ours, so it has as many entries.
+        yield ("a row", threads, f"{b:.0f} ns", f"{a:.0f} ns, a row of S_{level} × 64/13",
+               ratio(a, b))
+        # Both libraries make the same table, so it has as many entries.
         entries = best[f"build/surface/{level}/Espalier"]["entries"]
         a, b = 1e6 * theirs["real_time"] / entries, 1e6 * ours["real_time"] / ours["entries"]
-        yield (f"lattice, S_3{threads}, an entry", f"OpenSubdiv, an entry of S_{level}",
-               f"{a:.1f} ns", f"{b:.1f} ns", ratio(a, b))
+        yield "an entry", threads, f"{b:.1f} ns", f"{a:.1f} ns, an entry of S_{level}", ratio(a, b)
 
 
 def in_turn_rows(best):
-    for job, what in (("in turn", "R_1 to R_{}"), ("at once", "S_{} at once")):
+    for job, what in (("in turn", "R_1 to R_{}, one after the other"), ("at once", "S_{} at once")):
         for level, threads, ours, theirs in levels(best, job, "in turn"):
-            yield (f"surface, {what.format(level)}{threads}", "OpenSubdiv", milliseconds(theirs),
-                   milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
+            yield what.format(level), threads, milliseconds(ours), *compared(ours, theirs)
 
 
 def bind_rows(best):
     theirs = best.get("bind/random/3/VTK")
-    for job, what in (("bind/random/3", "random points, level 3, all of binding"),
-                      ("embed/random/3", "random points, level 3, finding them in its cells"),
-                      ("bind/surface/5", "points of a surface, level 5, all of binding")):
-        for who, threads in OURS:
+    for job, points, work in (("bind/random/3", "random, level 3", "all of binding"),
+                              ("embed/random/3", "random, level 3", "location only"),
+                              ("bind/surface/5", "on a surface, level 5", "all of binding")):
+        for who, threads in THREADS:
             ours = best[f"{job}/{who}"]
-            compared = theirs if "random" in job else None
-            yield (what + threads, "VTK" if compared else "none",
-                   milliseconds(compared) if compared else "", milliseconds(ours),
-                   ratio(compared["real_time"], ours["real_time"]) if compared else "")
+            yield (points, work, threads, milliseconds(ours),
+                   *compared(ours, theirs if "random" in job else None))
 
 
 def limit_rows(best):
-    """The limit beside levels: building a row, applying it."""
+    """Yields rows that compare the limit with levels, for binding and for applying."""
     for lattice in ("regular", "irregular"):
         def run(job, what, lattice=lattice):
             return best[f"limit/{job}/{lattice}/{what}"]
         for level in ("level 5", "level 6"):
-            off = run("bind", level)["distance from the limit"]
-            for who in ("", " 2 threads"):
+            off = f"{run('bind', level)['distance from the limit']:.0e}"
+            for who, threads in (("", "1"), (" 2 threads", "2")):
                 theirs, ours = run("bind", level + who), run("bind", "limit" + who)
-                yield (f"{lattice}, binding, a point{who and ', 2 threads'}", level, f"{off:.0e}",
-                       f"{nanoseconds(theirs) / 1000:.1f} µs", f"{nanoseconds(ours) / 1000:.1f} µs",
+                yield (lattice, "binding", threads, f"{nanoseconds(ours) / 1000:.1f} µs", level, off,
+                       f"{nanoseconds(theirs) / 1000:.1f} µs",
                        ratio(theirs["real_time"], ours["real_time"]))
             theirs, ours = run("apply", level), run("apply", "limit")
-            yield (f"{lattice}, applying, a point", level, f"{off:.0e}",
-                   f"{nanoseconds(theirs):.1f} ns", f"{nanoseconds(ours):.1f} ns",
-                   ratio(theirs["real_time"], ours["real_time"]))
+            yield (lattice, "applying", "1", f"{nanoseconds(ours):.1f} ns", level, off,
+                   f"{nanoseconds(theirs):.1f} ns", ratio(theirs["real_time"], ours["real_time"]))
 
 
 def memory_rows(best):
-    for case, what in (("random/3", "random points, level 3"),
-                       ("surface/5", "points of a surface, level 5")):
+    for case, what in (("random/3", "random, level 3"), ("surface/5", "on a surface, level 5")):
         run = best[f"bindAndApply/{case}"]
         result, peak = run["result bytes"], run["peak bytes"]
         yield what, f"{result / 1e6:.0f} MB", f"{peak / 1e6:.0f} MB", ratio(peak, result)
 
 
 def change_rows(best):
-    for who, threads in OURS:
+    for who, threads in THREADS:
         whole = best[f"change/all/{who}"]
         for moved in ("1 together", "10 together", "100 together", "10 apart", "100 apart"):
             ours = best[f"change/{moved}/{who}"]
             what = "1" if moved == "1 together" else moved.replace(" ", ", ")
-            yield (f"{what}{threads}", f"{ours['rows']:,.0f}", milliseconds(whole),
+            yield (what, threads, f"{ours['rows']:,.0f}", milliseconds(whole),
                    f"{ours['real_time']:.3f} ms", ratio(whole["real_time"], ours["real_time"]))
 
 
 def absent(best):
-    """A sentence on the peers that were not there."""
+    """Returns a sentence on the peers that were not installed."""
     there = {name.rsplit("/", 1)[1] for name in best}
     missing = [peer for peer in ("OpenSubdiv", "VTK") if peer not in there]
     if not missing:
         return ""
-    return f" Not there when this was built, so without rows: {' and '.join(missing)}."
+    return f" Not installed for this run, and so without figures: {' and '.join(missing)}."
+
+
+FIGURES = (
+    """**Deforming a regular model.** One pose of a million points takes {regular} on one thread.
+    OpenSubdiv's evaluator takes {regular_osd:.0f} times as long with the same matrix, Eigen's product
+    {regular_eigen:.0f} times.""",
+    """**Deforming an irregular model.** One pose of a million points takes {irregular}, or {factors} if
+    the matrix is left in its two factors. OpenSubdiv takes {irregular_osd:.0f} and {factors_osd:.0f} times as
+    long.""",
+    """**Memory.** The compiled matrix of the regular model takes {regular_bytes:.0f} % of the bytes of
+    compressed sparse rows, that of the irregular model {irregular_bytes:.0f} %, or {factors_bytes:.0f} % in
+    factors.""",
+    """**Dragging.** When one of 1,331 lattice vertices moves, the points that depend on it are evaluated in
+    {drag:.3f} ms, {drag_ratio:.0f} times as fast as all points.""",
+    """**Binding,** once for each model, takes {bind} for a million points in a lattice of 1,000 cells. VTK
+    takes {vtk} for a part of this work.""")
+
+BEHIND = """Espalier is not ahead everywhere. It refines the topology of a surface about as fast as OpenSubdiv
+({refine_low:.1f} to {refine_high:.1f} times as fast on one thread). The product with the transpose can take
+{adjoint:.1f} times as long as the product itself."""
+
+SUMMARY = """## Five figures
+
+{figures}
+
+{behind}
+
+![Speed relative to OpenSubdiv in {rows} tasks, on one thread and on two](figures/performance-ratios.svg)
+
+*OpenSubdiv's time divided by Espalier's, for each task that both can do. Right of the line at 1, Espalier is
+faster. OpenSubdiv always runs on one thread. The scale is logarithmic. The numbers are those of the tables
+below.*
+
+"""
+
+
+def summary(best, page):
+    """Returns the first section, or nothing if a peer is missing. `page` is the page without it."""
+    if absent(best):
+        return ""
+
+    def run(workload, who):
+        return best[f"apply/{workload} model/float/3/{who}"]
+
+    def over(workload, who, peer):
+        return run(workload, peer)["real_time"] / run(workload, who)["real_time"]
+    refine = [theirs["real_time"] / ours["real_time"]
+              for _, threads, ours, theirs in levels(best, "refine") if threads == "1"]
+    adjoint = [run["real_time"] / best[f"{key}/3/{who.replace(' adjoint', '')}"]["real_time"]
+               for key, _, who, label, run in our_applications(best)
+               if "adjoint" in who and label[2] == "1"]
+    drag = best["change/1 together/Espalier"]["real_time"]
+    values = dict(
+        regular=milliseconds(run("regular", "Espalier")),
+        regular_osd=over("regular", "Espalier", "OpenSubdiv"),
+        regular_eigen=over("regular", "Espalier", "Eigen"),
+        irregular=milliseconds(run("irregular", "Espalier")),
+        irregular_osd=over("irregular", "Espalier", "OpenSubdiv"),
+        factors=milliseconds(run("irregular", "Espalier factors")),
+        factors_osd=over("irregular", "Espalier factors", "OpenSubdiv"),
+        regular_bytes=100 * run("regular", "Espalier")["bytes of CSR"],
+        irregular_bytes=100 * run("irregular", "Espalier")["bytes of CSR"],
+        factors_bytes=100 * run("irregular", "Espalier factors")["bytes of CSR"],
+        drag=drag, drag_ratio=best["change/all/Espalier"]["real_time"] / drag,
+        bind=milliseconds(best["bind/random/3/Espalier"]),
+        vtk=milliseconds(best["bind/random/3/VTK"]),
+        refine_low=min(refine), refine_high=max(refine), adjoint=max(adjoint))
+    figures = (wrap(figure.format(**values), f"{i}. ") for i, figure in enumerate(FIGURES, 1))
+    return SUMMARY.format(figures="\n".join(figures), behind=wrap(BEHIND.format(**values)),
+                          rows=sum(len(tasks) for tasks in ratios.read(page).values()))
 
 
 def growth(best):
-    """A sentence on each panel of the figure, true of its numbers."""
+    """Returns sentences on each panel of the figure, with its numbers."""
     def exponents(job):
         return " and ".join(f"{plots.fit(points)[1]:.2f}"
                             for points in plots.series(best, job).values())
@@ -208,117 +287,181 @@ def growth(best):
     levels_up, level_cost = change("bind by level")
     cells_up, cell_cost = change("bind by cells")
     items = (
-        f"""*Binding, by points*, level 3 of 1,000 cells: time goes with the number of points to the
-        power {exponents("bind by points")} (one thread, two). 1 would be linear; it is below, for
-        points share the cells that are refined for them. Two threads bind a million
-        {gain("bind by points"):.2f} times as fast as one.""",
-        f"""*Applying, by points*, the same binding compiled: to the power
-        {exponents("apply by points")}. Two threads apply a million
+        f"""**Binding, by number of points** (level 3 of 1,000 cells). The exponents on one thread and on
+        two are {exponents("bind by points")}. They are below 1, because points share the cells that are
+        refined for them. Two threads bind a million points {gain("bind by points"):.2f} times as fast as
+        one.""",
+        f"""**Applying, by number of points** (the same binding, compiled). The exponents are
+        {exponents("apply by points")}. Two threads apply a pose to a million points
         {gain("apply by points"):.2f} times as fast as one.""",
-        f"""*Binding, by level*, 1 to 6, 30,000 points in 1,000 cells: the whole level has
-        {levels_up:,.0f} times the cells, and binding takes {level_cost:.1f} times as long. Only cells
-        that hold points are refined, with what their rules need around them.""",
-        f"""*Binding, by base cells*, 2³ to 20³, 100,000 points at level 3: {cells_up:,.0f} times the
-        cells, {cell_cost:.1f} times as long.""")
+        f"""**Binding, by level** (levels 1 to 6, 30,000 points in 1,000 cells). From the first level to the
+        last the number of cells grows {levels_up:,.0f} times, and the time {level_cost:.1f} times.
+        Only cells that hold points are refined, and the cells around them that the rules need.""",
+        f"""**Binding, by number of base cells** (2³ to 20³ cells, 100,000 points at level 3). The number of
+        cells grows {cells_up:,.0f} times, and the time {cell_cost:.1f} times.""")
     return "\n".join(wrap(item, "- ") for item in items)
 
 
-INTRO = """What Espalier takes, against peers that do the like. `scripts/bench` measures it, each
-figure and its peer's in the same run and on the same data, compares the results, and prints this page.
-The quickest of the repetitions counts: five of applying, three of the rest, two of growth, one of memory.
-One thread unless said; the peers always have one. Ratios are the peer's time over ours."""
+INTRO = """How long Espalier takes, how much memory it needs, and how this compares with other libraries on
+the same work. `scripts/bench` measures it and writes this page. Each time of Espalier is measured in the same
+run and on the same data as the time of its peer, and the results are compared."""
 
 PAGE = """# Performance
 
 {intro}
 
-{cores} cores of {mhz} MHz, {date}; built as `Release` (`-O3 -DNDEBUG`); instructions are chosen when the
-program runs.
+Measured on {cores} cores of {mhz} MHz on {date}; built as `Release` (`-O3 -DNDEBUG`). The instruction set of
+the kernels is chosen when the program runs. Each time is the quickest of several repetitions: five for
+applying, three for the other tasks, two for the growth of cost, one for memory. The peers always run on one
+thread. Compare times within a table only: the tables were measured one after the other, and the speed of a machine
+changes.
 
-## Applying a table to values
+{summary}## How to read the tables
 
-What happens for every pose.
+- **ratio** is the peer's time divided by Espalier's. Above 1, Espalier is faster.
+- **threads** is the number of threads of Espalier.
+- **R_k** is the matrix of one refinement: vertices of level k from vertices of level k − 1.
+- **S_n** = R_n … R_1 computes the vertices of level n from the base vertices.
+- **D**, the deformation matrix, computes the points of a model from the base vertices of its lattice.
 
-- *surface*: S_3 of a torus of quadrilaterals, 13 entries a row.
-- *regular model*: a million points bound to a box by B-splines, 64 entries a row. A subdivided
-  lattice has such rows between the planes of its base vertices.
-- *irregular model*: the same points bound at level 3 to a cylinder around its irregular axis, 42
-  entries a row. *In factors*: not multiplied out. A pose moves the vertices of level 3 that the points
-  need, and these the points, by rows of 8 entries. The peers' time is that of the whole table.
+## Deforming: a matrix times values
 
-Ours is [`osd::CompiledTable`](../osd/compiled_table.h): rows with the same columns lie together, with
-one row in each lane of a register; rows that are outer products as their factors; weights that come
-again once. Factors are applied by [`osd::CompiledChain`](../osd/compiled_chain.h). The peers are
-OpenSubdiv's `Osd::CpuEvaluator`, which takes float only, and Eigen's row-major product. Bytes are those
-of the compiled table over those of compressed sparse rows; the share of the triad is what the table and
-the results take, over the bytes that a + s · b moves in the same time, with as many threads: {one:.1f} GB/s
-with one, {two:.1f} with two. It is no share of the memory where a last cache holds the table; the triad's
-arrays take 768 MB. Every 997th row is compared with plain sums. *Adjoint* is
-[`osd::CompiledAdjoint`](../osd/compiled_adjoint.h), of factors `osd::CompiledAdjointChain`, from gradients by the rows to gradients by the columns,
-beside what applying takes.
+This work is done for every pose. The matrices:
+
+- *surface 0.4 M* and *surface 1.6 M*: S_3 of a torus of quadrilaterals, with 0.4 and 1.6 million rows of 13
+  entries.
+- *regular model*: D of a million points in a box lattice, by B-splines; 64 entries a row. Subdivided
+  lattices have rows of this kind wherever they are regular.
+- *irregular model*: D of the same points at level 3 of a cylinder, around its irregular axis; 42 entries a
+  row.
+- *in factors*: the same D, not multiplied out. The base vertices move those vertices of level 3 that the
+  points need, and these vertices move the points, by rows of 8 entries. The peers apply the whole matrix.
+
+Espalier applies them by [`osd::CompiledTable`](../osd/compiled_table.h), and factors by
+[`osd::CompiledChain`](../osd/compiled_chain.h). A compiled table puts rows with the same columns side by side,
+one row in each lane of a register; keeps rows that are outer products as their factors; and stores equal
+weights once. The peers are OpenSubdiv's `Osd::CpuEvaluator`, which knows single precision only, and Eigen's
+product of a row-major sparse matrix. Every 997th row of a result is compared with plain sums.
 
 {apply}
 
+Each row is one matrix and one pose (x, y and z of every point). Times and sizes: lower is better; ratios:
+higher is better. *Bandwidth*: the bytes of the matrix and the result, divided by the bytes that the loop
+a + s · b moves in the same time on as many threads ({one:.1f} GB/s on one, {two:.1f} GB/s on two, arrays of
+768 MB). Near 1 the memory is the limit; a matrix that fits in the last cache can exceed it. *Size*: the bytes of
+the compiled matrix divided by those of compressed sparse rows.
+
+### Twelve poses in one call
+
+{poses}
+
+Each row is one matrix in single precision on one thread. *One pose* is the time of one pose by itself;
+*a pose of 12* is a twelfth of the time of twelve poses in one call; *share* is the second divided by the first
+(lower is better). *Bandwidth* as above.
+
+### The transpose: from gradients at points to gradients at lattice vertices
+
+{adjoint}
+
+Each row is one matrix in single precision, by [`osd::CompiledAdjoint`](../osd/compiled_adjoint.h), and in
+factors by `osd::CompiledAdjointChain`. *Forward* is the time of the product with the matrix, *transposed* the
+time of the product with its transpose, and the ratio is the first divided by the second (higher is better).
+*Bandwidth* and *size* as above.
+
 ## Moving some vertices
 
-The *regular model* in single precision, where some of the 1,331 vertices of its lattice move: around one of
-them (together), or all over the lattice (apart). [`osd::ChangeEvaluator`](../osd/change_evaluator.h)
-evaluates the rows that depend on them, with the result of a whole evaluation, bit for bit. The ratio is that
-of the time of a whole evaluation to its.
+[`osd::ChangeEvaluator`](../osd/change_evaluator.h) evaluates only the rows that depend on the vertices that
+moved. Its results are those of a whole evaluation, bit for bit. The matrix is that of the *regular model* in
+single precision; its lattice has 1,331 vertices.
 
 {change}
 
+Each row is a number of vertices that move: neighbours (*together*), or spread over the lattice (*apart*).
+*Rows* is the number of points that depend on them, of a million. *All rows* is the time of a whole evaluation,
+*these rows* that of the change, and the ratio is the first divided by the second (higher is better). If most
+points depend on the moved vertices, a whole evaluation is faster.
+
 ## Applying level by level
 
-R_1, then R_2 and so on, to values that change, where no table of the whole way is wanted: ours by
-[`osd::CompiledChain`](../osd/compiled_chain.h), theirs by `Far::PrimvarRefiner`, single precision, from
-the levels of a torus of 1,600 quadrilaterals. Beside it S_n, compiled, which needs no values in between.
+Where values change at every level, each R_k is applied in turn, and no S_n is made. Espalier does this by
+[`osd::CompiledChain`](../osd/compiled_chain.h), OpenSubdiv by `Far::PrimvarRefiner`. The surface is a torus
+of 1,600 quadrilaterals; single precision. The last rows apply S_n, compiled, in place of the chain.
 
 {in_turn}
 
+Each row is the way from the base vertices to one level. Times: lower is better; ratio: higher is better.
+
 ## Refining topology
 
-All levels, from the same torus, and from a box of 1,000 cells. Times are a child: a child *face* of a
-surface comes with two edges and a vertex, a child *cell* of a lattice with three faces, three edges and a
-vertex. The peer is `Far::TopologyRefiner`, which refines surfaces only; a lattice is set beside the
-surface with the most like number of children.
+All levels up to the given one, of the same torus, without positions. The peer is `Far::TopologyRefiner`.
 
 {refine}
 
+Each row is a number of levels. Times are for one child face, with the two edges and the vertex that come with
+it: lower is better; ratio: higher is better.
+
+OpenSubdiv refines no lattices. The next table compares a lattice of 1,000 cells, levels 1 to 3, with the
+surface that has the nearest number of children. A child cell of a lattice brings three faces, three edges and a
+vertex with it, so more work is done for each.
+
+{refine_lattice}
+
+Times are for one child cell of the lattice and one child face of the surface: lower is better.
+
 ## Building tables
 
-S_n, single precision, of the same two. The peer is `Far::StencilTableFactory`; rows of a lattice have up
-to 64 entries where those of a surface have 13 or so, and are set beside so much of its time. Near the
-boundary they have fewer, on the average of this box {row:.0f}, so entries are compared too.
+S_n of the same torus, in single precision. The peer is `Far::StencilTableFactory`.
 
 {build}
 
+Each row is one level. Times: lower is better; ratio: higher is better.
+
+The next table compares S_3 of a lattice of 1,000 cells with a surface of similar size. A row of a lattice has
+up to 64 entries ({row:.0f} on average in this box, because rows near the boundary are shorter), a row of the
+surface about 13. So times are given for a row, with OpenSubdiv's time multiplied by 64/13, and for an entry.
+
+{build_lattice}
+
+Times are for one row or one entry: lower is better; ratio: higher is better.
+
 ## Binding
 
-A million points in a box of 1,000 cells, by [`stencils::bindPoints`](../embed/local_binding.h) from the
-base lattice, refinement included; double precision. The peer is VTK's `vtkProbeFilter` with its static
-cell locator: it is given the 512,000 cells of level 3, and finds and interpolates, where ours also makes
-the rows over the base vertices. *Finding them in its cells* is given the cells as VTK is. The rest pose
-gives the points back to 1e-12.
+A million points in a box of 1,000 cells, in double precision, by
+[`embed::bindPoints`](../embed/local_binding.h). *All of binding* starts from the base lattice: it refines the
+cells, locates the points, and makes D. The peer is VTK's `vtkProbeFilter` with its static cell locator. It
+gets the 512,000 finished cells of level 3, locates the points, and interpolates, but makes no matrix.
+*Location only* gets the same finished cells. At rest, D returns the points to within 1e-12.
 
 {bind}
 
-The limit ([docs/limits.md](limits.md)), which no peer has, is set beside levels: 200,000 points of a
-surface, in the box and in the cylinder of the *irregular model*. How far a level is off, from the limit, is
-the average of the points in a pose that moves vertices by a tenth of the lattice; the limit is asked for
-with its usual tolerance, 1e-6.
+Each row is one way of placing the points. Times: lower is better; ratio: higher is better. VTK was not
+measured for the points on a surface.
+
+### The limit, compared with levels
+
+No peer binds to [the limit](limits.md), so levels 5 and 6 are the comparison: 200,000 points of a surface, in
+the box (*regular*) and in the cylinder of the *irregular model* (*irregular*). The tolerance is the default,
+1e-6.
 
 {limit}
 
-The memory that binding and applying one pose take, each in a process of its own: the bytes of D —
-offsets, columns and weights — and the peak of the whole process.
+Each row is one task for the limit and for a level. *Error of the level* is the mean distance of the points from
+the limit, in a pose that moves vertices by a tenth of the lattice. Times are for one point: lower is better.
+The ratio is the level's time divided by the limit's: above 1 the limit is faster.
+
+### Memory
+
+Binding a million points and applying one pose, each in a process of its own.
 
 {memory}
 
+Each row is one way of placing the points. *D* is the size of the matrix (offsets, columns and weights), *peak*
+the largest memory of the process, and the last column the second divided by the first. Lower is better.
+
 ## How cost grows
 
-Time by size, both axes logarithmic, with the fitted power of the size. The points are those of a surface
-in a box.
+Each panel shows time by size, for points on a surface in a box. Both axes are logarithmic. The slope of the
+fitted line is the exponent: with exponent 1, twice the size takes twice the time.
 
 ![Time of binding and applying by size](figures/performance-growth.svg)
 
@@ -326,32 +469,48 @@ in a box.
 
 ## On a GPU
 
-`scripts/cuda` measures it, on a machine that has one: against cuSPARSE's product, and against a thread a
-row. No such machine was at hand yet, so there are no figures ([what to expect](gpu.md#what-is-tested-and-where)).
+No GPU was available, so there are no figures yet. `scripts/cuda` measures the evaluator on a machine that has
+one, against cuSPARSE's product and against a kernel with one thread for each row
+([what to expect](gpu.md#what-to-expect)).
 """
 
 
-def main():
-    if len(sys.argv) < 3:
-        sys.exit(__doc__)
-    best, context = read(sys.argv[2:])
-    with open(sys.argv[1], "w", encoding="utf-8") as file:
-        file.write(plots.figure(best))
+def page(best, context):
     one, two = (best[f"triad/threads/{threads}"]["bytes_per_second"] / 1e9 for threads in (1, 2))
-    head = ["peer", "peer's time", "our time", "ratio"]
-    print(PAGE.format(
+    head = ["threads", "Espalier", "OpenSubdiv", "ratio"]
+    memory = ["bandwidth", "size"]
+    lattice = best["build/lattice/3/Espalier"]
+    text = PAGE.format(
         intro=wrap(INTRO + absent(best)), one=one, two=two, cores=context["num_cpus"],
-        mhz=context["mhz_per_cpu"], date=context["date"][:10],
-        apply=table(["apply", *head, "share of the triad", "bytes"], apply_rows(best)),
-        change=table(["move", "rows", "all rows", "these rows", "ratio"], change_rows(best)),
-        in_turn=table(["apply in turn", *head], in_turn_rows(best)),
-        refine=table(["refine", *head], refine_rows(best)),
-        build=table(["build", *head], build_rows(best)),
-        row=best["build/lattice/3/Espalier"]["entries"] / best["build/lattice/3/Espalier"]["items"],
-        bind=table(["bind", *head], bind_rows(best)),
-        limit=table(["limit", "peer", "off by", *head[1:]], limit_rows(best)),
-        memory=table(["bind and apply", "D", "peak", "peak over D"], memory_rows(best)),
-        growth=growth(best)), end="")
+        mhz=context["mhz_per_cpu"], date=context["date"][:10], summary="{summary}",
+        apply=table(["matrix", "precision", *head, "Eigen", "ratio", *memory], apply_rows(best)),
+        poses=table(["matrix", "one pose", "a pose of 12", "share", "bandwidth"], pose_rows(best)),
+        adjoint=table(["matrix", "threads", "forward", "transposed", "ratio", *memory],
+                      adjoint_rows(best)),
+        change=table(["vertices moved", "threads", "rows", "all rows", "these rows", "ratio"],
+                     change_rows(best)),
+        in_turn=table(["applied", *head], in_turn_rows(best)),
+        refine=table(["refined", *head], refine_rows(best)),
+        refine_lattice=table(["time of", *head[:2], "OpenSubdiv, a surface", "ratio"],
+                             refine_lattice_rows(best)),
+        build=table(["table", *head], build_rows(best)), row=lattice["entries"] / lattice["items"],
+        build_lattice=table(["time of", *head[:2], "OpenSubdiv, a surface", "ratio"],
+                            build_lattice_rows(best)),
+        bind=table(["points", "work", *head[:2], "VTK", "ratio"], bind_rows(best)),
+        limit=table(["lattice", "work", "threads", "limit", "level", "error of the level",
+                     "time of the level", "ratio"], limit_rows(best)),
+        memory=table(["points", "D", "peak", "peak / D"], memory_rows(best)), growth=growth(best))
+    return text.replace("{summary}", summary(best, text))
+
+
+def main():
+    if len(sys.argv) < 5:
+        sys.exit(__doc__)
+    best, context = read(sys.argv[4:])
+    text = page(best, context)
+    for path, content in zip(sys.argv[1:4], (text, plots.figure(best), ratios.figure(text))):
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(content)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,6 @@
 
 namespace espalier::bench {
 
-using stencils::Rules;
-
 namespace {
 
 Workload workload(stencils::StencilTable<double> table) {
@@ -108,13 +106,10 @@ Workload irregularModel() {
     const Lattice cylinder = irregularLattice();
     far::TopologyRefiner refiner(cylinder.complex);
     refiner.refineUniform(kLevel);
-    const auto rest =
-        stencils::refinePositions(refiner, kLevel, Rules::Siggraph96, cylinder.positions);
+    const auto rest = stencils::refinePositions(refiner, kLevel, cylinder.positions);
     const auto embedding = embed::embedPoints(refiner.level(kLevel).complex, rest, model());
-    Workload made =
-        workload(embed::buildDeformationTable(refiner, kLevel, Rules::Siggraph96, embedding));
-    made.inDouble.factors =
-        embed::buildFactoredTable(refiner, kLevel, Rules::Siggraph96, embedding);
+    Workload made = workload(embed::buildDeformationTable(refiner, kLevel, embedding));
+    made.inDouble.factors = embed::buildFactoredTable(refiner, kLevel, embedding);
     made.inFloat.factors = stencils::convertTable<float>(*made.inDouble.factors);
     return made;
 }

@@ -12,7 +12,7 @@
 
 namespace espalier::bench {
 
-/// A table to apply, in one precision; and its factors, where it has some.
+/// A table in one precision, and its factors if it has some.
 template <class Real>
 struct Tables {
     stencils::StencilTable<Real> table;
@@ -25,7 +25,7 @@ struct Workload {
     Tables<double> inDouble;
 };
 
-/// A mesh as its faces' loops of vertices.
+/// A mesh as the vertex loops of its faces.
 struct Mesh {
     Index vertexCount = 0;
     std::vector<std::vector<Index>> loops;
@@ -34,38 +34,40 @@ struct Mesh {
 /// A torus of side × side quadrilaterals.
 Mesh torus(Index side);
 
-/// S_3 of a torus of quadrilaterals, of about so many rows; 13 entries each.
+/// Returns S_3 of a torus of quadrilaterals, with about `rowCount` rows of 13 entries each.
 Workload surface(int rowCount);
 
 constexpr int kMillion = 1'000'000;
 
-/// A torus that meanders through the unit cube, of about so many points in the order of a mesh.
+/// Returns points of a torus that meanders through the unit cube: about `pointCount`, in the order
+/// of a mesh.
 std::vector<Point3> model(int pointCount = kMillion);
 
-/// A million points all over the unit cube, in no order.
+/// Returns a million points all over the unit cube, in random order.
 std::vector<Point3> randomPoints();
 
-/// Whether the rest positions gave the points back, to the rounding of both.
+/// True if the rest positions reproduce the points, up to the rounding of both.
 bool givesBack(std::span<const Point3> moved, std::span<const Point3> points);
 
-/// The model of a million points bound to a box of 10 × 10 × 10 cells by B-splines, so that each
-/// row has 64 entries; as a subdivided lattice has between the planes of its base vertices.
+/// Returns the table of the model of a million points in a box of 10 × 10 × 10 cells, bound by
+/// B-splines, so that each row has 64 entries. A subdivided lattice has such rows between the
+/// planes of its base vertices.
 Workload regularModel();
 
-/// The table of such a model of about so many points.
+/// Returns the table of such a model with about `pointCount` points.
 template <class Real>
 stencils::StencilTable<Real> regularTable(int pointCount);
 
-/// The box.
+/// Returns the box of the regular model.
 Lattice regularLattice();
 
-/// A cylinder, whose axis is irregular, as are its ends.
+/// Returns a cylinder with an irregular axis and irregular ends.
 Lattice irregularLattice();
 
-/// The same model bound to it at level 3. Has factors.
+/// Returns the table of the same model, bound to this cylinder on level 3. Has factors.
 Workload irregularModel();
 
-/// Values for the columns of a table, `components` each.
+/// Returns `components` random values for each column of a table.
 template <class Real>
 std::vector<Real> randomValues(const stencils::StencilTable<Real>& table, int components);
 

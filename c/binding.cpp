@@ -26,11 +26,10 @@ embed::BindingResult bind(const espalier_refiner& refiner, std::span<const Point
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance == 0)
-        return embed::bindPoints({base, positions, refiner.rules}, points,
+        return embed::bindPoints({base, positions}, points,
                                  {.level = chosen.level, .embedding = options});
-    return limit::withoutGradients(
-        limit::bindLimit({base, positions, refiner.rules}, points,
-                         {.embedding = options, .tolerance = chosen.limit_tolerance}));
+    return limit::withoutGradients(limit::bindLimit(
+        {base, positions}, points, {.embedding = options, .tolerance = chosen.limit_tolerance}));
 }
 
 espalier_binding* newBinding(espalier_binding::Data data) {

@@ -303,7 +303,8 @@ typedef struct espalier_refiner espalier_refiner;
 /// A refiner of the cells and the marks that the lattice has now; level 0 only.
 ///
 /// \param options null for the defaults
-/// \retval ESPALIER_ERROR_INPUT a mark that cannot be: smooth, where the topology makes a corner
+/// \retval ESPALIER_ERROR_INPUT a mark that cannot be: smooth, where the topology makes a corner;
+///         smooth triangles by the rules of MLCA
 ESPALIER_C_API espalier_status espalier_refiner_create(const espalier_lattice* lattice,
                                                        const espalier_refine_options* options,
                                                        espalier_refiner** refiner);

@@ -32,13 +32,9 @@ struct espalier_refiner {
         std::vector<std::int64_t> cells, faces;
     };
 
-    espalier_refiner(espalier::far::TopologyRefiner levels, espalier::stencils::Rules chosen)
-        : refiner(std::move(levels)), rules(chosen) {}
-
     espalier::far::TopologyRefiner refiner;
-    espalier::stencils::Rules rules;
-    mutable std::mutex offsetsMutex;
-    mutable std::map<std::int32_t, LevelOffsets> offsets;  ///< of the levels that were asked for
+    mutable std::mutex offsetsMutex = {};
+    mutable std::map<std::int32_t, LevelOffsets> offsets = {};  ///< of the levels asked for
 };
 
 struct espalier_table {

@@ -9,8 +9,8 @@
 using namespace espalier;
 
 // What arguments.h makes of numbers from C is what they mean.
-static_assert(static_cast<int>(stencils::Rules::Cse96) == ESPALIER_RULES_CSE96);
-static_assert(static_cast<int>(stencils::Rules::Mlca) == ESPALIER_RULES_MLCA);
+static_assert(static_cast<int>(far::Rules::Cse96) == ESPALIER_RULES_CSE96);
+static_assert(static_cast<int>(far::Rules::Mlca) == ESPALIER_RULES_MLCA);
 static_assert(static_cast<int>(far::Boundary::EdgeOnly) == ESPALIER_BOUNDARY_EDGE_ONLY);
 static_assert(static_cast<int>(far::Boundary::Open) == ESPALIER_BOUNDARY_OPEN);
 static_assert(static_cast<int>(far::SharpEdges::Literal) == ESPALIER_SHARP_EDGES_LITERAL);
@@ -41,12 +41,13 @@ const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner,
 }
 
 far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const Lattice& lattice) {
+    const auto rules = choice(chosen.rules, far::Rules::Mlca, "rules");
     return espalier::refinerOptions(
         lattice,
         {choice(chosen.boundary, far::Boundary::Open, "boundary"),
          choice(chosen.creasing, far::Creasing::Chaikin, "creasing"),
          choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles")},
-        choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges"));
+        choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges"), rules);
 }
 
 }  // namespace
@@ -59,9 +60,8 @@ espalier_status espalier_refiner_create(const espalier_lattice* lattice,
         const Lattice& base = c::deref(lattice, "lattice").lattice;
         const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
                                          "espalier_default_refine_options");
-        const auto rules = c::choice(chosen.rules, stencils::Rules::Mlca, "rules");
-        return new espalier_refiner(
-            far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base)), rules);
+        return new espalier_refiner{
+            far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base))};
     });
 }
 
@@ -131,8 +131,7 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
         c::checkCount(size, countOf(0) * components, "numbers on the vertices of the lattice");
         c::checkCount(result_size, countOf(level) * components,
                       "numbers in the array for the result");
-        const auto carried =
-            stencils::refineValues(own.refiner, level, own.rules, from, components);
+        const auto carried = stencils::refineValues(own.refiner, level, from, components);
         std::copy(carried.begin(), carried.end(), to.begin());
     });
 }

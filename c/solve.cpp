@@ -21,8 +21,7 @@ static_assert(static_cast<int>(embed::Continuity::C2) == ESPALIER_CONTINUITY_C2)
 
 struct espalier_validity {
     far::TopologyRefiner levels;  ///< of the base, up to `level`
-    stencils::Rules rules;
-    int level = 0;  ///< of the cells; 0 for the limit
+    int level = 0;                ///< of the cells; 0 for the limit
     solve::ValidityCheck check;
 };
 
@@ -55,15 +54,15 @@ void putHeld(std::int32_t room, std::int32_t all, std::int32_t* held, std::int32
     outCount = static_cast<std::int32_t>(vertices.size());
 }
 
-std::vector<Point3> refined(const far::TopologyRefiner& levels, int level, stencils::Rules rules,
-                            const double* positions, std::int32_t count, const char* name) {
+std::vector<Point3> refined(const far::TopologyRefiner& levels, int level, const double* positions,
+                            std::int32_t count, const char* name) {
     checkCount(count, levels.level(0).complex.count(0), "positions of vertices");
-    return stencils::refinePositions(levels, level, rules, c::positions(positions, count, name));
+    return stencils::refinePositions(levels, level, c::positions(positions, count, name));
 }
 
 std::vector<Point3> posed(const espalier_validity& validity, const double* pose,
                           std::int32_t count) {
-    return refined(validity.levels, validity.level, validity.rules, pose, count, "pose");
+    return refined(validity.levels, validity.level, pose, count, "pose");
 }
 
 Index cellCount(const espalier_validity& validity) {
@@ -78,14 +77,12 @@ espalier_validity* newValidity(const espalier_refiner& refiner, const double* po
     far::TopologyRefiner levels = baseOf(refiner.refiner);
     const int level = isLimit ? 0 : chosen.level;
     // Checks the number of positions before anything is refined.
-    const auto base = refined(levels, 0, refiner.rules, positions, count, "positions");
+    const auto base = refined(levels, 0, positions, count, "positions");
     levels.refineUniform(level);
-    auto check =
-        isLimit
-            ? solve::ValidityCheck(limit::LimitParts(levels, refiner.rules, chosen.level), base)
-            : solve::ValidityCheck(levels.level(level).complex,
-                                   stencils::refinePositions(levels, level, refiner.rules, base));
-    return new espalier_validity{std::move(levels), refiner.rules, level, std::move(check)};
+    auto check = isLimit ? solve::ValidityCheck(limit::LimitParts(levels, chosen.level), base)
+                         : solve::ValidityCheck(levels.level(level).complex,
+                                                stencils::refinePositions(levels, level, base));
+    return new espalier_validity{std::move(levels), level, std::move(check)};
 }
 
 }  // namespace
@@ -123,7 +120,7 @@ espalier_status espalier_hold_faces(const espalier_refiner* refiner, int32_t fac
         const auto wanted = c::continuityOf(continuity);
         const auto base = c::baseOf(own.refiner);
         c::putHeld(vertex_count, base.level(0).complex.count(0), held, held_count,
-                   [&] { return embed::verticesHoldingFaces(base, own.rules, some, wanted); });
+                   [&] { return embed::verticesHoldingFaces(base, some, wanted); });
     });
 }
 
@@ -143,7 +140,7 @@ espalier_status espalier_hold_points(const espalier_refiner* refiner, int32_t ve
         const auto model = c::positions(points, point_count, "points");
         c::putHeld(vertex_count, vertex_count, held, held_count, [&] {
             return embed::verticesHoldingPoints(
-                {base, rest, own.rules}, model, wanted,
+                {base, rest}, model, wanted,
                 {.level = chosen.level, .embedding = c::embeddingOptions(chosen)});
         });
     });

@@ -41,7 +41,7 @@ espalier_status espalier_table_create_stencils(const espalier_refiner* refiner, 
                                                espalier_table** table) {
     return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        return c::newTable(stencils::buildStencils(own.refiner, level, own.rules));
+        return c::newTable(stencils::buildStencils(own.refiner, level));
     });
 }
 
@@ -49,7 +49,7 @@ espalier_status espalier_table_create_level(const espalier_refiner* refiner, int
                                             espalier_table** table) {
     return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        return c::newTable(stencils::buildLevelTable(own.refiner, level, own.rules));
+        return c::newTable(stencils::buildLevelTable(own.refiner, level));
     });
 }
 
@@ -57,7 +57,7 @@ espalier_status espalier_table_create_limits(const espalier_refiner* refiner, in
                                              espalier_table** table) {
     return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        return c::newTable(limit::buildVertexLimits(own.refiner, level, own.rules));
+        return c::newTable(limit::buildVertexLimits(own.refiner, level));
     });
 }
 
@@ -76,7 +76,7 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
                       "tables in the array for the result");
         const auto out = c::array(tables, table_count, "tables");
         auto made = limit::buildLimitStencils(
-            own.refiner, level, own.rules, c::limitLocations(place_count, cells, uvw),
+            own.refiner, level, c::limitLocations(place_count, cells, uvw),
             {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
         std::vector<std::unique_ptr<espalier_table>> results;
         results.reserve(out.size());  // so that nothing fails between a table and its owner
@@ -114,7 +114,7 @@ espalier_status espalier_table_create_nested(
         const auto chosen =
             c::levelOptionsOr(options, "lattices nest in a level, not in the limit");
         return c::newTable(
-            embed::nestTables(own, pose, {c::baseOf(outer.refiner), rest, outer.rules},
+            embed::nestTables(own, pose, {c::baseOf(outer.refiner), rest},
                               {.level = chosen.level, .embedding = c::embeddingOptions(chosen)}));
     });
 }

@@ -30,12 +30,11 @@ ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> p
         return {embed::bindPoints(tensor, points, embedding, progress)};
     }
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    const auto& rules = options.common.rules;
     if (!options.limit)
         return {embed::bindPoints(
-            {base, lattice.positions, rules}, points,
+            {base, lattice.positions}, points,
             {.level = options.level, .embedding = embedding, .progress = progress})};
-    auto bound = limit::bindLimit({base, lattice.positions, rules}, points,
+    auto bound = limit::bindLimit({base, lattice.positions}, points,
                                   {.embedding = embedding,
                                    .tolerance = embedding.tolerance,
                                    .gradients = hasGradients,
@@ -113,7 +112,7 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
     if (options.basis || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
-        auto bound = embed::bindFactored({base, lattice.positions, options.common.rules}, points,
+        auto bound = embed::bindFactored({base, lattice.positions}, points,
                                          {.level = options.level,
                                           .embedding = options.common.embedding,
                                           .progress = progressOf(stages, points.size())});

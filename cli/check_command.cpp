@@ -179,16 +179,14 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
               const std::vector<Point3>& pose, Stages& stages) {
     const int level = refiner.maxLevel();
     const auto refined = [&](const std::vector<Point3>& positions) {
-        return stages.run("computing positions", [&] {
-            return stencils::refinePositions(refiner, level, options.common.rules, positions);
-        });
+        return stages.run("computing positions",
+                          [&] { return stencils::refinePositions(refiner, level, positions); });
     };
     Checked checked{options, refiner, level, refined(rest.positions), refined(pose), {}, {}, {}};
     stages.run("checking", [&] {
         const auto validity = ofFile(options.rest, [&] {
             if (!options.limit) return solve::ValidityCheck(checked.complex(), checked.rest);
-            return solve::ValidityCheck(
-                limit::LimitParts(refiner, options.common.rules, options.level), checked.rest);
+            return solve::ValidityCheck(limit::LimitParts(refiner, options.level), checked.rest);
         });
         checked.badAtRest = validity.badAtRest();
         checked.validity = ofFile(options.pose, [&] { return validity.check(checked.pose); });

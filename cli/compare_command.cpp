@@ -37,7 +37,7 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
         const auto [lattice, refiner] =
             readAndRefine({options.common, file, options.level}, FileKind::Refinable, stages);
         shape.agreement = stages.run("comparing", [&, &lattice = lattice, &refiner = refiner] {
-            return compare::Comparison(refiner).compareAll(options.common.rules, lattice.positions);
+            return compare::Comparison(refiner).compareAll(lattice.positions);
         });
     } catch (const Error& error) {
         shape.failure = error.what();

@@ -5,7 +5,6 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/refiner_options.h>
-#include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/stat.h>
@@ -24,8 +23,8 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
                                    const CommonOptions& options, int level) {
     return ofFile(path, [&] {
         far::TopologyRefiner refiner(
-            lattice.complex, refinerOptions(lattice, options.refinement, options.sharpEdges));
-        stencils::checkRules(refiner, options.rules);
+            lattice.complex,
+            refinerOptions(lattice, options.refinement, options.sharpEdges, options.rules));
         refiner.refineUniform(level);
         return refiner;
     });

@@ -142,12 +142,11 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
             std::vector<Point3> own;
             for (const Index point : part.points) own.push_back(points[point]);
             add(embed::verticesHoldingPoints(
-                {base, lattice.positions, options.common.rules}, own, hold.continuity,
+                {base, lattice.positions}, own, hold.continuity,
                 {.level = options.level, .embedding = options.common.embedding}));
         }
         if (!part.faces.empty())
-            add(embed::verticesHoldingFaces(base, options.common.rules, part.faces,
-                                            hold.continuity));
+            add(embed::verticesHoldingFaces(base, part.faces, hold.continuity));
         sortUnique(held);
         return held;
     });

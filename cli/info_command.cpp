@@ -7,7 +7,6 @@
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/masks.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -166,7 +165,7 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
 /// are counted because by the rules `siggraph96` their new point has a negative weight, and the
 /// refined lattice may leave the convex hull there (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
-                         const far::TopologyRefiner& refiner, stencils::Rules rules) {
+                         const far::TopologyRefiner& refiner) {
     Point3 least = lattice.positions.front(), most = least;
     for (const Point3& position : lattice.positions)
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -179,7 +178,7 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
     for (const VertexIntegers& integers : lattice.integers) attributes.push_back(integers.name);
     SortedJson levels = SortedJson::array();
     for (int level = 0; level <= refiner.maxLevel(); ++level) {
-        const auto positions = stencils::refinePositions(refiner, level, rules, lattice.positions);
+        const auto positions = stencils::refinePositions(refiner, level, lattice.positions);
         levels.push_back(reportLevel(refiner.level(level), positions, level == 0));
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
@@ -229,12 +228,12 @@ Offset cornersAt(const far::CellComplex& complex, Index vertex) {
 }
 
 Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index vertex,
-                        const far::RefinerOptions& options, stencils::Rules rules) {
+                        const far::RefinerOptions& options) {
     constexpr std::size_t kMaxEigenvalues = 6;
     Smoothness result{entity, level.strata.of({0, vertex}), ringPointsAt(level.complex, vertex)};
     if (result.ringPoints > kMaxRingPoints || cornersAt(level.complex, vertex) > kMaxRingPoints)
         return result;
-    const auto ring = limit::ringOf(level, options, rules, vertex);
+    const auto ring = limit::ringOf(level, options, vertex);
     auto values = limit::eigenvalues(ring);
     values.erase(values.begin());
     values.resize(std::min(values.size(), kMaxEigenvalues));
@@ -249,8 +248,7 @@ Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index ver
 /// Reports each vertex, then each edge, of level 0 whose ring is not regular, in ascending order.
 /// An edge is represented by its new point, since all later points on the edge have the same ring.
 /// \cost O(n³) for each ring of n points, with n up to kMaxRingPoints
-std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
-                                         stencils::Rules rules) {
+std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice) {
     far::TopologyRefiner refiner(lattice.level(0), lattice.options());
     refiner.refineUniform(1);
     const far::Level& level = refiner.level(1);
@@ -267,7 +265,7 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
     parallelFor(std::ssize(irregular), 1, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const auto& [entity, vertex] = irregular[i];
-            result[i] = smoothnessOf(entity, level, vertex, refiner.options(), rules);
+            result[i] = smoothnessOf(entity, level, vertex, refiner.options());
         }
     });
     return result;
@@ -347,7 +345,7 @@ void printText(const SortedJson& report, const InfoOptions& options) {
         attributes += (attributes.empty() ? "" : ", ") + printable(name.get<std::string>());
     fmt::print("attributes  {}\n", attributes.empty() ? "none" : attributes);
     const auto edgesOfTwoFaces = report["interior_edges_of_two_faces"].get<Index>();
-    if (edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
+    if (edgesOfTwoFaces > 0 && options.common.rules == far::Rules::Siggraph96)
         fmt::print(
             "note        {} of the interior edges have only two faces: their new points have a "
             "negative "
@@ -395,13 +393,12 @@ void runInfo(const InfoOptions& options) {
     Stages stages(options.common.quiet);
     const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
     SortedJson report = stages.run("measuring", [&, &lattice = lattice, &refiner = refiner] {
-        return reportLattice(options.lattice, lattice, refiner, options.common.rules);
+        return reportLattice(options.lattice, lattice, refiner);
     });
     std::vector<Smoothness> smoothness;
     if (options.smoothness)
-        smoothness = stages.run("finding eigenvalues", [&, &refiner = refiner] {
-            return reportSmoothness(refiner, options.common.rules);
-        });
+        smoothness = stages.run("finding eigenvalues",
+                                [&, &refiner = refiner] { return reportSmoothness(refiner); });
     if (options.json) {
         if (options.smoothness) report["smoothness"] = toJson(smoothness);
         // ASCII only, since names come from files; a byte that is not UTF-8 becomes U+FFFD.

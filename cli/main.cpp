@@ -22,6 +22,7 @@
 #endif
 
 #include "commands.h"
+#include "man_page.h"
 #include "run.h"
 #include "standard_streams.h"
 
@@ -107,6 +108,10 @@ int run(int argumentCount, char** arguments) {
         "it",
         "espalier");
     program.set_version_flag("--version", ESPALIER_VERSION);
+    // Printed as the version is: without a subcommand, and with exit code 0.
+    program.add_flag_callback(
+        "--man", [&program] { throw CLI::CallForVersion(manPage(program, ESPALIER_VERSION), 0); },
+        "Print the manual page; espalier --man | man -l - shows it");
     program.require_subcommand(1);
     program.get_formatter()->column_width(34);
     addInfoCommand(program);

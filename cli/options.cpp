@@ -40,16 +40,16 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor ru
         command, "--sharp-edges", options.sharpEdges, far::kSharpEdgesWords,
         "Which boundary edges are sharp. single-cell: those in one cell; literal: those between "
         "vertices that lie in at most two cells");
-    std::vector<Word<stencils::Rules>> rules;
-    for (const auto& word : stencils::kRulesWords)
-        if ((word.choice != stencils::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&
-            (word.choice != stencils::Rules::Rats || rulesFor == RulesFor::Anything))
+    std::vector<Word<far::Rules>> rules;
+    for (const auto& word : far::kRulesWords)
+        if ((word.choice != far::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&
+            (word.choice != far::Rules::Rats || rulesFor == RulesFor::Anything))
             rules.push_back(word);
     std::string help =
         "siggraph96, cse96: Catmull-Clark, in two versions for edges inside a lattice";
     if (rulesFor != RulesFor::OpenSubdiv) help += "; mlca: multilinear cell averaging";
     if (rulesFor == RulesFor::Anything) help += "; rats: RATS splines, for curves and meshes";
-    addChoice<stencils::Rules>(command, "--rules", options.rules, rules, help);
+    addChoice<far::Rules>(command, "--rules", options.rules, rules, help);
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {

@@ -4,8 +4,8 @@
 #include <espalier/base/word.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/strata.h>
+#include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/masks.h>
 
 #include <CLI/CLI.hpp>
 #include <map>
@@ -47,7 +47,7 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, Value& value,
 struct CommonOptions {
     RefinementTags refinement;  ///< set by options, which win over the tags of the file
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
-    stencils::Rules rules = stencils::Rules::Siggraph96;
+    far::Rules rules = far::Rules::Siggraph96;
     embed::EmbeddingOptions embedding;
     bool quiet = false;
     int threads = 0;

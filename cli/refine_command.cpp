@@ -51,7 +51,7 @@ void runRefine(const RefineOptions& options) {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
     const Lattice refined = stages.run("computing positions", [&] {
-        return stencils::refinedLattice(refiner, options.level, options.common.rules, base);
+        return stencils::refinedLattice(refiner, options.level, base);
     });
     stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)

@@ -105,10 +105,9 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
     if (!options.points.empty()) return deformation(options, stages);
     std::vector<Export> result;
     const auto refiner = readAndRefine(options, FileKind::Refinable, stages).second;
-    const auto& rules = options.common.rules;
     if (!options.levelTables) {
-        auto table = stages.run(
-            "building", [&] { return stencils::buildStencils(refiner, options.level, rules); });
+        auto table =
+            stages.run("building", [&] { return stencils::buildStencils(refiner, options.level); });
         result.push_back(
             {options.output, std::move(table),
              fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
@@ -116,8 +115,8 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
                          options.level, printable(options.lattice), options.level)});
         return result;
     }
-    auto tables = stages.run(
-        "building", [&] { return stencils::buildLevelTables(refiner, options.level, rules); });
+    auto tables =
+        stages.run("building", [&] { return stencils::buildLevelTables(refiner, options.level); });
     for (int k = 1; k <= options.level; ++k)
         result.push_back(
             {levelPath(options, k), std::move(tables[k - 1]),

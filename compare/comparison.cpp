@@ -38,7 +38,7 @@ using PointF = std::array<float, 3>;
 /// Side of the cube that randomPositions() fill.
 constexpr double kRandomSide = 2;
 
-/// A table times positions.
+/// Multiplies a table by positions.
 template <class Evaluator, class Real>
 std::vector<std::array<Real, 3>> evaluate(const StencilTable<Real>& table,
                                           std::span<const std::array<Real, 3>> positions) {
@@ -50,12 +50,13 @@ std::vector<std::array<Real, 3>> evaluate(const StencilTable<Real>& table,
     return result;
 }
 
-/// The larger of two; not a number if one is none.
+/// Returns the larger of two numbers; NaN if one is NaN.
 double larger(double a, double b) {
     return b > a || std::isnan(b) ? b : a;
 }
 
-/// The largest difference of a coordinate between as many points; not a number if there is one.
+/// Returns the largest difference of a coordinate between two equally long lists of points; NaN if
+/// any difference is.
 template <class Point>
 double largestDifference(const std::vector<Point>& a, const std::vector<Point>& b) {
     double largest = 0;
@@ -65,7 +66,7 @@ double largestDifference(const std::vector<Point>& a, const std::vector<Point>& 
     return largest;
 }
 
-/// The largest difference of a weight between two tables of the same rows and columns.
+/// Returns the largest difference of a weight between two tables of the same size.
 double largestDifference(const StencilTable<double>& a, const StencilTable<double>& b) {
     double largest = 0;
     for (Index row = 0; row < a.rowCount(); ++row) {
@@ -83,14 +84,14 @@ double largestDifference(const StencilTable<double>& a, const StencilTable<doubl
     return largest;
 }
 
-/// A table times positions, by our evaluator and by OpenSubdiv's.
-std::vector<PointF> evaluateOurs(const StencilTable<double>& table,
-                                 std::span<const PointF> positions) {
+/// Multiplies a table by positions with our evaluator.
+std::vector<PointF> evaluateWithEspalier(const StencilTable<double>& table,
+                                         std::span<const PointF> positions) {
     return evaluate<osd::CpuEvaluator, float>(stencils::convertTable<float>(table), positions);
 }
 
-std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
-                                   std::span<const PointF> positions) {
+std::vector<PointF> evaluateWithOpenSubdiv(const OpenSubdivTable<float>& table,
+                                           std::span<const PointF> positions) {
     std::vector<PointF> result(table.GetNumStencils());
     const OpenSubdiv::Osd::BufferDescriptor layout(0, 3, 3);
     OpenSubdiv::Osd::CpuEvaluator::EvalStencils(
@@ -100,7 +101,7 @@ std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
     return result;
 }
 
-/// Positions from −1 to 1; the same on every platform.
+/// Returns random positions from −1 to 1, the same on every platform.
 std::vector<Point3> randomPositions(Index count) {
     std::mt19937 random(1);
     std::vector<Point3> positions(count);
@@ -141,12 +142,14 @@ std::string openSubdivVersion() {
 struct Comparison::Data {
     const far::TopologyRefiner& ours;
     Surface base;
-    OpenSubdivRefiner theirs;
-    std::vector<LevelMatch> matches;                             ///< per level
-    std::vector<Surface> regions;                                ///< per level
-    std::unique_ptr<const Far::StencilTableReal<double>> table;  ///< levels 1 on
+    OpenSubdivRefiner openSubdiv;
+    std::vector<LevelMatch> matches;                             ///< for each level
+    std::vector<Surface> regions;                                ///< for each level
+    std::unique_ptr<const Far::StencilTableReal<double>> table;  ///< from level 1 on
 
-    Far::TopologyLevel theirLevel(int level) const { return theirs.refiner->GetLevel(level); }
+    Far::TopologyLevel openSubdivLevel(int level) const {
+        return openSubdiv.refiner->GetLevel(level);
+    }
 
     int maxLevel() const { return static_cast<int>(regions.size()) - 1; }
 
@@ -157,17 +160,17 @@ struct Comparison::Data {
         return regions[level];
     }
 
-    /// Their vertex for one of ours on the surface.
-    Index theirVertex(int level, Index vertex) const {
+    /// Returns OpenSubdiv's vertex for one of our vertices on the surface.
+    Index openSubdivVertex(int level, Index vertex) const {
         if (const auto match = matches[level].of({0, vertex})) return *match;
         throw Error(concat("vertex ", vertex, " of level ", level,
                            " has no match in OpenSubdiv's refinement"));
     }
 
-    /// Row of the first vertex of a level in the table.
+    /// Returns the row of the first vertex of a level in the table.
     Index firstRow(int level) const {
         Index row = 0;
-        for (int k = 1; k < level; ++k) row += theirLevel(k).GetNumVertices();
+        for (int k = 1; k < level; ++k) row += openSubdivLevel(k).GetNumVertices();
         return row;
     }
 };
@@ -179,23 +182,24 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
             "surface, so OpenSubdiv has nothing to compare it with");
     const far::CellComplex& base = refiner.level(0).complex;
     auto data = std::make_unique<Data>(Data{refiner, surfaceOf(base), {}, {}, {}, nullptr});
-    data->theirs = makeOpenSubdivRefiner(refiner, data->base);
+    data->openSubdiv = makeOpenSubdivRefiner(refiner, data->base);
     for (int level = 0; level <= refiner.maxLevel(); ++level) {
         checkMemory();
         if (level == refiner.maxLevel()) requireForMatch(refiner, level);
-        data->matches.push_back(
-            level == 0 ? matchBase(base, data->base, data->theirLevel(0))
-                       : matchChildren(refiner.level(level - 1).complex, data->matches.back(),
-                                       refiner.refinement(level), data->theirLevel(level - 1)));
+        data->matches.push_back(level == 0
+                                    ? matchBase(base, data->base, data->openSubdivLevel(0))
+                                    : matchChildren(refiner.level(level - 1).complex,
+                                                    data->matches.back(), refiner.refinement(level),
+                                                    data->openSubdivLevel(level - 1)));
         data->regions.push_back(
-            comparedRegion(refiner, level, data->matches.back(), data->theirLevel(level)));
+            comparedRegion(refiner, level, data->matches.back(), data->openSubdivLevel(level)));
     }
     if (refiner.maxLevel() > 0) {
         requireForTable(refiner, data->regions);
         using Factory = Far::StencilTableFactoryReal<double>;
         Factory::Options options;
         options.maxLevel = static_cast<unsigned>(refiner.maxLevel()) & 15U;
-        data->table.reset(Factory::Create(*data->theirs.refiner, options));
+        data->table.reset(Factory::Create(*data->openSubdiv.refiner, options));
         checkMemory();
     }
     data_ = std::move(data);
@@ -208,23 +212,25 @@ const std::vector<Index>& Comparison::vertices(int level) const {
 }
 
 Index Comparison::correctedCorners() const {
-    return data_->theirs.correctedCorners;
+    return data_->openSubdiv.correctedCorners;
 }
 
 StencilTable<double> Comparison::openSubdivTable(int level) const {
     if (level < 1) throw Error("OpenSubdiv has stencils of levels 1 and on");
     const std::vector<Index>& ours = vertices(level);
-    const StencilTable<double> theirs = fromOpenSubdiv(*data_->table, data_->firstRow(level),
-                                                       data_->theirLevel(level).GetNumVertices());
+    const StencilTable<double> openSubdiv = fromOpenSubdiv(
+        *data_->table, data_->firstRow(level), data_->openSubdivLevel(level).GetNumVertices());
     Array<Offset> offsets = {0};
     Array<Index> columns;
     Array<double> weights;
     for (const Index vertex : ours) {
-        const Index row = data_->theirVertex(level, vertex);
-        // Their base vertices are ours of the surface in order, so that columns still ascend.
-        for (const Index column : theirs.columns(row))
+        const Index row = data_->openSubdivVertex(level, vertex);
+        // OpenSubdiv's base vertices are our surface vertices in the same order, so that columns
+        // stay ascending.
+        for (const Index column : openSubdiv.columns(row))
             columns.push_back(data_->base.vertices[column]);
-        weights.insert(weights.end(), theirs.weights(row).begin(), theirs.weights(row).end());
+        weights.insert(weights.end(), openSubdiv.weights(row).begin(),
+                       openSubdiv.weights(row).end());
         offsets.push_back(static_cast<Offset>(columns.size()));
     }
     return StencilTable<double>(data_->ours.level(0).complex.count(0), std::move(offsets),
@@ -252,30 +258,30 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
     const std::vector<Index>& ours = vertices(level);
     std::vector<Primvar> points;
     for (const Index vertex : data_->base.vertices) points.push_back({positions[vertex]});
-    const Far::PrimvarRefinerReal<double> refiner(*data_->theirs.refiner);
+    const Far::PrimvarRefinerReal<double> refiner(*data_->openSubdiv.refiner);
     for (int k = 1; k <= level; ++k) {
-        std::vector<Primvar> next(data_->theirLevel(k).GetNumVertices());
+        std::vector<Primvar> next(data_->openSubdivLevel(k).GetNumVertices());
         Primvar* destination = next.data();
         refiner.Interpolate(k, points.data(), destination);
         points = std::move(next);
     }
     std::vector<Point3> result;
     for (const Index vertex : ours)
-        result.push_back(points[data_->theirVertex(level, vertex)].point);
+        result.push_back(points[data_->openSubdivVertex(level, vertex)].point);
     return result;
 }
 
-/// OpenSubdiv's own table, as it is, run by its own evaluator.
-std::vector<PointF> Comparison::evaluateTheirTable(int level,
-                                                   std::span<const PointF> positions) const {
+/// Evaluates OpenSubdiv's own table, unchanged, with its own evaluator.
+std::vector<PointF> Comparison::evaluateOpenSubdivTable(int level,
+                                                        std::span<const PointF> positions) const {
     std::vector<PointF> base;
     for (const Index vertex : data_->base.vertices) base.push_back(positions[vertex]);
     const OpenSubdivTable<float> table(*data_->table, data_->firstRow(level),
-                                       data_->theirLevel(level).GetNumVertices());
-    const std::vector<PointF> all = evaluateTheirs(table, base);
+                                       data_->openSubdivLevel(level).GetNumVertices());
+    const std::vector<PointF> all = evaluateWithOpenSubdiv(table, base);
     std::vector<PointF> result;
     for (const Index vertex : vertices(level))
-        result.push_back(all[data_->theirVertex(level, vertex)]);
+        result.push_back(all[data_->openSubdivVertex(level, vertex)]);
     return result;
 }
 
@@ -292,9 +298,10 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
     agreement.counts = {static_cast<Index>(region.vertices.size()),
                         static_cast<Index>(region.edges.size()),
                         static_cast<Index>(region.faces.size())};
-    agreement.openSubdivCounts = countTheirs(data_->ours.boundary(), data_->theirLevel(level));
+    agreement.openSubdivCounts =
+        countOpenSubdiv(data_->ours.boundary(), data_->openSubdivLevel(level));
     agreement.topologyDifference =
-        describeDifference(data_->ours, level, region, match, data_->theirLevel(level));
+        describeDifference(data_->ours, level, region, match, data_->openSubdivLevel(level));
     if (region.vertices.empty()) return agreement;
     if (std::any_of(region.vertices.begin(), region.vertices.end(), [&](Index vertex) {
             return !match.of({0, vertex});
@@ -306,8 +313,8 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
 
     requireForComparison(level, table.entryCount());
     const std::vector<Point3> positions = randomPositions(baseCount);
-    const StencilTable<double> theirs = openSubdivTable(level);
-    agreement.weightDifference = largestDifference(table, theirs);
+    const StencilTable<double> openSubdiv = openSubdivTable(level);
+    agreement.weightDifference = largestDifference(table, openSubdiv);
     agreement.positionDifference =
         largestDifference(evaluate<osd::ReferenceEvaluator, double>(table, positions),
                           openSubdivPoints(level, positions)) /
@@ -315,15 +322,17 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
     const std::vector<PointF> single = toSingle(positions);
     const OpenSubdivTable<float> exported(stencils::convertTable<float>(table));
     agreement.evaluatorDifference =
-        larger(largestDifference(evaluateOurs(table, single), evaluateTheirs(exported, single)),
-               largestDifference(evaluateOurs(theirs, single), evaluateTheirTable(level, single))) /
+        larger(largestDifference(evaluateWithEspalier(table, single),
+                                 evaluateWithOpenSubdiv(exported, single)),
+               largestDifference(evaluateWithEspalier(openSubdiv, single),
+                                 evaluateOpenSubdivTable(level, single))) /
         kRandomSide;
     return agreement;
 }
 
 namespace {
 
-/// A level of more faces is not drawn: its picture would be too fine to see, and its file large.
+/// A level with more faces is not drawn: its picture would be too fine, and its file large.
 constexpr std::size_t kMaxFaces = 8000;
 
 double sizeOf(std::span<const Point3> positions) {
@@ -338,11 +347,11 @@ double sizeOf(std::span<const Point3> positions) {
 
 SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Surface& region,
                        std::span<const Point3> base, std::vector<Point3> ours,
-                       std::span<const Point3> theirs) {
+                       std::span<const Point3> openSubdiv) {
     SurfaceError picture{level, std::move(ours), {}, {}, region.vertices};
     const double size = sizeOf(base);
-    for (std::size_t i = 0; i < theirs.size(); ++i) {
-        const Point3 &a = picture.positions[i], &b = theirs[i];
+    for (std::size_t i = 0; i < openSubdiv.size(); ++i) {
+        const Point3 &a = picture.positions[i], &b = openSubdiv[i];
         const double distance = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
         picture.errors.push_back(size > 0 ? distance / size : distance);
     }
@@ -369,7 +378,7 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
                       " as on a crease, although no crease passes there (corrected in its release "
                       "3.6.1); for "
                       "the comparison they are marked as corners. ");
-    // Differences of the size of single precision, in the tables.
+    // True if weights differ by the rounding of single precision.
     const bool isRounded =
         std::any_of(agreement.levels.begin(), agreement.levels.end(), [](const auto& level) {
             return level.weightDifference > Bounds().weight && level.weightDifference < 1e-6;
@@ -383,10 +392,11 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
     return note;
 }
 
-Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> positions) const {
-    if (rules == stencils::Rules::Rats || rules == stencils::Rules::Mlca)
+Agreement Comparison::compareAll(std::span<const Point3> positions) const {
+    const far::Rules rules = data_->ours.rules();
+    if (rules == far::Rules::Rats || rules == far::Rules::Mlca)
         throw Error(std::string("OpenSubdiv does not have the rules of ") +
-                    (rules == stencils::Rules::Rats ? "RATS" : "MLCA") +
+                    (rules == far::Rules::Rats ? "RATS" : "MLCA") +
                     ": there is nothing to compare");
     if (vertices(data_->maxLevel()).empty())
         throw Error(
@@ -396,7 +406,7 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
     for (int level = 1; level <= data_->maxLevel(); ++level) {
         checkMemory();
         const StencilTable<double> table =
-            stencils::buildStencils(data_->ours, level, rules, vertices(level));
+            stencils::buildStencils(data_->ours, level, vertices(level));
         checkMemory();
         agreement.levels.push_back(compare(level, table));
         checkMemory();

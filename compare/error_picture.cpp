@@ -18,12 +18,12 @@
 namespace espalier::compare {
 namespace {
 
-constexpr int kLeastExponent = -18;
+constexpr int kMinExponent = -18;
 constexpr int kMaxExponent = -6;
 
-// Anchors at equal distances. CIE lightness falls all the way, in about equal steps: 93, 83, 70, 56
-// and 42, then 42, 33 and 23. Neighbours are 19 to 27 apart in L*a*b*, the two sides of the bound
-// 90.
+// Anchors at equal distances. CIE lightness decreases in about equal steps: 93, 83, 70, 56 and 42
+// within the bound, then 42, 33 and 23. Neighbours are 19 to 27 apart in L*a*b*, the two sides of
+// the bound 90.
 constexpr std::array<Colour, 5> kWithin = {
     {{233, 239, 197}, {169, 218, 188}, {98, 184, 196}, {58, 143, 192}, {44, 100, 168}}};
 constexpr std::array<Colour, 3> kAbove = {{{178, 60, 40}, {149, 30, 55}, {107, 13, 63}}};
@@ -53,17 +53,16 @@ Colour shaded(const Colour& colour, double shade) {
 }
 
 ErrorScale::ErrorScale(double bound)
-    : logBound_(std::clamp(bound > 0 ? std::log10(bound) : kLeastExponent, kLeastExponent + 1.0,
+    : logBound_(std::clamp(bound > 0 ? std::log10(bound) : kMinExponent, kMinExponent + 1.0,
                            kMaxExponent - 1.0)) {}
 
 double ErrorScale::place(double error) const {
     const double size = std::abs(error);
     if (!(size < kMax)) return 1;
-    if (size <= kLeast) return 0;
+    if (size <= kMin) return 0;
     const double log = std::log10(size);
-    // The bracket makes it kBoundPlace, to the last bit, at the bound.
-    if (log <= logBound_)
-        return kBoundPlace * ((log - kLeastExponent) / (logBound_ - kLeastExponent));
+    // The parentheses make the result at the bound kBoundPlace, to the last bit.
+    if (log <= logBound_) return kBoundPlace * ((log - kMinExponent) / (logBound_ - kMinExponent));
     return kBoundPlace + (1 - kBoundPlace) * (log - logBound_) / (kMaxExponent - logBound_);
 }
 
@@ -79,11 +78,11 @@ Colour ErrorScale::colourAt(double at) const {
 std::vector<ErrorScale::Tick> ErrorScale::ticks(double spacing) const {
     std::vector<Tick> ticks;
     double lastLabel = 0;
-    for (int exponent = kLeastExponent; exponent <= kMaxExponent; ++exponent) {
-        // The places are taken from the text, as those of errors are from what is read.
+    for (int exponent = kMinExponent; exponent <= kMaxExponent; ++exponent) {
+        // Compute the place from the text of the number, as for errors that are read from a text.
         const std::string label = fmt::format("1e{}", exponent);
         const double at = place(std::stod(label));
-        const bool isEnd = exponent == kLeastExponent || exponent == kMaxExponent;
+        const bool isEnd = exponent == kMinExponent || exponent == kMaxExponent;
         const bool fits = at - lastLabel >= spacing && 1 - at >= spacing;
         ticks.push_back({at, isEnd || fits ? label : ""});
         if (!ticks.back().label.empty()) lastLabel = at;
@@ -99,7 +98,7 @@ bool isFinite(const Point3& p) {
     return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-/// The faces whose corners are all finite.
+/// Returns the faces whose corners are all finite.
 std::vector<SeenFace> drawableFaces(const SurfaceError& surface) {
     const auto count = static_cast<Index>(surface.positions.size());
     std::vector<SeenFace> faces;
@@ -117,11 +116,11 @@ std::vector<SeenFace> drawableFaces(const SurfaceError& surface) {
     return faces;
 }
 
-/// The positions of a surface, in a box of which no side is longer than 1 or far from the origin.
+/// A transformation of positions into a box near the origin, with sides of at most 1.
 struct Normalised {
     Vector3d centre;
-    double scale = 1;  ///< divided by before `centre` is taken off: sizes near the limits of double
-                       ///< have differences that are over them
+    double scale = 1;  ///< divides before `centre` is subtracted: coordinates near the limits of
+                       ///< double have differences that overflow
     Vector3d extent;
 
     Normalised(const SurfaceError& surface, const std::vector<SeenFace>& faces) {
@@ -147,26 +146,29 @@ struct Normalised {
     Vector3d operator()(const Point3& p) const { return divided(p) - centre; }
 };
 
-/// The axes of the picture, in space.
+/// Axes of the picture, in space.
 struct PictureFrame {
     Vector3d right;
     Vector3d up;
-    Vector3d towards;  ///< the viewer
+    Vector3d towards;  ///< towards the viewer
 };
 
-/// See viewOf().
+/// Chooses the axes as viewOf() describes.
 PictureFrame frameOf(const Vector3d& extent) {
-    std::array<int, 3> byExtent = {2, 1, 0};  // of equals z counts as the shortest: it is up then
+    // If extents are equal, z counts as the shortest: it is then up.
+    std::array<int, 3> byExtent = {2, 1, 0};
     std::stable_sort(byExtent.begin(), byExtent.end(),
                      [&](int a, int b) { return extent[a] < extent[b]; });
-    const double flatness = 1 - (extent[byExtent[1]] > 0 ? extent[byExtent[0]] / extent[byExtent[1]]
-                                                         : 1);  // 0: as thick as wide
+    // 0 if the shape is as thick as it is wide.
+    const double flatness =
+        1 - (extent[byExtent[1]] > 0 ? extent[byExtent[0]] / extent[byExtent[1]] : 1);
     const bool isFlat = flatness > 0.4;
     const bool isTallInY = byExtent[2] == 1 && extent[1] > 1.2 * extent[byExtent[1]];
     const int upAxis = isFlat ? byExtent[0] : isTallInY ? 1 : 2;
     const int across = byExtent[2] != upAxis ? byExtent[2] : byExtent[1];
 
-    // From 30 degrees right of the front; from 28 degrees above a cube, 58 above a sheet of paper.
+    // View from 30 degrees right of the front, and from 28 degrees above for a cube to 58 degrees
+    // above for a sheet of paper.
     constexpr double kDegree = std::numbers::pi / 180;
     const double azimuth = 30 * kDegree;
     const double elevation = (28 + (isFlat ? 30 * flatness : 0)) * kDegree;
@@ -181,18 +183,18 @@ PictureFrame frameOf(const Vector3d& extent) {
     return frame;
 }
 
-/// How much a face looks to a light over the viewer's left shoulder.
+/// Returns how much a face turns towards a light over the viewer's left shoulder.
 double lightOn(const std::array<Vector3d, 4>& corners) {
     // In the axes of the picture: right, up, towards the viewer.
     const Vector3d light = Vector3d(-0.45, 0.7, 0.75).normalized();
     Vector3d normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
     if (normal.z() < 0) normal = -normal;
     const double length = normal.norm();
-    if (!(length > 0)) return 1;  // no area: nothing of it is seen but its outline
+    if (!(length > 0)) return 1;  // Without area only the outline is visible.
     return std::max(0.0, normal.dot(light) / length);
 }
 
-/// Whether the outline of a face goes round a point an odd number of times.
+/// Even-odd rule: true if the outline of a face goes around a point an odd number of times.
 bool isInside(const std::array<std::array<double, 2>, 4>& loop, const std::array<double, 2>& p) {
     bool inside = false;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -215,7 +217,7 @@ SurfaceView viewOf(const SurfaceError& surface) {
 
     const Normalised normalised(surface, view.faces);
     const PictureFrame frame = frameOf(normalised.extent);
-    std::vector<Vector3d> seen;  // right, up, towards the viewer
+    std::vector<Vector3d> seen;  // Right, up, towards the viewer.
     seen.reserve(surface.positions.size());
     for (const Point3& position : surface.positions) {
         const Vector3d p = normalised(position);
@@ -262,7 +264,7 @@ Sight sightOf(const SurfaceError& surface, const SurfaceView& view, Index vertex
 
 namespace {
 
-// Lengths in px of the picture: the surface over the legend.
+// Lengths in px of the picture; the surface is above the legend.
 constexpr int kWidth = 640;
 constexpr int kHeight = 500;
 constexpr int kMargin = 16;
@@ -275,10 +277,11 @@ constexpr int kBarWidth = 510;
 constexpr int kExactLeft = 30;
 constexpr int kExactWidth = 36;
 
-/// Coordinates of the surface are whole numbers of this many a px: shorter than with a point.
+/// Coordinates of the surface are integers in units of 1/kUnits px, which are shorter than
+/// decimals.
 constexpr int kUnits = 10;
 
-/// The least brightness of a face; one that faces the light has 1.
+/// The brightness of a face edge-on to the light; a face towards the light has 1.
 constexpr double kAmbient = 0.6;
 
 std::string svg(int height, const std::string& label, const std::string& content) {
@@ -294,10 +297,10 @@ std::string text(double x, double y, const std::string& anchor, const std::strin
                        anchor, words);
 }
 
-/// From the plane of a view to the picture.
+/// Maps the plane of a view to the picture.
 class Placement {
 public:
-    /// \param top of the room for the surface, in px
+    /// \param top upper end of the room for the surface, in px
     Placement(const SurfaceView& view, int top) : middle_((top + kSurfaceHeight) / 2.0) {
         for (std::size_t k = 0; k < 2; ++k) {
             const double extent = view.max[k] - view.min[k];
@@ -308,7 +311,7 @@ public:
         if (!std::isfinite(scale_)) scale_ = 1;
     }
 
-    /// In units of 1/kUnits px.
+    /// Returns a point in units of 1/kUnits px.
     std::array<long, 2> operator()(const std::array<double, 2>& point) const {
         return {std::lround(((point[0] - from_[0]) * scale_ + kWidth / 2.0) * kUnits),
                 std::lround(((point[1] - from_[1]) * scale_ + middle_) * kUnits)};
@@ -320,12 +323,12 @@ private:
     std::array<double, 2> from_ = {};
 };
 
-/// "3-4": two numbers of a path, the second set apart by its sign where it has one.
+/// Appends "3-4": two numbers of a path, separated by a space or the sign of the second.
 void appendPair(std::string& path, const std::array<long, 2>& pair) {
     fmt::format_to(std::back_inserter(path), "{}{}{}", pair[0], pair[1] < 0 ? "" : " ", pair[1]);
 }
 
-/// Strokes of the faces' own colours close the hairlines that would show between neighbours.
+/// Draws the faces. Strokes in each face's own colour close the hairlines between neighbours.
 std::string drawnFaces(const SurfaceError& surface, const SurfaceView& view,
                        const Placement& placement, const ErrorScale& scale) {
     std::string group = fmt::format(
@@ -337,7 +340,7 @@ std::string drawnFaces(const SurfaceError& surface, const SurfaceView& view,
         double error = 0;
         for (const Index corner : face) {
             const double e = std::abs(surface.errors[corner]);
-            // What is not a number counts as the largest.
+            // NaN counts as the largest.
             if (!(e <= error) && !std::isnan(error)) error = e;
         }
         const Colour colour = shaded(scale.colour(error), std::lerp(kAmbient, 1.0, seen.light));
@@ -356,7 +359,7 @@ std::string drawnFaces(const SurfaceError& surface, const SurfaceView& view,
     return group;
 }
 
-/// Two strokes, one of them light, so that it shows on every colour.
+/// Two strokes, a dark one on a light one, so that the ring is visible on every colour.
 std::string ring(const std::array<long, 2>& centre, bool isHidden) {
     const std::string circle = fmt::format(
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"9\" fill=\"none\"{}",
@@ -378,7 +381,8 @@ std::string legend(const ErrorScale& scale, double bound, double largest) {
     block(kExactLeft, kExactWidth, ErrorScale::kExact);
     content += text(kExactLeft + kExactWidth / 2.0, kBarBottom + 18, "middle", "0");
     constexpr double kStep = static_cast<double>(kBarWidth) / kSteps;
-    // Each is drawn to the end of the bar, and the next over it: no gaps here either.
+    // Each step is drawn to the end of the bar, and the next one over it, so that there are no
+    // gaps.
     for (int i = 0; i < kSteps; ++i)
         block(kBarLeft + i * kStep, kBarWidth - i * kStep, scale.colourAt((i + 0.5) / kSteps));
     for (const ErrorScale::Tick& tick : scale.ticks(0.085)) {
@@ -406,7 +410,7 @@ std::string legend(const ErrorScale& scale, double bound, double largest) {
     return content;
 }
 
-/// What is not as it should be, a line each.
+/// Returns a line of text for each irregularity of a surface.
 std::vector<std::string> remarks(const SurfaceError& surface, const SurfaceView& view) {
     std::vector<std::string> lines;
     const std::size_t left = surface.faces.size() - view.faces.size();

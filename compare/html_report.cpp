@@ -13,7 +13,7 @@
 namespace espalier::compare {
 namespace {
 
-/// How a report looks. Holds no '<' and no '&', so that the page is well-formed.
+/// Style of a report. It has no '<' and no '&', so that the page is well-formed.
 constexpr const char* kReportStyle = R"(
 :root {
   color-scheme: light dark;
@@ -109,7 +109,7 @@ figcaption strong { color: var(--text); font-size: 1rem; overflow-wrap: anywhere
 }
 )";
 
-/// One of the numbers that are measured at each level.
+/// One of the differences that are measured at each level.
 struct Measure {
     const char* name;
     double LevelAgreement::*value;
@@ -128,7 +128,7 @@ constexpr Measure kMeasures[] = {
      "The largest distance, measured as for positions, between the results of the two evaluators "
      "for the same stencil table. OpenSubdiv's evaluator computes in single precision."}};
 
-/// Also of what is not a number.
+/// True also for NaN.
 bool isOver(const Measure& measure, const LevelAgreement& level, const Bounds& bounds) {
     return !(level.*measure.value <= bounds.*measure.bound);
 }
@@ -142,14 +142,14 @@ bool hasPicture(const ReportedShape& shape) {
     return !shape.agreement.picture.faces.empty();
 }
 
-/// The name of a shape, as a link to its picture if it has one.
+/// Returns the name of a shape, with a link to its picture if there is one.
 std::string linkedName(const Report& report, std::size_t index) {
     const ReportedShape& shape = report.shapes[index];
     const std::string name = escaped(shape.name);
     return hasPicture(shape) ? fmt::format("<a href=\"#shape-{}\">{}</a>", index + 1, name) : name;
 }
 
-/// What is counted for the verdict.
+/// Counts for the verdict.
 struct Totals {
     std::size_t levels = 0;
     std::size_t levelsOver = 0;
@@ -196,7 +196,7 @@ std::string verdict(const Report& report) {
                      fmt::format("{}, all within the bounds.", compared));
 }
 
-/// The largest of a number over all shapes and levels, and where it is.
+/// Returns the row with the largest value of a measure over all shapes and levels, and where it is.
 std::string largestRow(const Report& report, const Measure& measure) {
     std::optional<std::size_t> shape;
     LevelAgreement largest;
@@ -205,7 +205,7 @@ std::string largestRow(const Report& report, const Measure& measure) {
         for (const LevelAgreement& level : report.shapes[i].agreement.levels) {
             isBad = isBad || isOver(measure, level, report.bounds);
             const double value = level.*measure.value;
-            // What is not a number counts as the largest.
+            // NaN counts as the largest.
             if (std::isnan(largest.*measure.value) || value <= largest.*measure.value) continue;
             largest = level;
             shape = i;
@@ -242,11 +242,11 @@ children, never by position.</p>
         rows);
 }
 
-std::string countCell(Index ours, Index theirs) {
+std::string countCell(Index ours, Index openSubdiv) {
     std::string cell = grouped(ours);
-    if (ours != theirs)
-        cell += fmt::format("<span class=\"theirs\">OpenSubdiv: {}</span>", grouped(theirs));
-    return fmt::format("<td class=\"number{}\">{}</td>", ours != theirs ? " bad" : "", cell);
+    if (ours != openSubdiv)
+        cell += fmt::format("<span class=\"theirs\">OpenSubdiv: {}</span>", grouped(openSubdiv));
+    return fmt::format("<td class=\"number{}\">{}</td>", ours != openSubdiv ? " bad" : "", cell);
 }
 
 std::string levelCells(const LevelAgreement& level, const Bounds& bounds) {
@@ -269,7 +269,7 @@ std::string levelCells(const LevelAgreement& level, const Bounds& bounds) {
     return cells;
 }
 
-/// A group of rows: the levels of a shape, and why there are not more.
+/// Returns a group of rows: the levels of a shape, and the failure that ended them, if any.
 std::string shapeRows(const Report& report, std::size_t index) {
     const ReportedShape& shape = report.shapes[index];
     const std::string failure = failureOf(shape);
@@ -313,7 +313,7 @@ std::string allLevels(const Report& report) {
 
 std::string positionText(const Point3& p) {
     const double size = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
-    // What is left of rounding reads as 0.
+    // Values within rounding are shown as 0.
     const auto shown = [&](double x) { return std::abs(x) < 1e-9 * size ? 0 : x; };
     return fmt::format("({:.4g}, {:.4g}, {:.4g})", shown(p[0]), shown(p[1]), shown(p[2]));
 }

@@ -7,31 +7,32 @@
 #include <string>
 #include <vector>
 
+// Writes an HTML report of comparisons with OpenSubdiv.
 namespace espalier::compare {
 
 struct ReportedShape {
     std::string name = {};
     Agreement agreement = {};
-    std::string failure = {};  ///< why it could not be compared; empty if it was
+    std::string failure = {};  ///< reason why the shape could not be compared; empty if it was
 };
 
 struct Report {
     std::string title = {};
-    std::string command = {};  ///< that the report was made by
+    std::string command = {};  ///< the command that made the report
     Bounds bounds = {};
     std::string openSubdivVersion = {};
     std::vector<ReportedShape> shapes = {};
 };
 
-/// A page (HTML 5, and well-formed XML) that needs nothing from outside and no scripts: the
-/// verdict; the largest differences beside their bounds; a table of all shapes and levels; and a
-/// picture of the errors over each shape that has one, that is, whose `picture` has faces.
+/// Returns a page (HTML 5, and well-formed XML) that needs no external resources and no scripts. It
+/// has the verdict; the largest differences beside their bounds; a table of all shapes and levels;
+/// and a picture of the errors over each shape whose `picture` has faces.
 ///
-/// It depends on the report alone, and holds no date: the same report gives the same bytes. A shape
-/// that has neither a failure nor levels counts as one that could not be compared.
+/// The page depends on the report only, and has no date: the same report gives the same bytes. A
+/// shape with neither a failure nor levels counts as not comparable.
 ///
-/// \throws Error as errorPicture() does
-/// \cost   O(size of the page): 60 to 70 bytes a face of a picture, 1 kB a level
+/// \throws Error as errorPicture()
+/// \cost   O(size of the page): 60 to 70 bytes per face of a picture, 1 kB per level
 ESPALIER_API std::string htmlReport(const Report& report);
 
 }  // namespace espalier::compare

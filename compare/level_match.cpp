@@ -51,7 +51,7 @@ namespace Far = OpenSubdiv::Far;
 
 LevelMatch emptyMatch(const far::CellComplex& complex) {
     LevelMatch match;
-    for (int d = 0; d <= 2; ++d) match.theirs[d].resize(complex.count(d));
+    for (int d = 0; d <= 2; ++d) match.numbers[d].resize(complex.count(d));
     return match;
 }
 
@@ -59,15 +59,15 @@ bool contains(Far::ConstIndexArray row, Index value) {
     return std::find(row.begin(), row.end(), value) != row.end();
 }
 
-/// Which corner and which edge of their face stands for each of ours. Side i of a loop runs from
-/// corner i to corner i + 1.
+/// For each corner and edge of our face, the corner and edge of the matching face. Side i of a loop
+/// runs from corner i to corner i + 1.
 struct FaceAlignment {
     std::vector<std::size_t> corners, sides;
 };
 
-/// Lays our face on theirs, corner on corner.
+/// Aligns our face with OpenSubdiv's, corner by corner.
 FaceAlignment align(const far::CellComplex& complex, Index face, const LevelMatch& match,
-                    Far::ConstIndexArray theirLoop) {
+                    Far::ConstIndexArray openSubdivLoop) {
     const auto ours = complex.relation(2, 0)[face];
     const std::size_t n = ours.size();
     const bool isReversed = isWoundInward(complex, face);
@@ -78,7 +78,7 @@ FaceAlignment align(const far::CellComplex& complex, Index face, const LevelMatc
             alignment.corners[i] = (start + (isReversed ? n - i : i)) % n;
             alignment.sides[i] =
                 isReversed ? (alignment.corners[i] + n - 1) % n : alignment.corners[i];
-            fits = match.of({0, ours[i]}) == theirLoop[static_cast<int>(alignment.corners[i])];
+            fits = match.of({0, ours[i]}) == openSubdivLoop[static_cast<int>(alignment.corners[i])];
         }
         if (fits) break;
     }
@@ -88,30 +88,31 @@ FaceAlignment align(const far::CellComplex& complex, Index face, const LevelMatc
 }  // namespace
 
 LevelMatch matchBase(const far::CellComplex& complex, const Surface& surface,
-                     const Far::TopologyLevel& theirs) {
+                     const Far::TopologyLevel& openSubdiv) {
     LevelMatch match = emptyMatch(complex);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i)
-        match.theirs[0][surface.vertices[i]] = static_cast<Index>(i);
+        match.numbers[0][surface.vertices[i]] = static_cast<Index>(i);
     for (std::size_t i = 0; i < surface.faces.size(); ++i)
-        match.theirs[2][surface.faces[i]] = static_cast<Index>(i);
-    // Edges as the sides of faces: their ends may not tell them apart.
+        match.numbers[2][surface.faces[i]] = static_cast<Index>(i);
+    // Match edges as sides of faces: their ends may not be unique.
     for (const Index face : surface.faces) {
-        const Index theirFace = *match.of({2, face});
+        const Index openSubdivFace = *match.of({2, face});
         const FaceAlignment alignment =
-            align(complex, face, match, theirs.GetFaceVertices(theirFace));
+            align(complex, face, match, openSubdiv.GetFaceVertices(openSubdivFace));
         const auto edges = complex.relation(2, 1)[face];
         for (std::size_t i = 0; i < edges.size(); ++i)
-            match.theirs[1][edges[i]] =
-                theirs.GetFaceEdges(theirFace)[static_cast<int>(alignment.sides[i])];
+            match.numbers[1][edges[i]] =
+                openSubdiv.GetFaceEdges(openSubdivFace)[static_cast<int>(alignment.sides[i])];
     }
     return match;
 }
 
 LevelMatch matchChildren(const far::CellComplex& parent, const LevelMatch& match,
-                         const far::Refinement& refinement, const Far::TopologyLevel& theirParent) {
+                         const far::Refinement& refinement,
+                         const Far::TopologyLevel& openSubdivParent) {
     LevelMatch result = emptyMatch(refinement.child());
-    // Children come by upper end, and in it by the position of the lower one. Of the latter some
-    // may have been left out.
+    // Children are ordered by upper end, and within it by the position of the lower end among its
+    // candidates. Some of these may have been left out.
     std::pair<int, Entity> family;
     std::span<const Index> lowerEnds;
     std::size_t next = 0;
@@ -126,43 +127,44 @@ LevelMatch matchChildren(const far::CellComplex& parent, const LevelMatch& match
             lowerEnds = parent.relation(upper.dimension, lower.dimension)[upper.index];
             next = 0;
             if (upper.dimension == 2 && child.dimension > 0)
-                alignment = align(parent, upper.index, match, theirParent.GetFaceVertices(*whole));
+                alignment =
+                    align(parent, upper.index, match, openSubdivParent.GetFaceVertices(*whole));
         }
         while (lowerEnds[next] != lower.index) ++next;
         const std::size_t position = next++;
 
-        Index theirs = Far::INDEX_INVALID;
+        Index number = Far::INDEX_INVALID;
         if (child.dimension == 0) {
-            theirs = upper.dimension == 0   ? theirParent.GetVertexChildVertex(*whole)
-                     : upper.dimension == 1 ? theirParent.GetEdgeChildVertex(*whole)
-                                            : theirParent.GetFaceChildVertex(*whole);
+            number = upper.dimension == 0   ? openSubdivParent.GetVertexChildVertex(*whole)
+                     : upper.dimension == 1 ? openSubdivParent.GetEdgeChildVertex(*whole)
+                                            : openSubdivParent.GetFaceChildVertex(*whole);
         } else if (child.dimension == 2) {
-            theirs = theirParent.GetFaceChildFaces(
+            number = openSubdivParent.GetFaceChildFaces(
                 *whole)[static_cast<int>(alignment.corners[position])];
         } else if (upper.dimension == 2) {
-            theirs =
-                theirParent.GetFaceChildEdges(*whole)[static_cast<int>(alignment.sides[position])];
+            number = openSubdivParent.GetFaceChildEdges(
+                *whole)[static_cast<int>(alignment.sides[position])];
         } else {
             const bool isReversed =
-                match.of({0, lowerEnds[0]}) != theirParent.GetEdgeVertices(*whole)[0];
-            theirs = theirParent.GetEdgeChildEdges(
+                match.of({0, lowerEnds[0]}) != openSubdivParent.GetEdgeVertices(*whole)[0];
+            number = openSubdivParent.GetEdgeChildEdges(
                 *whole)[static_cast<int>(isReversed ? 1 - position : position)];
         }
-        if (Far::IndexIsValid(theirs)) result.theirs[child.dimension][child.index] = theirs;
+        if (Far::IndexIsValid(number)) result.numbers[child.dimension][child.index] = number;
     });
     return result;
 }
 
 Surface comparedRegion(const far::TopologyRefiner& refiner, int level, const LevelMatch& match,
-                       const Far::TopologyLevel& theirs) {
+                       const Far::TopologyLevel& openSubdiv) {
     const far::CellComplex& complex = refiner.level(level).complex;
     Surface surface = surfaceOf(complex);
     if (refiner.boundary() != far::Boundary::Open) return surface;
     std::array<std::vector<char>, 2> isKept = {std::vector<char>(complex.count(0), 0),
                                                std::vector<char>(complex.count(1), 0)};
     std::erase_if(surface.faces, [&](Index face) {
-        const std::optional<Index> theirFace = match.of({2, face});
-        return !theirFace || theirs.IsFaceHole(*theirFace);
+        const std::optional<Index> openSubdivFace = match.of({2, face});
+        return !openSubdivFace || openSubdiv.IsFaceHole(*openSubdivFace);
     });
     for (const Index face : surface.faces)
         for (int d = 0; d < 2; ++d)
@@ -172,16 +174,16 @@ Surface comparedRegion(const far::TopologyRefiner& refiner, int level, const Lev
     return surface;
 }
 
-std::array<Index, 3> countTheirs(far::Boundary boundary, const Far::TopologyLevel& theirs) {
+std::array<Index, 3> countOpenSubdiv(far::Boundary boundary, const Far::TopologyLevel& openSubdiv) {
     if (boundary != far::Boundary::Open)
-        return {theirs.GetNumVertices(), theirs.GetNumEdges(), theirs.GetNumFaces()};
-    std::vector<char> vertices(theirs.GetNumVertices(), 0), edges(theirs.GetNumEdges(), 0);
+        return {openSubdiv.GetNumVertices(), openSubdiv.GetNumEdges(), openSubdiv.GetNumFaces()};
+    std::vector<char> vertices(openSubdiv.GetNumVertices(), 0), edges(openSubdiv.GetNumEdges(), 0);
     std::array<Index, 3> counts = {};
-    for (Index face = 0; face < theirs.GetNumFaces(); ++face) {
-        if (theirs.IsFaceHole(face)) continue;
+    for (Index face = 0; face < openSubdiv.GetNumFaces(); ++face) {
+        if (openSubdiv.IsFaceHole(face)) continue;
         ++counts[2];
-        for (const Index vertex : theirs.GetFaceVertices(face)) vertices[vertex] = 1;
-        for (const Index edge : theirs.GetFaceEdges(face)) edges[edge] = 1;
+        for (const Index vertex : openSubdiv.GetFaceVertices(face)) vertices[vertex] = 1;
+        for (const Index edge : openSubdiv.GetFaceEdges(face)) edges[edge] = 1;
     }
     counts[0] = static_cast<Index>(std::count(vertices.begin(), vertices.end(), 1));
     counts[1] = static_cast<Index>(std::count(edges.begin(), edges.end(), 1));
@@ -190,42 +192,43 @@ std::array<Index, 3> countTheirs(far::Boundary boundary, const Far::TopologyLeve
 
 namespace {
 
-/// Looks for differences between a level and its match.
+/// Finds the first difference between a level and its match.
 class Inspector {
 public:
     Inspector(const far::TopologyRefiner& refiner, int level, const LevelMatch& match,
-              const Far::TopologyLevel& theirs)
+              const Far::TopologyLevel& openSubdiv)
         : level_(refiner.level(level)),
           isOpen_(refiner.boundary() == far::Boundary::Open),
           match_(match),
-          theirs_(theirs) {}
+          openSubdiv_(openSubdiv) {}
 
     std::string inspect(const Surface& region) const {
         const std::array<std::span<const Index>, 3> entities = {region.vertices, region.edges,
                                                                 region.faces};
         for (int d = 0; d <= 2; ++d) {
-            std::vector<char> isTaken(d == 0   ? theirs_.GetNumVertices()
-                                      : d == 1 ? theirs_.GetNumEdges()
-                                               : theirs_.GetNumFaces(),
+            std::vector<char> isTaken(d == 0   ? openSubdiv_.GetNumVertices()
+                                      : d == 1 ? openSubdiv_.GetNumEdges()
+                                               : openSubdiv_.GetNumFaces(),
                                       0);
             for (const Index index : entities[d]) {
-                const std::optional<Index> theirs = match_.of({d, index});
-                if (!theirs) return name({d, index}) + " has no match in OpenSubdiv's level";
-                if (isTaken[*theirs]++)
+                const std::optional<Index> match = match_.of({d, index});
+                if (!match) return name({d, index}) + " has no match in OpenSubdiv's level";
+                if (isTaken[*match]++)
                     return concat(name({d, index}),
                                   " has the same match in OpenSubdiv's level as another one, ",
-                                  *theirs);
+                                  *match);
             }
         }
-        // OpenSubdiv's holes without boundary control are not in the region; ours must be among
+        // Under Boundary::Open, OpenSubdiv's holes are not in the region; our holes must be among
         // them.
         if (isOpen_)
             for (const Index hole : level_.holes) {
-                const std::optional<Index> theirs = match_.of({2, hole});
-                if (theirs && !theirs_.IsFaceHole(*theirs))
+                const std::optional<Index> match = match_.of({2, hole});
+                if (match && !openSubdiv_.IsFaceHole(*match))
                     return name({2, hole}) + " is a hole; in OpenSubdiv it is not";
             }
-        // Faces first: what differs in their vertices need not be told of the latter's features.
+        // Inspect faces first: if their vertices differ, the features of the vertices are less
+        // important.
         for (int d = 2; d >= 0; --d)
             for (const Index index : entities[d]) {
                 const std::string text = d == 0   ? inspectVertex(index)
@@ -243,22 +246,22 @@ private:
         return concat(dimensionName(entity.dimension), " ", entity.index);
     }
 
-    /// Sharpness as OpenSubdiv has it, where infinite is 10.
+    /// Returns the sharpness as OpenSubdiv stores it, where infinite is 10.
     float sharpness(Entity entity) const {
         return std::min(level_.strata.sharpness(entity), static_cast<float>(far::kLeastInfinite));
     }
 
-    /// Sums of three or more semi-sharp values are rounded as their order has it (marks.h):
-    /// that is not a difference of features.
-    static bool isSameSharpness(float ours, float theirs) {
+    /// Sums of three or more semi-sharp values are rounded in the order of summation (marks.h):
+    /// this is not a difference of features.
+    static bool isSameSharpness(float ours, float openSubdiv) {
         constexpr float kRounding = 8 * std::numeric_limits<float>::epsilon();
-        return std::abs(ours - theirs) <= kRounding * std::max(ours, theirs);
+        return std::abs(ours - openSubdiv) <= kRounding * std::max(ours, openSubdiv);
     }
 
-    static std::string differ(float ours, float theirs) {
+    static std::string differ(float ours, float openSubdiv) {
         std::ostringstream text;
         text.precision(std::numeric_limits<float>::max_digits10);
-        text << "has sharpness " << ours << "; in OpenSubdiv " << theirs;
+        text << "has sharpness " << ours << "; in OpenSubdiv " << openSubdiv;
         return text.str();
     }
 
@@ -270,10 +273,10 @@ private:
         using Rule = OpenSubdiv::Sdc::Crease::Rule;
         const Entity entity{0, vertex};
         if (level_.strata.isOpen(entity)) return {};
-        const Index theirs = *match_.of(entity);
-        if (!isSameSharpness(sharpness(entity), theirs_.GetVertexSharpness(theirs)))
-            return differ(sharpness(entity), theirs_.GetVertexSharpness(theirs));
-        const Rule rule = theirs_.GetVertexRule(theirs);
+        const Index match = *match_.of(entity);
+        if (!isSameSharpness(sharpness(entity), openSubdiv_.GetVertexSharpness(match)))
+            return differ(sharpness(entity), openSubdiv_.GetVertexSharpness(match));
+        const Rule rule = openSubdiv_.GetVertexRule(match);
         const int stratum = rule == Rule::RULE_CORNER ? 0 : rule == Rule::RULE_CREASE ? 1 : 2;
         if (level_.strata.of(entity) != stratum)
             return concat("lies ", kPlaces[level_.strata.of(entity)], "; in OpenSubdiv ",
@@ -283,32 +286,32 @@ private:
 
     std::string inspectEdge(Index edge) const {
         const Entity entity{1, edge};
-        const Index theirs = *match_.of(entity);
+        const Index match = *match_.of(entity);
         for (const Index end : level_.complex.relation(1, 0)[edge])
-            if (!contains(theirs_.GetEdgeVertices(theirs), *match_.of({0, end})))
+            if (!contains(openSubdiv_.GetEdgeVertices(match), *match_.of({0, end})))
                 return concat("ends in vertex ", end, "; in OpenSubdiv it does not");
         if (!level_.strata.isOpen(entity) &&
-            !isSameSharpness(sharpness(entity), theirs_.GetEdgeSharpness(theirs)))
-            return differ(sharpness(entity), theirs_.GetEdgeSharpness(theirs));
+            !isSameSharpness(sharpness(entity), openSubdiv_.GetEdgeSharpness(match)))
+            return differ(sharpness(entity), openSubdiv_.GetEdgeSharpness(match));
         return {};
     }
 
     std::string inspectFace(Index face) const {
-        const Index theirs = *match_.of({2, face});
+        const Index match = *match_.of({2, face});
         std::vector<Index> loop = surfaceLoop(level_.complex, face);
         for (Index& vertex : loop) vertex = *match_.of({0, vertex});
-        const Far::ConstIndexArray theirLoop = theirs_.GetFaceVertices(theirs);
-        // The same cycle, wherever it starts.
+        const Far::ConstIndexArray openSubdivLoop = openSubdiv_.GetFaceVertices(match);
+        // The loops must be the same cycle, with any start.
         std::size_t turns = 0;
-        while (turns < loop.size() &&
-               !std::equal(loop.begin(), loop.end(), theirLoop.begin(), theirLoop.end())) {
+        while (turns < loop.size() && !std::equal(loop.begin(), loop.end(), openSubdivLoop.begin(),
+                                                  openSubdivLoop.end())) {
             std::rotate(loop.begin(), loop.begin() + 1, loop.end());
             ++turns;
         }
         if (turns == loop.size())
             return "has other vertices than in OpenSubdiv, or in another order";
         const bool isHole = std::binary_search(level_.holes.begin(), level_.holes.end(), face);
-        if (!isOpen_ && isHole != theirs_.IsFaceHole(theirs))
+        if (!isOpen_ && isHole != openSubdiv_.IsFaceHole(match))
             return isHole ? "is a hole; in OpenSubdiv it is not"
                           : "is not a hole; in OpenSubdiv it is";
         return {};
@@ -317,15 +320,15 @@ private:
     const far::Level& level_;
     bool isOpen_;
     const LevelMatch& match_;
-    const Far::TopologyLevel& theirs_;
+    const Far::TopologyLevel& openSubdiv_;
 };
 
 }  // namespace
 
 std::string describeDifference(const far::TopologyRefiner& refiner, int level,
                                const Surface& region, const LevelMatch& match,
-                               const Far::TopologyLevel& theirs) {
-    return Inspector(refiner, level, match, theirs).inspect(region);
+                               const Far::TopologyLevel& openSubdiv) {
+    return Inspector(refiner, level, match, openSubdiv).inspect(region);
 }
 
 }  // namespace espalier::compare

@@ -25,7 +25,7 @@ std::string levelsTo(int level) {
 
 void requireForLevels(std::size_t cornerCount, int maxLevel) {
     // A face, with its share of two edges and one vertex, takes 177 bytes in the arrays of
-    // OpenSubdiv's levels and 36 in the links from parents to children (214 measured, 131,000
+    // OpenSubdiv's levels and 36 in the links from parents to children (214 measured, for 131,000
     // faces).
     constexpr std::uint64_t kFaceBytes = 200;
     std::uint64_t faceCount = 0, ofLevel = cornerCount;
@@ -38,21 +38,21 @@ void requireForMatch(const far::TopologyRefiner& refiner, int level) {
     std::uint64_t bytes = 0;
     for (int d = 0; d <= 2; ++d)
         bytes += sizeof(std::optional<Index>) * static_cast<std::uint64_t>(complex.count(d));
-    // Face → vertices: offsets, values, and the values once more while they are gathered.
+    // Face → vertices: offsets, values, and a copy of the values while they are collected.
     const std::uint64_t offsets = sizeof(Offset) * static_cast<std::uint64_t>(complex.count(2));
     const auto valuesOf = [&](int dimension) {
         return sizeof(Index) * complex.boundary(dimension).unsignedRows().values().size();
     };
     bytes += offsets + 2 * valuesOf(2);
-    // Face → cells: offsets and values, held meanwhile.
+    // Face → cells: offsets and values, which exist at the same time.
     if (complex.dimension() == 3) bytes += offsets + valuesOf(3);
     requireMemory(bytes, concat("matching level ", level, " with OpenSubdiv's"));
 }
 
 void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surface> regions) {
     const int maxLevel = static_cast<int>(regions.size()) - 1;
-    // Rows have no fewer entries on later levels: a new point has those of all points that it is a
-    // mean of. After two levels they are nearly as long as they become.
+    // Rows get longer with the level: a new point has the entries of all points that it is a mean
+    // of. After two levels they have nearly their final length.
     int countedLevels = 0;
     double entryCount = 0, rowLength = 0;
     for (int level = 1; level <= maxLevel; ++level) {
@@ -60,23 +60,22 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
         if (vertices.empty()) continue;
         const auto rowCount = static_cast<double>(vertices.size());
         if (++countedLevels <= 2)
-            rowLength =
-                static_cast<double>(
-                    stencils::buildStencils(refiner, level, stencils::Rules::Siggraph96, vertices)
-                        .entryCount()) /
-                rowCount;
+            rowLength = static_cast<double>(
+                            stencils::buildStencils(refiner, level, vertices).entryCount()) /
+                        rowCount;
         entryCount += rowLength * rowCount;
     }
-    // OpenSubdiv's factory gathers a source, a destination and a weight for each entry, and copies
-    // them to a table of sources and weights (29 bytes an entry measured, 4 million entries).
+    // OpenSubdiv's factory collects a source, a destination and a weight for each entry, and copies
+    // sources and weights to a table (29 bytes per entry measured, for 4 million entries).
     constexpr std::uint64_t kEntryBytes = 2 * (sizeof(int) + sizeof(double)) + sizeof(int);
     requireMemory(kEntryBytes * static_cast<std::uint64_t>(entryCount),
                   "OpenSubdiv's stencil table of " + levelsTo(maxLevel));
 }
 
 void requireForComparison(int level, Offset entryCount) {
-    // OpenSubdiv's rows over our columns in double precision, while those over theirs are there;
-    // then, in their place, each table for the evaluators, in single precision, and its copy.
+    // First OpenSubdiv's rows over our columns in double precision, together with those over
+    // OpenSubdiv's columns; then, in place of the latter, each evaluator's table in single
+    // precision and its copy.
     constexpr std::uint64_t kEntryBytes =
         sizeof(Index) + sizeof(double) +
         std::max(sizeof(Index) + sizeof(double), 2 * (sizeof(int) + sizeof(float)));
@@ -89,10 +88,10 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-/// OpenSubdiv keeps a sharpness infinite from here on, at every level.
+/// OpenSubdiv treats a sharpness from this value on as infinite, at every level.
 constexpr auto kInfinite = static_cast<float>(far::kLeastInfinite);
 
-/// What a Far::TopologyDescriptor points to.
+/// The arrays that a Far::TopologyDescriptor points to.
 struct Description {
     std::vector<int> faceSizes, faceVertices;
     std::vector<int> creasePairs, corners, holes;
@@ -125,8 +124,8 @@ struct Description {
     }
 };
 
-/// The sharpness that a lattice has by hand or by rule, as marks. What its topology dictates
-/// besides is left for OpenSubdiv to find.
+/// Returns the sharpness that marks or rules give to a lattice, as marks. OpenSubdiv finds the
+/// rest, which follows from topology, itself.
 far::MarkedSharpness chosenSharpness(const far::TopologyRefiner& refiner, const Surface& surface) {
     const far::CellComplex& complex = refiner.level(0).complex;
     const far::Strata& strata = refiner.level(0).strata;
@@ -203,9 +202,9 @@ std::unique_ptr<Far::TopologyRefiner> create(const Description& description,
     return refiner;
 }
 
-/// Whether the faces at a vertex form a non-manifold crease as OpenSubdiv has it since release
-/// 3.6.1: sets of faces that all run from the one to the other of two edges, which have as many
-/// faces. Found from OpenSubdiv's own relations.
+/// True if the faces at a vertex form a non-manifold crease by the definition of OpenSubdiv 3.6.1
+/// and later: the faces form sets that run from one of two edges to the other, and both edges have
+/// the same number of faces. Computed from OpenSubdiv's own relations.
 bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
     std::vector<int> creaseEdges;
     for (const int edge : level.GetVertexEdges(vertex)) {
@@ -217,7 +216,7 @@ bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
     if (creaseEdges.size() != 2 ||
         level.GetEdgeFaces(creaseEdges[0]).size() != level.GetEdgeFaces(creaseEdges[1]).size())
         return false;
-    // The other edge of a face at the vertex.
+    // Returns the other edge of a face at the vertex.
     const auto across = [&](int face, int edge) {
         for (const int other : level.GetFaceEdges(face)) {
             const auto ends = level.GetEdgeVertices(other);
@@ -228,7 +227,7 @@ bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
     int faceCount = 0;
     for (int face : level.GetEdgeFaces(creaseEdges[0])) {
         int edge = creaseEdges[0];
-        // A walk that does not end has passed more faces than there are.
+        // A walk that does not end visits more faces than the vertex has.
         while (faceCount++ <= level.GetVertexFaces(vertex).size()) {
             edge = across(face, edge);
             if (level.IsEdgeNonManifold(edge)) break;
@@ -240,7 +239,8 @@ bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
     return faceCount == level.GetVertexFaces(vertex).size();
 }
 
-/// Vertices that a release of OpenSubdiv before 3.6.1 takes for non-manifold creases wrongly.
+/// Returns the vertices that releases of OpenSubdiv before 3.6.1 wrongly treat as non-manifold
+/// creases.
 std::vector<int> misjudgedCorners(const Far::TopologyRefiner& refiner) {
     std::vector<int> vertices;
     const Far::TopologyLevel& base = refiner.GetLevel(0);
@@ -251,8 +251,8 @@ std::vector<int> misjudgedCorners(const Far::TopologyRefiner& refiner) {
     return vertices;
 }
 
-/// OpenSubdiv counts what is around a face, an edge or a vertex in 16 bits, and prints what is
-/// more.
+/// Throws for entities with too many neighbours: OpenSubdiv counts them in 16 bits, and only prints
+/// a warning if there are more.
 void checkValences(const far::CellComplex& complex, const Surface& surface) {
     const auto check = [&](Entity entity, int around) {
         const std::size_t count = complex.relation(entity.dimension, around)[entity.index].size();

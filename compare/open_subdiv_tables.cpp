@@ -25,8 +25,8 @@ OpenSubdivTable<Real>::OpenSubdivTable(const stencils::StencilTable<Real>& table
 
 namespace {
 
-/// Position of the first entry of a row. By the sizes: GetOffsets() may be left out, and
-/// GetWeights() may be longer than the indices.
+/// Returns the position of the first entry of a row. It adds up the sizes, since GetOffsets() may
+/// be omitted and GetWeights() may be longer than the indices.
 template <class Real>
 Offset firstEntry(const OpenSubdiv::Far::StencilTableReal<Real>& table, Index first, Index count) {
     if (first < 0 || count < 0 || first > table.GetNumStencils() - count)

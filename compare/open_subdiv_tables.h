@@ -9,18 +9,19 @@
 
 namespace espalier::compare {
 
-/// A table in the form in which OpenSubdiv's evaluators take one: a STENCIL_TABLE of the templates
-/// Osd::CpuEvaluator::EvalStencils and its like. (A Far::StencilTable itself can be made by
-/// OpenSubdiv's factories only.)
+/// A table in the form that OpenSubdiv's evaluators take: it models STENCIL_TABLE of the templates
+/// Osd::CpuEvaluator::EvalStencils and the like. (Only OpenSubdiv's factories can make a
+/// Far::StencilTable.)
 template <class Real>
 class ESPALIER_API OpenSubdivTable {
 public:
-    /// \throws Error if the table has more entries than OpenSubdiv's offsets count (2³¹ − 1)
-    /// \cost O(entries); a copy
+    /// Copies one of our tables.
+    /// \throws Error if the table has more entries than OpenSubdiv's offsets can count (2³¹ − 1)
+    /// \cost O(entries)
     explicit OpenSubdivTable(const stencils::StencilTable<Real>& table);
 
-    /// Rows `first` to `first` + `count` − 1 of one of OpenSubdiv's own tables in double precision,
-    /// entry by entry as they are there, weights rounded.
+    /// Copies rows `first` to `first` + `count` − 1 of one of OpenSubdiv's tables in double
+    /// precision, in the same order, with rounded weights.
     /// \throws Error if the table does not have these rows
     OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<double>& table, Index first,
                     Index count);
@@ -39,8 +40,8 @@ private:
     std::vector<Real> weights_;
 };
 
-/// Rows `first` to `first` + `count` − 1 of one of OpenSubdiv's tables, columns ascending. Weights
-/// of a control vertex that is named twice in a row are added.
+/// Converts rows `first` to `first` + `count` − 1 of one of OpenSubdiv's tables, with ascending
+/// columns. If a control vertex occurs twice in a row, its weights are added.
 ///
 /// \throws Error if the table does not have these rows
 /// \cost O(entries of the table)

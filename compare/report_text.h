@@ -5,14 +5,14 @@
 #include <string>
 #include <string_view>
 
-// How a report words numbers and names; not installed.
+// Numbers and names as texts for a report. Not installed.
 namespace espalier::compare {
 
-/// A text as content or attribute of an element. Control characters, which no page may hold, and
-/// bytes that are not UTF-8 become U+FFFD.
+/// Escapes a text for the content or an attribute of an element. Control characters, which are not
+/// allowed in a page, and bytes that are not UTF-8 become U+FFFD.
 std::string escaped(std::string_view text);
 
-/// "3.1e-16"; "0", "infinite" and "not a number" for these.
+/// "3.1e-16"; "0", "infinite" and "not a number" for these values.
 std::string scientific(double value);
 
 /// "12,345".

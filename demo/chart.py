@@ -5,7 +5,7 @@ import numpy as np
 
 from images import blank, disc, put_ink, put_text
 
-#: What values fall by from a level to the next, in an approximation of second order.
+#: Factor between the values of consecutive levels in an approximation of second order.
 FALL = 4
 PALE, GUIDE = (0.88, 0.89, 0.91), (0.62, 0.64, 0.68)
 
@@ -32,8 +32,8 @@ def polyline(shape, places, thickness):
 
 
 def line_chart(curves, x_ticks, y_ticks, x_name, y_name, size):
-    """Curves, each points (x, y), a colour and a thickness, the later over the earlier. Axes run
-    from the first tick to the last: of y from bottom to top, whichever is larger."""
+    """Draws curves, each given as points (x, y), a colour and a thickness, later ones on top. Axes
+    run from the first tick to the last; the y axis from bottom to top, even if ticks descend."""
     width, height = size
     image = blank(width, height)
     left, right, top, bottom = 62, width - 24, 40, height - 56
@@ -58,10 +58,10 @@ def line_chart(curves, x_ticks, y_ticks, x_name, y_name, size):
 
 
 def log_chart(levels, values, colour, x_name, y_name, size):
-    """Values, one a level, on a logarithmic scale, and a line through the last of them that falls
-    by FALL a level, as they must."""
+    """Draws the values of levels on a logarithmic scale, and a line through the last value that
+    falls by FALL per level, as the values must."""
     for before, after in zip(values, values[1:]):
-        # A hundredth is less than half a pixel, where the charts have 70 a decade.
+        # A hundredth is less than half a pixel, since the charts have 70 pixels per decade.
         if abs(before / after / FALL - 1) > 0.01:
             raise SystemExit(f"from {before:g} to {after:g}: a value does not fall by {FALL}")
     width, height = size

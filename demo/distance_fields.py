@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Solids as distance fields: negative inside, positive outside, of slope about one.
 
-A solid is a list of parts joined one after the other by a smooth union, so that neighbours melt
-into each other over a chosen distance. Each part knows a box that holds it, and is looked at only
-for the points near that box: a field of fifty parts costs little more than one of five.
+A solid is a list of parts that are joined one after the other by a smooth union, so that neighbours
+blend over a chosen distance. Each part has a bounding box and is evaluated only for points near it:
+a field of fifty parts costs little more than a field of five.
 """
 
 import numpy as np
@@ -37,7 +37,7 @@ class Frame:
 
     @classmethod
     def along(cls, origin, y_axis, z_hint):
-        """Axis 1 along `y_axis`, axis 2 as near to `z_hint` as can be."""
+        """Returns a frame with axis 1 along `y_axis` and axis 2 as close as possible to `z_hint`."""
         y = unit(y_axis)
         z = unit(np.asarray(z_hint, float) - y * np.dot(z_hint, y))
         return cls(origin, [np.cross(y, z), y, z])
@@ -50,7 +50,7 @@ class Frame:
 
 
 class RoundCone:
-    """The hull of two balls, near enough: a capsule whose radius changes linearly."""
+    """A capsule whose radius changes linearly: approximately the hull of two balls."""
 
     def __init__(self, a, b, radius_a, radius_b=None):
         self.a, self.b = np.asarray(a, float), np.asarray(b, float)
@@ -89,9 +89,9 @@ class Ellipsoid:
 class Drum:
     """A truncated elliptic cone with rounded rims, along axis 1 of a frame.
 
-    It reaches from the origin of the frame to `height`; its radius runs from `radius_low` to
-    `radius_high`, times `stretch` along axes 0 and 2. `lift(x, z)` raises it along its axis, in
-    units of the frame: it curls a brim.
+    It extends from the origin of the frame to `height`. Its radius changes from `radius_low` to
+    `radius_high`, multiplied by `stretch` along axes 0 and 2. `lift(x, z)` raises it along its axis,
+    in units of the frame, for example to curl a brim.
     """
 
     def __init__(self, frame, height, radius_low, radius_high, rounding, stretch=(1, 1), lift=None):
@@ -146,10 +146,10 @@ class Mirrored:
 
 
 class Solid:
-    """Parts added or carved away in order, each of some material.
+    """Parts that are added or carved away in order, each with a material.
 
-    distance(points, reach) is right where it is below `reach` less the largest blend in use, and
-    some large number elsewhere.
+    distance(points, reach) is correct where it is below `reach` minus the largest blend in use, and
+    a large number elsewhere.
     """
 
     def __init__(self):
@@ -162,7 +162,7 @@ class Solid:
         self.steps.append((part, material, blend, False))
 
     def add_pair(self, part, material, blend=0.0):
-        """A part and its mirror image."""
+        """Adds a part and its mirror image."""
         self.add(part, material, blend)
         self.add(Mirrored(part), material, blend)
 
@@ -190,7 +190,7 @@ class Solid:
         return field
 
     def material_distances(self, points, reach=0.1):
-        """Distance to the union of the parts of each material, one column a material."""
+        """Returns the distance to the union of the parts of each material, one column per material."""
         fields = np.full((len(points), len(self.materials)), FAR)
         for part, material, blend, carved in self.steps:
             if carved:

@@ -79,7 +79,7 @@ def add_arm(solid, shoulder, elbow, wrist, tip):
     solid.add(Drum(sleeve, 0.075, 0.0515, 0.055, 0.012), "suit", 0.012)
     cuff = Frame(forearm.world((0, -0.02, 0)), forearm.axes)
     solid.add(Drum(cuff, 0.040, 0.047, 0.047, 0.010), "shirt", 0.004)
-    # The palm is towards the body.
+    # The palm faces the body.
     hand = Frame.along(wrist, tip - wrist, (0, 0, 1))
     add_hand(solid, hand, np.linalg.norm(tip - wrist), np.sign(tip[0]))
 
@@ -102,7 +102,7 @@ def add_hand(solid, hand, length, side):
 
 
 class Figure:
-    """The solid, and which material each point of its surface is of."""
+    """The solid, and the material of each point of its surface."""
 
     def __init__(self):
         solid = Solid()
@@ -118,9 +118,9 @@ class Figure:
         self.materials = solid.materials + ["tie", "band"]
 
     def material_fields(self, points):
-        """One column a material; a point is of the material whose column is lowest.
+        """Returns one column per material; a point has the material with the lowest value.
 
-        Shirt, tie and hat band are painted on: they have no parts of their own.
+        Shirt, tie and hat band are only painted: they are not parts of the solid.
         """
         fields = dict(zip(self.solid.materials, self.solid.material_distances(points).T))
         x, y, z = points.T
@@ -129,19 +129,19 @@ class Figure:
         opening = np.maximum(np.abs(x) - np.minimum(0.068 - 0.27 * depth, 0.074), front)
         fields["shirt"] = np.minimum(fields["shirt"], fields["suit"] + opening)
         width = np.where(depth < 0.025, 0.017, 0.011 + 0.07 * depth)
-        # Further down the tie fills the opening: a thin sliver of shirt would be ragged.
+        # Further down the tie fills the opening, since a thin strip of shirt would be ragged.
         width += 2 * np.maximum(depth - 0.15, 0)
         tie = np.maximum(np.maximum(np.abs(x) - width, -depth - 0.03), front)
         fields["tie"] = np.minimum(fields["shirt"], fields["suit"]) + np.maximum(tie, opening)
         across = self.hat.local(points)[:, 1] - 0.042
         around = np.abs(across) - 0.022
         from_crown = self.crown.distance(points)
-        # Only on the crown: off it, the band is far, but not by a kink right on the surface.
+        # The band is on the crown only: its field grows beside the crown, without a kink there.
         fields["band"] = from_crown + 6 * np.maximum(from_crown - 0.001, 0) + around
         return np.stack([fields[m] for m in self.materials], axis=1)
 
 
-#: What the materials are painted with, where it is not their own colour.
+#: Materials that are painted with the colour of another one.
 PAINT = {"button": "hat", "eye": "shoe", "band": "shirt"}
 
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Draws the figures of docs/gallery.md from what the program writes, and writes that page.
+r"""Draws the figures of docs/gallery.md from files that the program writes, and writes the page.
 
     xvfb-run -a python3 gallery.py --program espalier --examples FOLDER --work FOLDER \
         --docs FOLDER [NAME...]
 
-With NAMEs, just these figures, and not the page.
+With NAMEs, draws only these figures, and does not write the page.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def parse_arguments():
 
 
 def draw(figure, arguments):
-    """Draws a figure into its file, and returns what the page says of it."""
+    """Draws a figure into its file, and returns its entry of the page."""
     print(figure.name, flush=True)
     folder = arguments.work / figure.name
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One pose of one box lattice in three bases, and how fast subdivision becomes the B-spline."""
+"""One pose of a box lattice in three bases, and the convergence of subdivision to B-splines."""
 
 import itertools
 
@@ -23,12 +23,12 @@ REST = (f"shape box --cells {CELLS[0]} {CELLS[1]} {CELLS[2]} "
         "--min " + " ".join(f"{-x:g}" for x in HALF) + " --max " +
         " ".join(f"{x:g}" for x in HALF) + " -o rest.vtu")
 LOOK = Look((0.32, -1, 0.42), height=300, margin=0.05)
-LEVEL = 3  # of the subdivision that is shown beside the other bases
+LEVEL = 3  # level of the subdivision that is shown next to the other bases
 LEVELS = (1, 2, 3, 4, 5, 6)
 
 
 def write_pose(source, target):
-    """The lattice with its two middle layers lifted: moved by hand, as an editor would."""
+    """Writes the lattice with its two middle layers lifted, as an editor would do it."""
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(source))
     reader.Update()
@@ -77,7 +77,7 @@ def draw_bases(program):
 
 
 def largest_distance(points, others):
-    """Between points of the same number, in cells of the lattice."""
+    """Returns the largest distance of points with the same number, in cells of the lattice."""
     return np.linalg.norm(points - others, axis=1).max() / CELL
 
 
@@ -111,15 +111,16 @@ FIGURES = [
         "bases", "Before lattices of arbitrary topology",
         "MacCracken & Joy 1996, section 1, on Sederberg & Parry and on Griessmair & Purgathofer",
         f"A block in a box lattice of {' × '.join(map(str, CELLS))} cells, whose two middle layers "
-        "are lifted. Bézier: each vertex moves all of the block, and none moves it much. B-spline: "
-        f"a vertex moves what is near. Subdivision, at level {LEVEL}, moves this block as the "
-        "B-spline does, to {distance} of a cell; but its region is the whole box, where that of "
-        "the B-spline ends a cell before.",
+        "are lifted. Bézier: each vertex moves the whole block, but none moves it much. B-spline: "
+        f"each vertex moves only the points near it. Subdivision, at level {LEVEL}, moves this "
+        "block as the B-spline does, to within {distance} of a cell. Its region is the whole box; "
+        "the region of the B-spline ends one cell earlier.",
         draw_bases),
     Figure(
         "convergence", "Subdivision becomes the B-spline", "MacCracken & Joy 1996, section 4",
-        "The largest distance between the points of the block as `--basis bspline` moves them and "
-        "as `--boundary open -n` does, in cells of the lattice. The line falls by four a level: "
-        "the approximation that the paper calls arbitrarily close is of second order.",
+        "The largest distance between the points of the block moved with `--basis bspline` and "
+        "with `--boundary open -n`, in cells of the lattice; lower is closer. It falls by a "
+        "factor of four with each level. So the approximation that the paper calls arbitrarily "
+        "close is of second order.",
         draw_convergence),
 ]

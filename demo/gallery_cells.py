@@ -17,7 +17,7 @@ def vertices_of(faces):
 
 
 def valences(faces):
-    """How many edges of a cell meet in each of its vertices."""
+    """Returns the number of edges of a cell that meet in each of its vertices."""
     count = {}
     for edge in edges_of(faces):
         for v in edge:
@@ -26,13 +26,13 @@ def valences(faces):
 
 
 def is_type(faces, n):
-    """A type-n cell has 2n faces, all with four sides (section 2.2)."""
+    """True for a type-n cell: it has 2n faces, all with four sides (section 2.2)."""
     return len(faces) == 2 * n and all(len(face) == 4 for face in faces)
 
 
 def look_along(axis, height, points, tilt, turned=0.0):
-    """A view from the side of an axis that points up, somewhat from above: of all such views the
-    one in which no two of the points come near to each other, or one turned from it."""
+    """Returns a view from the side of an axis that points up, slightly from above: the view in which
+    the points are farthest apart from each other, or one that is turned from it."""
     axis = np.asarray(axis, float) / np.linalg.norm(axis)
     side = np.cross(axis, (0, 0, 1) if abs(axis[2]) < 0.9 else (0, 1, 0))
     side /= np.linalg.norm(side)
@@ -56,7 +56,7 @@ def draw_types(program):
         program.run(f"refine {solid}.vtu -n 1 -o {solid}-1.vtu")
         base = LatticeFile(program.file(f"{solid}.vtu"))
         lattice = LatticeFile(program.file(f"{solid}-1.vtu"))
-        # Vertex points come first: the cell of vertex 0 has it as its own vertex 0.
+        # Vertex points come first, so the cell of vertex 0 contains vertex 0.
         cell = next(faces for faces in lattice.cells if 0 in vertices_of(faces))
         assert is_type(cell, n)
         own = lattice.points[vertices_of(cell)]
@@ -81,10 +81,10 @@ def add_cell(drawing, points, cell, n, line):
     drawing.add_edges(points, sorted(edges_of(cell)), DARK, line)
     ends = {v for v, valence in valences(cell).items() if valence == n}
     if n == 3:
-        # All eight are of valence 3. The two that are meant are the vertex and the cell point.
+        # All eight have valence 3. The two required ones are the vertex and the cell point.
         ends = {min(ends), max(ends)}
     rest = [v for v in vertices_of(cell) if v not in ends]
-    assert (len(ends), len(rest)) == (2, 2 * n)  # what the caption and the legend say
+    assert (len(ends), len(rest)) == (2, 2 * n)  # as the caption and the legend say
     drawing.add_points(points[rest], BLUE, 3.2 * line)
     return drawing.add_points(points[sorted(ends)], RED, 4.4 * line)
 
@@ -105,7 +105,7 @@ def draw_repeated(program):
         edges = sorted(edges_of([f for cell in special for f in cell]))
         drawing.add_edges(lattice.points, edges, DARK, line * (1, 0.9, 0.7, 0.5)[level - 1])
         drawings.append(drawing)
-        assert len(special) == 6 * 2**(level - 1)  # two of its kind from each, as the caption says
+        assert len(special) == 6 * 2**(level - 1)  # each has two children of its type, as the caption says
         captions.append(f"Level {level}: {len(special)} of {len(lattice.cells):,} cells")
     picture = panels(drawings, captions, look, gap=40)
     entries = [(AMBER, "cells of type 4", "area"), (GHOST, "the lattice", "line")]
@@ -113,10 +113,9 @@ def draw_repeated(program):
 
 
 def tetrahedra_of(faces):
-    """The bases of the 4n tetrahedra of a type-n cell (embed/cell_place.h): each face is cut
-    from its first to its third vertex. The loop of a face starts at the child of least dimension —
-    a vertex or an edge point — which is the least of its numbers; the file may turn the loop
-    round."""
+    """Returns the bases of the 4n tetrahedra of a type-n cell (embed/cell_place.h). Each face is cut
+    from its first to its third vertex. The loop of a face starts at the child of lowest dimension,
+    a vertex point or an edge point, which has the smallest number; a file may rotate the loop."""
     bases = []
     for face in faces:
         at = face.index(min(face))
@@ -146,7 +145,7 @@ def draw_partition(program):
     cut.add_points([middle], BLUE, 5 * line)
     apart = Drawing()
     for base in bases:
-        # Thicker: the picture of all that is apart is made smaller.
+        # Thicker, since the picture of the separated parts is scaled down.
         add_apart(apart, joined, (*base, apex), set(own), 1.5 * line)
     shown = ((plain, "A type-4 cell", [seen]), (cut, f"Cut into {len(bases)} tetrahedra", [seen]),
              (apart, f"The {len(bases)} taken apart", apart.points))
@@ -158,7 +157,7 @@ def draw_partition(program):
 
 
 def add_apart(drawing, points, corners, own, line, apart=1.5):
-    """A tetrahedron away from the others."""
+    """Adds a tetrahedron, moved away from the others."""
     a, b, c, apex = corners
     own_points = points[list(corners)]
     moved = own_points + apart * (own_points.mean(axis=0) - points[apex])
@@ -171,22 +170,22 @@ def add_apart(drawing, points, corners, own, line, apart=1.5):
 FIGURES = [
     Figure(
         "cell-types", "Type-3, type-4 and type-5 cells", "MacCracken & Joy 1996, Figure 2",
-        "What becomes of a vertex where n edges of a cell meet: a type-n cell, with 2n faces of "
-        "four sides, two vertices of valence n (red: the old vertex and the new cell point) and 2n "
-        "of valence 3 (blue). Above, in the solid that was refined; below, the cell alone. The "
-        "paper prints 2n − 2 for the blue ones; count them.",
+        "A vertex where n edges of a cell meet becomes a type-n cell in the next level. It has "
+        "2n four-sided faces, two vertices of valence n (red: the old vertex and the new cell "
+        "point) and 2n vertices of valence 3 (blue). Above: in the refined solid. Below: the "
+        "cell alone. The paper prints 2n − 2 for the blue vertices, which is a misprint.",
         draw_types),
     Figure(
         "type-4", "Type-4 cells, level by level", "MacCracken & Joy 1996, Figure 3",
-        "An octahedron refined four times. Each type-4 cell leaves two of its kind, so that their "
-        "number doubles with each level, along the lines from the middle to the six corners, while "
-        "the number of all cells grows eightfold: nearly all are hexahedra soon.",
+        "An octahedron refined four times. Each type-4 cell leaves two of its kind, along the "
+        "lines from the middle to the six corners. So their number doubles with each level, "
+        "while the number of all cells grows eightfold: soon nearly all are hexahedra.",
         draw_repeated),
     Figure(
         "partition", "A type-4 cell as tetrahedra", "MacCracken & Joy 1996, Figure 6",
-        "How a point is placed in a type-n cell: the cell is cut into 4n tetrahedra around the "
-        "average of its vertices, two for each face. Edges of the cell are green, those of the "
-        "partition blue, as in the paper. A face is cut from its vertex or edge point to its face "
-        "or cell point, so that both cells at a face cut it alike.",
+        "To place a point in a type-n cell, the cell is cut into 4n tetrahedra around the "
+        "average of its vertices, two for each face. Edges of the cell are green and edges of "
+        "the tetrahedra blue, as in the paper. Each face is cut from its vertex or edge point to "
+        "its face or cell point, so that the two cells at a face cut it in the same way.",
         draw_partition),
 ]

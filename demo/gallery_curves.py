@@ -17,7 +17,7 @@ CURVES = (
     ("closed", "Closed", "", "ring", RING),
 )
 LEVELS = (1, 2, 4)
-LABEL, WIDTH = 130, 350  # of the columns, in pixels
+LABEL, WIDTH = 130, 350  # widths of the columns, in pixels
 
 
 def steps_of(line):
@@ -67,8 +67,8 @@ def draw_row(title, base, meshes):
 
 
 def add_kinds(drawing, mesh, radius):
-    """Vertex points and edge points take turns along the line, and vertex points have the lower
-    numbers."""
+    """Marks vertex points and edge points, which alternate along the line. Vertex points have the
+    lower numbers."""
     loop = mesh.loops[0][:-1] if mesh.loops[0][0] == mesh.loops[0][-1] else mesh.loops[0]
     even, odd = loop[::2], loop[1::2]
     vertices, edges = (even, odd) if min(even) < min(odd) else (odd, even)
@@ -79,9 +79,9 @@ def add_kinds(drawing, mesh, radius):
 FIGURES = [
     Figure(
         "curves", "Curves", "Joy & MacCracken, CSE-96-1, section 2",
-        "A control polygon and its refinements: open, as in the report, where the first and the "
-        "last vertex have no vertex point and the curve shrinks; with its ends kept, which is the "
-        "program's default; and closed. Edge points are the midpoints of the edges; a vertex point "
-        "is a quarter of each neighbouring edge point and half the vertex.",
+        "A control polygon and its refinements in three versions. Open, as in the report: the "
+        "first and the last vertex have no vertex point, and the curve shrinks. With its ends kept: "
+        "the program's default. Closed: without ends. An edge point is the midpoint of its edge. A "
+        "vertex point is half the vertex plus a quarter of each neighbouring edge point.",
         draw_curves),
 ]

@@ -9,7 +9,7 @@ from images import column, legend
 from picture import GHOST, STRATA, Drawing, LatticeStyle
 
 LOOK = Look(direction=(0.62, -1, 0.55), height=300)
-#: Occlusion would let the ghost of the lattice cast shadows on the region inside.
+#: With occlusion, the translucent lattice would cast shadows on the region inside.
 FLAT_LOOK = replace(LOOK, occlusion=False)
 SHAPES = (("box", "--cells 4 3 3 --max 4 3 3"),
           ("cylinder", "--sectors 8 --rings 2 --layers 3 --radius 1.7 --to 0 0 3"))
@@ -26,7 +26,7 @@ def bases(program):
 
 
 def levels_of(program, name, levels, options=""):
-    """Level files of a lattice that is there, as LatticeFile, without level 0."""
+    """Returns levels of an existing lattice as LatticeFile, without level 0."""
     found = []
     for level in levels:
         tag = "-open" if options else ""
@@ -37,7 +37,7 @@ def levels_of(program, name, levels, options=""):
 
 
 def cut_away(lattice):
-    """The cells but those of the upper front right eighth, as seen by LOOK."""
+    """Returns the cells without the upper front right eighth, as seen by LOOK."""
     low, high = lattice.points.min(axis=0), lattice.points.max(axis=0)
     right, front, top = (low + high) / 2
     kept = []
@@ -49,8 +49,7 @@ def cut_away(lattice):
 
 
 def draw_cut(lattice, line):
-    """The lattice with an eighth taken out: what then is on the outside, in the colours of the
-    strata."""
+    """Draws the outside of the lattice after an eighth is removed, in the colours of the strata."""
     shown = boundary_of(cut_away(lattice))
     drawing = Drawing().add_faces(lattice.points, shown, (0.98, 0.97, 0.95))
     visible = edges_of(shown)
@@ -98,16 +97,16 @@ FIGURES = [
     Figure(
         "strata", "Lattices and their strata",
         "MacCracken & Joy 1996, Figure 5",
-        "A box and a cylinder, and the first two levels of each, with the paper's colours: corners "
-        "yellow, sharp edges red, edges on the boundary green, edges inside blue. An eighth of the "
-        "cells is left out of the refined lattices, so that the inside is seen. The box stays the "
-        "box that it was; the cylinder becomes round along its length and stays flat at its ends.",
+        "A box and a cylinder, and their first two levels. Colours are the paper's: corners "
+        "yellow, sharp edges red, other boundary edges green, inner edges blue. An eighth of the "
+        "cells is left out of the refined lattices to show the inside. The box keeps its shape. "
+        "The cylinder becomes round along its length and stays flat at its ends.",
         draw_strata),
     Figure(
         "open", "Without boundary control",
         "MacCracken & Joy 1996, Figures 1 and 4",
-        "The same two lattices refined by the rules for the inside alone: each level loses the "
-        "outermost layer of what the last one had, and the region shrinks away from the lattice. "
-        "It is why boundary control is the default.",
+        "The same two lattices, refined as if all cells were inside (`--boundary open`). Each "
+        "level loses the outermost layer of the level before, and the region shrinks away from "
+        "the lattice. Therefore boundary control is the default.",
         draw_open),
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/gallery.md: pictures, what they show, and the commands that made what they show."""
+"""Writes docs/gallery.md: pictures, their captions, and the commands that made their files."""
 
 import re
 from dataclasses import dataclass
@@ -8,11 +8,14 @@ import scenes
 
 INTRODUCTION = """# Gallery
 
-Figures of the five papers, drawn again from what the program writes, and of the examples.
-`scripts/figures` makes all of them, and this page: the commands under a picture are those that ran.
-They can be run again, with the program and the examples on the path, where their inputs then lie:
-those of `figures/gallery/NAME.png` in `out/gallery/NAME/`, those of the star, the barbell and the
-arm in `out/`. Colours are those of Okabe and Ito, which colour-blind readers tell apart.
+The figures of the five papers, drawn again from files that the program writes, and pictures of the
+examples. The commands under a picture are the ones that made its files. `scripts/figures` makes all
+pictures and this page.
+
+To repeat the commands, put the program and the examples on the path, and run them in the folder of
+their inputs: `out/gallery/NAME/` for `figures/gallery/NAME.png`, and `out/` for the star, the
+barbell and the arm. The colours are those of Okabe and Ito, which colour-blind readers can tell
+apart.
 """
 
 REFERENCES = """## The papers
@@ -45,16 +48,17 @@ def demo_entries():
     """The three panels that scripts/demo draws."""
     return [
         demo_entry("star", "A disk becomes a star", 7,
-                   "A round lattice of ten sectors, refined; a disk in it; the outermost vertices "
-                   "moved out and in by turns, and the disk with them. Here and in the next two, "
-                   "the model is grey at first, and the lattice has the colours of its strata, as "
-                   "above; then the model has its own, and all of the lattice is orange."),
+                   "A round lattice of ten sectors, the refined lattice, the disk inside it, and "
+                   "the result after the outermost vertices are moved out and in by turns. In this "
+                   "picture and the next two, the model at rest is grey and the lattice has the "
+                   "colours of the first picture; the deformed model has its own colours, and its "
+                   "lattice is orange."),
         demo_entry("barbell", "A block becomes a barbell", 8,
-                   "A mesh in the shape of a block, extruded to a lattice; posed as a barbell. The "
-                   "checkerboard runs through from the bar into the ends: there are no seams."),
+                   "The lattice is a flat mesh in the shape of a block, extruded. Its pose is a "
+                   "barbell. The checkerboard runs without seams from the bar into the ends."),
         demo_entry("figure", "An arm is lifted", 9,
-                   "A lattice built around the arm alone, along its bones. Posed, it lifts the arm "
-                   "and turns the palm to the viewer; all that is outside the lattice stays."),
+                   "The lattice is built around the arm alone, along its bones. Its pose lifts the "
+                   "arm and turns the palm to the viewer. Everything outside the lattice stays."),
     ]
 
 
@@ -80,7 +84,7 @@ def entry_text(entry):
 
 
 def filled(text, width=100, between=" "):
-    """Text in lines of at most so many characters, broken where `between` is."""
+    """Wraps text to lines of at most `width` characters, broken at `between`."""
     lines = [""]
     for part in re.split(between, text):
         if lines[-1] and len(lines[-1]) + 1 + len(part) > width:
@@ -90,5 +94,5 @@ def filled(text, width=100, between=" "):
 
 
 def wrapped(command, width=100):
-    """A command on lines that the shell joins, each option beside its values."""
+    """Wraps a command to lines that the shell joins, with each option next to its values."""
     return filled(command, width - 6, " (?=-[-a-z])").replace("\n", " \\\n    ")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the figures of the gallery share: running the program, meshes, panels seen alike."""
+"""Shared by the figures of the gallery: running the program, meshes, panels with the same view."""
 
 import os
 import shlex
@@ -12,18 +12,18 @@ import numpy as np
 from images import captioned, row
 from picture import Studio, View
 
-# After Okabe and Ito: colour-blind readers tell them apart.
+# Colours by Okabe and Ito, which colour-blind readers can distinguish.
 RED, GREEN, BLUE = (0.84, 0.37, 0.00), (0.00, 0.62, 0.45), (0.00, 0.45, 0.70)
 DARK = (0.30, 0.31, 0.34)
-#: Pale grounds for surfaces, on which lines of the colours above are readable.
+#: Pale colours of surfaces, on which lines in the colours above are visible.
 PALE_SKY, PALE_ORANGE = (0.72, 0.87, 0.95), (0.97, 0.82, 0.58)
 AMBER, STONE = (0.97, 0.74, 0.30), (0.88, 0.87, 0.84)
 
 
 @dataclass
 class Figure:
-    """A figure of the gallery. `draw` is given a Program and returns an image. A {name} in the
-    caption becomes what `draw` left in the program's `numbers`."""
+    """A figure of the gallery. `draw` takes a Program and returns an image. A {name} in the caption
+    is replaced by the value that `draw` stored in the program's `numbers`."""
 
     name: str
     title: str
@@ -33,8 +33,8 @@ class Figure:
 
 
 class Program:
-    """Runs espalier, and the examples, in a folder, and remembers what it ran, and what was
-    measured in its files."""
+    """Runs espalier and the examples in a folder. Records the commands, and numbers that figures
+    measure."""
 
     def __init__(self, places, folder):
         """`places` are the folders of espalier and of the examples, and of their Python."""
@@ -43,13 +43,13 @@ class Program:
         self.commands, self.numbers = [], {}
 
     def write(self, mesh, name, word="f"):
-        """Writes a mesh that the program is to read, once."""
+        """Writes a mesh for the program to read, and notes it once."""
         mesh.write(self.file(name), word)
         self.note(f"{name}: {len(mesh.points)} points, written by the script")
         return mesh
 
     def note(self, text):
-        """Says among the commands where a file comes from, once."""
+        """Adds a comment on the origin of a file to the commands, once."""
         if f"# {text}" not in self.commands:
             self.commands.append(f"# {text}")
 
@@ -58,7 +58,7 @@ class Program:
         return self.run_any(f"espalier {command}")
 
     def run_any(self, command, environment=None):
-        """Runs a command: espalier, an example, or what starts one."""
+        """Runs a command: espalier, an example, or a launcher of one."""
         self.commands.append(command)
         done = subprocess.run(shlex.split(command), cwd=self.folder, text=True,
                               capture_output=True, check=False,
@@ -79,12 +79,12 @@ class Mesh:
     loops: list
 
     def __post_init__(self):
-        # VTK's tubes round to points of whole numbers.
+        # VTK's tubes would round integer points.
         self.points = np.asarray(self.points, float)
 
     @classmethod
     def read(cls, path):
-        """The `v`, `f` and `l` of an OBJ file that the program wrote."""
+        """Reads the `v`, `f` and `l` lines of an OBJ file that the program wrote."""
         points, loops = [], []
         for line in path.read_text(encoding="utf-8").splitlines():
             word, _, rest = line.partition(" ")
@@ -107,7 +107,7 @@ class Mesh:
 
 @dataclass
 class Look:
-    """How the panels of a picture are seen."""
+    """The view of all panels of a picture."""
 
     direction: tuple
     up: tuple = (0, 0, 1)
@@ -117,8 +117,8 @@ class Look:
 
 
 def render(drawings, look, points=None):
-    """Images of drawings from one view that holds all their points (or those given), and the
-    studio that made them."""
+    """Returns images of drawings from one view that contains all their points (or the given ones),
+    and the studio that made them."""
     if points is None:
         points = [p for drawing in drawings for p in drawing.points]
     view = View.around(points, look.direction, look.up, margin=look.margin)
@@ -127,7 +127,7 @@ def render(drawings, look, points=None):
 
 
 def panels(drawings, captions, look, size=17, points=None, gap=16, width=0):
-    """Drawings side by side, a caption under each, all seen from one place; each at least so
+    """Returns drawings side by side with the same view, a caption under each, each at least `width`
     wide."""
     images, _ = render(drawings, look, points)
     images = [centred(image, max(width, image.shape[1])) for image in images]
@@ -141,5 +141,5 @@ def centred(image, width):
 
 
 def extent(points, look):
-    """The height of the window that holds all the points: what lines are measured by."""
+    """Returns the height of the window that contains all points, the unit of line widths."""
     return View.around([points], look.direction, look.up, margin=look.margin).extent

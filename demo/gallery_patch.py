@@ -17,7 +17,7 @@ KINDS = (("V", "vertex point", RED), ("E", "edge point", GREEN), ("F", "face poi
 
 
 def grid(columns, rows, height):
-    """A mesh of columns × rows points; those of a row are numbered one after the other."""
+    """Returns a mesh of columns × rows points, numbered row by row."""
     points = [(x, y, height(x, y)) for y in range(rows) for x in range(columns)]
     first = [y * columns + x for y in range(rows - 1) for x in range(columns - 1)]
     faces = [[v, v + 1, v + columns + 1, v + columns] for v in first]
@@ -25,7 +25,7 @@ def grid(columns, rows, height):
 
 
 def sides(mesh):
-    """How many points a rectangular net of quadrilaterals has along its sides, the longer first."""
+    """Returns the number of points along the sides of a rectangular net, the longer side first."""
     # a·b points and (a − 1)(b − 1) faces: a + b is points − faces + 1.
     total, product = len(mesh.points) - len(mesh.loops) + 1, len(mesh.points)
     apart = round((total**2 - 4 * product)**0.5)
@@ -56,7 +56,7 @@ def draw_patch(program):
     second = Drawing().add_edges(net.points, net.edges, GHOST, 0.8 * line)
     second.add_edges(fine.points, fine.edges, DARK, 0.8 * line)
     kinds = kinds_of(places)
-    # What the caption says.
+    # As the caption says.
     assert [np.count_nonzero(kinds == kind) for kind in "FEV"] == [9, 12, 4]
     for kind, _, colour in KINDS:
         second.add_points(fine.points[kinds == kind], colour, 5.2 * line)
@@ -67,7 +67,7 @@ def draw_patch(program):
     nets = row([captioned(left, "The net of 4 × 4 points, and its patch", 17),
                 captioned(right, "The 25 points of its refinement", 17)], gap=24)
     quarters = captioned(quarters, "Four of 4 × 4, a quarter of the patch each", 17)
-    # A legend of its own: its pale lines are another net than those in the middle.
+    # A separate legend: its pale lines are a different net from those in the middle.
     return row([
         with_legends(nets, [[(colour, words, "point") for _, words, colour in KINDS],
                             [(PALE_SKY, "the patch", "area"), (GHOST, "the first net", "line")]]),
@@ -82,7 +82,7 @@ def with_legends(image, rows):
 
 
 def kinds_of(places):
-    """Of a refined open net: F, E or V for each point. Its rows begin and end with face points."""
+    """Returns F, E or V for each point of a refined open net. Rows begin and end with face points."""
     kinds = np.empty(places.size, dtype="U1")
     for row_number, numbers in enumerate(places):
         for column_number, number in enumerate(numbers):
@@ -91,7 +91,7 @@ def kinds_of(places):
 
 
 def draw_quarters(net, fine, places, surface):
-    """The points that each quarter of the patch is made of, in four pictures."""
+    """Draws the control points of each quarter of the patch, in four pictures."""
     line = 0.0042 * extent(net.points, SMALL)
     low, high = surface.points[:, :2].min(axis=0), surface.points[:, :2].max(axis=0)
     middle = (low + high) / 2
@@ -122,9 +122,9 @@ FIGURES = [
     Figure(
         "patch", "A bicubic patch and its quarters",
         "Joy, bicubic uniform B-spline surface refinement",
-        "A net of 4 × 4 points defines one patch of a uniform bicubic B-spline. Refined once, "
+        "A net of 4 × 4 points defines one patch of a uniform bicubic B-spline. Refined once "
         "without boundary control, it has 25 points: 9 face points, 12 edge points and 4 vertex "
-        "points. Each 4 × 4 of them define a quarter of the patch, and all four share the nine in "
-        "the middle.",
+        "points. Each 4 × 4 of these points define a quarter of the patch. All four quarters "
+        "share the nine points in the middle.",
         draw_patch),
 ]

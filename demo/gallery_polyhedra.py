@@ -38,9 +38,9 @@ def dodecahedron():
 
 
 def rhombic_hexecontahedron():
-    """Twenty rhombohedra meet in the middle, one for each face of an icosahedron, spanned by the
-    three corners a, b, c of that face. The outside is the three faces at a + b + c of each: sixty
-    golden rhombi."""
+    """Returns a solid of twenty rhombohedra that meet in the middle, one for each face of an
+    icosahedron, spanned by the corners a, b, c of the face. Its surface has the three faces at
+    a + b + c of each rhombohedron: sixty golden rhombi."""
     corners = np.array(cyclic(0, 1, GOLDEN))
     number, points, faces = {}, [], []
 
@@ -59,13 +59,13 @@ def rhombic_hexecontahedron():
 
 
 def convex_faces(points):
-    """The faces of a convex solid about the origin, anticlockwise from outside: the sets of points
-    in the planes that have no point beyond."""
+    """Returns the faces of a convex solid around the origin, anticlockwise from outside: the points
+    in each plane that has no point beyond it."""
     faces = {}
     for triple in itertools.combinations(range(len(points)), 3):
         a, b, c = points[list(triple)]
         normal = np.cross(b - a, c - a)
-        # Points on a line span no plane; all solids here are about as large as 1.
+        # Points on a line span no plane. All solids here have a size of about 1.
         if np.linalg.norm(normal) < 1e-6:
             continue
         normal *= np.sign(normal @ a) or 1
@@ -91,7 +91,7 @@ SOLIDS = (
 
 #: Table 2: coordinates and faces of each iteration.
 TABLE = {
-    "cube": ((8, 6), (26, 24), (98, 96), (386, 384)),  # printed as 284
+    "cube": ((8, 6), (26, 24), (98, 96), (386, 384)),  # the paper prints 284
     "pyramid": ((5, 5), (18, 16), (66, 64), (258, 256)),
     "dodecahedron": ((20, 12), (62, 60), (242, 240), (962, 960)),
     "hexecontahedron": ((62, 60), (242, 240), (962, 960), (3842, 3840)),
@@ -132,8 +132,8 @@ FIGURES = [
     Figure(
         "polyhedra", "Four solids become smooth",
         "Zaini Azlan & Misro 2021, Tables 1 and 2",
-        "Catmull-Clark on four polyhedra, three times. The counts are those of the files that the "
-        "program wrote; they agree with the paper's Table 2 but for the cube's third iteration, "
-        "which has 384 faces (284 is a misprint).",
+        "Four polyhedra, refined three times by Catmull-Clark. The numbers of vertices and faces "
+        "are counted in the files that the program wrote. They agree with the paper's Table 2, "
+        "except for the cube's third iteration: it has 384 faces (284 is a misprint).",
         draw_table),
 ]

@@ -39,7 +39,7 @@ def draw_points(program):
     captions = ["The old points: {} × {}".format(*sides(net))]
     for options, title, fewer in ((RATS, "RATS", 1), (CATMULL_CLARK, "Catmull-Clark", 3)):
         mesh = refined(program, "net", options, 1)
-        assert sides(mesh) == tuple(2 * n - fewer for n in sides(net))  # what the caption says
+        assert sides(mesh) == tuple(2 * n - fewer for n in sides(net))  # as the caption says
         captions.append("{}: {} × {} new points".format(title, *sides(mesh)))
         drawing = Drawing().add_edges(net.points, net.edges, GHOST, 0.8 * line)
         drawing.add_edges(mesh.points, mesh.edges, BLUE, 0.7 * line)
@@ -60,7 +60,7 @@ def draw_surfaces(program):
         mesh = refined(program, "net", options, level)
         drawing = Drawing().add_edges(net.points, net.edges, GHOST, 0.8 * line)
         at_border = border_faces(net) if options == RATS else set()
-        # The children of a face of four sides come one after the other.
+        # The children of a four-sided face are consecutive.
         for part, colour in ((True, AMBER), (False, PALE_SKY)):
             faces = [f for i, f in enumerate(mesh.loops) if (i // 4**level in at_border) == part]
             if faces:
@@ -102,10 +102,10 @@ TYPES = (
 
 
 def rats_types(net, fine):
-    """The type, 0 to 9, of each point of `fine`, the first refinement of a rectangular net.
+    """Returns the type, 0 to 9, of each point of `fine`, the first refinement of a rectangular net.
 
-    Vertex points come first, then edge points, then face points, in the order of the old ones. The
-    old edge of an edge point is seen from the vertex points beside it."""
+    Vertex points come first, then edge points, then face points, in the order of their parents. The
+    parent of an edge point is found from the vertex points next to it."""
     on_border = border_edges(net)
     border = {v for edge in on_border for v in edge}
     faces_of = {}
@@ -140,12 +140,12 @@ def draw_types(program):
     (image,), studio = render([drawing], look)
     for point in studio.pixels_of(net.points):
         put_ink(image, cross(13), round(point[0]) - 13, round(point[1]) - 13, (0.45, 0.46, 0.50))
-    # A new point of a flat net may lie on an old one: the cross behind it shows all the same.
+    # In a flat net a new point may coincide with an old one; its cross is still visible.
     for point, kind in zip(studio.pixels_of(fine.points), rats_types(net, fine)):
         put_number(image, *point, kind)
     words = blank(560, image.shape[0])
     for kind, (name, meaning, _) in enumerate(TYPES):
-        # A little more between the points of vertices, of edges and of faces.
+        # More space between vertex points, edge points and face points.
         y = 42 + 44 * kind + 22 * (kind > 2) + 22 * (kind > 6)
         put_number(words, 20, y, kind)
         put_text(words, name, 46, y, 18, anchor=(0, 0.5), bold=True)
@@ -154,12 +154,12 @@ def draw_types(program):
 
 
 def put_number(image, x, y, kind):
-    """A disc in the colour of a type, with its number in the paper's list."""
+    """Draws a disc in the colour of a type, with the type's number in the paper's list."""
     colour = TYPES[kind][2]
     spot, mask = disc(12), text_mask(str(kind + 1), 15, bold=True)
     x, y = round(x), round(y)
     put_ink(image, spot, x - spot.shape[1] // 2, y - spot.shape[0] // 2, colour)
-    # Dark figures on light grounds: by the weights of red, green and blue in what the eye sees.
+    # Dark digits on light colours, by the weights of red, green and blue in brightness.
     ink = (1, 1, 1) if np.dot(colour, (0.3, 0.59, 0.11)) < 0.55 else DARK
     put_ink(image, mask, x - round(mask.shape[1] / 2), y - round(mask.shape[0] / 2), ink)
 
@@ -171,7 +171,7 @@ def cross(reach):
 
 
 def pentagonal():
-    """Five sides around a pentagon, three faces deep, up and down by turns: a saddle."""
+    """Returns a saddle: five sides around a pentagon, three faces deep, alternately up and down."""
     points, faces = [], [list(range(5))]
     for ring, radius in enumerate((0.45, 1.0, 1.6, 2.3)):
         for side in range(10 if ring > 1 else 5):
@@ -182,7 +182,7 @@ def pentagonal():
     for side in range(5):
         after = (side + 1) % 5
         faces.append([side, 5 + side, 5 + after, after])
-        # Where ten follow five, each face has an edge cut in two: a pentagon.
+        # Where ten points follow five, one edge of each face is split: the face is a pentagon.
         faces.append([5 + side, 10 + 2 * side, 10 + 2 * side + 1, 10 + 2 * after, 5 + after])
     for side in range(10):
         after = (side + 1) % 10
@@ -191,7 +191,7 @@ def pentagonal():
 
 
 def tripod():
-    """A cube with a tube of square section out of each of three of its faces, open at the ends."""
+    """Returns a cube with square tubes, open at the ends, on three of its faces."""
     number, points, faces = {}, [], []
 
     def vertex(place):
@@ -208,7 +208,7 @@ def tripod():
     axes = np.eye(3, dtype=int)
     for i in range(3):
         u, v, w = axes[i], axes[(i + 1) % 3], axes[(i + 2) % 3]
-        face((0, 0, 0), v, u)  # the side of the cube without a tube
+        face((0, 0, 0), v, u)  # the face of the cube without a tube
         for step in (1, 2):
             start = step * w
             face(start, u, w)
@@ -230,8 +230,8 @@ def draw_arbitrary(program):
         line = 0.0032 * extent(control.points, look)
         first = Drawing().add_edges(control.points, control.edges, DARK, line)
         first.add_points(control.points, DARK, 3 * line)
-        # Without the points of types E delta and F gamma, which are means of others, as section 3
-        # advises: the edges of level 2, between its points' places at level 3.
+        # Omits the points of types E delta and F gamma, which are means of others, as section 3
+        # advises: draws the edges of level 2, at the positions of their points on level 3.
         wires = mesh.points[:len(coarse.points)]
         second = Drawing().add_faces(mesh.points, mesh.loops, PALE_SKY)
         second.add_edges(wires, coarse.edges, BLUE, 0.6 * line)
@@ -246,8 +246,8 @@ FIGURES = [
     Figure(
         "rats-points", "Old points and new points", "Savva & Clapworthy, Figures 1 to 3",
         "One step of RATS and one of Catmull-Clark without boundary control, on the same net of "
-        "n × m points: (2n − 1)(2m − 1) new points, and (2n − 3)(2m − 3). RATS keeps the corners "
-        "and reaches the border.",
+        "n × m points. RATS makes (2n − 1)(2m − 1) new points, keeps the corners and reaches the "
+        "border. Catmull-Clark makes (2n − 3)(2m − 3).",
         draw_points),
     Figure(
         "rats-types", "The ten types of RATS points", "Savva & Clapworthy, Figure 6",
@@ -258,15 +258,16 @@ FIGURES = [
     Figure(
         "rats-surfaces", "A RATS surface and a Catmull-Clark surface",
         "Savva & Clapworthy, Figures 4 and 5",
-        "Both of the first net, at level 3. RATS has patches at the border besides (orange), where "
-        "Catmull-Clark stops. Away from the border RATS is a Catmull-Clark surface too, but that "
-        "of the V<sub>γ</sub> points of its first step: flatter than that of the old points, which "
-        "the paper's conclusion might be read as.",
+        "Both surfaces of the first net, at level 3. RATS also has patches at the border "
+        "(orange), where Catmull-Clark has none. Away from the border the RATS surface is a "
+        "Catmull-Clark surface too: the surface of the V<sub>γ</sub> points of its first step. "
+        "It is flatter than the Catmull-Clark surface of the old points, although the paper's "
+        "conclusion can be read as if both were the same.",
         draw_surfaces),
     Figure(
         "rats-arbitrary", "RATS on meshes of arbitrary topology", "Savva & Clapworthy, Figure 7",
         "Two meshes with borders, and their RATS surfaces at level 3. The lines leave out the "
-        "E<sub>δ</sub> and F<sub>γ</sub> points of the last step, which are means of others; the "
-        "paper advises it for wireframes.",
+        "E<sub>δ</sub> and F<sub>γ</sub> points of the last step, which are means of other "
+        "points. The paper recommends this for wireframes.",
         draw_arbitrary),
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the examples compute with D and its transpose: an optimised section, an elastic lattice."""
+"""Draws results of the examples: an optimised section, an elastic lattice, a fit over two ranks."""
 
 import math
 import pathlib
@@ -15,7 +15,7 @@ from images import captioned, column, legend, row
 from parametric import make_block
 from picture import GHOST, LATTICE, Drawing
 
-# The section and its lattice lie in a plane, and so are drawn.
+# The section and its lattice are in a plane, and are drawn in it.
 FLAT = Look((0, 0, 1), up=(0, 1, 0), height=190, occlusion=False, margin=0.03)
 BENT = Look((0.42, -1, 0.42), height=290, occlusion=False, margin=0.02)
 
@@ -24,16 +24,16 @@ HELD, WEIGHT, FINE = -1.75, 1.75e-4, 3
 TURNED = Look((0.50, -1, 0.45), height=300, occlusion=False, margin=0.02)
 TWIST = 1.9  # radians from end to end
 RANKS = ((BLUE, "rank 0"), (AMBER, "rank 1"))
-#: Open MPI as the tests have it: as root, which containers run as, with more ranks than cores.
+#: Settings of Open MPI as in the tests: it runs as root, as in containers, with more ranks than cores.
 OPEN_MPI = dict(re.findall(r"^ *(OMPI_\w+)=(\w+)", (
     pathlib.Path(__file__).resolve().parents[1] / "cmake/MpiTests.cmake").read_text("utf-8"), re.M))
-GRADIENT = ((0.90, 0.93, 0.95), (0.60, 0.80, 0.90), BLUE)  # from no displacement to the largest
+GRADIENT = ((0.90, 0.93, 0.95), (0.60, 0.80, 0.90), BLUE)  # from no displacement to the largest one
 
 
 def draw_aerofoil(program):
     printed = program.run_any("aerofoil.py --program espalier --work .")
-    program.note("which writes section.obj, and runs espalier shape, stencils and deform")
-    program.note("where python3 is not Debian's: /usr/bin/python3 examples/aerofoil.py ...")
+    program.note("it writes section.obj, and runs espalier shape, stencils and deform")
+    program.note("if python3 is not Debian's: /usr/bin/python3 examples/aerofoil.py ...")
     for line in printed.splitlines()[:2]:
         program.numbers[line.split()[0]] = f"{float(re.search('lift ([0-9.]+)', line)[1]):.2f}"
     program.numbers["iterations"] = re.search("([0-9]+) iterations", printed)[1]
@@ -44,7 +44,7 @@ def draw_aerofoil(program):
     line = 0.0075 * extent(rest.points, FLAT)
     drawings = []
     for lattice, section, ghost in ((rest, first, []), (pose, last, first.edges)):
-        front = lattice.points[:, 2] > 0.09  # the other side lies behind
+        front = lattice.points[:, 2] > 0.09  # the other side is behind
         drawing = Drawing().add_edges(first.points, ghost, GHOST, line)
         drawing.add_faces(section.points, [list(range(len(section.points)))], PALE_SKY)
         drawing.add_edges(section.points, section.edges, DARK, line)
@@ -101,25 +101,25 @@ def draw_elastic(program):
 
 
 def stretch(rest, moved):
-    """How much the affine map that is nearest to a movement lengthens what it lengthens most."""
+    """Returns the largest relative elongation by the affine map that is closest to a movement."""
     affine, *_ = np.linalg.lstsq(np.column_stack([rest, np.ones(len(rest))]), moved, rcond=None)
     return np.linalg.svd(affine[:3], compute_uv=False)[0] - 1
 
 
 def rounded_up(value, digits=2):
-    """In so many digits, and no less than the value."""
+    """Returns the value with `digits` digits, rounded up."""
     unit = 10.0**(math.floor(math.log10(value)) + 1 - digits)
     return f"{math.ceil(value / unit) * unit:.{digits}g}"
 
 
 def shade(share):
-    """Colours from the first of GRADIENT (0) to the last (1)."""
+    """Returns colours from the first of GRADIENT (share 0) to the last (share 1)."""
     stops = np.linspace(0, 1, len(GRADIENT))
     return np.stack([np.interp(share, stops, channel) for channel in zip(*GRADIENT)], axis=1)
 
 
 def painted(mesh, colours):
-    """A mesh as VTK's, with a colour at each point."""
+    """Converts a mesh to VTK, with a colour at each point."""
     data = surface(mesh.points, mesh.loops)
     data.GetPointData().SetScalars(numpy_support.numpy_to_vtk((colours * 255).astype(np.uint8),
                                                               deep=1))
@@ -138,13 +138,14 @@ def draw_ranks(program):
     Mesh(wanted, mesh.loops).write(program.file("wanted.obj"))
     program.note("wanted.obj: the same, twisted, written by the script")
     program.run("shape box --cells 6 2 2 --min -1.6 -0.6 -0.6 --max 1.6 0.6 0.6 -o rest.vtu")
-    program.note("as root, in a container say: mpirun --allow-run-as-root --oversubscribe ...")
+    program.note("as root, for example in a container: "
+                 "mpirun --allow-run-as-root --oversubscribe ...")
     program.run_any("mpirun -n 2 petsc_fit block.obj rest.vtu wanted.obj fitted.obj pose.vtu",
                     OPEN_MPI)
     fitted = Mesh.read(program.file("fitted.obj"))
     program.numbers["miss"] = rounded_up(np.linalg.norm(fitted.points - wanted, axis=1).max())
     rest, pose = (LatticeFile(program.file(f"{name}.vtu")) for name in ("rest", "pose"))
-    # petsc::evenRange: the first ranks have one more where it does not come out even.
+    # As petsc::evenRange: if the points cannot be split evenly, the first ranks get one more.
     owner = (np.arange(len(x)) >= (len(x) + 1) // 2).astype(int)
     colours = np.array([colour for colour, _ in RANKS])[owner]
     line = 0.0040 * extent(rest.points, TURNED)
@@ -163,27 +164,29 @@ FIGURES = [
     Figure(
         "aerofoil", "An aerofoil section gets the pressure that is wanted",
         "examples/aerofoil.py; MacCracken & Joy 1996, section 5",
-        "A NACA 0012 section at an incidence of 2°, in a lattice one cell thick, is to have the "
-        "pressure of NACA 4412. A panel method gives the pressure, and an adjoint solve its "
-        "gradient by the points, which Dᵀ carries to the lattice. SciPy moves the vertices up and "
-        "down, in {iterations} iterations; both ends of the section stay, and so does its area. "
-        "The lift coefficient goes from {before} to {after}.",
+        "A NACA 0012 section at an incidence of 2°, in a lattice one cell thick. It is deformed "
+        "until it has the pressure of NACA 4412. A panel method computes the pressure, and an "
+        "adjoint solve the gradient of the error by the points of the section; the transpose of "
+        "the deformation matrix, Dᵀ, turns it into a gradient by the lattice vertices. SciPy "
+        "moves these vertices up and down, in {iterations} iterations. Both ends of the section "
+        "and its area stay the same. The lift coefficient rises from {before} to {after}.",
         draw_aerofoil),
     Figure(
         "elastic", "An elastic lattice carries a model",
         "examples/elastic_lattice.cpp; MacCracken & Joy 1996, section 5",
-        "A barbell in a lattice of elastic material, some of whose vertices are held. Dᵀ makes "
-        "forces on the vertices of the weight of the model's points; Eigen solves for the "
-        "displacements, with the cells of level 2 as finite elements; D moves the points. The "
-        "barbell is {length} long and weighs {weight} of Young's modulus times the unit of length "
-        "squared; displacements are in that unit. Elasticity is linear, and so what turns seems to "
-        "grow: here the free end, by {growth} %.",
+        "A barbell in a lattice of elastic material; some vertices of the lattice are held. Dᵀ "
+        "turns the weight of the model's points into forces on the lattice vertices. Eigen "
+        "solves for the displacements, with the cells of level 2 as finite elements. D moves the "
+        "points. The barbell is {length} units long; it weighs {weight} of Young's modulus times "
+        "the square of the unit. Displacements are in that unit. Elasticity is linear, so parts "
+        "that rotate seem to grow: here the free end by {growth} %.",
         draw_elastic),
     Figure(
         "ranks", "A fit over two ranks", "examples/petsc_fit.cpp; MacCracken & Joy 1996, section 5",
-        "Each rank binds its own points, those of one colour, and has their rows of D alone. "
-        "PETSc's LSQR finds how the lattice must move to carry all of them to where they are "
-        "wanted, here on a twisted block, by products with D and Dᵀ, for which the ranks exchange "
-        "vertices. No point is further than {miss} from where it is wanted.",
+        "Each rank (MPI process) binds its own points, drawn in one colour, and holds only their "
+        "rows of the deformation matrix D. PETSc's solver LSQR finds how the lattice must move "
+        "to carry all points to given places, here on a twisted block. It multiplies by D and "
+        "Dᵀ, and the ranks exchange lattice vertices for these products. No point is further "
+        "than {miss} from its place.",
         draw_ranks),
 ]

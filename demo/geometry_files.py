@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads what the pictures show: models (.obj) and lattices (.vtu), as VTK's own objects."""
+"""Reads models (.obj) and lattices (.vtu) for the pictures, as VTK objects."""
 
 import pathlib
 
@@ -11,8 +11,8 @@ CLAY = (0.80, 0.77, 0.72)
 
 
 def read_model(path):
-    """The faces of an OBJ file as vtkPolyData with smooth normals, its cells coloured by the Kd of
-    their materials, or like clay where they have none."""
+    """Returns the faces of an OBJ file as vtkPolyData with smooth normals. Cells have the colour Kd
+    of their material, or a clay colour if they have none."""
     if not pathlib.Path(path).is_file():
         raise SystemExit(f"{path}: no such file")
     folder = pathlib.Path(path).parent
@@ -86,12 +86,11 @@ def points_of(shown):
 
 
 class LatticeFile:
-    """A lattice as drawn: points, cells (each a list of faces), edges (pairs of points) with a
-    stratum each, and the faces of its boundary.
+    """A lattice to draw: points, cells (each a list of faces), edges (pairs of points) with their
+    strata, and the faces of its boundary.
 
-    Strata are those of MacCracken & Joy 1996, figure 5: 0 corner, 1 sharp, 2 boundary, 3 inside.
-    What lies in a single cell is sharp, which holds at every level, unless the file has marks that
-    say otherwise.
+    Strata are as in MacCracken & Joy 1996, figure 5: 0 corner, 1 sharp, 2 boundary, 3 inside. An
+    edge in a single cell is sharp, on every level, unless marks in the file change that.
     """
 
     def __init__(self, path):
@@ -122,7 +121,7 @@ class LatticeFile:
             for edge in edges])
 
     def _find_point_strata(self, grid):
-        """A point is sharp on two sharp edges, and a corner on more, or in one cell."""
+        """A point is sharp if it is on two sharp edges, and a corner if on more, or in one cell."""
         count = len(self.points)
         sharp_edges = np.bincount(self.edges[self.edge_strata == 1].ravel(), minlength=count)
         point_cells = np.zeros(count, int)
@@ -140,7 +139,7 @@ class LatticeFile:
 
 
 def boundary_of(cells):
-    """The faces that are in one of the cells only."""
+    """Returns the faces that belong to one cell only."""
     loops, count = {}, {}
     for face in (face for faces in cells for face in faces):
         key = tuple(sorted(face))
@@ -155,7 +154,7 @@ def edges_of(loops):
 
 
 def edge_marks(grid):
-    """Whether an edge is sharp, for the edges that the file marks."""
+    """Returns for each marked edge of the file if it is sharp."""
     pairs, sharpness = (grid.GetFieldData().GetArray("espalier:edge_" + name)
                         for name in ("vertices", "sharpness"))
     if pairs is None or sharpness is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Images as arrays, height × width × 3, values 0 … 1: text in them, side by side, and as PNG."""
+"""Images as arrays, height × width × 3, values 0 … 1: adding text, joining, writing PNG."""
 
 import numpy as np
 import vtk
@@ -33,7 +33,7 @@ def shrunk(pixels):
 
 
 def text_mask(text, size, bold=False):
-    """Where a line of text has ink, 0 … 1. The font has no Greek and no subscripts."""
+    """Returns the coverage of a line of text, 0 … 1. The font has no Greek and no subscripts."""
     style = vtk.vtkTextProperty()
     style.SetFontFamilyToArial()
     style.SetFontSize(size * SUPERSAMPLING)
@@ -52,7 +52,7 @@ def blank(width, height):
 
 
 def put_ink(image, mask, left, top, colour):
-    """Blends a colour into an image where a mask says so; what is beyond the border is cut off."""
+    """Blends a colour into an image by a mask, which is cut off at the border."""
     low = np.maximum([top, left], 0)
     high = np.minimum([top + mask.shape[0], left + mask.shape[1]], image.shape[:2])
     if (low >= high).any():
@@ -63,8 +63,8 @@ def put_ink(image, mask, left, top, colour):
 
 
 def put_text(image, text, x, y, size, colour=INK, anchor=(0.5, 0.5), halo=False, bold=False):
-    """Text in an image, in place. `anchor` says which point of the text is at (x, y): (0, 0) is its
-    top left, (1, 1) its bottom right. A halo clears the ground around the letters."""
+    """Writes text into an image. `anchor` is the point of the text at (x, y): (0, 0) is its top left,
+    (1, 1) its bottom right. A halo clears the background around the letters."""
     mask = text_mask(text, size, bold)
     left = round(x - anchor[0] * mask.shape[1])
     top = round(y - anchor[1] * mask.shape[0])
@@ -75,7 +75,7 @@ def put_text(image, text, x, y, size, colour=INK, anchor=(0.5, 0.5), halo=False,
 
 
 def widened(mask, radius):
-    """A mask grown by a radius all around."""
+    """Grows a mask by a radius on all sides."""
     padded = np.pad(mask, 2 * radius)
     grown = np.zeros(np.array(mask.shape) + 2 * radius)
     for dy in range(-radius, radius + 1):
@@ -108,8 +108,8 @@ def caption_strip(text, width, height, size, bold=False):
 
 
 def legend(entries, width, size=18):
-    """A row of marks with words, in the middle of an image. An entry is a colour, words, and
-    whether its mark is a "line", a "point" or an "area"."""
+    """Returns an image with a row of marks and words in the middle. An entry is a colour, words, and
+    the kind of mark: "line", "point" or "area"."""
     masks = [text_mask(words, size) for _, words, _ in entries]
     mark, near, far = round(1.5 * size), round(0.5 * size), round(1.7 * size)
     total = sum(mark + near + m.shape[1] for m in masks) + far * (len(masks) - 1)

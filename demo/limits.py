@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far bindings to levels are from the limit, on the models of the demo, and what each takes:
-the tables of docs/limits.md. With a name behind the folder, draws the error of level 2 of the star.
+"""Prints the tables of docs/limits.md: how far levels are from the limit on the models of the demo,
+and what each costs. With a second argument, also draws the error of level 2 of the star.
 
   limits.py FOLDER [PICTURE.png]    `espalier` must be on the path
 """
@@ -19,7 +19,7 @@ from picture import Drawing, Studio, View
 
 SCENES = {"star": "disk", "barbell": "block", "figure": "figure"}
 LEVELS = range(1, 7)
-#: Of the error, as a part of the size of the model: the legend counts them.
+#: The width of a band of colour: an error, as a fraction of the size of the model.
 BAND = 1e-3
 COLOURS = ((0.93, 0.95, 0.97), (0.99, 0.91, 0.72), (0.98, 0.76, 0.45), (0.94, 0.55, 0.28),
            (0.84, 0.30, 0.18), (0.62, 0.09, 0.16))
@@ -31,7 +31,7 @@ def run(folder, *command):
 
 
 def make_lattices(folder, scene):
-    """The rest and the pose, by the commands that the gallery prints."""
+    """Makes the rest and the pose, by the commands that the gallery prints."""
     for line in run(folder, sys.executable, HERE / "scenes.py", scene).splitlines():
         if line.startswith("espalier shape"):
             run(folder, *shlex.split(line))
@@ -49,7 +49,7 @@ def faces_of(path):
 
 
 def deform(folder, scene, *options):
-    """The deformed points, the seconds that binding took on one thread, and weights a point."""
+    """The deformed points, the seconds of binding on one thread, and the entries a row."""
     report = json.loads(run(folder, "espalier", "deform", f"{SCENES[scene]}.obj", "--rest",
                             f"{scene}-rest.vtu", "--to", f"{scene}-posed.vtu", "-o", "limits.obj",
                             "--threads", "1", "--report", "json", *options))
@@ -70,7 +70,8 @@ def errors_of(points, limit):
 def print_table(folder, scene):
     limit, _, _ = deform(folder, scene, "--limit", "--tolerance", "1e-10")
     size = size_of(limit)
-    print(f"\n| {scene}, {len(limit):,} points | mean error | by | largest | binding, s | weights a point |")
+    print(f"\n| {scene}, {len(limit):,} points | mean error | improvement | largest error "
+          "| binding, s | entries a row |")
     print("|---|---|---|---|---|---|")
     before = None
     for name, options in [*((f"level {n}", ("-n", str(n))) for n in LEVELS),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Divides a mesh into materials along smooth curves, instead of along the steps of its quads."""
+"""Divides a mesh into materials along smooth curves, instead of along the edges of its quads."""
 
 import numpy as np
 
@@ -8,10 +8,10 @@ from surface_nets import even_out, project
 
 
 def divide(points, quads, solid, fields, spacing):
-    """The points, moved along the surface of the solid where they lie between two materials; and
-    the material of each quad, a number.
+    """Returns the points, moved along the surface of the solid if they are between two materials,
+    and the number of each quad's material.
 
-    fields(points) has one column a material; a place is of the material whose column is lowest.
+    fields(points) has one column per material; a point has the material with the lowest value.
     """
     material = without_islands(quads, fields(points[quads].mean(axis=1)).argmin(axis=1))
     points = snap_borders(points, quads, solid, fields, material, 0.4 * spacing)
@@ -19,11 +19,11 @@ def divide(points, quads, solid, fields, spacing):
 
 
 def without_islands(quads, material):
-    """Gives a quad of which three or more neighbours are of one other material that material."""
+    """Gives a quad the material of its neighbours if three or more of them share another one."""
     neighbours = opposites(quads).reshape(-1, 4) // 4
     for _ in range(3):
         around = np.sort(material[neighbours], axis=1)
-        # Of four sorted values, three are equal just if the middle two equal an outer one.
+        # Three of four sorted values are equal if and only if the middle two equal an outer one.
         same = (around[:, 1] == around[:, 2]) & ((around[:, 0] == around[:, 1])
                                                  | (around[:, 2] == around[:, 3]))
         material = np.where(same, around[:, 1], material)
@@ -31,8 +31,8 @@ def without_islands(quads, material):
 
 
 def snap_borders(points, quads, solid, fields, material, longest_step, rounds=6):
-    """Moves the points between two materials onto the curve where their fields are equal, and
-    evens out the quads."""
+    """Moves points between two materials onto the curve where the fields are equal, and smooths the
+    quads."""
     lowest, highest = np.full(len(points), material.max()), np.zeros(len(points), int)
     np.minimum.at(lowest, quads.ravel(), np.repeat(material, 4))
     np.maximum.at(highest, quads.ravel(), np.repeat(material, 4))
@@ -59,7 +59,7 @@ def snap_borders(points, quads, solid, fields, material, longest_step, rounds=6)
 
 
 def mend(points, quads, solid, least_area, rounds=4):
-    """Evens out again where snapping has left a quad with next to no area."""
+    """Smooths again where snapping has left a quad with almost no area."""
     for _ in range(rounds):
         vertices = np.unique(quads[quad_areas(points, quads) < least_area])
         points[vertices] = even_out(points, quads, solid, 1)[vertices]

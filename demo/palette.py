@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""PNG files of 256 colours: a third of the size, and no difference to see in line drawings."""
+"""PNG files with 256 colours: a third of the size, with no visible loss in line drawings."""
 
 import struct
 import zlib
@@ -10,8 +10,8 @@ COLOURS = 256
 
 
 def palette_of(image):
-    """Up to 256 colours for an image (height × width × 3, 0 … 255), and which of them each pixel
-    has: colours are split in two, always the group that differs most, at its mean."""
+    """Returns up to 256 colours for an image (height × width × 3, 0 … 255), and the number of each
+    pixel's colour. Repeatedly splits the group of colours that differ most, at its mean."""
     shade = image.astype(int) >> 3
     keys = (shade[..., 0] << 10 | shade[..., 1] << 5 | shade[..., 2]).ravel()
     _, cell, count = np.unique(keys, return_inverse=True, return_counts=True)
@@ -37,7 +37,7 @@ def palette_of(image):
 
 
 def spread_of(means, count, members):
-    """How much colours differ in each channel: the sum of squares about their mean."""
+    """Returns the spread of colours in each channel: the sum of squares around their mean."""
     values, weights = means[members], count[members][:, None]
     return (weights * (values - (weights * values).sum(axis=0) / weights.sum())**2).sum(axis=0)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The demo's disk and block, both of quads, with patterns that show how they are deformed."""
+"""The demo's disk and block, quad meshes with patterns that make the deformation visible."""
 
 import numpy as np
 
@@ -10,8 +10,8 @@ SECTORS = 160
 
 
 def weld(patches):
-    """One mesh of grids of points (rows × columns × 3, with a rows × columns array of material
-    names of their quads); points that coincide become one vertex."""
+    """Returns one mesh of several grids of points (rows × columns × 3, each with an array of the
+    material names of its quads). Points that coincide become one vertex."""
     points, quads, material, start = [], [], [], 0
     for grid, names in patches:
         rows, columns = grid.shape[:2]
@@ -34,8 +34,8 @@ def weld(patches):
 
 
 def disk_profile():
-    """Radius and height along half the disk's section, from the middle patch of the top to the
-    middle of the rim, and the count of rows on the flat part."""
+    """Returns radius and height along half the disk's section, from the middle patch of the top to
+    the middle of the rim, and the number of rows on the flat part."""
     half, fillet = scenes.DISK_HEIGHT / 2, 0.75 * scenes.DISK_HEIGHT / 2
     flat = np.linspace(0.2, scenes.DISK_RADIUS - fillet, 36)
     angle = np.linspace(0, np.pi / 2, 13)[1:]
@@ -47,12 +47,12 @@ def disk_profile():
 
 
 def disk_middle(radius):
-    """A square of quads in the plane (rows × columns × 2) whose border is a circle, at equal
-    angles; near its middle they are nearly squares."""
+    """Returns a grid of points in the plane (rows × columns × 2) whose border is a circle with equal
+    angles, and whose quads near the middle are nearly squares."""
     side = np.linspace(-1, 1, SECTORS // 4 + 1)
     x, y = np.meshgrid(side, side, indexing="ij")
     reach = np.maximum(np.abs(x), np.abs(y))
-    # Squares about the middle become circles: equal steps along a side are equal angles.
+    # Squares around the middle become circles: equal steps along a side become equal angles.
     safe = np.maximum(reach, 1e-12)
     turn = np.select([x == reach, y == reach, -x == reach],
                      [y / safe, 2 - x / safe, 4 - y / safe], 6 + x / safe) * (np.pi / 4)
@@ -63,7 +63,7 @@ def disk_middle(radius):
 
 
 def make_disk():
-    """A thick round disk about the z axis, painted as a dartboard."""
+    """Returns a thick round disk around the z axis, painted as a dartboard."""
     radius, height = disk_profile()
     radius = np.concatenate([radius, radius[-2::-1]])
     height = np.concatenate([height, -height[-2::-1]])
@@ -80,7 +80,7 @@ def make_disk():
 
 
 def make_block():
-    """A rounded block, painted like a solid checkerboard of cubes."""
+    """Returns a rounded block, painted like a solid checkerboard of cubes."""
     size, fillet, squares, fine = scenes.BLOCK_SIZE, 0.12, 6, 7
     short = squares * fine
     cells = np.round(size / size.min() * short).astype(int)
@@ -103,8 +103,8 @@ def make_block():
 
 
 def round_box(points, half, fillet):
-    """Points of a box's surface, moved onto the box with rounded edges: at equal angles where the
-    box is rounded, so that quads stay even."""
+    """Moves points of a box's surface onto the box with rounded edges, with equal angles where the
+    box is rounded, so that quads have similar sizes."""
     core = np.clip(points, -(half - fillet), half - fillet)
     beyond = np.tan((points - core) / fillet * (np.pi / 4))
     length = np.linalg.norm(beyond, axis=-1, keepdims=True)

@@ -13,14 +13,14 @@ from images import BACKGROUND, SUPERSAMPLING, shrunk, to_array, to_image
 GHOST = (0.72, 0.74, 0.78)
 LATTICE = (0.84, 0.37, 0.00)
 #: Corner yellow, sharp red, boundary green, inside blue as in the paper's figure 5, in hues that
-#: colour-blind readers tell apart (Okabe and Ito).
+#: colour-blind readers can distinguish (Okabe and Ito).
 STRATA = ((0.94, 0.78, 0.15), (0.80, 0.28, 0.05), (0.00, 0.62, 0.45), (0.00, 0.45, 0.70))
 
 
 @dataclass
 class View:
-    """A parallel projection: where the viewer is, which way is up, and the window that is seen, in
-    the plane of the picture: left, bottom, right, top."""
+    """A parallel projection: the direction of the viewer, the up direction, and the visible window
+    in the plane of the picture: left, bottom, right, top."""
 
     direction: tuple
     up: tuple
@@ -36,7 +36,7 @@ class View:
 
     @classmethod
     def around(cls, point_sets, direction, up, crop=(0, 0, 1, 1), margin=0.04):
-        """The view that holds all the points, or the part of it given by fractions."""
+        """Returns the view that contains all points, or the part of it given by fractions."""
         right, above, _ = cls.axes(direction, up)
         flat = np.concatenate([np.stack([p @ right, p @ above], axis=1) for p in point_sets])
         low, high = flat.min(axis=0), flat.max(axis=0)
@@ -56,8 +56,8 @@ class View:
         return (right - left) / (top - bottom)
 
     def apply(self, camera, points, widen):
-        """Puts a camera just before the foremost of the points: far enough to see them all, and so
-        near that distances from it are precise. The window is widened by a factor."""
+        """Puts a camera just before the foremost point: far enough to see all points, and near
+        enough for precise depths. The window is widened by a factor."""
         left, bottom, right, top = self.window
         axes = self.axes(self.direction, self.up)
         focus = axes.T @ [(left + right) / 2, (bottom + top) / 2, 0]
@@ -73,10 +73,10 @@ class View:
 @dataclass
 class LatticeStyle:
     tube: float  # radius
-    ball: float = 0.0  # radius, at points; none if 0
-    only_corners: bool = False  # whether other points than corners go without
-    colours: tuple = (LATTICE,) * 4  # one a stratum
-    inside: bool = True  # whether edges inside the lattice are drawn
+    ball: float = 0.0  # radius of balls at points; none if 0
+    only_corners: bool = False  # draws balls at corners only
+    colours: tuple = (LATTICE,) * 4  # one for each stratum
+    inside: bool = True  # draws edges inside the lattice
     hull: float = 0.0  # opacity of the boundary faces; not drawn if 0
     hull_colour: tuple = (0.96, 0.94, 0.90)
 
@@ -120,7 +120,7 @@ class Drawing:
         return self
 
     def add_faces(self, points, loops, colour, opacity=1.0, smooth=False):
-        """Polygons; with smooth shading, as the surface that they approximate."""
+        """Adds polygons; with `smooth`, shaded as the surface that they approximate."""
         data = surface(points, loops)
         if smooth:
             data = with_normals(data)
@@ -168,13 +168,13 @@ class Drawing:
 class Studio:
     """Renders drawings, all from one view.
 
-    With occlusion, corners and gaps are darker; drawings of lines alone are cleaner without.
+    Occlusion makes corners and gaps darker; drawings of lines only are cleaner without.
 
-    All of them in one window: a window of its own for each would close the connection to the
-    display in between, and a virtual display starts afresh when its last client leaves.
+    All drawings use one window. Separate windows would close the connection to the display in
+    between, and a virtual display restarts when its last client leaves.
     """
 
-    #: Cut off again all around, in pixels: ambient occlusion is wrong along the borders.
+    #: Margin that is cut off, in pixels: ambient occlusion is wrong along the borders.
     FRAME = 12
 
     def __init__(self, view, height, occlusion=True):
@@ -206,7 +206,7 @@ class Studio:
         return shrunk(image[edge:-edge, edge:-edge])
 
     def pixels_of(self, points):
-        """Where points are in the images, n × 2: from the left and from the top."""
+        """Returns the positions of points in the images, n × 2: from the left and from the top."""
         left, _, right, top = self.view.window
         axes = self.view.axes(self.view.direction, self.view.up)
         flat = np.asarray(points, float) @ axes[:2].T
@@ -264,7 +264,7 @@ def balls(points, radius):
 
 
 def ground_shadow(model, up, cells=256, darkness=0.42):
-    """A square under the model whose opacity says how much of the model is above, and how near."""
+    """Returns a square under the model, darker where more of the model is above, and nearer."""
     points = points_of(model)
     axis = int(np.abs(up).argmax())
     a, b = (axis + 1) % 3, (axis + 2) % 3
@@ -274,7 +274,7 @@ def ground_shadow(model, up, cells=256, darkness=0.42):
     half = 0.75 * max(np.ptp(points[:, a]), np.ptp(points[:, b]))
     edges = np.linspace(-half, half, cells + 1)
     density = np.zeros((cells, cells))
-    # What is near the ground casts a darker and crisper shadow than the rest.
+    # Parts near the ground cast a darker and sharper shadow than the rest.
     for low, high, blur, share in ((0.0, 0.08, 4, 0.65), (0.0, 0.35, 12, 0.45)):
         chosen = (height >= floor + low * tall) & (height <= floor + high * tall)
         count, _, _ = np.histogram2d(points[chosen, a] - centre[0], points[chosen, b] - centre[1],
@@ -291,7 +291,7 @@ def ground_shadow(model, up, cells=256, darkness=0.42):
 
 
 def black_film(plane, opacity):
-    """A plane that darkens what is behind it, by an opacity a pixel (rows × columns)."""
+    """Returns a plane that darkens the background, with one opacity per pixel (rows × columns)."""
     pixels = np.zeros((*opacity.shape, 4), np.uint8)
     pixels[..., 3] = opacity * 255
     texture = vtk.vtkTexture()

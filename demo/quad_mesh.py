@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Colours of the materials, red, green and blue in 0 … 1. Lightness alone tells them apart.
+#: Colours of the materials, red, green and blue in 0 … 1, which all differ in lightness.
 MATERIALS = {
     "suit": (0.27, 0.36, 0.52),
     "shirt": (0.93, 0.92, 0.88),
@@ -30,14 +30,14 @@ class QuadMesh:
 
 
 def check(mesh, least_area):
-    """Raises ValueError unless the mesh is one closed, consistently wound manifold of quads larger
-    than `least_area`, of the topology of a sphere."""
+    """Raises ValueError unless the mesh is a closed, consistently oriented manifold with the topology
+    of a sphere, whose quads are larger than `least_area`."""
     quads, count = mesh.quads, len(mesh.points)
     faces = np.arange(len(quads))
     if not np.array_equal(np.unique(quads), np.arange(count)):
         raise ValueError("some vertices belong to no quad")
     opposite = opposites(quads)
-    # Turning about a vertex: from the half-edge that leaves it to the next one that does.
+    # Rotation around a vertex: from one outgoing half-edge to the next.
     previous = (np.repeat(faces, 4) * 4) + (np.tile(np.arange(4), len(faces)) + 3) % 4
     if orbit_count(opposite[previous]) != count:
         raise ValueError("the quads around a vertex are more than one fan")
@@ -46,15 +46,16 @@ def check(mesh, least_area):
     area = quad_areas(mesh.points, quads)
     if area.min() < least_area:
         raise ValueError(f"a quad of area {area.min():.3g}, expected at least {least_area:.3g}")
-    # Six times the volume within the mesh.
+    # This is six times the enclosed volume.
     if (mesh.points[quads].mean(axis=1) * area_vectors(mesh.points, quads)).sum() <= 0:
         raise ValueError("the mesh is inside out")
 
 
 def opposites(quads):
-    """The half-edge opposite each one. Half-edge 4 q + i runs from corner i of quad q to the next.
+    """Returns the opposite of each half-edge. Half-edge 4 q + i runs from corner i of quad q to the
+    next corner.
 
-    Raises ValueError for an edge of other than two quads, or of two wound against each other.
+    Raises ValueError unless each edge has two quads with consistent orientation.
     """
     tail, head = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
     count = quads.max() + 1
@@ -70,7 +71,7 @@ def opposites(quads):
 
 
 def area_vectors(points, quads):
-    """Cross products of the diagonals: outward normals, twice as long as the quads are large."""
+    """Returns the cross products of the diagonals: outward normals of twice the quads' area."""
     corner = points[quads]
     return np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes pictures of lattices and of what they do to models. Needs VTK 9 and a display:
+"""Draws lattices, and models deformed by them. Needs VTK 9 and a display:
 
     xvfb-run -a python3 render.py panel --model M.obj --rest L.vtu --refined R.vtu \\
                                         --posed P.vtu --deformed D.obj -o out.png
@@ -7,7 +7,7 @@
                                        --posed P.vtu --deformed D.obj -o out.png
     xvfb-run -a python3 render.py lattices L0.vtu L1.vtu L2.vtu -o out.png
 
-All panels of a picture are seen from the same place. Models are .obj files, lattices .vtu files.
+All panels of a picture have the same view. Models are .obj files, lattices .vtu files.
 """
 
 import argparse
@@ -61,7 +61,7 @@ def parse_arguments():
 
 
 class Page:
-    """What all panels of a picture share. Lines are as thick everywhere."""
+    """The style that all panels of a picture share, with equally thick lines."""
 
     def __init__(self, arguments, shown):
         point_sets = [points_of(thing) for thing in shown]

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sizes shared by the demo's models and the lattices around them. Metres; y is up, and the figure
+"""Sizes of the demo's models and of the lattices around them, in metres. y is up, and the figure
 faces +z, so that its left arm is at +x.
 
     scenes.py SCENE
 
-prints the commands that make a scene (figure, star or barbell), to be run where its model is.
-scripts/demo runs them, and docs/gallery.md prints them. The two poses of the lattice of a scene
-have the same topology.
+prints the commands that make a scene (figure, star or barbell), to run in the folder of its model.
+scripts/demo runs them, and docs/gallery.md shows them. Both poses of a scene's lattice have the same
+topology.
 """
 
 import sys
@@ -27,32 +27,32 @@ def chain(start, bones):
     return joints
 
 
-#: The scenes, and the model in each.
+#: The model of each scene.
 MODELS = {"figure": "figure", "star": "disk", "barbell": "block"}
 
-# The figure's left arm, a little away from the body.
+# The figure's left arm is slightly away from the body.
 SHOULDER, ELBOW, WRIST, HAND_TIP = chain(
     (0.226, 1.262, -0.010),
     [((0.70, -0.72, -0.02), 0.25), ((0.60, -0.79, 0.12), 0.22), ((0.58, -0.80, 0.10), 0.19)])
 
-# Its right arm hangs, and stays as it is.
+# Its right arm hangs down, and is not deformed.
 RIGHT_SHOULDER, RIGHT_ELBOW, RIGHT_WRIST, RIGHT_HAND_TIP = chain(
     SHOULDER * (-1, 1, 1),
     [((-0.34, -0.94, -0.04), 0.25), ((-0.12, -0.97, 0.20), 0.22), ((-0.04, -0.98, 0.16), 0.19)])
 
-# The disk: axis z.
+# The disk has axis z.
 DISK_RADIUS, DISK_HEIGHT = 1.0, 0.36
 
-# The block: its longest side along x.
+# The block has its longest side along x.
 BLOCK_SIZE = np.array([3.0, 1.0, 1.0])
 
 
 def figure_joints():
-    """The joints of the lattice around the left arm, at rest and posed: position, radius, twist in
-    degrees.
+    """Returns the joints of the lattice around the left arm, at rest and posed: position, radius,
+    twist in degrees.
 
-    The first two bones are the same in both, and so are the first two cross-sections: the arm
-    leaves the shoulder smoothly. The bend is shared out over the joints that follow.
+    The first two bones and cross-sections are the same in both, so that the arm leaves the shoulder
+    smoothly. The bend is distributed over the following joints.
     """
     upper, fore, hand = ELBOW - SHOULDER, WRIST - ELBOW, HAND_TIP - WRIST
     start = along(SHOULDER, upper, -0.06)
@@ -74,13 +74,13 @@ def arm(joints):
 
 
 def star(inner, outer):
-    """The region of the round rest pose reaches to 0.936 of its ten corners' radius."""
+    """At rest it is round, and its region extends to 0.936 of the radius of its ten corners."""
     return ["star", "--points=5", f"--inner-radius={inner * DISK_RADIUS:g}",
             f"--outer-radius={outer * DISK_RADIUS:g}", f"--height={1.1 * DISK_HEIGHT:g}"]
 
 
 def barbell(end, length, bar, roundness):
-    """At rest, a block one tenth larger than the model in y and z."""
+    """At rest it is a block, one tenth larger than the model in y and z."""
     return ["barbell", "--end-segments=12", "--bar-segments=3", f"--end-radius={end:g}",
             f"--bar-length={length:g}", f"--bar-half-width={bar:g}", f"--roundness={roundness:g}",
             f"--height={1.1 * BLOCK_SIZE[2]:g}"]

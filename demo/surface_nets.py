@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Naive surface nets: a quad mesh of the zero set of a distance field, then evened out."""
+"""Naive surface nets: a smoothed quad mesh of the zero set of a distance field."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ CORNERS = [(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)]
 
 
 def sample(field, low, high, spacing, block=4):
-    """Values of `field` on a grid, exact near its zero set and of the right sign elsewhere.
+    """Samples `field` on a grid: exact near its zero set, with the correct sign elsewhere.
 
     Whole blocks of the grid that are clearly far from the surface are filled with one value.
     """
@@ -19,7 +19,7 @@ def sample(field, low, high, spacing, block=4):
     middle = low + (index * block + (block - 1) / 2) * spacing
     reach = spacing * block
     coarse = field(middle, 2 * reach)
-    # Three axes over blocks, then three within a block.
+    # The first three axes count blocks, the others points within a block.
     tiles = values.reshape(blocks[0], block, blocks[1], block, blocks[2], block)
     tiles = tiles.transpose(0, 2, 4, 1, 3, 5)
     tiles[...] = coarse.reshape(*blocks, 1, 1, 1)
@@ -32,10 +32,10 @@ def sample(field, low, high, spacing, block=4):
 
 
 def remove_ambiguity(values):
-    """Flips the sign of the smallest value wherever the corners of a face of the grid, or the two
-    ends of a diagonal of a cell, leave open how the surface runs; the net is then a manifold.
+    """Flips the sign of the smallest value at each face of the grid, or diagonal of a cell, where
+    the topology of the surface is ambiguous; the net is then a manifold.
 
-    Such values are far below the spacing, and the vertices go back to the surface afterwards.
+    Such values are far below the spacing, and the vertices return to the surface afterwards.
     """
     while True:
         corners = ambiguous_corners(values < 0)
@@ -47,8 +47,8 @@ def remove_ambiguity(values):
 
 
 def ambiguous_corners(inside):
-    """Grid points (n × 4 × 3) of the faces whose opposite corners agree and whose neighbours do
-    not, and of the cells (a diagonal, twice) where two opposite corners differ from all others."""
+    """Returns grid points (n × 4 × 3): of faces whose opposite corners agree while neighbouring ones
+    differ, and of cells (a diagonal, twice) where two opposite corners differ from all others."""
     found = []
     unit = np.eye(3, dtype=int)
     for a, b in ((0, 1), (1, 2), (2, 0)):
@@ -66,7 +66,7 @@ def ambiguous_corners(inside):
 
 
 def corner_view(grid, corner, reach):
-    """The values at one corner of every cell, for cells that reach that far along each axis."""
+    """Returns the values at one corner of every cell, for cells of size `reach` on each axis."""
     return grid[tuple(slice(c, n - r + c) for c, r, n in zip(corner, reach, grid.shape))]
 
 
@@ -121,7 +121,7 @@ def vertex_normals(points, quads):
 
 
 def scatter_mean(quads, face_values, vertex_count):
-    """Mean at each vertex of the values (one row a quad) of the quads around it."""
+    """Returns the mean at each vertex of the values (one row per quad) of the quads around it."""
     owners = quads.ravel()
     valence = np.maximum(np.bincount(owners, minlength=vertex_count), 1)
     return np.stack([np.bincount(owners, np.repeat(column, 4), vertex_count) / valence
@@ -129,9 +129,9 @@ def scatter_mean(quads, face_values, vertex_count):
 
 
 def even_out(points, quads, solid, rounds):
-    """Moves vertices along the surface towards the middle of their quads, and onto the surface.
+    """Moves vertices along the surface towards the centres of their quads, and onto the surface.
 
-    The mesh's own normals are good enough here, and a fifth of the cost of the gradient.
+    The mesh's own normals suffice here, at a fifth of the cost of the gradient.
     """
     for _ in range(rounds):
         normal = vertex_normals(points, quads)

@@ -13,8 +13,8 @@ AxisFunctions bernstein(Index degree, double at) {
     std::vector<double> values(count, 0), derivatives(count, 0);
     values[0] = 1;
     for (std::size_t k = 1; k < count; ++k) {
-        // The derivative by t is the degree times the difference of the degree before; by the
-        // place, that difference.
+        // The derivative by t is `degree` times the difference of the polynomials of degree − 1;
+        // the derivative by the coordinate at = t · degree is that difference.
         if (k + 1 == count)
             for (std::size_t i = 0; i < count; ++i)
                 derivatives[i] = (i > 0 ? values[i - 1] : 0) - values[i];
@@ -25,7 +25,7 @@ AxisFunctions bernstein(Index degree, double at) {
 }
 
 AxisFunctions splineFunctions(Index cells, double at) {
-    // The span of a knot is that above it; the last knot has none.
+    // A knot belongs to the span above it; the last knot, to the span below it.
     const double span = std::clamp(std::floor(at), 1.0, static_cast<double>(cells - 2));
     const auto values = cubicBSpline(at - span, 0), derivatives = cubicBSpline(at - span, 1);
     return {static_cast<Index>(span) - 1,

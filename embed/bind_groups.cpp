@@ -15,7 +15,7 @@ namespace {
 /// A table under construction whose rows come in any order, from several threads.
 class ScatteredRows {
 public:
-    /// \param lengths of the rows, behind a 0
+    /// \param lengths a 0, and then the length of each row
     explicit ScatteredRows(Array<Offset> lengths) : offsets_(std::move(lengths)) {
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         requireMemory(
@@ -25,7 +25,7 @@ public:
         weights_.resize(columns_.size());
     }
 
-    /// Sets a row.
+    /// Writes a row.
     /// \param shift is added to its columns
     void set(Index row, std::span<const Index> columns, std::span<const double> weights,
              Index shift) {
@@ -46,9 +46,9 @@ private:
     Array<double> weights_;
 };
 
-/// Puts the rows of the points of all parts into one table, and empties theirs.
-/// \param shifts what is added to the columns of each part
-/// \param rowsOf these rows among the tables of a part
+/// Puts the rows of the points of all parts into one table, and empties the rows of the parts.
+/// \param shifts for each part, the number added to its columns
+/// \param rowsOf returns the rows of a part's points from the part's table
 template <class Table, class RowsOf>
 stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowCount,
                                             Index columnCount, std::span<const Index> shifts,
@@ -57,7 +57,7 @@ stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts
     for (BoundPart<Table>& part : parts) {
         const stencils::StencilTable<double>& rows = rowsOf(part.table);
         for (Index i = 0; i < rows.rowCount(); ++i)
-            // A point that is settled beside the cells has no entries among those inside.
+            // A point placed by a later part has an empty row in the earlier one.
             lengths[static_cast<std::size_t>(part.points[i]) + 1] +=
                 static_cast<Offset>(rows.columns(i).size());
     }

@@ -16,27 +16,27 @@
 #include <utility>
 #include <vector>
 
-// Points are bound in groups, to D or to its factors. The limit binds to D with its gradients, and
-// adds overloads of pointRows() and gatherRows() (limit_binding.cpp).
+// Binds points in groups, to D or to its factors. limit_binding.cpp binds to D with its gradients
+// in the same way, and adds overloads of pointRows() and gatherRows().
 namespace espalier::embed {
 
-/// Some of the points of a group, as they were bound.
+/// The result of binding some points of a group.
 template <class Table>
 struct BoundPart {
-    std::vector<Index> points;  ///< which, counted from 0
+    std::vector<Index> points;  ///< their indices in the group
     std::vector<PointStatus> statuses;
     double largestResidual = 0;
-    Table table;  ///< a row for each, without entries where it has no place
+    Table table;  ///< one row per point; empty if the point has no place
 };
 
-/// Binds a group of points that lie together. Any number of threads may ask.
+/// Binds a group of neighbouring points. Any number of threads may call it at once.
 ///
-/// Returns all of the points; where a later part has some of them again, that counts, and the
-/// earlier one has no entries for these.
+/// The returned parts together contain all the points. If several parts contain a point, the last
+/// one counts, and the earlier ones have no entries for the point.
 template <class Table>
 using BindGroup = std::function<std::vector<BoundPart<Table>>(std::span<const Point3>)>;
 
-/// The rows that tell which points have a place.
+/// Returns the rows that tell which points have a place.
 inline const stencils::StencilTable<double>& pointRows(
     const stencils::StencilTable<double>& table) {
     return table;
@@ -46,17 +46,17 @@ inline const stencils::StencilTable<double>& pointRows(
     return table.points;
 }
 
-/// Puts the rows of all parts into one table, and empties the tables of the parts. A vertex of
-/// factors that several parts use is repeated for each of them.
-/// \param parts with the numbers of their points in the whole model
+/// Puts the rows of all parts into one table, and empties the tables of the parts. If several parts
+/// use a vertex of the factored form, the result contains the vertex once per part.
+/// \param parts with indices of points in the whole model
 void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::StencilTable<double>& result);
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::FactoredTable<double>& result);
 
-/// Binds points, a group of near ones after the other, in parallel.
-/// \param bindGroup works in units of `unit`. What it holds goes before the rows are gathered: that
-///        takes the most memory
+/// Binds points in parallel, group by group; the points of a group are near each other.
+/// \param bindGroup works in units of `unit`. It is destroyed before the rows are gathered, since
+///        gathering needs the most memory
 /// \param progress as BindingOptions::progress
 template <class Table>
 BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefiner& base,
@@ -76,7 +76,7 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
             for (Index& point : part.points) point = numbers[point];
             entryCount += pointRows(part.table).entryCount();
         }
-        // gatherRows() takes as much memory again as the rows that the groups hold.
+        // gatherRows() needs as much memory again as the rows of the groups.
         requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(double)),
                       "a table of the " + std::to_string(entryCount) + " weights so far");
         if (progress) progress(done += last - first);

@@ -10,18 +10,18 @@
 
 namespace espalier::embed {
 
-/// A model frozen to a lattice: all that is needed to deform it, without the lattice or its
-/// topology. Table is StencilTable<Real>, FactoredTable<Real>, or limit::LimitTable.
+/// Holds all that is needed to deform a model: neither the lattice nor its topology is needed any
+/// more. Table is StencilTable<Real>, FactoredTable<Real>, or limit::LimitTable.
 ///
-/// With p' the base vertices of a pose, the deformed points are x' = D · p', except for the points
-/// whose rows are empty, which are kept where they were.
+/// With p' the base vertices of a pose, the deformed points are x' = D · p'. Points whose rows are
+/// empty stay where they were.
 ///
 /// \cite MacCracken & Joy 1996, section 5
 template <class Table>
 struct BindingOf {
     Table table;                     ///< D: points × base vertices
     std::vector<Index> kept;         ///< the points with empty rows, ascending
-    std::vector<Point3> keptAt;      ///< where those were, and stay
+    std::vector<Point3> keptAt;      ///< positions of these points
     std::uint64_t topologyHash = 0;  ///< far::topologyHash of the base lattice
 
     friend bool operator==(const BindingOf&, const BindingOf&) = default;
@@ -29,7 +29,8 @@ struct BindingOf {
 
 using Binding = BindingOf<stencils::StencilTable<double>>;
 
-/// The same binding with weights rounded to another precision: bindings are made in double.
+/// Returns the binding with weights rounded to another precision. Bindings are made in double
+/// precision.
 template <class To, class Table>
 auto convertBinding(BindingOf<Table> binding) {
     auto table = stencils::convertTable<To>(std::move(binding.table));
@@ -37,10 +38,10 @@ auto convertBinding(BindingOf<Table> binding) {
                                       std::move(binding.keptAt), binding.topologyHash};
 }
 
-/// Collects D and what it keeps for a box lattice with Bézier or B-spline weights. (To a level of
-/// a lattice points are bound by bindPoints().)
-/// \param points as they were embedded
-/// \throws Error if their number is not that of the embedding, or that is in another lattice
+/// Builds the binding of a model to a box lattice with Bézier or B-spline weights. (bindPoints()
+/// binds to a level of a subdivided lattice.)
+/// \param points those that were embedded
+/// \throws Error if the embedding has another number of points, or is in another lattice
 ESPALIER_API Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
                                  std::span<const Point3> points);
 

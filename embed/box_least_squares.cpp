@@ -10,14 +10,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The multiple of a vector that is nearest to `target`.
+/// Returns the factor by which to multiply a vector so that it is nearest to `target`.
 double solve(const Vector3d& column, const Vector3d& target) {
     return column.dot(target) / column.squaredNorm();
 }
 
-/// Sets the axes that are free so that map · x is nearest to `target`, with the others where they
-/// are. By orthogonalisation, which keeps more digits than normal equations. Not finite where the
-/// free axes do not determine them.
+/// Solves for the free axes so that map · x is nearest to `target`, with the held axes unchanged.
+/// Uses orthogonalisation, which keeps more digits than normal equations. The result is not finite
+/// if the problem does not determine the free axes.
 void solveFree(const Matrix3d& map, const Vector3d& target, const Eigen::Vector3i& held,
                Vector3d& x) {
     Eigen::Vector3i free = {0, 0, 0};
@@ -44,20 +44,22 @@ void solveFree(const Matrix3d& map, const Vector3d& target, const Eigen::Vector3
 
 Vector3d nearestInBox(const Matrix3d& map, const Vector3d& target, const Vector3d& low,
                       const Vector3d& high) {
-    // To a size whose squares are numbers.
+    // Scale so that squares neither overflow nor underflow.
     const double size = map.cwiseAbs().maxCoeff();
     if (!(size > 0)) return low;
     const Matrix3d unitMap = map / size;
     const Vector3d unitTarget = target / size;
     Vector3d best = low;
     double least = std::numeric_limits<double>::infinity();
-    // Digits to base 3: free, at the lower end, at the upper end.
+    // The base-3 digits of `way` tell for each axis: 0 free, 1 at the lower bound, 2 at the upper
+    // bound.
     for (int way = 0; way < 27; ++way) {
         const Eigen::Vector3i held(way % 3, way / 3 % 3, way / 9);
         Vector3d x;
         for (int axis = 0; axis < 3; ++axis) x[axis] = held[axis] == 2 ? high[axis] : low[axis];
         solveFree(unitMap, unitTarget, held, x);
-        // A way that leads out of the box is not the right one; clamped, it is no nearer than that.
+        // If a combination leads out of the box, it is not the solution; clamped, it is at least as
+        // far from the target.
         x = x.cwiseMax(low).cwiseMin(high);
         const double distance = (unitMap * x - unitTarget).squaredNorm();
         if (distance < least) {

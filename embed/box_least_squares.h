@@ -6,9 +6,10 @@
 
 namespace espalier::embed {
 
-/// The x between `low` and `high`, axis by axis, for which map · x is nearest to `target`. Exact
-/// but for rounding, at any size of the map: one of the 27 ways to hold each axis at its lower end,
-/// at its upper end or not at all is the right one. Where several x are as near, one of them.
+/// Returns the x in the box from `low` to `high` for which map · x is nearest to `target`; if
+/// several are equally near, one of them. Exact up to rounding, at any size of the map: the
+/// solution has each axis at its lower bound, at its upper bound or free, and the function tries
+/// all 27 combinations.
 ///
 /// \param map, target finite; the map may be singular
 /// \cost 27 solves of at most 3 × 3: under 1 µs

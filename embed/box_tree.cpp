@@ -11,10 +11,10 @@ namespace espalier::embed {
 
 namespace {
 
-/// Of 2, 4, 8 and 16 the quickest to ask.
+/// The fastest to query among 2, 4, 8 and 16.
 constexpr Index kLeafSize = 8;
 
-/// Without a branch a side: which one fails first is as good as random.
+/// Without a branch per side: which side fails first is unpredictable.
 bool contains(const BoxTree::Box& box, const Eigen::Vector3d& point) {
     const auto isAtMost = [](double a, double b) { return static_cast<unsigned>(a <= b); };
     unsigned isInside = 1;
@@ -23,8 +23,8 @@ bool contains(const BoxTree::Box& box, const Eigen::Vector3d& point) {
     return isInside != 0;
 }
 
-/// How many of some places, sorted and two or more, go to the left: those without the highest bit
-/// in which their keys differ.
+/// Returns how many of some sorted places go to the left child: those whose key lacks the highest
+/// bit in which the keys differ. There must be at least two places.
 Index leftCount(std::span<const CurveItem> places) {
     const std::uint64_t differing = places.front().key ^ places.back().key;
     if (differing == 0) return static_cast<Index>(places.size() / 2);
@@ -38,8 +38,8 @@ Index leftCount(std::span<const CurveItem> places) {
 }  // namespace
 
 BoxTree::BoxTree(std::span<const Box> boxes) {
-    // Along the curve, a node is what lies in one part of space, so nothing need be moved to split
-    // it: a sixth of the time of splits at the median.
+    // In the order of the curve, a node's items are consecutive and in one part of space, so that
+    // splitting moves nothing. This takes a sixth of the time of splits at the median.
     Box all;
     for (const Box& box : boxes) all.extend(box);
     const MortonCurve curve(all);
@@ -78,7 +78,8 @@ void BoxTree::build(std::span<const CurveItem> places, Index first, Index count)
     nodes_[at] = {box, 0, 0, static_cast<Index>(nodes_.size() - at)};
 }
 
-/// Appends the items of the boxes that are in, and so are those around them.
+/// Appends the items whose boxes satisfy isIn, which must also hold for every box around such a
+/// box.
 template <class IsIn>
 void BoxTree::collect(IsIn isIn, std::vector<Index>& found) const {
     for (std::size_t at = 0; at < nodes_.size();) {
@@ -123,7 +124,7 @@ BoxTree::Nearest BoxTree::findNearest(const Eigen::Vector3d& point,
             }
             continue;
         }
-        // The nearer child last, so that it is looked into first.
+        // Push the nearer child last, so that it is visited first.
         const std::size_t second = at + 1 + static_cast<std::size_t>(nodes_[at + 1].size);
         std::pair left(boxDistance(at + 1), at + 1), right(boxDistance(second), second);
         if (left.first < right.first) std::swap(left, right);

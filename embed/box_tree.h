@@ -12,19 +12,19 @@
 
 namespace espalier::embed {
 
-/// A bounding-volume tree over boxes: which contain a point, and which item is nearest to it.
-/// Immutable once built; any number of threads may ask.
+/// A bounding-volume tree over boxes. Finds the boxes that contain a point, and the item nearest to
+/// a point. Immutable once built; any number of threads may use it at once.
 class ESPALIER_API BoxTree {
 public:
     using Box = Eigen::AlignedBox<double, 3>;
 
-    /// \cost O(n): 0.06 s for 500,000 boxes, on one thread
+    /// \cost O(n): 0.06 s for 500,000 boxes on one thread
     explicit BoxTree(std::span<const Box> boxes);
 
     /// Appends the indices of the boxes that contain `point`, in no particular order.
     void findContaining(const Eigen::Vector3d& point, std::vector<Index>& found) const;
 
-    /// Appends those of the boxes that are no further from `point` than `distance`.
+    /// Appends the indices of the boxes whose distance from `point` is at most `distance`.
     void findWithin(const Eigen::Vector3d& point, double distance, std::vector<Index>& found) const;
 
     struct Nearest {
@@ -32,19 +32,21 @@ public:
         double distance = 0;
     };
 
-    /// The item of the smallest distance to `point`, and of several such the lowest index.
-    /// \param distance of an item from the point; at least that of its box
+    /// Returns the item nearest to `point`; among equally near items, the lowest index.
+    /// \param distance returns the distance of an item from the point; it must be at least the
+    ///        distance of the item's box
     Nearest findNearest(const Eigen::Vector3d& point,
                         const std::function<double(Index)>& distance) const;
 
 private:
-    /// Nodes lie in the order of a walk: the left child follows its parent, the right one the whole
-    /// subtree of the left. Items first to first + count; an inner node has none of its own.
+    /// Nodes are stored in depth-first order: the left child follows its parent, and the right
+    /// child follows the whole left subtree. A leaf has the items first to first + count; an inner
+    /// node has count 0.
     struct Node {
         Box box;
         Index first = 0;
         Index count = 0;
-        Index size = 1;  ///< nodes of the subtree
+        Index size = 1;  ///< number of nodes of the subtree
 
         bool isLeaf() const { return count > 0; }
     };
@@ -54,8 +56,8 @@ private:
     void build(std::span<const CurveItem> places, Index first, Index count);
 
     std::vector<Node> nodes_;
-    std::vector<Index> order_;  ///< the items, leaf by leaf
-    std::vector<Box> boxes_;    ///< their boxes, in that order
+    std::vector<Index> order_;  ///< the items, leaf after leaf
+    std::vector<Box> boxes_;    ///< boxes_[i] is the box of order_[i]
 };
 
 }  // namespace espalier::embed

@@ -24,11 +24,11 @@ CellBounds::CellBounds(const far::Level& level, std::span<const Point3> position
 std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vector3d>& inherited) {
     CellBound bound;
     if (inherited) bound.drift = *inherited / 4;
-    // Three axes, a sixth of the second difference for each.
+    // Three axes, with a sixth of the second difference each.
     if (!bound.drift && isRegularCell(level_, cell))
         bound.drift = largestSecondDifference(ringOf(cell)) / 2;
     if (bound.drift) {
-        if (!bound.drift->allFinite()) return std::nullopt;  // Coordinates near the largest number.
+        if (!bound.drift->allFinite()) return std::nullopt;  // Coordinates near the largest double.
         bound.box = ownBox(cell).box;
         bound.box.min() -= *bound.drift;
         bound.box.max() += *bound.drift;
@@ -41,7 +41,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
 }
 
 const CellBounds::Box& CellBounds::boxOf(Index cell) {
-    // Where all is regular, nobody asks.
+    // Allocated on first use: regular lattices never need it.
     if (ofCell_.empty()) ofCell_.resize(level_.complex.count(3));
     auto& box = ofCell_[cell];
     if (!box) {
@@ -79,8 +79,9 @@ AffineHull CellBounds::ownHull(Index cell, double widening) const {
     return hull;
 }
 
-/// The directions of a cell, linearly independent unless it is flat: of a hexahedron the means of
-/// its edges along each axis, of another cell three edges that meet.
+/// Returns three directions of a cell, linearly independent unless the cell is flat: in a
+/// hexahedron the means of its edges along each axis, in any other cell three edges that meet in a
+/// vertex.
 Eigen::Matrix3d CellBounds::axesOf(Index cell) const {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
     if (const auto frame = frameOf(level_.complex, cell)) {
@@ -111,7 +112,7 @@ std::vector<Index> CellBounds::ringOf(Index cell) const {
     return ring;
 }
 
-/// Whether no new point around a cell, at this level or a later one, has a negative weight.
+/// Returns true if no new point around a cell has a negative weight, on this level or a later one.
 bool CellBounds::staysInHull(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
     return !mayExtrapolate_ && std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
@@ -121,29 +122,31 @@ bool CellBounds::staysInHull(Index cell) {
     });
 }
 
-/// The same of what is around a vertex.
+/// Returns true if no new point around a vertex has a negative weight, on this level or a later
+/// one.
 bool CellBounds::isConvexAround(Index vertex) const {
     std::size_t surfaceEdges = 0;
     for (const Index edge : level_.complex.relation(0, 1)[vertex]) {
-        if (level_.strata.isOpen({1, edge})) continue;  // It has no new point.
+        if (level_.strata.isOpen({1, edge})) continue;  // An open edge has no new point.
         if (level_.strata.smoothStratum({1, edge}) == 2)
             ++surfaceEdges;
         else if (level_.complex.relation(1, 2)[edge].size() == 2)
-            return false;  // (C̄ + 2Ā − M)/2
+            return false;  // The mask (C̄ + 2Ā − M)/2 has a negative weight.
     }
-    // (Ā + 2M̄ − P)/2
+    // With two surface edges, the mask (Ā + 2M̄ − P)/2 has a negative weight.
     return level_.strata.smoothStratum({0, vertex}) != 2 || surfaceEdges != 2;
 }
 
 namespace {
 
-/// The neighbours of a vertex in a grid: 6 at most.
+/// The neighbours of a vertex in a grid, at most 6.
 struct Neighbours {
     std::array<Index, 6> vertices = {};
     std::size_t count = 0;
-    std::array<unsigned, 6> together = {};  ///< bit k: in one cell with vertices[k], or the same
+    std::array<unsigned, 6> together = {};  ///< bit k: some cell contains this neighbour and
+                                            ///< vertices[k]
 
-    /// Where a neighbour is, which is added if it is new.
+    /// Returns the position of a neighbour in `vertices`. Adds it if it is new.
     std::size_t placeOf(Index neighbour) {
         const auto at = std::find(vertices.begin(), vertices.begin() + count, neighbour);
         if (at == vertices.begin() + count) vertices[count++] = neighbour;
@@ -151,14 +154,15 @@ struct Neighbours {
     }
 };
 
-/// The neighbours of each corner of a hexahedron.
+/// The neighbours of each corner of a hexahedron, in VTK's order of corners.
 constexpr std::array<std::array<std::size_t, 3>, 8> kNeighbours = {
     {{1, 3, 4}, {0, 2, 5}, {1, 3, 6}, {0, 2, 7}, {0, 5, 7}, {1, 4, 6}, {2, 5, 7}, {3, 4, 6}}};
 
 }  // namespace
 
-/// Coordinate by coordinate, |P₋ − 2P + P₊| where P lies between two others along an axis of the
-/// grid that `ring` is: they are its neighbours, and in no cell together.
+/// Returns, for each coordinate, the largest |P₋ − 2P + P₊| over the vertices P of `ring`, which is
+/// a grid of cells. P₋ and P₊ are neighbours of P along one axis: neighbours that no cell has in
+/// common.
 Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) const {
     std::vector<std::array<Index, 8>> cells;
     std::vector<Index> vertices;

@@ -12,51 +12,54 @@
 
 namespace espalier::embed {
 
-/// Where what is refined from a cell can lie: all vertices of the cells that it becomes, whatever
-/// the level.
+/// A bound on where refinement can take a cell: it contains all vertices of the cell's descendants
+/// on all levels.
 struct CellBound {
     Eigen::AlignedBox<double, 3> box;
 
-    /// Of a cell around which all is regular: by how much, at most, a refined vertex may be off the
-    /// trilinear map of the cell's corners, coordinate by coordinate. It falls to a quarter with
-    /// each level. Nothing for other cells.
+    /// Largest distance, for each coordinate, of a descendant's vertex from the trilinear map of
+    /// the cell's corners. It falls to a quarter with each level. Only for cells with regular
+    /// surroundings.
     std::optional<Eigen::Vector3d> drift;
 };
 
-/// Bounds of the cells of one level of a lattice.
+/// Computes bounds of the cells of one level of a lattice.
 ///
-/// Around a cell where nothing is irregular, refinement is that of a uniform tricubic B-spline:
-/// along one axis a vertex moves by an eighth of the second difference there, an edge point not at
-/// all, and the second differences fall to a quarter with each level. So all levels together move a
-/// vertex by no more than a sixth of the largest second difference along each axis. At regular
-/// boundaries that is true too: they are a B-spline with a phantom layer 2P₀ − P₁, whose second
-/// difference is 0. The box of the corners, widened by that, is little more than the cell itself.
+/// Around a regular cell, refinement is a uniform tricubic B-spline. Along one axis, a vertex moves
+/// by an eighth of the second difference there, an edge point does not move, and second differences
+/// fall to a quarter with each level. So all levels together move a vertex along each axis by at
+/// most a sixth of the largest second difference. This also holds at regular boundaries: there,
+/// refinement is a B-spline with a phantom layer 2P₀ − P₁, whose second difference is 0. The bound
+/// is the box of the corners, widened by these amounts; it is little larger than the cell.
 ///
-/// Anywhere else new points are averages, and the box of all cells around the cell holds them
-/// (the convex-hull property). Except where a mask has negative weights, or may get one: there, no
-/// bound is known.
+/// Elsewhere new points are averages, and the bound is the box of all cells around the cell
+/// (convex-hull property). If a mask has negative weights there, or may get some on a later level,
+/// no bound is known.
 ///
-/// All that is true of MLCA: where all is regular its rules are the same, and its weights are
-/// positive. Where Catmull-Clark's are not it could do with a bound, and has none: such places are
-/// rare, and only time is lost.
+/// The same bounds hold for MLCA: its rules are equal to Catmull-Clark's in regular places, and its
+/// weights are positive everywhere. Where Catmull-Clark has a negative weight MLCA could have a
+/// bound, but none is computed: such places are rare, and a missing bound only costs time.
 ///
 /// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 4 (the rules as products of curves')
 class CellBounds {
 public:
-    /// \param level a lattice; must outlive this, as the positions of its vertices
+    /// \param level a lattice; must outlive this object, as must `positions`
     CellBounds(const far::Level& level, std::span<const Point3> positions, far::Creasing creasing);
 
-    /// \param cell with all its neighbours present
-    /// \param inherited the drift of the cell that this one is a child of, if it has one
-    /// \return nothing if the cell may become anything
+    /// \param cell all its neighbours must be present
+    /// \param inherited the drift of the cell's parent, if it has one
+    /// \return nothing if no bound is known
     std::optional<CellBound> boundOf(Index cell, const std::optional<Eigen::Vector3d>& inherited);
 
-    /// Where the cell itself lies, without what it may become: the box of its corners, widened on
-    /// each side by a part of its diagonal, which is the drift.
+    /// Returns a bound of the cell itself, without its descendants: the box of its corners.
+    /// \param widening margin on each side, as a fraction of the box's diagonal; also the drift of
+    ///        the result
     CellBound ownBox(Index cell, double widening = 0) const;
 
-    /// The same in directions of the cell's own, widened by a part of its edges: far less of a thin
-    /// cell that lies aslant. Of a flat cell it holds everything.
+    /// Returns a bound of the cell itself in the directions of its edges: far smaller than a box
+    /// for a thin cell that is oblique to the coordinate axes. The hull of a flat cell contains
+    /// every point.
+    /// \param widening margin on each side, as a fraction of the edges
     AffineHull ownHull(Index cell, double widening) const;
 
 private:
@@ -77,8 +80,9 @@ private:
     std::span<const Point3> positions_;
     bool mayExtrapolate_;  ///< Chaikin's rule for semi-sharp edges
 
-    // Each is found when it is first asked for. Every cell of a vertex asks for the vertex, and
-    // every vertex of a cell for the cell: without these, a cell of 40,000 vertices takes 10 s.
+    // Each entry is computed when it is first needed. Every cell of a vertex needs the vertex, and
+    // every vertex of a cell needs the cell: without these caches, a cell with 40,000 vertices
+    // takes 10 s.
     std::vector<std::optional<Box>> ofCell_;        ///< corners of each cell
     std::vector<std::optional<Box>> aroundVertex_;  ///< corners of all cells of each vertex
     std::vector<std::optional<bool>> staysInHull_;

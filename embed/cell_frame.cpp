@@ -7,11 +7,11 @@
 namespace espalier::embed {
 namespace {
 
-/// Where the corners of a hexahedron in VTK's order are in a frame.
+/// The number in a frame of each corner of a hexahedron in VTK's order.
 constexpr std::array<std::size_t, 8> kPlaceOfVtk = {0, 1, 3, 2, 4, 5, 7, 6};
 
-/// The entity spanned by a corner and some of the axes from there.
-/// \param axes bit a: along axis a
+/// Returns the entity that some of the axes span from a corner.
+/// \param axes bit a is set if axis a is among them
 Entity spannedBy(const far::CellComplex& complex, const CellFrame& frame, std::size_t corner,
                  std::size_t axes) {
     const int dimension = static_cast<int>((axes & 1) + (axes >> 1 & 1) + (axes >> 2 & 1));
@@ -19,12 +19,12 @@ Entity spannedBy(const far::CellComplex& complex, const CellFrame& frame, std::s
     if (dimension == 0) return {0, from};
     if (dimension == 3) return {3, frame.cell};
     const Index to = frame.corners[corner ^ axes];
-    // An edge with both, or a face of the cell with both in it, opposite to each other.
+    // The edge with both vertices, or the face of the cell in which they are opposite corners.
     for (const Index index : complex.relation(3, dimension)[frame.cell]) {
         const auto vertices = complex.relation(dimension, 0)[index];
         if (far::contains(vertices, from) && far::contains(vertices, to)) return {dimension, index};
     }
-    return {dimension, kMaxIndex};  // No frame of this complex.
+    return {dimension, kMaxIndex};  // The frame does not belong to this complex.
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ std::optional<CellFrame> neighbourOf(const far::CellComplex& complex, const Cell
     for (std::size_t i = 0; i < 8; ++i) {
         if (bitOf(i, axis) != side) continue;
         result.corners[i ^ step] = frame.corners[i];
-        // Along the one edge from there that leaves the face.
+        // Follow the edge from there that leaves the face.
         for (const Index edge : complex.relation(3, 1)[*other]) {
             const auto ends = complex.relation(1, 0)[edge];
             if (!far::contains(ends, frame.corners[i])) continue;
@@ -71,8 +71,8 @@ std::optional<CellFrame> childOf(const far::CellComplex& parent, const far::Refi
     if (!cell) return std::nullopt;
     CellFrame child{cell->index, {}};
     for (std::size_t i = 0; i < 8; ++i) {
-        // The new point of what lies between the corner and this one: half way along the axes in
-        // which they differ.
+        // The child of the entity between the two corners: it is half way along the axes in which
+        // they differ.
         const Entity entity = spannedBy(parent, frame, corner, corner ^ i);
         child.corners[i] = refinement.childOf({entity, entity})->index;
     }

@@ -21,18 +21,18 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// How far beyond 0 and 1 a coordinate of a point on a face may come out: Newton's result is off by
-/// the rounding of the point (1e-16 of its size) over the size and thinness of the cell, for which
-/// this allows six orders of magnitude.
+/// How far beyond 0 and 1 the coordinate of a point on a face may be. Newton's result is off by the
+/// rounding of the point (1e-16 of its size) divided by the size and thinness of the cell; this
+/// value allows six orders of magnitude for that.
 constexpr double kOnFace = 1e-10;
 
-/// Boxes are widened by this part of the bounding box, so that a point on a face lies in the boxes
-/// of both cells whatever way its coordinates were rounded.
+/// Margin of boxes, as a fraction of the bounding box: a point on a face must be in the boxes of
+/// both cells however its coordinates were rounded.
 constexpr double kBoxSlack = 1e-12;
 
-/// A point is no further than this from its nearest place, in cells as wide as they are long,
-/// unless the cell is flat: then weights of that size would throw the point about in any other
-/// pose.
+/// Upper bound of an offset from the nearest place, in cells that are as wide as they are long. A
+/// larger offset means that the cell is flat: with weights of that size, the point would move
+/// wildly in any other pose.
 constexpr double kMaxOffset = 1e4;
 
 const far::CellComplex& checked(const far::CellComplex& complex,
@@ -57,7 +57,7 @@ std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComple
     return corners;
 }
 
-/// The corners of a hexahedron, seen from a point.
+/// Returns the map of a hexahedron with the origin moved to a point.
 Trilinear mapAround(const std::array<Index, 8>& corners, std::span<const Point3> positions,
                     const Vector3d& point) {
     Trilinear::Corners offsets;
@@ -81,9 +81,10 @@ CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> 
       corners_(hexahedra(complex)),
       scale_(scale) {}
 
-std::optional<LocatedPoint> CellSolver::beyondReach(const Vector3d& point, bool seekNearest) {
-    // From there, distances to cells a millionth of the lattice across are the same but for
-    // rounding: all of them would be the nearest.
+std::optional<LocatedPoint> CellSolver::resultIfUnreachable(const Vector3d& point,
+                                                            bool seekNearest) {
+    // From farther away, the distances to all cells a millionth of the lattice across would be
+    // equal up to rounding, and all cells would be candidates.
     constexpr double kFarthest = 1e8;
     if ((point.array().abs() <= kFarthest).all()) return std::nullopt;
     const bool isOutside = point.allFinite() && !seekNearest;
@@ -146,7 +147,7 @@ std::optional<LocatedPoint> CellSolver::findIn(CellId cell, const Vector3d& poin
         if (!uvw || !isInUnitCube(*uvw, kOnFace)) return std::nullopt;
         return found({cell, 0, toArray(*uvw), {}}, map.position(*uvw).norm());
     }
-    if (thoroughly) return std::nullopt;  // The tetrahedra were solved exactly the first time.
+    if (thoroughly) return std::nullopt;  // The first pass solved the tetrahedra exactly.
     const Vector3d centre = centreOf(cell);
     for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
         const Matrix3d edges = tetrahedron(cell, t, centre).edges;
@@ -179,17 +180,18 @@ CellPlace CellSolver::nearestPlace(CellId cell, const Vector3d& point) const {
     return best;
 }
 
-/// The Jacobian of a cell's map at a place.
+/// Returns the Jacobian of a cell's map at a place.
 Matrix3d CellSolver::jacobianAt(const CellPlace& place) const {
     if (const auto& corners = cornersOf(place.cell)) {
-        // Seen from the cell: seen from a point far away, edges would lose their digits.
+        // With the origin in the cell: from a point far away, edges would lose digits.
         const Vector3d origin = positionOf(corners->front());
         return mapAround(*corners, positions_, origin).jacobian(Vector3d(place.uvw.data()));
     }
     return tetrahedron(place.cell, place.tetrahedron, centreOf(place.cell)).edges;
 }
 
-/// The vertices of the face, edge or vertex of its cell that a place on the cell's surface lies on.
+/// Returns the vertices of the face, edge or vertex that a place on the surface of its cell belongs
+/// to.
 std::vector<Index> CellSolver::supportOf(const CellPlace& place) const {
     std::vector<Index> support;
     if (const auto& corners = cornersOf(place.cell)) {
@@ -198,14 +200,14 @@ std::vector<Index> CellSolver::supportOf(const CellPlace& place) const {
             if (weights[i] > 0) support.push_back((*corners)[i]);
         return support;
     }
-    // On the base of its tetrahedron: the weight of the apex is 0, but for rounding.
+    // The place is on the base of its tetrahedron: the weight of the apex is 0 up to rounding.
     const auto base = tetrahedronBase(complex_, place.cell, place.tetrahedron);
     for (std::size_t i = 0; i < 3; ++i)
         if (place.uvw[i] > 0) support.push_back(base[i]);
     return support;
 }
 
-/// Whether a place on the surface of its cell lies on the boundary of the lattice.
+/// Returns true if a place on the surface of its cell is on the boundary of the lattice.
 bool CellSolver::isOnBoundary(const CellPlace& place) const {
     const std::vector<Index> support = supportOf(place);
     const auto faces = complex_.relation(0, 2)[support.front()];
@@ -217,8 +219,8 @@ bool CellSolver::isOnBoundary(const CellPlace& place) const {
     });
 }
 
-LocatedPoint CellSolver::locateBeside(const Vector3d& point, CellId nearest,
-                                      bool seekNearest) const {
+LocatedPoint CellSolver::locateOutsideCells(const Vector3d& point, CellId nearest,
+                                            bool seekNearest) const {
     CellPlace place = nearestPlace(nearest, point);
     const double distance = (positionOf(place) - point).norm();
     LocatedPoint result;
@@ -232,7 +234,7 @@ LocatedPoint CellSolver::locateBeside(const Vector3d& point, CellId nearest,
     const auto continued =
         continueTo(point, jacobianAt(place), scale_.size, [&](const Vector3d& offset) {
             place.offset = toArray(offset);
-            // By the weights, as the deformation has it.
+            // From the weights, as the deformation computes it.
             return weightedSum(placeWeights(complex_, place),
                                [&](Index vertex) { return positionOf(vertex); });
         });
@@ -243,8 +245,7 @@ LocatedPoint CellSolver::locateBeside(const Vector3d& point, CellId nearest,
         if (isSteady && isSettled(continued->position, point, scale_.size))
             return {status, place, distance, (continued->position.sum - point).norm()};
     }
-    // A point within the tolerance may be taken for its nearest place, if nothing better can be
-    // had.
+    // A point within the tolerance may get the nearest place itself if there is no better solution.
     if (distance <= scale_.tolerance) {
         place.offset = {};
         return {PointStatus::Inside, place, distance, distance};

@@ -13,50 +13,52 @@
 namespace espalier::embed {
 
 enum class PointStatus : std::uint8_t {
-    Inside,       ///< in a cell, in the gap between two, or within the tolerance of the region
-    Outside,      ///< of the region that the cells fill
-    NotConverged  ///< no place gives it back: a degenerate cell, or a coordinate not finite; or it
-                  ///< is to go with the nearest cell, and lies 1e8 sizes of the lattice away
+    Inside,       ///< in a cell, in a gap between two cells, or within the tolerance of the lattice
+    Outside,      ///< outside the region that the cells fill
+    NotConverged  ///< no place reproduces the point: its cell is degenerate, or a coordinate is not
+                  ///< finite; or the nearest cell should carry the point, and the point is farther
+                  ///< away than 1e8 times the size of the lattice
 };
 
-/// Where a point lies in a lattice, whatever a place in it is.
+/// The result of locating a point in a lattice. Place is CellPlace or TensorPlace.
 template <class Place>
 struct Located {
     PointStatus status = PointStatus::NotConverged;
 
-    /// The place that stands for the point; nothing if it was not sought (Outside) or not found
+    /// The place whose position is the point; nothing if it was not sought (Outside) or not found
     /// (NotConverged).
     std::optional<Place> place;
 
-    /// Distance from the region of the lattice, 0 in it. Not computed for a point outside of which
-    /// no place was sought.
+    /// Distance from the region of the lattice; 0 for points in it. Not computed for a point
+    /// outside if no place was sought.
     double distance = 0;
 
-    /// Distance of the point from the position of the place; 0 without a place.
+    /// Distance between the point and the position of the place; 0 without a place.
     double residual = 0;
 };
 
-/// Where a point lies in a refined lattice. The residual is the rounding of the solve, at most
-/// 1e-12 of the size of the lattice or of the point's distance from the origin; of a point that is
-/// more than some thousand cells away, the rounding of its weights, 1e-15 of their size. Where the
-/// nearest cell is too flat to solve for, a point within the tolerance has the place that is
-/// nearest to it, and its distance from that.
+/// The result of locating a point in a refined lattice. The residual is the rounding error of the
+/// solution: at most 1e-12 of the size of the lattice or of the point's distance from the origin,
+/// whichever is larger. For a point more than a few thousand cells away, it is the rounding error
+/// of the point's weights, 1e-15 of their size. If the nearest cell is too flat to solve for, a
+/// point within the tolerance gets the place nearest to it, and the residual is the distance to
+/// that place.
 using LocatedPoint = Located<CellPlace>;
 
-/// Finds points in given cells of a refined lattice. Which cells may hold a point is for others to
-/// say: those whose boxOf() contains it.
+/// Finds points in given cells of a refined lattice. The caller selects the cells: those whose
+/// boxOf() contains the point.
 ///
-/// Any number of threads may ask; answers depend on nothing but the point and the cells. Positions
-/// and points are squared: of a lattice whose size is not near 1, they must come in units of it
-/// (LengthUnit), as PointLocator and bindPoints() see to.
+/// Any number of threads may use it at once; results depend on the point and the cells only.
+/// Coordinates are squared, so positions and points of a lattice whose size is far from 1 must be
+/// given in units of its size (LengthUnit), as PointLocator and bindPoints() do.
 ///
 /// \cite MacCracken & Joy 1996, sections 4 to 6
 class ESPALIER_API CellSolver {
 public:
-    /// What lengths are measured by.
+    /// The lengths that a lattice is measured by.
     struct Scale {
         double size = 0;       ///< diagonal of the lattice's bounding box
-        double tolerance = 0;  ///< how far outside a point still counts as inside
+        double tolerance = 0;  ///< distance within which a point outside still counts as inside
     };
 
     /// \param tolerance as a fraction of the diagonal of the bounding box of `positions`
@@ -64,41 +66,46 @@ public:
     static Scale scaleOf(std::span<const Point3> positions, double tolerance);
 
     /// \param complex a lattice of level 1 or above; kept (a cheap copy)
-    /// \param positions one a vertex; copied
+    /// \param positions one per vertex; copied
     /// \throws Error if `complex` is not a lattice of quadrilaterals, or `positions` do not fit it
     ///         or are not finite
     /// \cost O(cells), in parallel: 0.08 s for 500,000 on one thread
     CellSolver(const far::CellComplex& complex, std::span<const Point3> positions, Scale scale);
 
-    /// What there is to say of a point that cannot be asked for: it is not finite, or so far off
-    /// that no cell is nearer than another, 1e8 sizes of the lattice. Nothing for all others.
+    /// Returns the result for a point that cannot be located: one that is not finite, or one so far
+    /// away (1e8 sizes of the lattice) that rounding makes all cells equally near. Returns nothing
+    /// for all other points.
     ///
     /// \param point in units of the lattice (LengthUnit)
-    static std::optional<LocatedPoint> beyondReach(const Eigen::Vector3d& point, bool seekNearest);
+    static std::optional<LocatedPoint> resultIfUnreachable(const Eigen::Vector3d& point,
+                                                           bool seekNearest);
 
-    /// Holds the points in a cell and, of those within the tolerance of it or in a gap beside it,
-    /// all that are taken for inside.
+    /// Returns a box that contains the points in a cell, the points within the tolerance of it, and
+    /// the points in the gaps beside it.
     Eigen::AlignedBox3d boxOf(CellId cell) const;
 
-    /// The place of a point in the first of some cells that contains it. A cell so twisted that
-    /// Newton's method from its centre misses the point has it only if no other cell does.
-    /// \param cells ascending, so that it is the lowest
+    /// Finds the place of a point in the first of some cells that contains it. If a cell is so
+    /// twisted that Newton's method from its centre misses the point, the point is found there only
+    /// if no other cell contains it.
+    /// \param cells ascending, so that the first cell is the one of lowest number
     std::optional<LocatedPoint> locateIn(const Eigen::Vector3d& point,
                                          std::span<const Index> cells) const;
 
-    /// Distance of a point from a cell; not meant for points inside.
+    /// Returns the distance of a point from a cell. The point must not be inside.
     double distance(const Eigen::Vector3d& point, CellId cell) const {
         return (positionOf(nearestPlace(cell, point)) - point).norm();
     }
 
-    /// Where a point lies that is in no cell, by continuing the map of the nearest one along its
-    /// tangent: in a gap between cells, within the tolerance of the lattice, or outside.
+    /// Locates a point that is in no cell, by continuing the map of the nearest cell along its
+    /// tangent. The point may be in a gap between cells, within the tolerance of the lattice, or
+    /// outside.
     /// \param nearest the cell of the least distance()
-    /// \param seekNearest whether to find the place that stands for a point outside
-    LocatedPoint locateBeside(const Eigen::Vector3d& point, CellId nearest, bool seekNearest) const;
+    /// \param seekNearest whether to find a place for a point outside
+    LocatedPoint locateOutsideCells(const Eigen::Vector3d& point, CellId nearest,
+                                    bool seekNearest) const;
 
 private:
-    /// A tetrahedron of a type-n cell: its apex, and the edges from there.
+    /// A tetrahedron of a type-n cell: its apex, and the edges from the apex.
     struct Tetrahedron {
         Eigen::Vector3d apex;
         Eigen::Matrix3d edges;
@@ -123,7 +130,7 @@ private:
 
     far::CellComplex complex_;
     std::vector<Point3> positions_;
-    std::vector<std::optional<std::array<Index, 8>>> corners_;  ///< of the hexahedra
+    std::vector<std::optional<std::array<Index, 8>>> corners_;  ///< of the cells that are hexahedra
     Scale scale_;
 };
 

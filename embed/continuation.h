@@ -10,19 +10,22 @@
 #include <optional>
 #include <span>
 
-// Points beside a cell: the cell's map goes on to them along its tangent.
+// Points outside a cell: they get a place by continuing the cell's map along its tangent.
 namespace espalier::embed {
 
-/// A place must give its point back within this part of the lattice's size, or of how far off the
-/// point lies: what the project promises of the rest pose.
+/// The position of a place must agree with its point within this fraction of the lattice's size, or
+/// of the point's distance from the origin if that is larger. The project promises this accuracy
+/// for the rest pose.
 inline constexpr double kResidual = 1e-12;
 
-/// A sum of weighted positions, and the sum of the terms' sizes, which its rounding goes by.
+/// A weighted sum of positions, and the sum of the lengths of its terms, to which its rounding
+/// error is proportional.
 struct WeightedSum {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double size = 0;
 };
 
+/// Returns the weighted sum of some vertices.
 /// \param positionOf returns the position of a vertex
 template <class PositionOf>
 WeightedSum weightedSum(std::span<const VertexWeight> weights, PositionOf positionOf) {
@@ -35,27 +38,30 @@ WeightedSum weightedSum(std::span<const VertexWeight> weights, PositionOf positi
     return result;
 }
 
-/// Returns true if the position of a place is the point, up to the rounding of the sum of weights.
+/// Returns true if the position of a place equals the point, up to the rounding of the weighted
+/// sum.
 /// \param size of the lattice
 inline bool isSettled(const WeightedSum& position, const Eigen::Vector3d& point, double size) {
-    // Weights grow with the distance over the size of the cell, and so does the rounding of sums.
+    // Weights grow with the distance divided by the size of the cell, and so does the rounding
+    // error of the sum.
     constexpr double kRounding = 1e-15;
     return (position.sum - point).norm() <=
            std::max(kResidual * std::max(size, point.norm()), kRounding * position.size);
 }
 
-/// An offset that leads from a place to a point, in the coordinates of its cell.
+/// An offset from a place to a point, in the coordinates of the place's cell.
 struct Continuation {
     Eigen::Vector3d offset;
-    WeightedSum position;  ///< of the place with that offset
+    WeightedSum position;  ///< position of the place with that offset
 };
 
-/// The offset from a place to a point, along the tangent.
+/// Returns the offset from a place to a point along the tangent of the map.
 ///
-/// The Jacobian is rounded by the cell's distance from the origin over its size. So what is left is
-/// solved for again, by the weights themselves.
+/// The rounding error of the Jacobian is proportional to the cell's distance from the origin
+/// divided by its size. So the remaining difference is computed from the weights themselves, and
+/// solved for again in up to four steps.
 /// \param size of the lattice
-/// \param positionAt returns the WeightedSum of the place with an offset
+/// \param positionAt returns the WeightedSum of the place with a given offset
 /// \return nothing if the map is singular there
 template <class PositionAt>
 std::optional<Continuation> continueTo(const Eigen::Vector3d& point,

@@ -25,7 +25,7 @@ std::vector<Index> flagged(const Flags& flags) {
     return result;
 }
 
-/// The columns with a weight above a limit, ascending.
+/// Returns the columns in which some weight exceeds a limit, ascending.
 std::vector<Index> columnsOf(const stencils::StencilTable<double>& table, double limit) {
     Flags isNamed(table.columnCount());
     for (Index row = 0; row < table.rowCount(); ++row)
@@ -34,19 +34,20 @@ std::vector<Index> columnsOf(const stencils::StencilTable<double>& table, double
     return flagged(isNamed);
 }
 
-/// What a vertex may move, of its own displacement, and still count as moving nothing. Where sums
-/// should cancel, or a place lie on the side of a cell, rounding leaves some 1e-16 to 1e-12.
+/// A vertex that moves a point by at most this fraction of its own displacement counts as not
+/// moving it. Where weights should cancel, or a place is on a face of its cell, rounding leaves
+/// 1e-16 to 1e-12.
 constexpr double kRounding = 1e-11;
 
-/// The same for vertices of a level. Its cells are 2^-level of a base cell, so that a second
-/// derivative is 4^level times a second difference, of four times a weight at most: it is this that
-/// is to be some kRounding at most. The weights that the next layer comes in by, some 8^-level,
-/// are above it to level 36.
+/// Returns the same limit for vertices of a level. A cell of the level is 2^-level of a base cell
+/// across, so a second derivative is 4^level times a second difference, which is at most four times
+/// a weight. This second derivative must not exceed about kRounding. The weights with which the
+/// next layer enters, about 8^-level, exceed the limit up to level 36.
 double roundingOf(int level) {
     return std::ldexp(kRounding, -2 * level);
 }
 
-/// The cells with a marked vertex, ascending.
+/// Returns the cells with a marked vertex, ascending.
 std::vector<Index> cellsAt(const far::CellComplex& complex, const Flags& vertices) {
     Flags isTouching(complex.count(3));
     for (const Index vertex : flagged(vertices))
@@ -54,7 +55,7 @@ std::vector<Index> cellsAt(const far::CellComplex& complex, const Flags& vertice
     return flagged(isTouching);
 }
 
-/// Marks the vertices of cells.
+/// Returns flags that mark the vertices of some cells.
 Flags verticesOf(const far::CellComplex& complex, std::span<const Index> cells) {
     Flags isVertex(complex.count(0));
     for (const Index cell : cells)
@@ -62,7 +63,7 @@ Flags verticesOf(const far::CellComplex& complex, std::span<const Index> cells) 
     return isVertex;
 }
 
-/// Faces, and what bounds them.
+/// Returns flags that mark some faces with their edges and vertices.
 ByEntity<std::uint8_t> closureOf(const far::CellComplex& complex, std::span<const Index> faces) {
     ByEntity<std::uint8_t> isIn;
     for (int d = 0; d <= 3; ++d) isIn[d].resize(complex.count(d));
@@ -77,7 +78,8 @@ ByEntity<std::uint8_t> closureOf(const far::CellComplex& complex, std::span<cons
     return isIn;
 }
 
-/// What moves some cells of the finest level, or those around.
+/// Returns the base vertices that move vertices of some cells of the finest level, or of the cells
+/// around these.
 std::vector<Index> columnsAround(const stencils::Levels& levels, std::span<const Index> cells) {
     const far::CellComplex& complex = levels.finestLevel().complex;
     const Flags held = verticesOf(complex, cells);
@@ -94,7 +96,7 @@ void checkFinite(std::span<const Point3> points) {
 
 }  // namespace
 
-std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, stencils::Rules rules,
+std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base,
                                         std::span<const Index> faces, Continuity continuity) {
     if (base.dimension() != 3 || base.maxLevel() != 0)
         throw Error("faces can be held only in a lattice (dimension 3) that has not been refined");
@@ -103,11 +105,11 @@ std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, stenci
             "no face can be held with the boundary mode 'open': the refined region does not reach "
             "the boundary of the lattice");
     if (faces.empty()) throw Error("there are no faces to hold");
-    // On the first level, which has a vertex for each entity, a vertex in the cells at the faces
-    // still depends on its own entity alone. From the second one on, those there depend on the same
+    // Level 1 has a vertex for each entity, and a vertex in the cells at the faces still depends on
+    // its own entity alone. From level 2 on, the vertices there all depend on the same base
     // vertices.
     constexpr int kLevel = 2;
-    stencils::Levels levels(base, rules);
+    stencils::Levels levels(base);
     auto isHeld = closureOf(base.level(0).complex, faces);
     for (int k = 1; k <= kLevel; ++k) {
         const auto cells = cellsAt(levels.finestLevel().complex, isHeld[0]);
@@ -135,8 +137,8 @@ std::vector<Index> verticesHoldingPoints(const RestLattice& lattice, std::span<c
     const LengthUnit unit(lattice.positions);
     const std::vector<Point3> restInUnits = unit.toUnits(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(points);
-    const LevelSearch search({lattice.base, restInUnits, lattice.rules}, options.level,
-                             options.embedding, LevelSearch::Scope::Parts);
+    const LevelSearch search({lattice.base, restInUnits}, options.level, options.embedding,
+                             LevelSearch::Scope::Parts);
     const std::vector<Index> order = alongCurve(inUnits);
     constexpr Offset kGroupSize = 1 << 11;
     std::vector<std::vector<Index>> columns((std::ssize(points) + kGroupSize - 1) / kGroupSize);

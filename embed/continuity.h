@@ -6,71 +6,74 @@
 #include <espalier/base/word.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
 #include <vector>
 
 /// \file
-/// Which vertices of a lattice to freeze, so that a part of what it deforms stays as it is, and
-/// meets what moves without a gap, a crease, or a jump of its curvature. What is returned is what
-/// DesignVariables::freeze() and solve::FitOptions::frozen take.
+/// Finds the vertices of a lattice to freeze so that a part of the model stays as it is and joins
+/// the moving part without a gap, a crease, or a jump in curvature. DesignVariables::freeze() and
+/// solve::FitOptions::frozen take the result.
 ///
-/// Near a face, a vertex's weight grows with the distance h from the face as 1 (its displacement is
-/// felt on the face), h (just beside it) or h³. It never grows as h²: level by level, the points of
-/// the cells that touch the face depend on those of the level before alone, so that weights there
-/// are made by the first layer, and what lies beyond comes in by eighths. So what keeps the first
-/// derivatives keeps the second ones as well; on a boundary, where a layer 2P₀ − P₁ may be thought
-/// outside (DESIGN, section 3), the second ones across are 0 anyway. It is so where the lattice is
-/// regular, of which this is the cubic B-spline; where it is not, there may be no second
-/// derivatives to speak of, but still no weight grows slower than h².
+/// Consider how far a vertex's displacement moves points at distance h from a face: the
+/// displacement is multiplied by a weight that grows as 1 (the vertex moves the face itself), as h
+/// (it is in the layer next to the face) or as h³. It never grows as h². The points of a level in
+/// the cells that touch the face depend only on such points of the level before. So the first layer
+/// of vertices determines the weights there, and farther vertices enter with factors of 1/8 per
+/// level. Therefore vertices that keep the first derivatives keep the second ones too. On a
+/// boundary, refinement is as with a phantom layer 2P₀ − P₁ outside, so the second derivatives
+/// across it are 0 anyway. All this holds where the lattice is regular, and the limit is the cubic
+/// B-spline. Elsewhere second derivatives may not exist, but every weight that the freezing leaves
+/// still falls at least as fast as h².
 namespace espalier::embed {
 
-/// How what is held meets what moves.
+/// How smoothly the held part joins the moving part.
 enum class Continuity {
-    C0,  ///< in its place
-    C1,  ///< and with its tangent planes
-    C2   ///< and with its curvatures: by the same vertices as C1, as said above
+    C0,  ///< positions are held
+    C1,  ///< and tangent planes
+    C2   ///< and curvatures: by the same vertices as C1, for the reason given above
 };
 inline constexpr Word<Continuity> kContinuityWords[] = {
     {"c0", Continuity::C0}, {"c1", Continuity::C1}, {"c2", Continuity::C2}};
 
-/// The vertices to freeze, ascending, to hold faces of a lattice: the side where a model leaves it,
-/// say, so that what is inside fits on what stays outside.
+/// Returns the vertices to freeze, ascending, so that given faces of a lattice do not move. For
+/// example, the faces may be the side where a model leaves the lattice, so that the part inside
+/// continues to fit the part outside.
 ///
-/// In a box, C0 of a side are the vertices of the side; C1 and C2 are these and the next layer.
+/// In a box, C0 of a side freezes the vertices of that side; C1 and C2 freeze the next layer too.
 ///
 /// \param base a lattice at level 0
-/// \param faces of it, in any order, on its boundary or inside
-/// \throws Error for a base of other levels or no lattice; under Boundary::Open, where a level
-///         covers less than the faces; if there are no faces, or one is not there
-/// \cost O(base + the cells around the faces, twice refined)
+/// \param faces of the lattice, in any order, on its boundary or inside
+/// \throws Error if the base has been refined or is not a lattice; under Boundary::Open, where a
+///         level does not cover the faces; if there are no faces, or a face does not exist
+/// \cost O(base + cells around the faces, refined twice)
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
 ESPALIER_API std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base,
-                                                     stencils::Rules rules,
                                                      std::span<const Index> faces,
                                                      Continuity continuity);
 
-/// The vertices to freeze, ascending, to hold points in their places (C0) that have been bound:
-/// those that move one of them by more than 1e-11 of their own displacement.
-/// \param deformation D: a row for each of the points; an empty one asks for no vertex
+/// Returns the vertices to freeze, ascending, so that points that have been bound stay in their
+/// places (C0): all vertices that move one of the points by more than 1e-11 of their own
+/// displacement.
+/// \param deformation D: one row per point; an empty row needs no vertex
 /// \cost O(entries)
 ESPALIER_API std::vector<Index> verticesHoldingRows(
     const stencils::StencilTable<double>& deformation);
 
-/// The vertices to freeze, ascending, to hold points: a part of a model.
+/// Returns the vertices to freeze, ascending, so that some points of a model stay in their places.
 ///
-/// C0 are those of verticesHoldingRows(). For C1 and C2, no vertex of the level moves in the cells
-/// that carry the points, and in those around, so that nothing in the former moves, in the level or
-/// in the limit. There, first and second derivatives by the place in a base cell change by some
-/// 1e-10 of the displacements of the other vertices at most.
+/// C0 gives the same as verticesHoldingRows(). For C1 and C2, no vertex of the level moves in the
+/// cells that contain the points, nor in the cells around them. So nothing moves in the cells that
+/// contain the points, neither in the level nor in the limit. There, displacements of the other
+/// vertices change first and second derivatives by the place in a base cell by at most about 1e-10
+/// of the displacements.
 ///
-/// A point outside of the lattice asks for what carries it: under OutsidePolicy::Nearest the
-/// nearest cell, under OutsidePolicy::Keep nothing.
+/// For a point outside the lattice, OutsidePolicy::Nearest freezes the vertices that move the
+/// nearest cell; OutsidePolicy::Keep freezes none.
 ///
-/// \param options that the model is bound with
-/// \throws Error if there are no points; naming one that is not finite; as bindPoints()
+/// \param options the options that the model is bound with
+/// \throws Error if there are no points, or a point is not finite; and as bindPoints()
 /// \cost as bindPoints()
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 5
 ESPALIER_API std::vector<Index> verticesHoldingPoints(const RestLattice& lattice,

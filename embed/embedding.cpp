@@ -17,10 +17,10 @@ namespace espalier::embed {
 
 namespace {
 
-/// The corners of a hexahedron as W has them: ascending.
+/// The corners of a hexahedron in the order of the rows of W: ascending.
 struct SortedCorners {
     std::array<Index, 8> vertices;
-    std::array<std::uint8_t, 8> positions;  ///< among far::hexahedronVertices()
+    std::array<std::uint8_t, 8> positions;  ///< of each in far::hexahedronVertices()
 };
 
 std::optional<SortedCorners> sortedCorners(const far::CellComplex& complex, CellId cell) {
@@ -58,7 +58,7 @@ void appendHexahedron(const SortedCorners& corners, const CellPlace& place,
         appendEntry(corners.vertices[i], weights[corners.positions[i]], rows);
 }
 
-/// A vertex of the tetrahedron comes twice in its weights, and once in the row.
+/// placeWeights() gives a vertex of the tetrahedron twice; the row has the sum.
 void appendTypeN(const far::CellComplex& complex, const CellPlace& place, stencils::RowList& rows) {
     auto weights = placeWeights(complex, place);
     std::sort(weights.begin(), weights.end(),
@@ -88,8 +88,8 @@ stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& compl
                                                    const Embedding& embedding) {
     checkVertexCount(embedding.vertexCount, complex.count(0));
     const auto pointCount = static_cast<Index>(embedding.points.size());
-    // In many points, it takes a quarter of the time to look the corners of each cell up once. Few
-    // points must not wait for all the cells.
+    // With many points, looking up the corners of each cell once takes a quarter of the time. With
+    // few points, looking up all cells would take longer.
     std::vector<std::optional<SortedCorners>> all;
     if (pointCount > complex.count(3) / 4) all = allSortedCorners(complex);
     const auto cornersOf = [&](CellId cell) {
@@ -125,7 +125,8 @@ stencils::RowOrder orderByBaseCell(const Embedding& embedding, std::span<const I
 
 namespace {
 
-/// \param stencilsFor the rows of S_level for some vertices of the level
+/// Returns W and S, compacted to the vertices that W uses.
+/// \param stencilsFor returns the rows of S_level for some vertices of the level
 template <class StencilsFor>
 stencils::FactoredTable<double> factoredTable(const far::CellComplex& complex,
                                               const Embedding& embedding, StencilsFor stencilsFor) {
@@ -134,7 +135,7 @@ stencils::FactoredTable<double> factoredTable(const far::CellComplex& complex,
     return {stencilsFor(weights.columns), std::move(weights.table)};
 }
 
-/// D from its factors.
+/// Returns D, the product of its factors.
 stencils::StencilTable<double> multiplied(const stencils::FactoredTable<double>& factors,
                                           const far::TopologyRefiner& refiner, int level,
                                           const Embedding& embedding) {
@@ -146,11 +147,10 @@ stencils::StencilTable<double> multiplied(const stencils::FactoredTable<double>&
 }  // namespace
 
 stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
-                                                   stencils::Rules rules,
                                                    const Embedding& embedding) {
     return factoredTable(refiner.level(level).complex, embedding,
                          [&](std::span<const Index> vertices) {
-                             return stencils::buildStencils(refiner, level, rules, vertices);
+                             return stencils::buildStencils(refiner, level, vertices);
                          });
 }
 
@@ -163,7 +163,8 @@ stencils::FactoredTable<double> buildFactoredTable(const stencils::Levels& level
 
 namespace {
 
-/// D where rows of S are long: those of points are carried to the base by themselves.
+/// Computes D where rows of S are long: multiplies from the left, so that only rows of points are
+/// carried to the base.
 stencils::StencilTable<double> multipliedFromPoints(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding) {
@@ -184,13 +185,10 @@ bool hasLongRows(const far::TopologyRefiner& refiner) {
 }  // namespace
 
 stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
-                                                     stencils::Rules rules,
                                                      const Embedding& embedding) {
     if (hasLongRows(refiner))
-        return multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level, rules),
-                                    embedding);
-    return multiplied(buildFactoredTable(refiner, level, rules, embedding), refiner, level,
-                      embedding);
+        return multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level), embedding);
+    return multiplied(buildFactoredTable(refiner, level, embedding), refiner, level, embedding);
 }
 
 stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,

@@ -11,27 +11,27 @@
 
 namespace espalier::embed {
 
-/// A power of two near the size of a lattice, in which lengths are measured where they are squared:
-/// squares of 1e200 and of 1e-200 are no numbers. Whatever the size of a lattice, its numbers and
-/// results are the same to the last bit.
+/// Converts lengths to and from units near the size of a lattice. Squares of lengths like 1e200 or
+/// 1e-200 overflow or underflow; squares of lengths in units do not. The unit is a power of two, so
+/// lattices whose sizes differ by a power of two give the same results to the last bit.
 class LengthUnit {
 public:
-    /// \param positions of a lattice; where a coordinate is not finite, the unit is 1
+    /// \param positions of the lattice's vertices; if a coordinate is not finite, the unit is 1
     explicit LengthUnit(std::span<const Point3> positions) {
         double largest = 0;
         for (const Point3& position : positions)
             for (const double coordinate : position)
                 largest = std::max(largest, std::abs(coordinate));
-        // Any point is far from vertices that are all at the origin.
+        // If all vertices are at the origin, any other point is far away.
         if (largest == 0) largest = std::numeric_limits<double>::denorm_min();
         int exponent = 0;
         if (std::isfinite(largest)) std::frexp(largest, &exponent);
-        // In two steps: the inverse of the smallest number is none.
+        // In two factors: the inverse of the smallest double would overflow.
         half_ = std::ldexp(1, exponent / 2);
         rest_ = std::ldexp(1, exponent - exponent / 2);
     }
 
-    /// What is finite stays so.
+    /// A finite length stays finite.
     double toUnits(double length) const {
         const double units = length / half_ / rest_;
         if (!std::isinf(units) || !std::isfinite(length)) return units;

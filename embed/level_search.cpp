@@ -29,9 +29,9 @@ WholeLevel::WholeLevel(const RestLattice& lattice, int level, double tolerance) 
     refiner.refineUniform(level);
     complex = refiner.level(level).complex;
     locator = std::make_unique<PointLocator>(
-        complex, stencils::refinePositions(refiner, level, lattice.rules, lattice.positions),
+        complex, stencils::refinePositions(refiner, level, lattice.positions),
         CellSolver::scaleOf(lattice.positions, tolerance));
-    stencilTable = stencils::buildStencils(refiner, level, lattice.rules);
+    stencilTable = stencils::buildStencils(refiner, level);
     const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
     baseCells.assign(origins.of(3).begin(), origins.of(3).end());
     baseCellCount = origins.count();
@@ -79,13 +79,13 @@ void LevelSearch::locate(std::span<const Point3> points, Extent extent,
     std::vector<Index> unsettled;
     use(locateInside(points, extent, unsettled));
     if (unsettled.empty()) return;
-    LocatedPart beside = locateBeside(chosenPoints(points, unsettled));
-    beside.points = std::move(unsettled);
-    use(std::move(beside));
+    LocatedPart outside = locateOutsideCells(chosenPoints(points, unsettled));
+    outside.points = std::move(unsettled);
+    use(std::move(outside));
 }
 
-/// Locates the points that are in a cell. Those that may be in a gap between cells, and those
-/// outside that are to be carried, come out as `unsettled`.
+/// Locates the points that are in a cell. Returns in `unsettled` the points that may be in a gap
+/// between cells, and the points outside that the nearest cell should carry.
 LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent extent,
                                       std::vector<Index>& unsettled) const {
     LocatedPart part = partOf(points.size());
@@ -103,9 +103,9 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent ext
     for (const Index i : part.points) {
         const Vector3d point(points[i].data());
         const auto near = found ? cells.of(i) : std::span<const Index>();
-        auto located = CellSolver::beyondReach(point, seekNearest_);
+        auto located = CellSolver::resultIfUnreachable(point, seekNearest_);
         if (!located && found) located = solver->locateIn(point, near);
-        // A gap lies in the boxes of the cells beside it: a point in no box is outside.
+        // A gap is inside the boxes of the cells beside it, so a point in no box is outside.
         if (!located && (seekNearest_ || !near.empty())) unsettled.push_back(i);
         part.embedding.points.push_back(
             located.value_or(LocatedPoint{PointStatus::Outside, {}, 0, 0}));
@@ -114,10 +114,11 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent ext
     return part;
 }
 
-/// Locates points that are in no cell by the nearest one.
-LocatedPart LevelSearch::locateBeside(std::span<const Point3> points) const {
+/// Locates points that are in no cell, by the nearest cell.
+LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points) const {
     LocatedPart part = partOf(points.size());
-    // Whether a place beside a cell is on the boundary, its neighbours know.
+    // With Extent::Ring, since the neighbours of a cell tell which of its faces are on the
+    // boundary.
     auto found = descent_->descend(points, level_, Sought::Nearest, Extent::Ring);
     const far::CellComplex& complex = found->levels.finestLevel().complex;
     part.embedding.vertexCount = complex.count(0);
@@ -130,7 +131,7 @@ LocatedPart LevelSearch::locateBeside(std::span<const Point3> points) const {
         for (const Index cell : cells.of(i))
             nearest = std::min(nearest, {solver.distance(point, CellId(cell)), cell});
         part.embedding.points.push_back(
-            solver.locateBeside(point, CellId(nearest.second), seekNearest_));
+            solver.locateOutsideCells(point, CellId(nearest.second), seekNearest_));
     }
     part.levels = std::move(found->levels);
     return part;

@@ -16,25 +16,25 @@
 namespace espalier::embed {
 namespace {
 
-/// Returns true if a level has at most `most` cells, by an estimate: each vertex of each base cell
-/// becomes a cell of level 1, and each of these becomes eight cells on the next level.
-bool isWithin(const far::CellComplex& base, int level, Offset most) {
+/// Returns true if a level has at most `maxCells` cells, by an estimate: each vertex of each base
+/// cell becomes a cell of level 1, and each of these becomes eight cells on the next level.
+bool hasAtMost(const far::CellComplex& base, int level, Offset maxCells) {
     auto cells = static_cast<double>(base.relation(3, 0).values().size());
     for (int k = 1; k < level; ++k) cells *= 8;
-    return cells <= static_cast<double>(most);
+    return cells <= static_cast<double>(maxCells);
 }
 
 LevelSearch::Scope scopeFor(const far::CellComplex& base, int level, Offset pointCount) {
-    // Where there are points for every cell, nothing is saved by leaving some out, and groups
-    // would refine the cells between them twice. But rows of S for all of its vertices are too many
-    // where they are long.
-    const bool isWhole = isWithin(base, level, pointCount) &&
+    // If there are as many points as cells, leaving cells out saves nothing, and neighbouring
+    // groups would both refine the cells between them. But if rows of S are long, rows for all
+    // vertices of the level take too much memory.
+    const bool isWhole = hasAtMost(base, level, pointCount) &&
                          stencils::compositionAbove(base) == stencils::Composition::FromBase;
     return isWhole ? LevelSearch::Scope::Whole : LevelSearch::Scope::Parts;
 }
 
-/// D or its factors.
-/// \param where stencils::Levels or WholeLevel
+/// Returns D or its factors.
+/// \param where a stencils::Levels or a WholeLevel
 template <class Table, class Where>
 Table rowsIn(const Where& where, const Embedding& embedding) {
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
@@ -61,12 +61,12 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
     return parts;
 }
 
-/// A lower bound of the mean of numbers between 0 and 1, of which a random sample has the mean
-/// `sampleMean`. One in a million of such bounds is wrong.
+/// Returns a lower bound of the mean of numbers between 0 and 1, given the mean `sampleMean` of a
+/// random sample of `count` of them. The bound is wrong with a probability of one in a million.
 ///
-/// Chernoff's: for a smaller mean, the probability of such a sample is at most
-/// exp(−count · D(sampleMean ‖ mean)), with D the divergence of two coins.
-double leastMean(double sampleMean, int count) {
+/// Chernoff's bound: if the mean is smaller, such a sample has a probability of at most exp(−count
+/// · D(sampleMean ‖ mean)), where D is the Kullback-Leibler divergence of two coins.
+double lowerBoundOfMean(double sampleMean, int count) {
     const double divergence = std::log(1e6) / count;
     const auto term = [](double p, double q) { return p > 0 ? p * std::log(p / q) : 0; };
     double low = 0, high = sampleMean;
@@ -78,25 +78,26 @@ double leastMean(double sampleMean, int count) {
     return low;
 }
 
-/// Refuses rows of D that are more than memory holds, before they are made: where each row may have
-/// thousands of entries, making them takes minutes. How many they have, some of the points tell.
+/// Throws if the rows of D exceed the memory limit, before they are computed: with thousands of
+/// entries per row, computing them takes minutes. Estimates the number of entries from a sample of
+/// the points.
 /// \throws MemoryError
 void requireForRows(const LevelSearch& search, const LengthUnit& unit,
                     std::span<const Point3> points, Index columnCount) {
     constexpr int kSampleSize = 64;
     if (points.size() < 4 * kSampleSize) return;
-    // The rows of the groups, and D, in which they are gathered.
+    // Twice: the rows of the groups, and D, which is gathered from them.
     constexpr auto kEntryBytes = static_cast<double>(2 * (sizeof(Index) + sizeof(double)));
-    const double mostEntries = static_cast<double>(points.size()) * columnCount;
+    const double maxEntries = static_cast<double>(points.size()) * columnCount;
     const auto require = [&](double entries, double rowLength) {
-        // A limit of more than 2⁶³ bytes is none.
+        // No limit exceeds 2⁶³ bytes.
         const double bytes = std::min(kEntryBytes * entries, 0x1p63);
         requireMemory(static_cast<std::uint64_t>(bytes),
                       "binding " + std::to_string(points.size()) + " points with some " +
                           std::to_string(std::llround(rowLength)) + " weights each");
     };
     try {
-        return require(mostEntries, columnCount);
+        return require(maxEntries, columnCount);
     } catch (const MemoryError&) {
         // Most rows may be shorter, or empty.
     }
@@ -108,10 +109,10 @@ void requireForRows(const LevelSearch& search, const LengthUnit& unit,
     for (const auto& part : bindGroup<stencils::StencilTable<double>>(search, sample))
         entryCount += part.table.entryCount();
     const double rowLength = static_cast<double>(entryCount) / kSampleSize;
-    require(mostEntries * leastMean(rowLength / columnCount, kSampleSize), rowLength);
+    require(maxEntries * lowerBoundOfMean(rowLength / columnCount, kSampleSize), rowLength);
 }
 
-/// Binds points in either form.
+/// Binds points to D or to its factors.
 template <class Table>
 BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> points,
                             const BindingOptions& options) {
@@ -121,13 +122,14 @@ BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> 
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
     const far::CellComplex& complex = lattice.base.level(0).complex;
     auto search = std::make_shared<const LevelSearch>(
-        RestLattice{lattice.base, inUnits, lattice.rules}, options.level, options.embedding,
+        RestLattice{lattice.base, inUnits}, options.level, options.embedding,
         scopeFor(complex, options.level, std::ssize(points)));
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
             requireForRows(*search, unit, points, complex.count(0));
-    // Larger groups share more of the cells around theirs; but their levels are held at once, some
-    // 100 kB a level for a point that shares none, as most do on the fine levels.
+    // Larger groups share more of the cells around their points. But the levels of a group are all
+    // in memory at once: about 100 kB per level for a point that shares no cells, as most points do
+    // on fine levels.
     const Offset groupSize = options.level < 7 ? 1 << 14 : 1 << 11;
     return bindGroups<Table>(
         [search = std::move(search)](std::span<const Point3> group) {

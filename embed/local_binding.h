@@ -9,14 +9,14 @@
 #include <span>
 #include <vector>
 
-// embed/: points to rows.
+// embed/: binds points to a lattice, as rows of a sparse matrix.
 //
 // In: a lattice at rest, points, a level n. Out: a Binding, which holds the deformation matrix D.
 //
-// Types: RestLattice; CellPlace, a place in a cell; CellSolver, which finds it; LevelSearch, which
-// locates groups of points in a level; PointDescent, which refines only the cells that can hold a
-// point; Binding. nested_lattices.h binds a lattice to a lattice, continuity.h tells which vertices
-// to freeze, tensor_product.h binds to Bézier and B-spline lattices.
+// Types: RestLattice; CellPlace, a place in a cell; CellSolver, which finds the place; LevelSearch,
+// which locates groups of points in a level; PointDescent, which refines only the cells that may
+// contain a point; Binding. nested_lattices.h binds a lattice to a lattice, continuity.h finds the
+// vertices to freeze, tensor_product.h binds to Bézier and B-spline lattices.
 //
 // Read binding.h, this header, cell_place.h, cell_solver.h, level_search.h, then point_descent.h.
 //
@@ -24,11 +24,11 @@
 // p'.
 namespace espalier::embed {
 
-/// A model bound to a lattice, and how that went for each point.
+/// A binding of a model, and the status of each point.
 template <class Table>
 struct BindingResultOf {
     BindingOf<Table> binding;
-    std::vector<PointStatus> statuses;  ///< one a point
+    std::vector<PointStatus> statuses;  ///< one per point
     double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
 
     Index count(PointStatus status) const {
@@ -42,26 +42,26 @@ struct BindingOptions {
     int level = 3;  ///< of the lattice, 1 to kMaxLevelOfPoints
     EmbeddingOptions embedding = {};
 
-    /// Called now and then with the number of points done, from any thread; or empty.
+    /// Called now and then with the number of points done, from any thread; may be empty.
     std::function<void(Offset)> progress = {};
 };
 
-/// Binds points to a level of a lattice that is refined no further than they ask for.
+/// Binds points to a level of a lattice, refining only the cells that can contain a point.
 ///
-/// The result is, to the last bit, what refining the whole lattice, embedPoints() and
-/// buildDeformationTable() give. But only cells that can still hold a point are refined, with what
-/// their rules need around them; points are taken in groups that lie together, and of each group
-/// only its rows of D are kept. So memory is that of D, of the base, and of what a group needs, at
-/// any level: binding a million points at level 8 of a thousand cells is possible, which has 16
-/// milliards of cells.
+/// The result is the same, to the last bit, as refining the whole lattice and calling embedPoints()
+/// and buildDeformationTable(). The function refines only cells that can still contain a point, and
+/// the cells around them that their rules need. It processes points in groups of neighbours, and
+/// keeps only the rows of D of each group. So at any level it needs memory for D, for the base, and
+/// for one group per thread: it can bind a million points at level 8 of a thousand cells, although
+/// that level has 16 billion cells.
 ///
 /// The tolerance is a fraction of the diagonal of the base lattice's bounding box.
 ///
-/// \throws Error as embedPoints(), and for a base of other levels; TopologyError as
-///         far::TopologyRefiner::refineUniform(); MemoryError if D is beyond a
-///         MemoryLimit: within seconds where cells have hundreds of vertices, and so rows of D
-///         thousands of weights
-/// \cost O(points · (level + log base cells + entries of D a point)), once the cells are smaller
+/// \throws Error as embedPoints(), and for a base that has been refined; TopologyError as
+///         far::TopologyRefiner::refineUniform(); MemoryError if D exceeds a MemoryLimit. If cells
+///         have hundreds of vertices, and so rows of D thousands of weights, it is thrown within
+///         seconds
+/// \cost O(points · (level + log base cells + entries of D per point)), once the cells are smaller
 ///       than the distances between points. In parallel; the result does not depend on the number
 ///       of threads
 /// \cite MacCracken & Joy 1996, sections 4 to 6
@@ -74,11 +74,11 @@ ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<co
                                       const EmbeddingOptions& options = {},
                                       const std::function<void(Offset)>& progress = {});
 
-/// The same as binding to a level, with D left in its factors. Their product is the D of
-/// bindPoints(), but for rounding. A vertex of the level may be there more than once, for points of
-/// different groups.
+/// Binds points to a level, and leaves D in its factors. Their product is the D of bindPoints(), up
+/// to rounding. The table may contain a vertex of the level several times, for points of different
+/// groups.
 ///
-/// \cost less, by the product
+/// \cost that of bindPoints() without the product
 ESPALIER_API BindingResultOf<stencils::FactoredTable<double>> bindFactored(
     const RestLattice& lattice, std::span<const Point3> points, const BindingOptions& options = {});
 

@@ -7,13 +7,14 @@
 #include <Eigen/Core>
 #include <optional>
 
-// Where a smooth map of the unit cube takes the value 0. Put the point that is sought at the
-// origin: rounding is then relative to the cell, not to where it lies.
+// Finds where a smooth map of the unit cube takes the value 0. To find the place of a point,
+// subtract the point from the map first: rounding errors are then relative to the cell, not to its
+// distance from the origin.
 //
-// A Map has tangent(uvw), the position and the Jacobian, and position(uvw).
+// A Map has tangent(uvw), which returns the position and the Jacobian, and position(uvw).
 namespace espalier::embed {
 
-/// By Newton's method from `start`.
+/// Returns the place where the map is 0, by Newton's method from `start`.
 /// \return nothing if the iteration meets a singular Jacobian, wanders off or does not settle
 template <class Map>
 std::optional<Eigen::Vector3d> findOrigin(const Map& map, const Eigen::Vector3d& start) {
@@ -21,7 +22,7 @@ std::optional<Eigen::Vector3d> findOrigin(const Map& map, const Eigen::Vector3d&
     constexpr int kMaxSteps = 25;
     // Once a step is this short, the next would be about its square: below rounding.
     constexpr double kSettled = 1e-9;
-    // A place this far outside is of no use, and the way back from there is luck.
+    // A place this far outside is of no use, and returning from there would be luck.
     constexpr double kWanderedOff = 100;
     Eigen::Vector3d uvw = start;
     for (int step = 0; step < kMaxSteps; ++step) {
@@ -35,22 +36,22 @@ std::optional<Eigen::Vector3d> findOrigin(const Map& map, const Eigen::Vector3d&
     return std::nullopt;
 }
 
-/// The place in [0, 1]³ that is (locally) nearest to the origin, by Gauss-Newton steps within the
-/// cube; of a linear map, by the first of them.
+/// Returns the place in [0, 1]³ whose position is (locally) nearest to 0, by Gauss-Newton steps
+/// within the cube. The first step is exact for a linear map.
 template <class Map>
 Eigen::Vector3d nearestToOrigin(const Map& map) {
     using Eigen::Vector3d;
     constexpr int kMaxSteps = 50;
-    // Far below what tells one place from another; the distance has settled long before.
+    // Far smaller than any difference of places that matters; the distance has settled long before.
     constexpr double kSettled = 1e-12;
     Vector3d uvw = Vector3d::Constant(0.5);
     double distance = map.position(uvw).stableNorm();
     for (int step = 0; step < kMaxSteps; ++step) {
-        // The nearest place of the linear map that touches this one here.
+        // The nearest place of the linear map that is tangent to the map here.
         const auto [value, j] = map.tangent(uvw);
         const Vector3d target = j * uvw - value;
         Vector3d move = nearestInBox(j, target, Vector3d::Zero(), Vector3d::Ones()) - uvw;
-        // Shorten the step until it helps.
+        // Halve the step until the distance decreases.
         double length = 0;
         for (int halving = 0; halving < 30; ++halving, move /= 2) {
             const Vector3d next = uvw + move;

@@ -25,7 +25,7 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
     if (binding.embedding.outside == OutsidePolicy::Error)
         binding.embedding.outside = OutsidePolicy::Keep;
     const auto bound = bindPoints(parent, childPose, binding);
-    // A vertex that stays where it is has no row of weights.
+    // A vertex that would be kept in place has no row of weights.
     if (!bound.binding.kept.empty()) {
         const Index vertex = bound.binding.kept.front();
         const bool isOutside = bound.statuses[vertex] == PointStatus::Outside;

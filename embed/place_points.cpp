@@ -41,7 +41,7 @@ void checkRest(const RestLattice& lattice, int level) {
                     " at most, not to level " + std::to_string(level));
     const far::Level& level0 = base.level(0);
     checkPositions(level0.complex, lattice.positions);
-    // Without boundary control there may be no next level: refining says what is missing.
+    // Under Boundary::Open there may be no next level: refineUniform() throws and says why.
     bool isLeft = false;
     for (Index vertex = 0; vertex < level0.complex.count(0); ++vertex)
         isLeft = isLeft || !level0.strata.isOpen({0, vertex});
@@ -72,7 +72,7 @@ std::vector<Index> alongCurve(std::span<const Point3> points) {
             places[at] = {curve.key(Eigen::Vector3d(points[at].data())), static_cast<Index>(i)};
         }
     });
-    // Over 2¹⁰ parts along each axis are fine enough.
+    // 32 bits are more than 2¹⁰ parts along each axis, which is fine enough.
     sortAlongCurve(places, 32);
     std::vector<Index> order;
     order.reserve(places.size());

@@ -12,46 +12,47 @@
 
 namespace espalier::embed {
 
-// What all ways to embed a model in a lattice have in common.
+// Functions that all ways to embed a model in a lattice share.
 
 inline std::array<double, 3> toArray(const Eigen::Vector3d& v) {
     return {v[0], v[1], v[2]};
 }
 
-/// \throws Error if `positions` are not one a vertex, or not finite
+/// \throws Error unless there is one finite position per vertex
 void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions);
 
 /// Checks that points can be bound to a level of a lattice.
-/// \throws Error for a base that is no lattice or has been refined, and a level that is not 1 to
-///         kMaxLevelOfPoints; as checkPositions(); and what refining a base throws of which
-///         nothing is left
+/// \throws Error if the base is not a lattice or has been refined, or the level is not 1 to
+///         kMaxLevelOfPoints; as checkPositions(); and as refineUniform() if refinement would leave
+///         no cells
 void checkRest(const RestLattice& lattice, int level);
 
-/// The tolerance, if it is one.
-/// \throws Error if it is not finite or negative
+/// Returns the tolerance, checked.
+/// \throws Error if it is negative or not finite
 double checkedTolerance(double tolerance);
 
-/// \throws Error if there are more than an Index counts
+/// \throws Error if there are more points than an Index can count
 void checkPointCount(std::span<const Point3> points);
 
-/// \throws Error naming a point that OutsidePolicy::Error does not let pass
+/// Throws for a point that is not inside, under OutsidePolicy::Error.
+/// \throws Error that names the point
 [[noreturn]] void refusePoint(Offset index, const Point3& point, PointStatus status);
 
-/// \throws Error if the points were placed in a lattice of another number of vertices
+/// \throws Error if the points were placed in a lattice with another number of vertices
 void checkVertexCount(Index placedIn, Index vertexCount);
 
 /// \throws Error naming the first point that is not inside
 void checkAllInside(std::span<const Point3> points, std::span<const PointStatus> statuses);
 
-/// The points of some numbers.
+/// Returns the points with the given indices.
 std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers);
 
-/// The points in an order in which one is near the next: they ask for the same cells, which then
-/// are in the cache. That halves the time of locating them.
+/// Returns the points' indices in an order in which consecutive points are near each other: they
+/// use the same cells, which are then in the cache. That halves the time of locating them.
 std::vector<Index> alongCurve(std::span<const Point3> points);
 
 /// Locates each point, in parallel: locate(point, seekNearest) returns its Located<Place>.
-/// \param order to take the points in, or empty; the result does not depend on it, only the time
+/// \param order in which to process the points, or empty; affects the time, not the result
 template <class Place, class Locate>
 PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCount,
                                  OutsidePolicy outside, const std::function<void(Offset)>& progress,
@@ -63,8 +64,8 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
     std::atomic<Offset> done = 0;
     constexpr Offset kGrain = 1024;
     parallelFor(static_cast<Offset>(points.size()), kGrain, [&](Offset first, Offset last) {
-        // First all are read: where they lie scattered, none of the reads waits for another. Saves
-        // 0.1 µs a point.
+        // Read all points of the chunk first: if they are scattered in memory, the reads overlap
+        // instead of waiting for each other. Saves 0.1 µs per point.
         std::array<std::size_t, kGrain> numbers;
         std::array<Point3, kGrain> near;
         const auto count = static_cast<std::size_t>(last - first);

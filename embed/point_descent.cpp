@@ -16,12 +16,12 @@ using Extent = far::TopologyRefiner::Extent;
 
 namespace {
 
-/// The boxes of a level may miss those of the last one by the rounding of the sums between, which
-/// is relative to where the lattice lies: some 100 times 1e-16 a level.
+/// Margin of boxes: the box of a child may exceed the parent's by the rounding of sums, which is
+/// relative to the lattice's distance from the origin: about 100 times 1e-16 per level.
 constexpr double kSlack = 1e-12;
 
-/// By how much of itself what a cell becomes is beyond the cell, mostly, at most.
-constexpr double kLikely = 0.25;
+/// The descendants of a cell mostly exceed it by at most this fraction of its size.
+constexpr double kEstimatedGrowth = 0.25;
 
 double largestCoordinate(std::span<const Point3> positions) {
     double largest = 0;
@@ -30,7 +30,7 @@ double largestCoordinate(std::span<const Point3> positions) {
     return largest;
 }
 
-/// The cells that have a bound, or those that have none.
+/// Returns the cells that have a bound, or the cells that have none.
 std::vector<Index> cellsWith(const std::vector<Bound>& bounds, bool bound) {
     std::vector<Index> cells;
     for (std::size_t cell = 0; cell < bounds.size(); ++cell)
@@ -49,12 +49,12 @@ std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::v
     return boxes;
 }
 
-/// A distance from a point within which there is something that the cell becomes.
+/// Returns a distance from a point within which the cell certainly has a descendant.
 double reach(const far::CellComplex& complex, std::span<const Point3> positions, Index cell,
              const Bound& bound, const Vector3d& point) {
     if (!bound) return std::numeric_limits<double>::infinity();
     if (!bound->drift) {
-        // The far corner of the box.
+        // Distance to the far corner of the box.
         const Vector3d low = (point - bound->box.min()).cwiseAbs();
         return low.cwiseMax((bound->box.max() - point).cwiseAbs()).norm();
     }
@@ -95,7 +95,7 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         } else {
             const auto reachOf = [&](Index i) {
                 const Index cell = bounded_[i];
-                if (!isLasting(lattice_.base.level(0), cell))
+                if (!remainsInLimit(lattice_.base.level(0), cell))
                     return std::numeric_limits<double>::infinity();
                 return reach(lattice_.base.level(0).complex, lattice_.positions, cell,
                              bounds_[cell], position);
@@ -116,11 +116,10 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
 
 Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
     const std::span<const Point3> positions = lattice_.positions;
-    Descent descent{{lattice_.base, lattice_.rules, {positions.begin(), positions.end()}},
-                    baseCandidates(points, sought),
-                    margin_};
+    Descent descent{stencils::Levels(lattice_.base, {positions.begin(), positions.end()}),
+                    baseCandidates(points, sought), margin_};
     descent.candidates.filter([&](std::size_t i, Index) {
-        return isLasting(lattice_.base.level(0), descent.candidates.cells[i]);
+        return remainsInLimit(lattice_.base.level(0), descent.candidates.cells[i]);
     });
     return descent;
 }
@@ -138,7 +137,7 @@ void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
         }
     candidates.filter([&](std::size_t i, Index point) {
         const Bound& bound = candidates.bounds[i];
-        // Written so that what is not a number stays.
+        // The comparison is such that a NaN keeps the cell.
         return !bound || !(bound->box.exteriorDistance(Vector3d(points[point].data())) >
                            nearest[point] + descent.margin);
     });
@@ -164,13 +163,14 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
         const Bound& bound = parents.bounds[i];
         for (const Index vertex : parent.relation(3, 0)[cell]) {
             const auto child = refinement.childOf({{0, vertex}, {3, cell}});
-            if (!child) continue;  // It is beyond the open boundary.
+            if (!child) continue;  // The child is outside the open boundary.
             const Bound ofChild =
-                bounding == Bounding::Future
+                bounding == Bounding::AllLevels
                     ? bounds.boundOf(child->index, bound ? bound->drift : std::nullopt)
-                    : bounds.ownBox(child->index, bounding == Bounding::Likely ? kLikely : 0);
-            const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Likely
-                                        ? bounds.ownHull(child->index, kLikely)
+                    : bounds.ownBox(child->index,
+                                    bounding == Bounding::Estimate ? kEstimatedGrowth : 0);
+            const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Estimate
+                                        ? bounds.ownHull(child->index, kEstimatedGrowth)
                                         : AffineHull();
             for (const Index point : parents.pointsOf(i))
                 if (sought == Sought::Nearest || mayHold(ofChild, hull, point))
@@ -191,7 +191,7 @@ std::optional<Descent> PointDescent::descend(std::span<const Point3> points, int
         if (descent.candidates.cells.empty()) return std::nullopt;
         const bool isLast = k == level;
         refine(descent, points, sought, isLast ? extent : Extent::Ring,
-               isLast ? Bounding::Itself : Bounding::Future);
+               isLast ? Bounding::Corners : Bounding::AllLevels);
     }
     return descent;
 }

@@ -16,13 +16,14 @@
 
 namespace espalier::embed {
 
-/// Which cells are sought for a point.
+/// Which cells to seek for a point.
 enum class Sought {
-    Containing,  ///< those in whose box it is
-    Nearest      ///< the nearest one; and those in whose box it is
+    Containing,  ///< those whose box contains the point
+    Nearest      ///< the nearest one, and those whose box contains the point
 };
 
-/// The cells sought for each point: those of point i are cells[offsets[i]] to … [i + 1], ascending.
+/// The cells sought for each point: cells[offsets[i]] to cells[offsets[i + 1] − 1] for point i,
+/// ascending.
 struct CellsOfPoints {
     std::vector<Offset> offsets;
     std::vector<Index> cells;
@@ -32,19 +33,19 @@ struct CellsOfPoints {
     }
 };
 
-/// Pairs of cells of a level and points that are sought there, cell by cell.
+/// Pairs of a cell of a level and a point that is sought in it, sorted by cell.
 struct Candidates {
     std::vector<Index> cells;                      ///< those with a point, ascending
-    std::vector<std::optional<CellBound>> bounds;  ///< one a cell
+    std::vector<std::optional<CellBound>> bounds;  ///< one per cell
     std::vector<Offset> offsets = {0};
-    std::vector<Index> points;  ///< points[offsets[i]] to points[offsets[i + 1] − 1] of cells[i]:
-                                ///< as they were given, counted from 0; ascending in a cell
+    std::vector<Index> points;  ///< points[offsets[i]] to points[offsets[i + 1] − 1] belong to
+                                ///< cells[i]: indices of the given points, ascending in each cell
 
     std::span<const Index> pointsOf(std::size_t i) const {
         return std::span(points).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
 
-    /// Ends the cell whose points were appended last; without any it is left out.
+    /// Ends the cell whose points were appended last; a cell without points is left out.
     void endCell(Index cell, const std::optional<CellBound>& bound) {
         if (static_cast<Offset>(points.size()) == offsets.back()) return;
         cells.push_back(cell);
@@ -52,7 +53,8 @@ struct Candidates {
         offsets.push_back(static_cast<Offset>(points.size()));
     }
 
-    /// Leaves the pairs of which keep(i, point) is true, with i the position of the cell.
+    /// Keeps only the pairs for which keep(i, point) is true; i is the position of the cell in
+    /// `cells`.
     template <class Keep>
     void filter(Keep keep) {
         Candidates kept;
@@ -64,7 +66,7 @@ struct Candidates {
         *this = std::move(kept);
     }
 
-    /// The same pairs point by point, as far as isSought(cell, point) is true.
+    /// Returns the pairs for which isSought(cell, point) is true, sorted by point.
     template <class IsSought>
     CellsOfPoints cellsOfPoints(std::size_t pointCount, IsSought isSought) const {
         CellsOfPoints result;
@@ -84,52 +86,55 @@ struct Candidates {
     }
 };
 
-/// Where a cell is taken to lie.
+/// Which bound of a cell to use when testing whether it can contain a point.
 enum class Bounding {
-    Future,  ///< with all that it may become
-    Likely,  ///< near the cell as it is: quick, and right but at strongly bent features
-    Itself   ///< between its corners
+    AllLevels,  ///< contains the cell's descendants on all levels
+    Estimate,   ///< the cell, slightly widened: quick, and correct except at strongly bent features
+    Corners     ///< contains the cell's own corners only
 };
 
-/// Levels of a lattice as far as they have been refined for some points, and the cells of the
-/// finest that may hold them, or become one that does.
+/// The levels of a lattice, refined as far as some points need, and the cells of the finest level
+/// that may contain the points or have descendants that do.
 struct Descent {
     stencils::Levels levels;
     Candidates candidates;  ///< in the finest level
-    double margin;          ///< how far from the box of a cell a point still counts as in it
+    double margin;          ///< distance within which a point outside a cell's box still counts as
+                            ///< in it
 };
 
-/// Refines a lattice no further than points ask for: level by level, only around the cells that can
-/// still become one that is sought. Any number of threads may ask.
+/// Refines a lattice only where given points need it: level by level, around the cells that can
+/// still have a descendant that is sought. Any number of threads may use it at once.
 class PointDescent {
 public:
-    /// \param lattice its base and positions must outlive this
+    /// \param lattice its base and positions must outlive this object
     PointDescent(const RestLattice& lattice, CellSolver::Scale scale);
 
-    /// Level 0: nothing has been refined. The margin is the tolerance, and the rounding.
+    /// Returns level 0, before any refinement. The margin is the tolerance plus the rounding error.
     Descent begin(std::span<const Point3> points, Sought sought) const;
 
-    /// The least margin: the rounding of boxes.
+    /// The smallest margin: the rounding error of boxes.
     double rounding() const { return rounding_; }
 
-    /// Goes on to the next level, around the candidates; those that are left then are their
-    /// children. There must be some.
-    /// \param extent Cells ends the descent
+    /// Refines one level around the candidates, of which there must be at least one. The new
+    /// candidates are their children.
+    /// \param extent Extent::Cells ends the descent: the new level cannot be refined further
     /// \throws TopologyError as far::TopologyRefiner::refineAround()
     void refine(Descent& descent, std::span<const Point3> points, Sought sought,
                 far::TopologyRefiner::Extent extent, Bounding bounding) const;
 
-    /// Leaves the cells that may become the nearest one of a point, or one that it is in.
-    /// \param nearest one a point: how near one is known to be; infinity where none is. Goes down
-    ///        to what the candidates tell
+    /// Keeps the candidates that contain a point, or that may have the nearest cell of a point as a
+    /// descendant.
+    /// \param nearest one per point: an upper bound of the distance to the nearest cell, or
+    ///        infinity if none is known. Lowered to the bound that the candidates give
     void keepNearest(Descent& descent, std::span<const Point3> points,
                      std::span<double> nearest) const;
 
-    /// All of that to a level, which is the last one: its candidates are those in whose own box a
-    /// point is, or all that may be nearest.
+    /// Refines down to a level. If cells are sought that contain a point, the candidates are those
+    /// whose own box contains the point; otherwise, all those that may be nearest.
     /// \param level 1 or above
-    /// \param extent how much of the level is made around the cells that were sought
-    /// \return nothing if no cell of a level above is left, and so nothing to refine
+    /// \param extent how much of the last level is refined around the candidates
+    /// \return nothing if no candidate is left on a coarser level, so that there is nothing to
+    ///         refine
     /// \throws TopologyError as refine()
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart
@@ -141,10 +146,10 @@ private:
 
     RestLattice lattice_;
     double rounding_;
-    double margin_;                                 ///< that, and the tolerance
+    double margin_;                                 ///< rounding error plus tolerance
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
-    std::vector<Index> bounded_, unbounded_;        ///< those that have one, and the others
-    BoxTree tree_;                                  ///< over these
+    std::vector<Index> bounded_, unbounded_;        ///< base cells with a bound, and without
+    BoxTree tree_;                                  ///< over the bounded cells
 };
 
 }  // namespace espalier::embed

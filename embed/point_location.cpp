@@ -43,18 +43,19 @@ LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) cons
 
 LocatedPoint PointLocator::locateInUnits(const Point3& position, bool seekNearest) const {
     const Vector3d point(position.data());
-    if (const auto beyond = CellSolver::beyondReach(point, seekNearest)) return *beyond;
+    if (const auto unreachable = CellSolver::resultIfUnreachable(point, seekNearest))
+        return *unreachable;
 
     std::vector<Index> candidates;
     tree_.findContaining(point, candidates);
     std::sort(candidates.begin(), candidates.end());
     if (const auto found = solver_.locateIn(point, candidates)) return *found;
-    // A gap lies in the hull of the face it is at, and so in the boxes of the cells beside it: a
-    // point in no box is outside.
+    // A gap is in the convex hull of the face beside it, and so in the boxes of the cells at the
+    // face: a point in no box is outside.
     if (candidates.empty() && !seekNearest) return {PointStatus::Outside, {}, 0, 0};
     const auto nearest =
         tree_.findNearest(point, [&](Index cell) { return solver_.distance(point, CellId(cell)); });
-    return solver_.locateBeside(point, CellId(nearest.index), seekNearest);
+    return solver_.locateOutsideCells(point, CellId(nearest.index), seekNearest);
 }
 
 }  // namespace espalier::embed

@@ -10,32 +10,33 @@
 
 namespace espalier::embed {
 
-/// Finds the cells of a refined lattice that hold given points.
+/// Finds the cell of a refined lattice that contains a point.
 ///
-/// A point belongs to the cell of lowest number that contains it. (In a cell so twisted that
-/// Newton's method from its centre misses the point, only if no other cell has it.) Faces that are
-/// not flat leave small gaps (a hexahedron has a bilinear face, its type-n neighbour a folded one);
-/// a point in a gap belongs to the nearest cell, by continuing that cell's map along its tangent.
-/// Any number of threads may ask; answers depend on nothing but the point.
+/// A point belongs to the cell of lowest number that contains it. (If Newton's method from the
+/// centre of a twisted cell misses the point, the point belongs to that cell only if no other cell
+/// contains it.) Faces that are not flat leave small gaps: a hexahedron has a bilinear face, and
+/// its type-n neighbour a folded one. A point in a gap belongs to the nearest cell, by continuing
+/// that cell's map along its tangent. Any number of threads may use it at once; results depend on
+/// the point only.
 ///
 /// \cite MacCracken & Joy 1996, sections 4 to 6
 class ESPALIER_API PointLocator {
 public:
     /// \param complex a lattice of level 1 or above; kept (a cheap copy)
-    /// \param positions one a vertex; copied
-    /// \param tolerance how far outside a point still counts as inside, as a fraction of the
-    ///        diagonal of the lattice's bounding box, 0 or more
+    /// \param positions one per vertex; copied
+    /// \param tolerance distance within which a point outside still counts as inside, as a fraction
+    ///        of the diagonal of the lattice's bounding box, 0 or more
     /// \throws Error if `complex` is not a lattice of quadrilaterals, `positions` do not fit it or
     ///         are not finite, or `tolerance` is out of range
     /// \cost O(cells log cells)
     PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
                  double tolerance);
 
-    /// The same with the scale of another lattice: that of the base, of which `complex` is a level.
+    /// The same, measured by the scale of the base lattice, of which `complex` is a level.
     PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
                  CellSolver::Scale scale);
 
-    /// \param seekNearest whether to find the place that stands for a point outside
+    /// \param seekNearest whether to find a place for a point outside
     LocatedPoint locate(const Point3& point, bool seekNearest) const;
 
 private:

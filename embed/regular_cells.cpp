@@ -8,7 +8,8 @@
 namespace espalier::embed {
 namespace {
 
-/// The stratum of what lies in so many cells of a grid; none for other numbers.
+/// Returns the stratum of an entity of a grid that is in `cells` cells; −1 for numbers that a grid
+/// does not have.
 int stratumOf(std::size_t cells, int dimension) {
     for (int stratum = 3; stratum >= dimension; --stratum)
         if (cells == std::size_t{1} << (stratum - dimension)) return stratum;
@@ -32,7 +33,7 @@ bool isRegularVertex(const far::Level& level, Index vertex) {
     for (const int dimension : {1, 2})
         for (const Index index : complex.relation(0, dimension)[vertex])
             if (!isPlain(level, {dimension, index})) return false;
-    // In a loop of two cells, both neighbours along the loop are the same vertex.
+    // In a loop of two cells, both neighbours along the loop are the same vertex: not a grid.
     std::vector<Index> ends;
     for (const Index edge : edges)
         for (const Index end : complex.relation(1, 0)[edge])
@@ -51,7 +52,7 @@ bool isRegularCell(const far::Level& level, Index cell) {
                        [&](Index vertex) { return isRegularVertex(level, vertex); });
 }
 
-bool isLasting(const far::Level& level, Index cell) {
+bool remainsInLimit(const far::Level& level, Index cell) {
     const auto vertices = level.complex.relation(3, 0)[cell];
     return std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
         return !level.strata.isOpen({0, vertex});

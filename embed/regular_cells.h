@@ -5,20 +5,21 @@
 #include <espalier/base/index.h>
 #include <espalier/far/topology_refiner.h>
 
-// Where refinement is that of a uniform tricubic B-spline, and where it comes to nothing.
+// Finds where refinement is a uniform tricubic B-spline, and which cells vanish in the limit.
 namespace espalier::embed {
 
-/// Whether the cells around a vertex are a part of a grid of hexahedra, and keep to the rules of
-/// one: inside (8 cells), at a flat boundary (4), at a sharp edge (2) or at a corner (1), with no
-/// other features and none that are semi-sharp.
+/// Returns true if the cells around a vertex are part of a grid of hexahedra and follow its rules:
+/// inside (8 cells), at a flat boundary (4), at a sharp edge (2) or at a corner (1), with no other
+/// features and no semi-sharp ones.
 ESPALIER_API bool isRegularVertex(const far::Level& level, Index vertex);
 
-/// Whether all vertices of a cell are regular. The volume in it is then one tricubic polynomial,
-/// now and on all levels to come; at a boundary that of a spline with a phantom layer 2P₀ − P₁.
+/// Returns true if all vertices of a cell are regular. The map of the cell is then one tricubic
+/// polynomial on this level and all further ones; at a boundary, it belongs to a spline with a
+/// phantom layer 2P₀ − P₁.
 ESPALIER_API bool isRegularCell(const far::Level& level, Index cell);
 
-/// Whether a cell becomes anything in the limit: under Boundary::Open, one shrinks away of which
-/// all vertices are on the boundary.
-ESPALIER_API bool isLasting(const far::Level& level, Index cell);
+/// Returns true if a cell has a volume in the limit. Under Boundary::Open, a cell with all vertices
+/// on the boundary shrinks away.
+ESPALIER_API bool remainsInLimit(const far::Level& level, Index cell);
 
 }  // namespace espalier::embed

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Where on the segment from a to b the origin is nearest: 0 at a, 1 at b.
+/// Returns where the segment from a to b is nearest to the origin: 0 at a, 1 at b.
 double nearestOnSegment(const Vector3d& a, const Vector3d& b) {
     const Vector3d along = b - a;
     const double squared = along.squaredNorm();
@@ -19,7 +19,7 @@ double nearestOnSegment(const Vector3d& a, const Vector3d& b) {
 }  // namespace
 
 Vector3d nearestToOrigin(const Triangle& triangle) {
-    // The foot of the perpendicular, if it falls into the triangle.
+    // The foot of the perpendicular, if it is in the triangle.
     const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0];
     const Vector3d normal = ab.cross(ac);
     const double squared = normal.squaredNorm();
@@ -28,7 +28,7 @@ Vector3d nearestToOrigin(const Triangle& triangle) {
         const double w = normal.dot(triangle[0].cross(ab)) / squared;
         if (v >= 0 && w >= 0 && v + w <= 1) return {1 - v - w, v, w};
     }
-    // Otherwise the nearest point of the three edges.
+    // Otherwise, the nearest point of the three edges.
     Vector3d best = Vector3d::Zero();
     double bestSquared = std::numeric_limits<double>::infinity();
     for (Eigen::Index i = 0; i < 3; ++i) {

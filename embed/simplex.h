@@ -9,8 +9,8 @@ namespace espalier::embed {
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
-/// The point of a triangle that is nearest to the origin, as its three barycentric coordinates
-/// (0 or more, of sum 1). A triangle without area is treated as its longest edge.
+/// Returns the point of a triangle that is nearest to the origin, as three barycentric coordinates
+/// (0 or more, with sum 1). A triangle without area is treated as its longest edge.
 ESPALIER_API Eigen::Vector3d nearestToOrigin(const Triangle& triangle);
 
 }  // namespace espalier::embed

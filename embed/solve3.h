@@ -6,11 +6,11 @@
 
 namespace espalier::embed {
 
-/// The x for which map · x = target. Not finite where the map is singular.
+/// Returns the x for which map · x = target. The result is not finite if the map is singular.
 ///
-/// By Cramer's rule, a third of the time of a factorisation, where it has all the digits: unless
-/// the columns span a thousandth or less of the volume that they would at right angles. The test
-/// fails too where the squares are no numbers.
+/// Uses Cramer's rule, which takes a third of the time of a factorisation. Cramer's rule keeps all
+/// digits unless the columns span a thousandth or less of the volume that they would span at right
+/// angles; then, or if the squares overflow, the function factorises.
 inline Eigen::Vector3d solve3(const Eigen::Matrix3d& map, const Eigen::Vector3d& target) {
     constexpr double kThinSquared = 1e-6;
     const Eigen::Vector3d a = map.col(0), b = map.col(1), c = map.col(2);

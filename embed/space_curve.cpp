@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kStepsPerAxis = 1 << MortonCurve::kBitsPerAxis;
 
-/// The bits of a number of 21 bits, with two zeros after each.
+/// Inserts two zeros after each bit of a number of 21 bits.
 std::uint64_t spread(std::uint64_t bits) {
     bits = (bits | bits << 32) & 0x001f00000000ffff;
     bits = (bits | bits << 16) & 0x001f0000ff0000ff;
@@ -23,7 +23,7 @@ std::uint64_t spread(std::uint64_t bits) {
 }  // namespace
 
 MortonCurve::MortonCurve(const Eigen::AlignedBox3d& box) : low_(box.min()) {
-    // An axis along which the box has no length has one step.
+    // An axis along which the box has no length has a single step.
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
         const double length = box.max()[axis] - box.min()[axis];
         scale_[axis] = length > 0 ? kStepsPerAxis / length : 0;
@@ -34,7 +34,7 @@ std::uint64_t MortonCurve::key(const Eigen::Vector3d& point) const {
     std::uint64_t key = 0;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
         const double steps = (point[axis] - low_[axis]) * scale_[axis];
-        // Written so that what is not a number comes out 0.
+        // The comparison is such that a NaN gives 0.
         const double inside = steps > 0 ? std::min(steps, kStepsPerAxis - 1) : 0;
         key |= spread(static_cast<std::uint64_t>(inside)) << axis;
     }
@@ -42,8 +42,8 @@ std::uint64_t MortonCurve::key(const Eigen::Vector3d& point) const {
 }
 
 void sortAlongCurve(Array<CurveItem>& places, int bits) {
-    // Digit by digit from the lowest. With digits of 11 bits, which are fewer, it takes twice as
-    // long: places then go to more parts of the memory at once than it has translations at hand.
+    // Radix sort from the lowest digit. Digits of 11 bits would take fewer passes but twice the
+    // time: each pass would then write to more memory pages at once than the TLB holds.
     constexpr int kDigitBits = 8;
     constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
     Array<CurveItem> sorted(places.size());

@@ -10,16 +10,16 @@
 
 namespace espalier::embed {
 
-/// Where an item lies along a space-filling curve.
+/// The position of an item along a space-filling curve.
 struct CurveItem {
     std::uint64_t key = 0;
     Index item = 0;
 };
 
-/// How far along Morton's curve through a box a point is. Bits 3k to 3k + 2 of the result say in
-/// which eighth of a part of the box it lies, and the higher bits in which part: points with common
-/// high bits are in a common box. Points outside count as the nearest inside, and those that are
-/// not finite have some place.
+/// Computes the position of a point along Morton's curve through a box. Bits 3k to 3k + 2 of the
+/// key tell which eighth of a part of the box contains the point, and the higher bits tell which
+/// part: points with common high bits are in a common sub-box. A point outside gets the key of the
+/// nearest point inside; a point that is not finite gets some key.
 class ESPALIER_API MortonCurve {
 public:
     static constexpr int kBitsPerAxis = 21;
@@ -33,7 +33,7 @@ private:
     Eigen::Vector3d scale_;
 };
 
-/// Sorts by the highest `bits` of the key; those with the same stay in order.
+/// Sorts by the highest `bits` bits of the key; items with equal bits keep their order.
 /// \cost O(places · bits): 1 M places by all bits in 0.05 s
 ESPALIER_API void sortAlongCurve(Array<CurveItem>& places, int bits = MortonCurve::kBits);
 

@@ -20,22 +20,22 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// How far a vertex may lie from its place in the affine grid, in parts of the lattice's diagonal.
-/// Files with six digits, as printf and iostreams write by default, are off by 5e-6 of a
-/// coordinate, and a vertex by up to √3 of that: 8.7e-6. Parallelepipeds that somebody moved a
-/// vertex of by hand are off by far more.
+/// How far a vertex may be from its place in the affine grid, as a fraction of the lattice's
+/// diagonal. Files with six digits, as printf and iostreams write by default, are off by 5e-6 of a
+/// coordinate, and a vertex by up to √3 times that: 8.7e-6. A parallelepiped with a vertex moved by
+/// hand is off by far more.
 constexpr double kAffine = 1e-5;
 
-/// The same in parts of the largest coordinate, for lattices far from the origin: √3 times the
+/// The same as a fraction of the largest coordinate, for lattices far from the origin: √3 times the
 /// 6e-8 by which files in single precision are off.
 constexpr double kSingle = 1.1e-7;
 
-/// The least volume of a parallelepiped with sides of length 1: flatter, and the local coordinates
+/// Smallest volume of a parallelepiped with sides of length 1: in a flatter one, local coordinates
 /// would have under half the digits of a double.
 constexpr double kMinVolume = 1e-8;
 
-/// How far beyond the region, in cells, a point on its boundary may come out by rounding: 1e-16 of
-/// its coordinates over the size and thinness of a cell, as in PointLocator.
+/// How far outside the region, in cells, rounding may put a point on its boundary: 1e-16 of its
+/// coordinates divided by the size and thinness of a cell, as in CellSolver.
 constexpr double kOnBoundary = 1e-10;
 
 /// Calls body(point, vertex) for each grid point.
@@ -79,8 +79,8 @@ TensorLattice::TensorLattice(const far::CellComplex& complex, std::span<const Po
     checkFit();
 }
 
-/// Least squares, which no vertex governs and which does not depend on numbering. On a grid the
-/// sums of the axes separate.
+/// A least-squares fit, in which all vertices count equally and which does not depend on numbering.
+/// On a grid, the sums of the axes separate.
 void TensorLattice::fitAxes() {
     const Vector3d middle = Vector3d(grid_.cells[0], grid_.cells[1], grid_.cells[2]) / 2;
     Vector3d mean = Vector3d::Zero(), squares = Vector3d::Zero();
@@ -96,7 +96,7 @@ void TensorLattice::fitAxes() {
     origin_ = mean - axes_ * middle;
 }
 
-/// By way of unit vectors: the volume of tiny or huge cells is not a number.
+/// Inverts by way of unit vectors: the volume of tiny or huge cells would underflow or overflow.
 void TensorLattice::invertAxes() {
     const Vector3d lengths(axes_.col(0).stableNorm(), axes_.col(1).stableNorm(),
                            axes_.col(2).stableNorm());
@@ -126,7 +126,8 @@ void TensorLattice::checkFit() const {
     throw Error(message.str());
 }
 
-/// In cells. Clamping would do for right angles only.
+/// Returns the nearest place of the region, in cells. Clamping would be right only if the axes are
+/// perpendicular.
 Vector3d TensorLattice::nearestInRegion(const Vector3d& point) const {
     return nearestInBox(axes_, point - origin_, low_, high_);
 }
@@ -136,7 +137,7 @@ Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolera
     const Vector3d point(position.data());
     Located<TensorPlace> result;
     const Vector3d local = toCells_ * (point - origin_);
-    // Finite coordinates may be too large to have a local place.
+    // Local coordinates of a finite point may overflow.
     if (!local.allFinite()) return result;
     Vector3d at = local.cwiseMax(low_).cwiseMin(high_);
     if ((local - at).lpNorm<Eigen::Infinity>() > kOnBoundary) {
@@ -165,7 +166,7 @@ std::vector<VertexWeight> TensorLattice::weights(const TensorPlace& place) const
     result.reserve(x.values.size() * y.values.size() * z.values.size());
     for (std::size_t k = 0; k < z.values.size(); ++k)
         for (std::size_t j = 0; j < y.values.size(); ++j) {
-            // Of x, and of the derivative of x.
+            // `factor` multiplies the derivative of x; `value` multiplies x.
             const double factor = y.values[j] * z.values[k];
             const double value =
                 factor + dv * y.derivatives[j] * z.values[k] + dw * y.values[j] * z.derivatives[k];
@@ -194,7 +195,7 @@ TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3
 stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
                                                      const TensorEmbedding& embedding) {
     checkVertexCount(embedding.vertexCount, lattice.complex().count(0));
-    // All rows are as long; those of a Bézier lattice name each of its vertices.
+    // All rows are equally long; a row of a Bézier lattice contains every vertex.
     const auto& points = embedding.points;
     const auto first = std::find_if(points.begin(), points.end(),
                                     [](const auto& point) { return point.place.has_value(); });

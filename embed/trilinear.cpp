@@ -12,16 +12,16 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Where corner i lies in the parameter cube.
+/// Coordinates of each corner in the parameter cube.
 constexpr std::array<std::array<int, 3>, 8> kCorner = {
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
-/// a at t = 0, b at t = 1; exactly.
+/// Interpolates between a at t = 0 and b at t = 1, exact at both ends.
 Vector3d between(const Vector3d& a, const Vector3d& b, double t) {
     return (1 - t) * a + t * b;
 }
 
-/// The factor of corner i's weight along one axis.
+/// Returns the factor of a corner's weight along one axis.
 double factor(std::size_t corner, std::size_t axis, double t) {
     return kCorner[corner][axis] ? t : 1 - t;
 }
@@ -50,7 +50,8 @@ std::array<Trilinear::Weights, 3> Trilinear::weightDerivatives(const Vector3d& u
 Trilinear::Tangent Trilinear::tangent(const Vector3d& uvw) const {
     const auto& c = corners_;
     const double u = uvw[0], v = uvw[1], w = uvw[2];
-    // Along the four edges in direction u, between those in direction v, and then in direction w.
+    // Interpolate along the four edges in direction u, between these in direction v, then in
+    // direction w.
     const Vector3d bottomFront = between(c[0], c[1], u), bottomBack = between(c[3], c[2], u);
     const Vector3d topFront = between(c[4], c[5], u), topBack = between(c[7], c[6], u);
     const Vector3d bottom = between(bottomFront, bottomBack, v);
@@ -69,7 +70,8 @@ std::optional<Vector3d> Trilinear::findOrigin(const Vector3d& start) const {
 }
 
 std::optional<Vector3d> Trilinear::findOriginInside(double tolerance) const {
-    // 8³ parts at the finest: a cell with two solutions closer than that is all but singular there.
+    // At the finest, 8³ parts: if a cell has two solutions closer than that, it is nearly singular
+    // there.
     constexpr int kDeepest = 3;
     struct Part {
         Vector3d low;
@@ -82,7 +84,7 @@ std::optional<Vector3d> Trilinear::findOriginInside(double tolerance) const {
         Eigen::AlignedBox<double, 3> box;
         for (const auto& corner : kCorner)
             box.extend(position(part.low + side * Vector3d(corner[0], corner[1], corner[2])));
-        // The box may fail to hold a point of its face by the rounding of its corners.
+        // By rounding of its corners, the box may miss a point on its face.
         const double slack = 1e-12 * box.diagonal().norm();
         if (box.exteriorDistance(Vector3d(Vector3d::Zero())) > slack) continue;
         const auto place = findOrigin(part.low + Vector3d::Constant(side / 2));

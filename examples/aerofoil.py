@@ -4,13 +4,13 @@
 
     aerofoil.py --program espalier --work FOLDER
 
-A NACA 0012 section lies in a lattice, one cell thick. The lattice is to be deformed so that the
-pressure on the section becomes that on NACA 4412 at the same incidence, while the section keeps its
-area and both its ends. The program writes D, once. From then on the points are D · vertices, and a
-gradient by the points is carried to the vertices by Dᵀ.
+A NACA 0012 section is in a lattice that is one cell thick. The lattice is deformed until the
+pressure on the section is the pressure on NACA 4412 at the same incidence, while the section keeps
+its area and both its ends. The program writes D once. Then the points are D · vertices, and Dᵀ
+carries a gradient by the points to the vertices.
 
-It needs NumPy and SciPy. Those of Debian (python3-numpy, python3-scipy) belong to /usr/bin/python3;
-where python3 is another, run `/usr/bin/python3 aerofoil.py ...`.
+Needs NumPy and SciPy. Debian's packages (python3-numpy, python3-scipy) work with /usr/bin/python3
+only; if python3 is a different one, run `/usr/bin/python3 aerofoil.py ...`.
 """
 
 import argparse
@@ -32,16 +32,16 @@ COMMANDS = ("shape box --cells 8 1 1 --min -0.1 -0.12 0 --max 1.1 0.12 0.1 -o re
 
 
 class Design:
-    """The section as a function of the variables: how far the vertices of the lattice go up, those
-    on both sides of the section together.
+    """The section as a function of the variables. A variable moves one vertex of the lattice up,
+    together with the vertex on the other side of the section.
 
-    `weight` is one a panel, its share of the chord.
+    `weight` has the share of the chord of each panel.
     """
 
     def __init__(self, points, deformation, rest, wanted):
         self.points, self.deformation, self.wanted = points, deformation, wanted
         _, variable = np.unique(np.round(rest[:, :2], 9), axis=0, return_inverse=True)
-        variable = variable.ravel()  # NumPy 2.0 gives it an axis more
+        variable = variable.ravel()  # NumPy 2.0 returns an extra axis
         self.link = scipy.sparse.csr_matrix((np.ones(len(rest)), (range(len(rest)), variable)))
         self.weight = abs(np.roll(points.real, -1) - points.real)
 
@@ -49,24 +49,24 @@ class Design:
         return self.points + 1j * (self.deformation @ (self.link @ variables))
 
     def pull_back(self, by_points):
-        """A gradient by the points, carried to the vertices by Dᵀ, and on to the variables."""
+        """Carries a gradient by the points to the vertices, by Dᵀ, and on to the variables."""
         return self.link.T @ (self.deformation.T @ by_points.imag)
 
     def objective(self, variables):
-        """Half the square of the distance of the pressure from that wanted, along the chord, and
-        the gradient."""
+        """Half the squared difference of the pressure from the wanted pressure, along the chord,
+        and its gradient."""
         flow = Flow(self.section(variables), INCIDENCE)
         miss = flow.pressure - self.wanted
         by_points = flow.gradient(-2 * flow.strength * self.weight * miss)
         return self.weight @ miss**2 / 2, self.pull_back(by_points)
 
     def area_gain(self, variables):
-        """How much larger the section is than at first, and the gradient."""
+        """The growth of the area of the section, and its gradient."""
         value, by_points = area(self.section(variables))
         return value - area(self.points)[0], self.pull_back(by_points)
 
     def optimise(self):
-        """Sequential quadratic programming, with the area and both ends held."""
+        """Runs sequential quadratic programming, with the area and both ends fixed."""
         ends = (self.deformation @ self.link)[[0, PANELS // 2]].toarray()
         held = [{"type": "eq", "fun": lambda q: ends @ q, "jac": lambda q: ends},
                 {"type": "eq", "fun": lambda q: self.area_gain(q)[0],
@@ -76,7 +76,7 @@ class Design:
 
 
 def wanted_pressure(points):
-    """That on the wanted section, for each panel of `points`: at the same x, on the same side."""
+    """The pressure on the wanted section for each panel of `points`, at the same x and side."""
     x, flow = Flow(points, INCIDENCE).middle.real, Flow(naca(0.04, 0.12, PANELS), INCIDENCE)
     half = PANELS // 2
     above = np.interp(x[:half], flow.middle.real[half - 1::-1], flow.pressure[half - 1::-1])
@@ -90,7 +90,7 @@ def write_section(path, points):
 
 
 def read_lattice(path):
-    """The lines of an .ovm file, which of them are vertices, and where these are."""
+    """Returns the lines of an .ovm file, the slice of the vertices, and their positions."""
     lines = path.read_text(encoding="ascii").splitlines()
     first = lines.index("Vertices") + 2
     rows = slice(first, first + int(lines[first - 1]))
@@ -113,7 +113,7 @@ def main():
     def espalier(command):
         done = subprocess.run([pathlib.Path(program).resolve(), *command.split(), "--quiet"],
                               cwd=work, check=False)
-        if done.returncode:  # it has said why
+        if done.returncode:  # the program has printed why
             sys.exit(f"{arguments.program} {' '.join(command.split()[:2])}: failed")
 
     points = naca(0, 0.12, PANELS)

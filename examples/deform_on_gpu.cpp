@@ -2,8 +2,8 @@
 //
 // Deforms a model by poses of a lattice, on a GPU: deform_on_gpu MODEL REST POSE... OUT
 //
-// The deformed points stay on the device, where a renderer or another kernel takes them; OUT is the
-// model of the last pose.
+// The deformed points stay on the device, where a renderer or another kernel can use them. OUT is
+// the model in the last pose.
 
 #include <espalier/embed/local_binding.h>
 #include <espalier/io/lattice_file.h>
@@ -34,8 +34,8 @@ void deform(int count, char** arguments) {
     osd::CudaBuffer<float> points(3 * static_cast<std::size_t>(table.rowCount()));
     osd::CudaWorkspace workspace;
 
-    // For every pose: the vertices of the lattice go to the device, and one sparse product is put
-    // on the stream. What reads points.data() behind it on the stream has them there.
+    // For every pose: copy the vertices of the lattice to the device, and put one sparse product on
+    // the stream. Later work on the stream finds the points in points.data().
     for (int i = 3; i + 1 < count; ++i) {
         std::vector<float> pose;
         for (const Point3& vertex : io::readLattice(arguments[i]).positions)

@@ -4,13 +4,13 @@
 //
 //     elastic_lattice MODEL REST HELD WEIGHT OUT [POSE]
 //
-// The material fills the lattice and weighs nothing. The vertices up to x = HELD are held. WEIGHT
-// is that of the whole model, an equal part of it at each point, in units of Young's modulus times
-// the unit of length squared; it pulls towards −z. Elasticity is linear: right for displacements
-// that are small beside the model.
+// The material fills the lattice and has no weight. The vertices up to x = HELD are fixed. WEIGHT
+// is the weight of the whole model, spread equally over its points, in units of Young's modulus
+// times the unit of length squared; it pulls towards −z. Elasticity is linear, which is accurate
+// for displacements that are small compared with the model.
 //
-// D moves the points with the lattice, and so Dᵀ carries the forces on them to the lattice: both do
-// the same work.
+// D moves the points with the lattice, so Dᵀ carries the forces on the points to the lattice: both
+// do the same work.
 
 #include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
@@ -37,13 +37,13 @@ using namespace espalier;
 
 namespace {
 
-constexpr int kLevel = 2;         // whose cells are the finite elements, and hold the points
+constexpr int kLevel = 2;         // Its cells are the finite elements, and contain the points.
 constexpr double kPoisson = 0.3;  // Poisson's ratio
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// The stiffness of a hexahedron of Young's modulus 1, by the displacements of its corners:
-/// corner by corner, x, y, z. Gauss's rule of 2 × 2 × 2 points.
+/// Returns the stiffness of a hexahedron with Young's modulus 1, over the displacements of its
+/// corners: corner by corner, x, y, z. Uses Gauss's rule with 2 × 2 × 2 points.
 Eigen::Matrix<double, 24, 24> cellStiffness(const embed::Trilinear::Corners& corners) {
     const double lambda = kPoisson / ((1 + kPoisson) * (1 - 2 * kPoisson));
     const double mu = 1 / (2 * (1 + kPoisson));
@@ -53,7 +53,7 @@ Eigen::Matrix<double, 24, 24> cellStiffness(const embed::Trilinear::Corners& cor
         const Eigen::Vector3d uvw = (sides.array() - 0.5) / std::sqrt(3.0) + 0.5;
         const Eigen::Matrix3d jacobian = embed::Trilinear(corners).jacobian(uvw);
         const auto byPlace = embed::Trilinear::weightDerivatives(uvw);
-        Eigen::Matrix<double, 3, 8> gradients;  // of the corners' weights
+        Eigen::Matrix<double, 3, 8> gradients;  // Derivatives of the corners' weights.
         for (int axis = 0; axis < 3; ++axis)
             gradients.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(byPlace[axis].data(), 8);
         gradients = jacobian.transpose().inverse() * gradients;
@@ -69,7 +69,7 @@ Eigen::Matrix<double, 24, 24> cellStiffness(const embed::Trilinear::Corners& cor
     return result;
 }
 
-/// The stiffness of a refined lattice: 3 × vertices, square.
+/// Returns the stiffness matrix of a refined lattice, over 3 coordinates of each vertex.
 Sparse stiffness(const far::CellComplex& complex, std::span<const Point3> positions) {
     std::vector<Eigen::Triplet<double>> entries;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
@@ -97,7 +97,8 @@ Sparse stiffness(const far::CellComplex& complex, std::span<const Point3> positi
     return result;
 }
 
-/// B, 3 · vertices × variables: all coordinates may move, but those of vertices up to x = `held`.
+/// Returns B, 3 · vertices × variables: all coordinates may move, except those of vertices up to x
+/// = `held`.
 stencils::StencilTable<double> movements(std::span<const Point3> positions, double held) {
     solve::DesignVariables variables(static_cast<Index>(positions.size()));
     for (std::size_t v = 0; v < positions.size(); ++v)
@@ -109,14 +110,14 @@ Sparse toEigen(const stencils::StencilTable<double>& table) {
     return stencils::SparseView<double>(table).matrix();
 }
 
-/// What moves under a load, and how far.
-/// \throws Error where something may move without resistance
+/// Returns the displacements under a load.
+/// \throws Error if something can move without resistance
 Eigen::VectorXd solve(const Sparse& stiffness, const Eigen::VectorXd& load) {
-    if (load.size() == 0) return load;  // all is held
+    if (load.size() == 0) return load;  // Everything is fixed.
     const Eigen::SimplicialLDLT<Sparse> factors(stiffness);
-    // Movements without resistance, a hinge say, leave pivots that are rounding: below 2e-12 of the
-    // largest for lattices of up to 1,000 cells. Of lattices that are held, the softest that was
-    // tried, a bar of 1,000 × 1 × 1, has none below 4e-4.
+    // Movements without resistance, for example a hinge, leave pivots that are only rounding: below
+    // 2e-12 of the largest for lattices of up to 1,000 cells. If the lattice is held, pivots are
+    // much larger: the softest lattice tested, a bar of 1,000 × 1 × 1 cells, has none below 4e-4.
     const Eigen::VectorXd pivots = factors.vectorD().cwiseAbs();
     if (factors.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff()))
         throw Error("the vertices that are held do not hold the lattice");
@@ -145,7 +146,7 @@ void run(int count, char** arguments) {
     refiner.refineUniform(kLevel);
     const auto levelTable = stencils::buildStencils(refiner, kLevel);
 
-    // What may move moves the level by (S ⊗ I₃) B, and the points by (D ⊗ I₃) B.
+    // The variables move the level by (S ⊗ I₃) B, and the points by (D ⊗ I₃) B.
     const auto movable = movements(lattice.positions, held);
     const Sparse toLevel = toEigen(solve::buildJacobian(levelTable, movable));
     const Sparse toPoints = toEigen(solve::buildJacobian(deformation, movable));

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The potential flow round a section, and how what is computed of it depends on the section.
+"""The potential flow around a section, and derivatives of the results by the section.
 
-Points of the plane are complex numbers x + iy. So are gradients: ∂/∂x + i ∂/∂y.
+Points of the plane are complex numbers x + iy, and so are gradients: ∂/∂x + i ∂/∂y.
 """
 
 import numpy as np
 
-PLACE = 0.4  # of the highest camber
+PLACE = 0.4  # x of the highest camber
 
 
 def naca(camber, thickness, count):
-    """A NACA section of four digits, the second of them 4 (Abbott & von Doenhoff, Theory of Wing
-    Sections, 6.4), with its trailing edge closed: points anticlockwise from there, the leading
-    edge halfway, closer to each other near both."""
+    """Returns a four-digit NACA section whose second digit is 4 (Abbott & von Doenhoff, Theory of
+    Wing Sections, 6.4), with a closed trailing edge. Points are anticlockwise from the trailing
+    edge, with the leading edge halfway, and denser near both."""
     x = np.cos(np.pi * np.arange(count) / count)**2
     half = 5 * thickness * (0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3
                             - 0.1036 * x**4)
     half[count // 2 + 1:] *= -1
-    # The line of camber: two parabolas that meet at its highest place.
+    # The camber line: two parabolas that meet at its highest point.
     reach = np.where(x < PLACE, PLACE, 1 - PLACE)
     height = camber * (1 - ((x - PLACE) / reach)**2)
     along = 1 - 2j * camber * (x - PLACE) / reach**2
@@ -25,16 +25,16 @@ def naca(camber, thickness, count):
 
 
 def area(points):
-    """Within a closed line, and its gradient by the points."""
+    """Returns the area within a closed line, and its gradient by the points."""
     after, before = np.roll(points, -1), np.roll(points, 1)
     return (points.conj() * after).imag.sum() / 2, (before - after) * 0.5j
 
 
 class Flow:
-    """The potential flow of unit speed round a closed section, its points anticlockwise from the
-    trailing edge. Each panel is a vortex sheet of constant strength; the stream function has one
-    value at the middles of all panels (Kennedy & Marsden, Canadian Aeronautics and Space Journal
-    22, 1976). As the fluid inside is then at rest, the strength is the speed along the outside.
+    """The potential flow of unit speed around a closed section, whose points are anticlockwise from
+    the trailing edge. Each panel is a vortex sheet of constant strength; the stream function has the
+    same value at the middles of all panels (Kennedy & Marsden, Canadian Aeronautics and Space
+    Journal 22, 1976). The fluid inside is then at rest, so the strength is the speed outside.
 
     At p, the stream function of the panel from a to b is −strength · L Re(H) / 2π, where
 
@@ -47,14 +47,15 @@ class Flow:
         self.length, self.tangent = abs(panel), panel / abs(panel)
         self.onflow = np.exp(1j * incidence)
         self.middle = (a + b) / 2
-        p = self.middle[:, None]  # row by row; panels are columns
+        p = self.middle[:, None]  # points are rows, panels are columns
         angle, end = np.log((p - a) / (p - b)), np.log(p - b)
         integral = (p - a) / panel * angle + end - 1
         self.integral = integral.real
-        # H is analytic, and depends on differences of a, b and p alone: ∂H/∂p is the rest of 0.
+        # H is analytic and depends on differences of a, b and p only: its derivatives sum to 0,
+        # which gives ∂H/∂p.
         self.by_a, self.by_b = (integral - angle - end) / panel, (end - integral) / panel
         # The unknowns are the strengths and the value of the stream function. The last row is
-        # Kutta's condition: the flow leaves both sides of the trailing edge at the same speed.
+        # the Kutta condition: the flow leaves both sides of the trailing edge at the same speed.
         count = len(points)
         self.matrix = np.zeros((count + 1, count + 1))
         self.matrix[:-1, :-1] = -self.length * self.integral / (2 * np.pi)
@@ -65,19 +66,19 @@ class Flow:
 
     @property
     def pressure(self):
-        """The pressure coefficient, one a panel."""
+        """The pressure coefficient of each panel."""
         return 1 - self.strength**2
 
     @property
     def lift(self):
-        """Its coefficient, for a chord of 1: Kutta and Joukowski's theorem."""
+        """The lift coefficient for a chord of 1, by the Kutta-Joukowski theorem."""
         return -2 * self.strength @ self.length
 
     def gradient(self, by_strength):
-        """The gradient by the points of a function of the strengths, from that by these: one solve
-        with the transposed matrix, however many points there are."""
+        """Returns the gradient by the points of a function of the strengths, given its gradient by
+        the strengths: one solve with the transposed matrix, whatever the number of points."""
         adjoint = np.linalg.solve(self.matrix.T, np.append(by_strength, 0))[:-1]
-        weight = np.outer(adjoint, self.strength) / (2 * np.pi)  # of L Re(H)
+        weight = np.outer(adjoint, self.strength) / (2 * np.pi)  # weight of L Re(H)
         stretch = self.tangent * (weight * self.integral).sum(axis=0)
         weight *= self.length
         by_a = (weight * self.by_a.conj()).sum(axis=0) - stretch

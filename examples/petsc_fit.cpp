@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fits a lattice to where the points of a model are wanted, over several ranks of MPI:
+// Fits a lattice to wanted positions of the points of a model, over several ranks of MPI:
 //
 //     mpirun -n 2 petsc_fit MODEL REST WANTED OUT POSE
 //
-// WANTED is the model with its points where they should be. The lattice REST moves by d, the
-// smallest of those that make |D d − (wanted − rest)| least; it is written as POSE, and the model
-// as it carries that as OUT. Points outside the lattice stay where they are.
+// WANTED is the model with its points at the wanted positions. The displacement d of the lattice
+// REST minimises |D d − (wanted − rest)|; of several minimisers it is the smallest. The moved
+// lattice is written to POSE, and the model that it carries to OUT. Points outside the lattice stay
+// where they are.
 //
-// Each rank binds its share of the points, and has no other rows of D. (It does read both files: a
-// program for models beyond one machine's memory would read its own part of them.)
+// Each rank binds its share of the points, and has no other rows of D. (But each rank reads both
+// files completely: a program for models larger than one machine's memory would read its own part.)
 
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
@@ -51,7 +52,7 @@ std::span<const double> numbersOf(std::span<const Point3> points) {
 }
 
 /// \param misses 3 numbers for each point of the rank
-/// \param moves becomes 3 numbers for each of its vertices
+/// \param moves receives 3 numbers for each vertex of the rank
 PetscErrorCode leastSquares(const petsc::DistributedTable& table, std::span<const double> misses,
                             std::vector<double>& moves) {
     PetscFunctionBeginUser;
@@ -62,7 +63,8 @@ PetscErrorCode leastSquares(const petsc::DistributedTable& table, std::span<cons
     std::copy(misses.begin(), misses.end(), values);
     PetscCall(VecRestoreArrayWrite(right, &values));
 
-    // LSQR from 0 finds the smallest solution, and takes only products with D and its transpose.
+    // LSQR, started from 0, finds the smallest solution, and needs only products with D and its
+    // transpose.
     KSP solver = nullptr;
     PC preconditioner = nullptr;
     PetscCall(KSPCreate(PETSC_COMM_WORLD, &solver));
@@ -85,7 +87,7 @@ PetscErrorCode leastSquares(const petsc::DistributedTable& table, std::span<cons
     PetscFunctionReturn(0);
 }
 
-/// The points of all ranks, on rank 0; elsewhere none.
+/// Returns the points of all ranks on rank 0, and nothing on other ranks.
 std::vector<Point3> gather(const Ranks& ranks, const std::vector<double>& own, std::size_t total) {
     std::vector<Point3> all(ranks.rank == 0 ? total : 0);
     std::vector<int> counts, firsts;
@@ -128,7 +130,7 @@ PetscErrorCode fit(const Paths& paths) {
     const auto ownRest = numbersOf(ranks.ownPart(std::span<const Point3>(lattice.positions)));
     std::vector<double> ownPose(ownRest.begin(), ownRest.end()), ownMoved(misses.size());
     for (std::size_t i = 0; i < ownPose.size(); ++i) ownPose[i] += ownMoves[i];
-    table.evaluate(ownPose, ownMoved);  // 3 numbers for each own vertex, and each own point
+    table.evaluate(ownPose, ownMoved);  // 3 numbers for each own vertex and point.
 
     const auto moved = gather(ranks, ownMoved, pointCount);
     lattice.positions = gather(ranks, ownPose, lattice.positions.size());
@@ -145,12 +147,12 @@ int main(int count, char** arguments) {
     PetscCall(PetscInitialize(&count, &arguments, nullptr, nullptr));
     PetscCheck(count >= 6, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT,
                "usage: petsc_fit MODEL REST WANTED OUT POSE");
-    // Ranks take the place of threads.
+    // Ranks replace threads here.
     const ThreadLimit oneThread(1);
     try {
         PetscCall(fit({arguments[1], arguments[2], arguments[3], arguments[4], arguments[5]}));
     } catch (const std::exception& error) {
-        // Others may be waiting for this rank, whose error may be its own.
+        // The error may be on this rank only, while other ranks wait for it.
         std::cerr << "petsc_fit: " << error.what() << std::endl;
         MPI_Abort(PETSC_COMM_WORLD, 1);
     }

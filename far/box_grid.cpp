@@ -14,7 +14,7 @@ namespace {
 
 using GridPoint = std::array<Index, 3>;
 
-/// The vertices of a hexahedron by where they are: bit a of the position is 1 at the far end of
+/// The vertices of a hexahedron by position in the grid: bit a of the index is 1 at the far end of
 /// axis a.
 using Corners = std::array<Index, 8>;
 
@@ -34,7 +34,7 @@ std::string inBrackets(const GridPoint& point) {
 Corners cornersOf(const CellComplex& complex, CellId cell) {
     const auto vertices = hexahedronVertices(complex, cell);
     if (!vertices) refuse(cell, concat("cell ", cell.value, " is not a hexahedron"));
-    // VTK's order goes round the square.
+    // VTK's order runs round the quadrilateral.
     constexpr std::array<std::size_t, 8> kPosition = {0, 1, 3, 2, 4, 5, 7, 6};
     Corners corners;
     for (std::size_t i = 0; i < 8; ++i) corners[kPosition[i]] = (*vertices)[i];
@@ -45,12 +45,13 @@ std::size_t positionOf(const Corners& corners, Index vertex) {
     return std::find(corners.begin(), corners.end(), vertex) - corners.begin();
 }
 
-/// The three vertices that edges of the hexahedron join to one at a position.
+/// Returns the three neighbours, along edges of the hexahedron, of the corner at a position.
 std::array<Index, 3> neighbours(const Corners& corners, std::size_t position) {
     return {corners[position ^ 1], corners[position ^ 2], corners[position ^ 4]};
 }
 
-/// The same hexahedron, seen from `origin`, with its neighbours next[a] along the axes.
+/// Returns the same hexahedron with `origin` at position 0 and its neighbours next[a] along the
+/// axes.
 Corners seenFrom(const Corners& corners, Index origin, const std::array<Index, 3>& next) {
     const std::size_t from = positionOf(corners, origin);
     Corners turned;
@@ -63,13 +64,13 @@ Corners seenFrom(const Corners& corners, Index origin, const std::array<Index, 3
     return turned;
 }
 
-/// A cell and how the axes of the grid run in it.
+/// A cell with its corners in the order of the grid's axes.
 struct PlacedCell {
     CellId cell;
     Corners corners;
 };
 
-/// The face of a cell at the far end of an axis.
+/// Returns the face of a cell at the far end of an axis.
 FaceId farFace(const CellComplex& complex, const PlacedCell& placed, std::size_t axis) {
     for (const FaceId face : complex.faces(placed.cell)) {
         const auto loop = complex.relation(2, 0)[face.value];
@@ -81,7 +82,7 @@ FaceId farFace(const CellComplex& complex, const PlacedCell& placed, std::size_t
     refuse(placed.cell, concat("cell ", placed.cell.value, " lacks one of its six faces"));
 }
 
-/// The cell that comes next along an axis; nothing on the boundary.
+/// Returns the next cell along an axis; nothing at the boundary.
 std::optional<PlacedCell> nextCell(const CellComplex& complex, const PlacedCell& placed,
                                    std::size_t axis) {
     const auto cells = complex.cells(farFace(complex, placed, axis));
@@ -100,7 +101,7 @@ std::optional<PlacedCell> nextCell(const CellComplex& complex, const PlacedCell&
     return PlacedCell{cell, seenFrom(corners, origin, next)};
 }
 
-/// Finds where each vertex is, cell by cell.
+/// Finds the grid point of each vertex, cell by cell.
 class Placing {
 public:
     explicit Placing(const CellComplex& complex)
@@ -132,8 +133,9 @@ private:
                "more cells");
     }
 
-    /// Ends at the boundary: going straight on can be undone, so it does not come to a cell twice
-    /// the same way, and never back to the first, which has no cell behind it.
+    /// Counts the cells along an axis. The loop ends at the boundary: a step straight on can be
+    /// undone, so it does not reach a cell twice in the same direction, and never the first cell
+    /// again, which has no cell behind it.
     Index cellsAlong(std::size_t axis) const {
         Index count = 1;
         for (auto at = nextCell(complex_, first_, axis); at; at = nextCell(complex_, *at, axis))
@@ -141,8 +143,8 @@ private:
         return count;
     }
 
-    /// Row by row and slab by slab. A cell that came up a second time would have vertices that are
-    /// somewhere else already, so no more cells are placed than there are.
+    /// Places row after row and slab after slab. Stops by an error before it places more cells than
+    /// exist: a cell that comes up a second time has vertices that were placed elsewhere.
     void placeCells() {
         const auto& n = grid_.cells;
         PlacedCell slab = first_;
@@ -191,8 +193,8 @@ private:
                               " cells with its corner at vertex ", first_.corners[0]));
     }
 
-    /// Every grid point got a vertex of some cell; two got there where cells meet that have no
-    /// common face.
+    /// Fills the grid. Every grid point has a vertex of some cell, but it has two vertices if cells
+    /// that meet there have no common face.
     void placeVertices() {
         std::vector<std::optional<Index>> vertices(grid_.indexOf(grid_.cells) + 1);
         for (Index vertex = 0; vertex < complex_.count(0); ++vertex) {
@@ -208,8 +210,8 @@ private:
         for (const auto& vertex : vertices) grid_.vertices.push_back(vertex.value());
     }
 
-    /// A slit between cells with the same vertices, but each with a face of its own, would still be
-    /// there.
+    /// Checks that all boundary faces are on the surface of the box. Fails if there is a slit
+    /// inside: two cells with the same vertices but with separate faces.
     void checkFaces() const {
         for (Index face = 0; face < complex_.count(2); ++face) {
             if (complex_.relation(2, 3)[face].size() == 2) continue;
@@ -248,7 +250,7 @@ BoxGrid asBoxGrid(const CellComplex& complex) {
             TopologyCause::WrongDimension, {complex.dimension(), 0},
             concat("expected a lattice that is a box of hexahedra, got a complex of dimension ",
                    complex.dimension()));
-    // Before anything else, so that the first such cell is named.
+    // First of all, so that the error names the first cell that is not a hexahedron.
     for (Index cell = 0; cell < complex.count(3); ++cell) cornersOf(complex, CellId(cell));
     return Placing(complex).takeGrid();
 }

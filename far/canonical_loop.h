@@ -9,8 +9,8 @@
 
 namespace espalier::far {
 
-/// Appends a loop from its smallest vertex on, towards the smaller of that vertex's two neighbours:
-/// the same for all ways of writing one face.
+/// Appends a loop rotated to its smallest vertex and directed towards the smaller of that vertex's
+/// two neighbours: the result is the same for all ways of writing one face.
 inline void appendCanonicalLoop(std::span<const Index> loop, std::vector<Index>& out) {
     const std::size_t n = loop.size();
     const std::size_t start = std::min_element(loop.begin(), loop.end()) - loop.begin();

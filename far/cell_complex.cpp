@@ -11,12 +11,13 @@
 namespace espalier::far {
 namespace {
 
-/// A relation that is derived on first use, by whichever thread comes first.
+/// A relation that the first thread that needs it derives.
 ///
-/// Others wait for that one, but not those whose work may be awaited in their turn: a thread that
-/// derives a relation may take up work of its host meanwhile, or call back, and then ask for the
-/// same again; or for one that another thread derives, which has come here as well. Such a thread
-/// derives it for itself, and who is ready first has derived it for all.
+/// Other threads wait for that thread, except those for which another thread may itself be waiting.
+/// While a thread derives a relation, it may run another task of its host, or call back, and so
+/// need the same relation again; or it may need one that another thread derives, which in turn
+/// needs this one. Waiting would then be a deadlock. So such a thread derives the relation itself,
+/// and the first result wins.
 class LazyRelation {
 public:
     template <class Derive>
@@ -43,7 +44,7 @@ struct CellComplex::Data {
     Index vertexCount = 0;
     Boundaries boundaries;
 
-    /// At [from][to].
+    /// derived[from][to].
     mutable std::array<std::array<LazyRelation, kMaxDimension + 1>, kMaxDimension + 1> derived;
 };
 
@@ -76,7 +77,7 @@ const SignedIncidence& CellComplex::boundary(int dimension) const {
 
 namespace {
 
-/// Face → vertices in loop order: the vertex at which the loop enters each edge.
+/// Returns face → vertices in loop order: the vertex where the loop enters each edge.
 Incidence faceLoops(const CellComplex& complex) {
     const SignedIncidence& edges = complex.boundary(2);
     const SignedIncidence& ends = complex.boundary(1);
@@ -88,7 +89,7 @@ Incidence faceLoops(const CellComplex& complex) {
     }));
 }
 
-/// Cell → vertices or edges: the union over its faces, ascending.
+/// Returns cell → vertices or cell → edges: the union over the cell's faces, ascending.
 Incidence cellClosure(const CellComplex& complex, int to) {
     const Incidence& faces = complex.relation(3, 2);
     const Incidence& parts = complex.relation(2, to);

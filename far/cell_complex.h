@@ -13,7 +13,7 @@
 namespace espalier::far {
 
 /// The topology of a curve (dimension 1), a mesh (2) or a lattice (3): vertices, edges, faces and
-/// cells, and which bounds which. No positions.
+/// cells, and their incidences. No positions.
 ///
 /// Stored relations, each with the incidence numbers of the boundary operator ∂ (±1):
 ///
@@ -24,47 +24,49 @@ namespace espalier::far {
 /// They satisfy ∂∂ = 0, and a face between two cells has opposite signs in them. Every other
 /// relation is derived on first use and kept.
 ///
-/// A value: copies share the same immutable data, and any number of threads may read it.
+/// Has value semantics: copies share the same immutable data, and any number of threads may read
+/// it.
 ///
 /// \cite MacCracken & Joy 1996, section 2 (lattice) and 6 (data structure)
 class ESPALIER_API CellComplex {
 public:
     using Boundaries = std::array<SignedIncidence, kMaxDimension>;
 
-    /// The empty complex: dimension 0, no entities.
+    /// Creates an empty complex: dimension 0, no entities.
     CellComplex();
 
-    /// Takes relations that already satisfy the contract above; validate() checks them.
-    /// To build a complex from loops and cells, use ComplexBuilder.
+    /// Takes relations that already satisfy the contract above; validate() checks it. To build a
+    /// complex from loops and cells, use ComplexBuilder.
     ///
     /// \param boundaries entry d − 1 is boundary(d); those above `dimension` are empty
     CellComplex(int dimension, Index vertexCount, Boundaries boundaries);
 
-    /// 1 curve, 2 mesh, 3 lattice.
+    /// Returns 1 for a curve, 2 for a mesh, 3 for a lattice.
     int dimension() const;
 
-    /// Number of entities of a dimension; 0 above dimension().
+    /// Returns the number of entities of a dimension; 0 above dimension().
     Index count(int dimension) const;
 
-    /// Number of vertices − edges + faces − cells.
+    /// Returns the number of vertices − edges + faces − cells.
     Index eulerCharacteristic() const;
 
     /// \param dimension 1, 2 or 3
     const SignedIncidence& boundary(int dimension) const;
 
-    /// Which entities of dimension `to` contain, or are contained in, each entity of dimension
-    /// `from`. Rows are ascending, except face → edges and face → vertices, which are in loop
-    /// order (edge i joins vertices i and i + 1), edge → vertices (tail, head) and cell → faces
-    /// (as given).
+    /// Returns, for each entity of dimension `from`, the entities of dimension `to` that contain it
+    /// or are contained in it. Rows are ascending, except face → edges and face → vertices, which
+    /// are in loop order (edge i joins vertices i and i + 1), edge → vertices (tail, head) and cell
+    /// → faces (as given).
     ///
-    /// An entity contains itself: where the dimensions are the same, its row is itself. Where a
-    /// face or an edge of a mesh passes a vertex more than once, both rows name the other as often.
+    /// An entity contains itself: if the dimensions are equal, each row contains its own entity. If
+    /// a face or an edge of a mesh passes a vertex several times, the rows of both list each other
+    /// as often.
     ///
     /// \param from, to dimensions, 0 to dimension()
     /// \cost O(entries) on the first call for a pair, then constant; thread-safe
     const Incidence& relation(int from, int to) const;
 
-    // Typed rows of relation().
+    // The rows of relation(), typed.
     IdSpan<0> vertices(EdgeId edge) const { return IdSpan<0>(relation(1, 0)[edge.value]); }
     IdSpan<0> vertices(FaceId face) const { return IdSpan<0>(relation(2, 0)[face.value]); }
     IdSpan<0> vertices(CellId cell) const { return IdSpan<0>(relation(3, 0)[cell.value]); }
@@ -78,18 +80,18 @@ private:
     std::shared_ptr<const Data> data_;
 };
 
-/// Checks every property that refinement relies on, in a complex of any origin and level.
+/// Checks every property that refinement relies on. Works for a complex of any origin and level.
 ///
-/// For a lattice: each face is a loop of at least three different vertices; each cell is bounded by
-/// a sphere (each of its edges in two of its faces, one fan of faces at each vertex, connected,
-/// Euler characteristic 2) and differs from every other cell; each face bounds one or two cells,
-/// with opposite signs if two; every vertex, edge and face bounds something. Separate pieces, and
-/// pieces that meet in a vertex or an edge only, are fine. For a curve the same, as far as it
-/// applies. A mesh is taken as it comes, as OpenSubdiv does: an edge may have any number of faces,
-/// with any signs; a face of three or more corners may pass a vertex more than once, and an edge
-/// may join a vertex to itself; a vertex may belong to nothing.
+/// A lattice must satisfy: each face is a loop of at least three different vertices; each cell is
+/// bounded by a sphere (each of its edges is in two of its faces, its faces at each vertex form one
+/// fan, it is connected, and its Euler characteristic is 2) and differs from every other cell; each
+/// face bounds one cell, or two cells with opposite signs; every vertex, edge and face bounds
+/// something. Separate pieces are allowed, and so are pieces that meet in a vertex or an edge only.
+/// The same holds for a curve, as far as it applies. A mesh is accepted as OpenSubdiv accepts it:
+/// an edge may have any number of faces, with any signs; a face of three or more corners may pass a
+/// vertex more than once, and an edge may join a vertex to itself; a vertex may belong to nothing.
 ///
-/// \throws TopologyError naming the first offender
+/// \throws TopologyError that names the first offender
 /// \cost O(entries), in parallel
 ESPALIER_API void validate(const CellComplex& complex);
 

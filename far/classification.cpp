@@ -12,7 +12,7 @@
 namespace espalier::far {
 namespace {
 
-/// A number for every entity of a complex.
+/// Returns the same number for every entity of a complex.
 Strata::Numbers filled(const CellComplex& complex, int value) {
     Strata::Numbers values;
     for (int d = 0; d <= complex.dimension(); ++d)
@@ -20,15 +20,15 @@ Strata::Numbers filled(const CellComplex& complex, int value) {
     return values;
 }
 
-/// Sets the number of an entity and of all that it contains.
+/// Sets the number of an entity and of all entities that it contains.
 void setClosure(const CellComplex& complex, Entity entity, int value, Strata::Numbers& values) {
     for (int d = 0; d <= entity.dimension; ++d)
         for (const Index part : complex.relation(entity.dimension, d)[entity.index])
             values[d][part] = static_cast<std::uint8_t>(value);
 }
 
-/// The strata without sharpness: all of the complex's own dimension, but for the boundary faces of
-/// a lattice.
+/// Returns the strata without sharpness: the dimension of the complex, except for the boundary
+/// faces of a lattice and their edges and vertices.
 Strata::Numbers classifySmooth(const CellComplex& complex) {
     Strata::Numbers smooth = filled(complex, complex.dimension());
     if (complex.dimension() < 3) return smooth;
@@ -37,7 +37,7 @@ Strata::Numbers classifySmooth(const CellComplex& complex) {
     return smooth;
 }
 
-/// What lies on the open boundary of the region, given the sharpness that marks ask for.
+/// Returns the entities on the open boundary of the region, given the sharpness that marks request.
 Strata::Numbers classifyOpen(const CellComplex& complex, const SharpnessValues& sharpness) {
     Strata::Numbers isOpen = filled(complex, 0);
     const int side = complex.dimension() - 1;
@@ -50,8 +50,8 @@ Strata::Numbers classifyOpen(const CellComplex& complex, const SharpnessValues& 
         const bool isBoundary = complex.dimension() == 2 ? wholes == 1 : wholes != 2;
         if (isBoundary && !isSharp(index)) setClosure(complex, {side, index}, 1, isOpen);
     }
-    // An entity all of whose vertices are open leaves nothing in the region: the children that keep
-    // it would bound nothing.
+    // If all vertices of an entity are open, none of its children remains in the region: the
+    // children that would remain bound nothing.
     for (int d = 1; d <= complex.dimension(); ++d)
         for (Index index = 0; index < complex.count(d); ++index) {
             const auto vertices = complex.relation(d, 0)[index];
@@ -70,7 +70,7 @@ SharpnessValues markedSharpness(const CellComplex& complex, const MarkedSharpnes
     return sharpness;
 }
 
-/// Whether a boundary edge of a lattice is sharp without a mark.
+/// Returns true if a boundary edge of a lattice is sharp without a mark.
 bool isSharpByRule(const CellComplex& complex, SharpEdges rule, Index edge) {
     if (rule == SharpEdges::SingleCell) return complex.relation(1, 3)[edge].size() == 1;
     const auto ends = complex.relation(1, 0)[edge];
@@ -78,7 +78,8 @@ bool isSharpByRule(const CellComplex& complex, SharpEdges rule, Index edge) {
                        [&](Index vertex) { return complex.relation(0, 3)[vertex].size() <= 2; });
 }
 
-/// Sharpness that the topology dictates, and that no mark may take away.
+/// Sets a sharpness that follows from the topology.
+/// \throws TopologyError if a mark would remove it
 void force(const MarkedSharpness& marked, Entity entity, const std::string& why,
            SharpnessValues& sharpness) {
     const auto& marks = entity.dimension == 0 ? marked.vertices : marked.edges;

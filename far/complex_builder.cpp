@@ -109,7 +109,7 @@ std::vector<Index> ComplexBuilder::dropUnusedVertices() {
 
 namespace {
 
-/// Numbers the classes of equal items among 0 to count − 1 in the order of their first members.
+/// Equivalence classes of the items 0 to count − 1, numbered in the order of their first items.
 struct Classes {
     std::vector<Index> classOf;         ///< per item
     std::vector<Index> representative;  ///< per class: its first item
@@ -142,7 +142,7 @@ Classes classify(std::size_t count, Less less) {
     return classes;
 }
 
-/// +1 if two ways of writing one face run the same way round, else −1.
+/// Returns +1 if two ways of writing the same face run in the same direction, else −1.
 int relativeDirection(std::span<const Index> loop, std::span<const Index> reference) {
     const std::size_t n = loop.size();
     const std::size_t at =
@@ -150,14 +150,14 @@ int relativeDirection(std::span<const Index> loop, std::span<const Index> refere
     return reference[(at + 1) % n] == loop[1] ? 1 : -1;
 }
 
-/// Every step from one vertex to the next, in each loop of a list.
+/// All steps from one vertex to the next in some loops.
 struct Steps {
-    std::vector<std::array<Index, 2>> ends;  ///< per position in the values of the loops
-    Classes edges;                           ///< steps with the same two ends are one edge
+    std::vector<std::array<Index, 2>> ends;  ///< one per position in the values of the loops
+    Classes edges;                           ///< steps with the same two ends are the same edge
 
     explicit Steps(const Incidence& loops) {
-        // 0, or for a step that its loop has made before, and for one that leads nowhere, a number
-        // of its own: such steps are edges of their own.
+        // 0 for most steps. A step from a vertex to itself, or one that its loop has made before,
+        // gets a number of its own, and so becomes a separate edge.
         std::vector<Index> repeats;
         std::vector<std::array<Index, 3>> sorted;  // the two ends, and the position
         for (Index row = 0; row < loops.rowCount(); ++row) {
@@ -186,13 +186,13 @@ struct Steps {
 
     Index edge(Offset step) const { return edges.classOf[step]; }
 
-    /// +1 if the step runs along its edge, from tail to head.
+    /// Returns +1 if the step runs from the tail to the head of its edge, else −1.
     std::int8_t sign(Offset step) const {
         const auto leader = edges.representative[edge(step)];
         return ends[step] == ends[leader] ? std::int8_t{1} : std::int8_t{-1};
     }
 
-    /// Edge → (tail, head): the direction of its first step.
+    /// Returns edge → (tail, head), in the direction of the edge's first step.
     SignedIncidence edgeEnds() const {
         Rows<Signed> rows;
         for (const Index step : edges.representative) {
@@ -203,7 +203,7 @@ struct Steps {
         return SignedIncidence(rows);
     }
 
-    /// Face → (edge, sign) for the loops that represent the faces.
+    /// Returns face → (edge, sign) for the loops that represent the faces.
     SignedIncidence faceEdges(const Incidence& loops, std::span<const Index> faces) const {
         Rows<Signed> rows;
         for (const Index loop : faces) {
@@ -215,10 +215,11 @@ struct Steps {
     }
 };
 
-/// Which of the loops of a lattice to turn round, so that all run anticlockwise seen from outside
-/// their own cells. Loops are tied in pairs: two loops of one cell that share an edge must run
-/// along it in opposite ways, and so must the two loops of one face. In each connected piece the
-/// fewer loops are turned. Pairs that cannot be satisfied are left for validate() to name.
+/// Finds which loops of a lattice to reverse so that all run anticlockwise seen from outside their
+/// cells. Loops are tied in pairs: two loops of one cell that share an edge must run along it in
+/// opposite directions, and the two loops of one face must also be opposite. In each connected
+/// piece, the smaller number of loops is reversed. Pairs that cannot be satisfied are left to
+/// validate(), which names them.
 class LoopOrientation {
 public:
     explicit LoopOrientation(std::size_t loopCount) : links_(loopCount) {}
@@ -228,7 +229,7 @@ public:
         links_[b].push_back({a, sameTurn});
     }
 
-    /// Per loop: −1 if it is to be turned, else +1.
+    /// Returns −1 for each loop to reverse, +1 for the others.
     std::vector<int> solve() const {
         std::vector<int> turn(links_.size(), 0);
         std::vector<std::size_t> piece;

@@ -11,18 +11,18 @@
 
 namespace espalier::far {
 
-/// Makes a CellComplex from vertices, cell by cell.
+/// Builds a CellComplex from vertices, cell by cell.
 ///
-/// Cells that name the same vertices in a face share that face, wherever they start the loop and
-/// whichever way they wind it, and faces share edges likewise; this is how a new cell is attached
-/// to those that are there. Cells are oriented coherently: in each connected piece the way the
-/// larger number of the given loops winds counts as anticlockwise from outside.
+/// Cells that name the same vertices in a face share that face, whatever the start and direction of
+/// the loop; faces share edges in the same way. This is how a new cell is attached to existing
+/// ones. Cells are oriented coherently: in each connected piece, the direction in which the
+/// majority of the given loops run counts as anticlockwise seen from outside.
 ///
-/// Entities are numbered in the order of their first appearance. Dimension 3 takes cells, 2 faces
-/// and 1 edges.
+/// Entities are numbered in the order of their first appearance. Add cells to a builder of
+/// dimension 3, faces to dimension 2, and edges to dimension 1.
 class ESPALIER_API ComplexBuilder {
 public:
-    /// \param dimension 1, 2 or 3: what is being built
+    /// \param dimension of the complex: 1, 2 or 3
     /// \param vertexCount vertices 0 to vertexCount − 1 exist from the start
     explicit ComplexBuilder(int dimension, Index vertexCount = 0);
 
@@ -30,36 +30,37 @@ public:
     Index addVertex() { return vertexCount_++; }
 
     /// Adds a polyhedron bounded by the given loops of vertices. Returns its number.
-    /// \throws TopologyError if a loop has under three vertices, names one twice, or one that does
-    ///         not exist, or if this is not being built; the builder is then as it was before
+    /// \throws TopologyError if a loop has fewer than three vertices, names a vertex twice, or
+    ///         names a vertex that does not exist, or if dimension is not 3; the builder is then
+    ///         unchanged
     Index addCell(std::span<const std::vector<Index>> loops);
 
     /// Adds a tetrahedron, pyramid, wedge or hexahedron. Returns its number.
-    /// \throws TopologyError (TooFewVertices) if `vertices` is not vertexCount(cell) long
+    /// \throws TopologyError (TooFewVertices) if the number of `vertices` is not vertexCount(cell)
     Index addCell(StandardCell cell, std::span<const Index> vertices);
     Index addCell(StandardCell cell, std::initializer_list<Index> vertices) {
         return addCell(cell, std::span(vertices.begin(), vertices.size()));
     }
 
-    /// Adds a face of a mesh. Its winding is kept. Returns its number. Throws as addCell does, but
-    /// a loop may name a vertex more than once, as degenerate faces in files do; each step from a
-    /// vertex to itself, or between two that the loop has joined before, is then an edge of its own
-    /// (as in OpenSubdiv).
+    /// Adds a face of a mesh and keeps its direction. Returns its number. Throws as addCell(), but
+    /// a loop may name a vertex more than once, as degenerate faces in files do. A step from a
+    /// vertex to itself, or between two vertices that the loop has joined before, then becomes a
+    /// separate edge (as in OpenSubdiv).
     Index addFace(std::span<const Index> loop);
     Index addFace(std::initializer_list<Index> loop) {
         return addFace(std::span(loop.begin(), loop.size()));
     }
 
-    /// Adds an edge of a curve. Returns its number. Throws as addCell does.
+    /// Adds an edge of a curve. Returns its number. Throws as addCell().
     Index addEdge(Index tail, Index head);
 
-    /// Drops the vertices that no cell, face or edge names, and numbers the others anew in their
-    /// order. Returns the numbers that the dropped vertices had, ascending.
+    /// Removes the vertices that no cell, face or edge names, and renumbers the others in their
+    /// order. Returns the old numbers of the removed vertices, ascending.
     /// \cost O(n) in the number of entries
     std::vector<Index> dropUnusedVertices();
 
-    /// The complex, validated.
-    /// \throws TopologyError naming the first offender
+    /// Returns the complex, validated.
+    /// \throws TopologyError that names the first offender
     /// \cost O(n log n) in the number of entries
     CellComplex build() const;
 
@@ -70,14 +71,16 @@ private:
 
     int dimension_;
     Index vertexCount_;
-    Rows<Index> loops_;                      ///< every loop as given; an edge is a loop of two
-    std::vector<Offset> cellOffsets_ = {0};  ///< cell c has loops cellOffsets_[c] to [c + 1]
+    Rows<Index> loops_;                      ///< all loops as given; an edge is a loop of two
+    std::vector<Offset> cellOffsets_ = {0};  ///< cell c has loops cellOffsets_[c] to cellOffsets_[c
+                                             ///< + 1] − 1
 };
 
-/// A curve through vertices 0 to vertexCount − 1 in order, closed or not.
+/// Builds a curve through vertices 0 to vertexCount − 1 in order.
+/// \param closed whether an edge joins the last vertex to the first
 ESPALIER_API CellComplex buildCurve(Index vertexCount, bool closed);
 
-/// A mesh of faces given by loops of vertices.
+/// Builds a mesh of faces given by loops of vertices.
 ESPALIER_API CellComplex buildMesh(Index vertexCount, std::span<const std::vector<Index>> loops);
 
 }  // namespace espalier::far

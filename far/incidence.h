@@ -13,7 +13,7 @@
 
 namespace espalier::far {
 
-/// Rows of varying length: row r is values[offsets[r]] to values[offsets[r + 1]].
+/// Rows of varying length: row r is values[offsets[r]] to values[offsets[r + 1] − 1].
 template <class T>
 struct Rows {
     Array<Offset> offsets = {0};
@@ -29,7 +29,7 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     std::vector<std::vector<T>> chunks(chunkCount);
     Rows<T> rows;
     rows.offsets.resize(static_cast<std::size_t>(rowCount) + 1);
-    // First each row's length, then their running sum.
+    // First the length of each row, then their running sum.
     rows.offsets[0] = 0;
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
         std::vector<T>& chunk = chunks[first / kGrain];
@@ -54,15 +54,15 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
 /// A relation between entities of two dimensions in compressed sparse rows.
 ///
 /// Row r lists the entities of the second dimension that are incident to entity r of the first.
-/// Immutable, and so safe to read from several threads.
+/// Immutable, so any number of threads may read it.
 class ESPALIER_API Incidence {
 public:
     Incidence() = default;
     explicit Incidence(Rows<Index> rows)
         : rowCount_(static_cast<Index>(rows.offsets.size() - 1)), rows_(std::move(rows)) {}
 
-    /// Rows of the same length, one after the other: no offsets are stored.
-    /// \param length 1 or more; `values` are a multiple of it
+    /// Makes rows of the same length, without storing offsets.
+    /// \param length 1 or more; the number of `values` must be a multiple of it
     static Incidence uniform(Index length, Array<Index> values);
 
     Index rowCount() const { return rowCount_; }
@@ -72,26 +72,28 @@ public:
                 static_cast<std::size_t>(offset(row + 1) - offset(row))};
     }
 
-    /// Position of the first entry of `row` in values(); offset(rowCount()) is their number.
+    /// Returns the position of the first entry of `row` in values(); offset(rowCount()) is the
+    /// number of entries.
     Offset offset(Index row) const {
         return length_ > 0 ? Offset{length_} * row : rows_.offsets[row];
     }
 
-    /// The row that the value at a position of values() is in. \cost O(log rows)
+    /// Returns the row that contains a position of values(). \cost O(log rows)
     Index rowOf(Offset position) const;
 
     std::span<const Index> values() const { return rows_.values; }
 
-    /// The relation the other way round, with `columnCount` rows, each ascending.
+    /// Returns the transposed relation, with `columnCount` rows, each ascending.
     Incidence transposed(Index columnCount) const;
 
 private:
     Index rowCount_ = 0;
-    Index length_ = 0;  ///< of every row; 0 where offsets say
+    Index length_ = 0;  ///< of every row; 0 if the rows have offsets
     Rows<Index> rows_;
 };
 
-/// One boundary entity, and whether its own direction agrees with that of what it bounds.
+/// A boundary entity, and whether its direction agrees with the direction of the entity that it
+/// bounds.
 struct Signed {
     Index index = 0;
     std::int8_t sign = 1;  ///< +1 or −1
@@ -103,7 +105,7 @@ public:
     SignedIncidence() = default;
     explicit SignedIncidence(const Rows<Signed>& rows);
 
-    /// \param signs one a value of `incidence`: +1 or −1
+    /// \param signs one per value of `incidence`: +1 or −1
     SignedIncidence(Incidence incidence, Array<std::int8_t> signs)
         : incidence_(std::move(incidence)), signs_(std::move(signs)) {}
 
@@ -111,12 +113,12 @@ public:
 
     std::span<const Index> operator[](Index row) const { return incidence_[row]; }
 
-    /// Parallel to operator[](row): +1 or −1.
+    /// Returns the signs of the entries of operator[](row): +1 or −1.
     std::span<const std::int8_t> signs(Index row) const {
         return {signs_.data() + incidence_.offset(row), incidence_[row].size()};
     }
 
-    /// Parallel to unsignedRows().values().
+    /// Returns the signs of the entries of unsignedRows().values().
     std::span<const std::int8_t> signs() const { return signs_; }
 
 private:
@@ -124,7 +126,8 @@ private:
     Array<std::int8_t> signs_;
 };
 
-/// Whether a row holds a value; rows are short, so a scan beats a search.
+/// Returns true if a row contains a value. A scan: rows are short, so it is faster than a binary
+/// search.
 inline bool contains(std::span<const Index> row, Index value) {
     return std::find(row.begin(), row.end(), value) != row.end();
 }

@@ -10,7 +10,7 @@
 namespace espalier::far {
 
 float storedSharpness(double sharpness) {
-    // Rounded first: what rounds to 10 is infinite.
+    // Rounding comes first: a sharpness that rounds to 10 is infinite.
     const bool isInfinite = sharpness >= kLeastInfinite ||
                             static_cast<float>(sharpness) >= static_cast<float>(kLeastInfinite);
     return isInfinite ? kInfinitelySharp : static_cast<float>(sharpness);
@@ -23,8 +23,8 @@ float subdivideSharpness(float sharpness) {
 float subdivideEdgeSharpness(Creasing creasing, float sharpness, std::span<const float> around) {
     if (creasing == Creasing::Uniform || !isSemiSharp(sharpness))
         return subdivideSharpness(sharpness);
-    // The sum first and the edge's own share taken off it again: OpenSubdiv's order of operations,
-    // and so its rounding.
+    // Computes the whole sum first, and then subtracts the edge's own sharpness: OpenSubdiv's order
+    // of operations, and so its rounding.
     float sum = 0;
     int count = 0;
     for (const float other : around)

@@ -16,9 +16,9 @@
 namespace espalier::far {
 namespace {
 
-/// Where an ascending row has a value that is in it.
+/// Returns the position of a value in an ascending row that contains it.
 std::size_t placeInRow(std::span<const Index> row, Index value) {
-    // Short rows are counted through without a branch: 12 edges and 8 vertices in a hexahedron.
+    // Short rows are scanned without a branch: a hexahedron has 12 edges and 8 vertices.
     constexpr std::size_t kShort = 16;
     if (row.size() > kShort) return std::lower_bound(row.begin(), row.end(), value) - row.begin();
     std::size_t less = 0;
@@ -26,11 +26,11 @@ std::size_t placeInRow(std::span<const Index> row, Index value) {
     return less;
 }
 
-/// What meets at the edges and the vertices of one cell of a lattice after the other. Pairs of
-/// incident entities are named by their positions in the values of the relations.
+/// Collects the faces and edges that meet at the edges and vertices of a cell of a lattice. Pairs
+/// of incident entities are identified by their positions in the values of the relations.
 class CellCorners {
 public:
-    /// \param lattice must outlive this
+    /// \param lattice must outlive this object
     explicit CellCorners(const CellComplex& lattice)
         : cellFaces_(lattice.boundary(3)),
           faceEdges_(lattice.boundary(2)),
@@ -38,28 +38,29 @@ public:
           cellVertices_(lattice.relation(3, 0)),
           cellEdges_(lattice.relation(3, 1)) {}
 
-    /// One of the two faces at an edge.
+    /// One of the two faces at an edge of the cell.
     struct EdgeFace {
-        Offset edgeInFace = 0;       ///< in face → edges
-        Offset inCell = 0;           ///< of the face, in cell → faces
+        Offset edgeInFace = 0;       ///< position of the edge in face → edges
+        Offset inCell = 0;           ///< position of the face in cell → faces
         std::int8_t edgeSign = 0;    ///< of the edge in the boundary of the face
-        std::int8_t inCellSign = 0;  ///< of the face in that of the cell
+        std::int8_t inCellSign = 0;  ///< of the face in the boundary of the cell
     };
     struct Edge {
-        Offset inCell = 0;  ///< in cell → edges
+        Offset inCell = 0;  ///< position in cell → edges
         std::array<EdgeFace, 2> faces;
-        std::array<std::size_t, 2> ends = {};  ///< tail and head among the vertices of the cell
+        std::array<std::size_t, 2> ends = {};  ///< tail and head, as positions among the vertices
+                                               ///< of the cell
     };
     struct VertexFace {
-        Offset vertexInFace = 0;  ///< in face → vertices
+        Offset vertexInFace = 0;  ///< position in face → vertices
         std::int8_t inCellSign = 0;
     };
     struct VertexEdge {
-        Offset inCell = 0;           ///< in cell → edges
-        std::int8_t vertexSign = 0;  ///< −1 where the vertex is the tail
+        Offset inCell = 0;           ///< position in cell → edges
+        std::int8_t vertexSign = 0;  ///< −1 if the vertex is the tail
     };
 
-    /// Goes to a cell. \cost O(n log n) in its faces
+    /// Collects the data of a cell. \cost O(n log n) in the faces of the cell
     void visit(Index cell) {
         const auto vertices = cellVertices_[cell], edges = cellEdges_[cell],
                    faces = cellFaces_[cell];
@@ -87,7 +88,7 @@ public:
                 corners_[loop_[i]].faces.push_back({position, faceSigns[f]});
                 const std::size_t e = placeInRow(edges, loopEdges[i]);
                 Edge& edge = edges_[e];
-                // A cell of a valid lattice has each of its edges in two of its faces.
+                // In a valid lattice, each edge of a cell is in two of its faces.
                 if (facesSeen_[e] == 2) continue;
                 edge.faces[facesSeen_[e]++] = {position, firstFace + static_cast<Offset>(f),
                                                signs[i], faceSigns[f]};
@@ -102,15 +103,16 @@ public:
         }
     }
 
-    /// In the order of cell → edges.
+    /// The edges of the cell, in the order of cell → edges.
     std::span<const Edge> edges() const { return edges_; }
 
     std::size_t vertexCount() const { return vertexCount_; }
 
-    /// Position of vertex `v` of the cell in cell → vertices.
+    /// Returns the position of vertex `v` of the cell in cell → vertices.
     Offset vertexInCell(std::size_t v) const { return firstVertex_ + static_cast<Offset>(v); }
 
-    /// The faces at it, in the order of cell → faces, and the edges, in that of cell → edges.
+    /// The faces at vertex `v` in the order of cell → faces, and its edges in the order of cell →
+    /// edges.
     std::span<const VertexFace> facesAt(std::size_t v) const { return corners_[v].faces; }
     std::span<const VertexEdge> edgesAt(std::size_t v) const { return corners_[v].edges; }
 
@@ -127,10 +129,11 @@ private:
     const Incidence& cellEdges_;
 
     std::vector<Edge> edges_;
-    std::vector<std::uint8_t> facesSeen_;  ///< of each edge
+    std::vector<std::uint8_t> facesSeen_;  ///< for each edge
     std::size_t vertexCount_ = 0;
     Offset firstVertex_ = 0;
-    std::vector<Corner> corners_;  ///< as many as any cell so far has had vertices
+    std::vector<Corner> corners_;  ///< its size is the largest number of vertices of any cell so
+                                   ///< far
     std::vector<std::size_t> loop_;
 };
 
@@ -140,9 +143,9 @@ private:
 //
 //     ∂[a,b] = Σ σ(b,b') [a,b']  +  (−1)^d Σ σ(a',a) [a',b]
 //
-// over the b' of one dimension less than b, and the a' of one more than a, inside [a,b]. The sign
-// (−1)^d makes the mixed terms of ∂∂ cancel, so a coherently oriented parent has a coherently
-// oriented child, and [v,c] is oriented as c is.
+// over the entities b' and a' inside [a,b], with dim b' = dim b − 1 and dim a' = dim a + 1. The
+// sign (−1)^d makes the mixed terms of ∂∂ cancel. So a coherently oriented parent has a coherently
+// oriented child, and [v,c] has the orientation of c.
 
 /// The rows of the child's faces.
 struct Refinement::Quadrilaterals {
@@ -166,7 +169,7 @@ std::int8_t opposite(std::int8_t sign) {
     return static_cast<std::int8_t>(-sign);
 }
 
-/// Rows that a range of parents has made.
+/// The rows that a range of parents has produced.
 struct SignedRows {
     Array<Index> values, lengths;
     Array<std::int8_t> signs;
@@ -235,7 +238,7 @@ void Refinement::numberChildren(const Kept* kept) {
             if (kept != nullptr) family.drop(kept->lower[lower], kept->upper[lower + d]);
             const Offset familyCount = family.isWhole ? std::ssize(family.parts->values())
                                                       : std::ssize(family.entryOfChild);
-            // Numbered before they are made.
+            // Checked before the children are numbered and created.
             if (count + familyCount > kMaxIndex)
                 throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
                                     concat("the refined complex has more than ", kMaxIndex,
@@ -248,14 +251,14 @@ void Refinement::numberChildren(const Kept* kept) {
     }
 }
 
-/// Bytes that the child takes at least.
+/// Returns a lower bound of the child's memory, in bytes.
 std::uint64_t Refinement::leastBytes() const {
     constexpr std::uint64_t kSignedEntry = sizeof(Index) + sizeof(Signed::sign);
     return kSignedEntry * (2 * static_cast<std::uint64_t>(childCounts_[1]) +
                            4 * static_cast<std::uint64_t>(childCounts_[2]));
 }
 
-/// Leaves the entries with both ends marked.
+/// Keeps only the entries whose ends are both marked.
 void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
                               const std::vector<std::uint8_t>& upper) {
     const auto entryCount = parts->values().size();
@@ -271,8 +274,8 @@ void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
     isWhole = entryOfChild.size() == entryCount;
 }
 
-/// [a,b] for the a in the boundary of b: it joins the points of the two, that of a being its tail
-/// where σ(b,a) is −1.
+/// Builds the child edges [a,b], with a in the boundary of b. The edge joins the points of a and b;
+/// the point of a is its tail if σ(b,a) is −1.
 SignedIncidence Refinement::childEdges() const {
     Array<Index> ends(2 * static_cast<std::size_t>(childCounts_[1]));
     Array<std::int8_t> signs(ends.size());
@@ -300,9 +303,9 @@ SignedIncidence Refinement::childEdges() const {
     return SignedIncidence(Incidence::uniform(2, std::move(ends)), std::move(signs));
 }
 
-/// [v,f]: the corner of a face, which the loop of f enters along one edge and leaves along the
-/// next. By positions, not by names: a loop may pass a vertex more than once (degenerate faces of
-/// meshes).
+/// Builds the child faces [v,f], the corners of faces: the loop of f enters the corner along one
+/// edge and leaves it along the next. Corners are identified by position in the loop, since a loop
+/// may pass a vertex more than once (degenerate faces of meshes).
 void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
     const Family& corners = family(0, 2);
     const Family& ends = family(0, 1);
@@ -317,7 +320,8 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
                 const Offset before = at == begin ? end - 1 : at - 1;
                 const std::int8_t leaving = signs[at];
                 const std::int8_t entering = signs[before];
-                // The vertex is the tail of the edge that it leaves along, if that runs its way.
+                // The vertex is the tail of the edge it leaves along, if the edge runs in the
+                // direction of the loop.
                 const Offset tail = ends.parts->offset(sides.part(at)) + (leaving > 0 ? 0 : 1);
                 const Offset head = ends.parts->offset(sides.part(before)) + (entering > 0 ? 1 : 0);
                 quadrilaterals.set(corners.child(at), {{{ends.child(tail), leaving},
@@ -329,8 +333,9 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
     });
 }
 
-/// [e,c], with an edge of a cell and the two faces x and y at it, and [v,c] of the returned rows,
-/// the corner of a cell with its faces [v,f] and [e,c].
+/// Builds the child faces [e,c], from an edge of a cell and the two faces x and y at the edge.
+/// Returns the rows of the child cells [v,c], the corners of cells, with their faces [v,f] and
+/// [e,c].
 SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
     const Family& vertexFaces = family(0, 2);
     const Family& edgeFaces = family(1, 2);
@@ -338,7 +343,7 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
     const Family& faceCells = family(2, 3);
     const Family& corners = family(0, 3);
 
-    // [v,c] come cell by cell; each range of cells collects its own.
+    // Rows of [v,c] are ordered by cell; each range of cells collects its own rows.
     const Index cellCount = parent_.count(3);
     std::vector<SignedRows> chunks((cellCount + kGrain - 1) / kGrain);
     parallelFor(cellCount, kGrain, [&](Offset firstCell, Offset lastCell) {
@@ -348,8 +353,9 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
             cell.visit(static_cast<Index>(index));
             for (const CellCorners::Edge& edge : cell.edges()) {
                 if (!edgeCells.isKept(edge.inCell)) continue;
-                // ∂∂ = 0: the signs of the two faces in c and of e in these multiply to 1 and −1.
-                // The loop leaves [e,e] for x, with which it is −1.
+                // Since ∂∂ = 0, the product of a face's sign in c and the edge's sign in the face
+                // is 1 for one of the two faces and −1 for the other. The loop leaves [e,e] towards
+                // x, the face with −1.
                 auto x = edge.faces[0], y = edge.faces[1];
                 if (x.inCellSign == x.edgeSign) std::swap(x, y);
                 quadrilaterals.set(edgeCells.child(edge.inCell),
@@ -404,9 +410,9 @@ double pairCount(const CellComplex& complex, int from, int to) {
     return static_cast<double>(complex.relation(from, to).values().size());
 }
 
-/// Children are intervals [a, b]. Those with a of one dimension less than b are edges, and so on.
-/// Faces are quadrilaterals; a cell [v, c], with n edges of c at v, has 2n faces, 4n edges and
-/// 2n + 2 vertices, and the n of all vertices of c add up to twice the edges of c.
+/// The children are intervals [a, b]: edges if dim a = dim b − 1, and so on. Faces are
+/// quadrilaterals. A cell [v, c], with n edges of c at v, has 2n faces, 4n edges and 2n + 2
+/// vertices; the sum of n over all vertices of c is twice the number of edges of c.
 LevelSize next(const LevelSize& size) {
     const auto [vertices, edges, faces, cells] = size.counts;
     LevelSize result;
@@ -433,8 +439,8 @@ LevelSize levelSize(const CellComplex& complex, int levels) {
     size.cellFaces = pairCount(complex, 3, 2);
     size.cellEdges = pairCount(complex, 3, 1);
     size.cellVertices = pairCount(complex, 3, 0);
-    // Sizes that are not 0 double at least: long before this level they are infinite, and remain
-    // so.
+    // Sizes other than 0 at least double on each level, so they are infinite long before this level
+    // and stay so.
     constexpr int kAllInfinite = 2 * std::numeric_limits<double>::max_exponent;
     for (int level = 0; level < std::min(levels, kAllInfinite); ++level) size = next(size);
     return size;

@@ -30,42 +30,42 @@ struct Interval {
 ///     cell     [v,c]                    of type n, where n edges of c meet in v: 2n quadrilaterals
 ///
 /// [a,b] is bounded by the [a,b'] and the [a',b] of one dimension less. This is the reconnection of
-/// the papers; one code path serves curves, meshes and lattices, regular or not.
+/// the papers; the same code serves curves, meshes and lattices, regular or not.
 ///
 /// Children of a dimension are numbered by the dimension of a, then by b, then by the order of a in
 /// b. So the child vertices are the vertex points in the order of the vertices, then the edge
-/// points, the face points and the cell points. A child quadrilateral's loop runs from [a,a] by way
-/// of one of the two entities between a and b to [b,b], and by way of the other one back.
+/// points, the face points and the cell points. The loop of a child quadrilateral runs from [a,a]
+/// through one of the two entities between a and b to [b,b], and back through the other one.
 ///
 /// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
 class ESPALIER_API Refinement {
 public:
-    /// Which intervals stay: those with both ends marked by something other than 0.
+    /// Which intervals to keep: those whose ends both have a mark other than 0.
     struct Kept {
-        ByEntity<std::uint8_t> lower;  ///< what contains a marked entity must be marked too
-        ByEntity<std::uint8_t> upper;  ///< what a marked entity contains must be marked too
+        ByEntity<std::uint8_t> lower;  ///< an entity that contains a marked one must be marked too
+        ByEntity<std::uint8_t> upper;  ///< an entity that a marked one contains must be marked too
     };
 
-    /// Splits `parent`. With `kept`, just those intervals stay; they are numbered in the same
+    /// Splits `parent`. With `kept`, only these intervals are kept; their numbers have the same
     /// order.
     ///
     /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
     ///         is left)
-    /// \cost O(entries of the child), in parallel; in cells of very many faces a little more
+    /// \cost O(entries of the child), in parallel; slightly more in cells with very many faces
     explicit Refinement(const CellComplex& parent, const Kept* kept = nullptr);
 
     const CellComplex& child() const { return child_; }
 
-    /// The interval that a child entity stands for. \cost O(log entities)
+    /// Returns the interval of a child entity. \cost O(log entities)
     Interval parentOf(Entity child) const;
 
-    /// The child that stands for an interval; nothing if `interval.lower` is not in
-    /// `interval.upper` or was not kept. Where a face of a mesh passes its lower end more than once
-    /// there is a child for each time, and this is the first. \cost O(entities in the upper end)
+    /// Returns the child of an interval; nothing if `interval.lower` is not in `interval.upper`, or
+    /// the interval was not kept. If a face of a mesh passes its lower end several times, each time
+    /// has a child, and this returns the first. \cost O(entities in the upper end)
     std::optional<Entity> childOf(const Interval& interval) const;
 
     /// Calls visit(child, interval) for every child with ends of these dimensions, in the order of
-    /// their numbers. \cost O(children)
+    /// the children's numbers. \cost O(children)
     template <class Visit>
     void forEachChild(int lower, int upper, Visit visit) const {
         const Family& f = family(lower, upper);
@@ -77,7 +77,7 @@ public:
                           Interval{{lower, f.part(entry)}, {upper, row}});
     }
 
-    /// The same for every child, in the order of their dimensions and numbers.
+    /// The same for every child, in the order of dimensions and numbers.
     template <class Visit>
     void forEachChild(Visit visit) const {
         for (int d = 0; d <= dimension_; ++d)
@@ -85,8 +85,8 @@ public:
                 forEachChild(lower, lower + d, visit);
     }
 
-    /// Gives each child the value of its upper end, in whose interior it lies.
-    /// \param values one an entity of the parent
+    /// Gives each child the value of its upper end, whose interior contains the child.
+    /// \param values one per entity of the parent
     /// \cost O(children), in parallel
     template <class T>
     ByEntity<T> inherit(const ByEntity<T>& values) const {
@@ -101,14 +101,14 @@ public:
     }
 
 private:
-    /// The intervals with ends of dimensions `lower` ≤ `upper`. Row b of `parts` lists the a in it;
-    /// an interval is known by the position of its a among all of these, its entry.
+    /// The intervals with ends of dimensions `lower` ≤ `upper`. Row b of `parts` lists the entities
+    /// a in b. The entry of an interval is the position of its a in the values of `parts`.
     struct Family {
         const Incidence* parts = nullptr;  ///< of parent_
         Index firstChild = 0;
         Index childCount = 0;
-        bool isWhole = true;               ///< every interval is kept; else:
-        std::vector<Index> childOfEntry;   ///< counted from firstChild; kMaxIndex if not kept
+        bool isWhole = true;               ///< every interval is kept; otherwise:
+        std::vector<Index> childOfEntry;   ///< relative to firstChild; kMaxIndex if not kept
         std::vector<Offset> entryOfChild;  ///< ascending
 
         void drop(const std::vector<std::uint8_t>& lower, const std::vector<std::uint8_t>& upper);
@@ -131,7 +131,7 @@ private:
         }
     };
     const Family& family(int lower, int upper) const { return families_[lower][upper]; }
-    /// The child vertex that stands for an entity.
+    /// Returns the child vertex of an entity.
     Index pointOf(Entity entity) const {
         return family(entity.dimension, entity.dimension).child(entity.index);
     }
@@ -150,24 +150,24 @@ private:
     CellComplex child_;
 };
 
-/// How large a level of a complex is. Real numbers, since that of a level that cannot be made may
-/// be beyond all integers; exact up to 2^53.
+/// The size of a level of a complex. In floating point, since the size of a level that is too large
+/// to build may exceed every integer type; exact up to 2^53.
 struct LevelSize {
     std::array<double, kMaxDimension + 1> counts = {};  ///< entities of each dimension
 
-    double faceEdges = 0;     ///< pairs of a face and an edge of it
-    double cellFaces = 0;     ///< pairs of a cell and a face of it
-    double cellEdges = 0;     ///< pairs of a cell and an edge of it
-    double cellVertices = 0;  ///< pairs of a cell and a vertex of it
+    double faceEdges = 0;     ///< number of pairs of a face and an edge of it
+    double cellFaces = 0;     ///< number of pairs of a cell and a face of it
+    double cellEdges = 0;     ///< number of pairs of a cell and an edge of it
+    double cellVertices = 0;  ///< number of pairs of a cell and a vertex of it
 
-    /// Bytes that its CellComplex takes at least, without what it derives.
+    /// Returns the least number of bytes of its CellComplex, without derived relations.
     double bytes() const;
 };
 
-/// The size of a level, known without refining to it. (Under Boundary::Open levels are smaller.)
+/// Returns the size of a level without refining. (Under Boundary::Open, levels are smaller.)
 ///
-/// \param levels how many levels above `complex`, 0 or more
-/// \cost O(1), and the relations of `complex` that refinement derives anyway
+/// \param levels number of levels above `complex`, 0 or more
+/// \cost O(1), plus the relations of `complex`, which refinement derives anyway
 /// \cite Azlan & Misro, Table 2, for the counts of polyhedra; the rest follows from the intervals
 ///       of Refinement
 ESPALIER_API LevelSize levelSize(const CellComplex& complex, int levels);

@@ -10,7 +10,7 @@ namespace {
 
 using Loop = std::vector<Index>;
 
-/// The vertex that follows b in the loop that steps from a to b.
+/// Returns the vertex that follows b in the loop that steps from a to b.
 std::optional<Index> follower(const std::vector<Loop>& loops, Index a, Index b) {
     for (const Loop& loop : loops)
         for (std::size_t i = 0; i < loop.size(); ++i)
@@ -19,7 +19,7 @@ std::optional<Index> follower(const std::vector<Loop>& loops, Index a, Index b) 
     return std::nullopt;
 }
 
-/// Whether two loops are the same, started at different places.
+/// Returns true if two loops differ only in where they start.
 bool isRotation(const Loop& a, const Loop& b) {
     if (a.size() != b.size()) return false;
     const std::size_t start = std::find(b.begin(), b.end(), a[0]) - b.begin();
@@ -34,7 +34,7 @@ bool haveEqualSizes(const std::vector<Loop>& a, const std::vector<Loop>& b) {
                                [](const Loop& x, const Loop& y) { return x.size() == y.size(); });
 }
 
-/// Finds the vertices of `loops` at the positions that `pattern` names.
+/// Finds the vertices of `loops` at each position of `pattern`.
 class PatternMatch {
 public:
     PatternMatch(const std::vector<Loop>& pattern, const std::vector<Loop>& loops,
@@ -42,7 +42,7 @@ public:
         : pattern_(pattern), loops_(loops), vertexAt_(vertexCount) {}
 
     std::optional<Loop> find() {
-        // By symmetry it does not matter which loop of the right length is the first one.
+        // By symmetry, any loop of the right length can be the first one.
         const Loop& first = *std::find_if(loops_.begin(), loops_.end(), [&](const Loop& loop) {
             return loop.size() == pattern_[0].size();
         });
@@ -58,7 +58,7 @@ public:
 private:
     std::optional<Index>& at(Index position) { return vertexAt_[position]; }
 
-    /// Goes on from two known positions of a loop to the third.
+    /// Derives the third position of a loop from two known ones. Returns true if it found any.
     bool step() {
         bool found = false;
         for (const Loop& loop : pattern_)
@@ -96,14 +96,15 @@ private:
 
 using Quadrilateral = std::array<Index, 4>;
 
-/// A quadrilateral that stands on an edge of another one, its base.
+/// A quadrilateral that shares an edge with another one, the base.
 struct BaseSide {
-    std::size_t edge = 0;   ///< from corner `edge` of the base to the next
-    Index aboveFirst = 0;   ///< what is above the one
-    Index aboveSecond = 0;  ///< and above the other
+    std::size_t edge = 0;   ///< the shared edge: from corner `edge` of the base to the next corner
+    Index aboveFirst = 0;   ///< the vertex above the first of these corners
+    Index aboveSecond = 0;  ///< the vertex above the second
 };
 
-/// The first edge of the base that a face has, if any: in either direction.
+/// Returns the first edge of the base that a face contains, in either direction; nothing if there
+/// is none.
 std::optional<BaseSide> sideOn(const Quadrilateral& base, std::span<const Index> face) {
     for (std::size_t edge = 0; edge < 4; ++edge)
         for (std::size_t i = 0; i < 4; ++i) {
@@ -169,9 +170,9 @@ std::optional<std::array<Index, 8>> hexahedronVertices(const CellComplex& comple
 
     Quadrilateral base;
     std::copy_n(loops[faces[0]].begin(), 4, base.begin());
-    // From inside, the loop must run anticlockwise.
+    // The loop must run anticlockwise seen from inside.
     if (complex.boundary(3).signs(cell.value)[0] > 0) std::swap(base[1], base[3]);
-    // Of the five other faces one stands on each edge of the base, and one on none.
+    // Four of the five other faces each share an edge with the base, and the fifth shares none.
     std::array<std::optional<BaseSide>, 4> sides;
     std::optional<Index> opposite;
     for (const Index face : faces.subspan(1)) {

@@ -12,37 +12,41 @@ namespace espalier::far {
 
 /// The standard cells, with VTK's vertex orders.
 enum class StandardCell {
-    Tetrahedron,  ///< 4 vertices: a triangle, anticlockwise seen from the apex; the apex
-    Pyramid,      ///< 5 vertices: a quadrilateral, anticlockwise seen from the apex; the apex
-    Wedge,        ///< 6 vertices: a triangle, clockwise seen from the other one; that one likewise
-    Hexahedron    ///< 8 vertices: a quadrilateral, anticlockwise seen from the other one; that one
+    Tetrahedron,  ///< 4 vertices: a triangle, anticlockwise seen from the apex, then the apex
+    Pyramid,      ///< 5 vertices: a quadrilateral, anticlockwise seen from the apex, then the apex
+    Wedge,        ///< 6 vertices: a triangle, clockwise seen from the other one; then the other one
+                  ///< in the same order
+    Hexahedron    ///< 8 vertices: a quadrilateral, anticlockwise seen from the opposite one; then
+                  ///< the opposite one in the same order
 };
 
-/// Number of vertices of a standard cell.
+/// Returns the number of vertices of a standard cell.
 ESPALIER_API Index vertexCount(StandardCell cell);
 
-/// The faces of a standard cell, as loops of positions in its vertex list, each anticlockwise from
-/// outside.
+/// Returns the faces of a standard cell as loops of positions in its vertex list, each
+/// anticlockwise seen from outside.
 ESPALIER_API const std::vector<std::vector<Index>>& faceLoops(StandardCell cell);
 
-/// The faces of a cell of a lattice, as loops of vertices, each anticlockwise from outside.
+/// Returns the faces of a cell of a lattice as loops of vertices, each anticlockwise seen from
+/// outside.
 ESPALIER_API std::vector<std::vector<Index>> outwardLoops(const CellComplex& complex, CellId cell);
 
-/// A cell of a lattice that is one of the standard ones.
+/// The kind and vertices of a lattice's cell that is one of the standard cells.
 struct StandardCellVertices {
     StandardCell kind = StandardCell::Hexahedron;
     std::vector<Index> vertices;  ///< in VTK's order: faceLoops(kind) are its faces
 };
 
-/// Recognises a tetrahedron, pyramid, wedge or hexahedron by its faces alone; where its vertices
-/// lie does not count. In a lattice that is oriented as usual, the cell has a positive volume.
+/// Recognises a tetrahedron, pyramid, wedge or hexahedron by its faces alone, regardless of vertex
+/// positions. In a lattice with the usual orientation, the cell has a positive volume. Returns
+/// nothing for any other cell.
 ESPALIER_API std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex,
                                                                 CellId cell);
 
-/// The 8 vertices of a cell that is a hexahedron (every type-3 cell is), in VTK's order: the first
-/// face of the cell, anticlockwise seen from the opposite one; that one likewise. So (0→1, 0→3,
-/// 0→4) is a right-handed frame in an oriented lattice. Nothing for any other cell. The quick way
-/// to what asStandardCell() knows of hexahedra: point location asks it for cell after cell.
+/// Returns the 8 vertices of a hexahedron (every type-3 cell is one) in VTK's order: the first face
+/// of the cell, anticlockwise seen from the opposite face, then the opposite face in the same
+/// order. So (0→1, 0→3, 0→4) is a right-handed frame in an oriented lattice. Returns nothing for
+/// any other cell. This is faster than asStandardCell(): point location calls it for every cell.
 ESPALIER_API std::optional<std::array<Index, 8>> hexahedronVertices(const CellComplex& complex,
                                                                     CellId cell);
 

@@ -9,7 +9,8 @@
 namespace espalier::far {
 namespace {
 
-/// What contains one of some vertices, and all that this contains; ascending.
+/// Returns the entities that contain one of some vertices, and all entities that these contain;
+/// ascending.
 ByEntity<Index> entitiesAround(const CellComplex& complex, std::span<const Index> vertices) {
     ByEntity<Index> entities;
     for (const Index vertex : vertices)

@@ -9,25 +9,26 @@
 
 namespace espalier::far {
 
-/// What is around a vertex of a level, as a level of its own.
+/// The neighbourhood of a vertex of a level, as a level of its own.
 struct Star {
     Level level;
     Index vertex = 0;          ///< the vertex, in that level
-    ByEntity<Index> entities;  ///< of each entity there, which one it is in the level it was taken
-                               ///< from; ascending
+    ByEntity<Index> entities;  ///< for each entity of the star, its number in the original level;
+                               ///< ascending
 };
 
-/// Takes the star of a vertex out of a level: what contains the vertex, and all that this contains.
-/// Their order, loops, directions, strata and sharpness stay. With two rings, what contains a
-/// vertex of that as well.
+/// Extracts the star of a vertex from a level: the entities that contain the vertex, and all
+/// entities that these contain. The order, loops, directions, strata and sharpness are kept. With
+/// two rings, the star also has the entities that contain any vertex of the first ring, and their
+/// parts.
 ///
-/// A chain of levels that goes on from there (TopologyRefiner) is, around the vertex, that of the
-/// level itself: the same rows for the new points of what contains the vertex, level after level.
-/// (With Creasing::Chaikin and semi-sharp edges, from two rings: how an edge fades depends on the
-/// edges at both its ends.) Further out neighbours are missing.
+/// Refining the star (TopologyRefiner) gives the same result around the vertex as refining the
+/// level itself: on every level, the new points of the entities that contain the vertex have the
+/// same rows. (With Creasing::Chaikin and semi-sharp edges, this needs two rings: how an edge fades
+/// depends on the edges at both of its ends.) Farther out, neighbours are missing.
 ///
-/// \param level of any origin; holes are left out
-/// \param vertex of it
+/// \param level of any origin; holes are not copied
+/// \param vertex of `level`
 /// \param rings 1 or 2
 /// \throws Error if there is no such vertex
 /// \cost O(n log n) in the entries of the star

@@ -12,7 +12,8 @@ Strata::Strata(const CellComplex& complex, Numbers smoothStrata, Numbers isOpen,
       strata_(smoothStrata_),
       isOpen_(std::move(isOpen)),
       sharpness_(std::move(sharpness)) {
-    // Sharp edges at each vertex, of the surface if the vertex lies on it.
+    // Counts the sharp edges at each vertex; for a vertex on the surface, only those on the
+    // surface.
     std::vector<Index> sharpEdges(sharpness_.vertices.size(), 0);
     for (Index edge = 0; edge < complex.count(1); ++edge) {
         if (sharpness_.edges[edge] == kSmooth) continue;
@@ -42,7 +43,7 @@ Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary bounda
     const Strata automatic = classify(complex, boundary, SharpEdges::SingleCell, {});
     Marks marks;
     const auto toMark = [&](Entity entity) {
-        if (strata.isOpen(entity)) return false;  // It is left out, whatever its sharpness.
+        if (strata.isOpen(entity)) return false;  // Refinement omits it, whatever its sharpness.
         return strata.sharpness(entity) != automatic.sharpness(entity) ||
                (entity.dimension == complex.dimension() - 1 && automatic.isOpen(entity));
     };
@@ -58,7 +59,8 @@ Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary bounda
 
 namespace {
 
-/// The edges at a vertex whose sharpness counts there for `entity`, the vertex or an edge at it.
+/// Returns the edges at a vertex whose sharpness affects `entity`, which is the vertex or an edge
+/// at the vertex.
 std::vector<Index> sharpEdgesAt(const CellComplex& complex, const Strata& strata, Index vertex,
                                 const Entity& entity) {
     std::vector<Index> edges;

@@ -8,8 +8,9 @@
 namespace espalier::far {
 SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace)
     : complex_(complex), isSurfaceFace_(std::move(isSurfaceFace)) {
-    // How often faces run along each edge from tail to head, less how often the other way. The
-    // boundary of a lattice is oriented by its cells, however its faces are wound.
+    // For each edge, the number of faces that run along it from tail to head, minus the number of
+    // faces that run from head to tail. Stays 0 in a lattice: its cells orient the boundary,
+    // however its faces are directed.
     std::vector<int> turns(complex.count(1), 0);
     if (complex.dimension() == 2)
         for (Index face = 0; face < complex.count(2); ++face)
@@ -25,10 +26,10 @@ SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> i
                              : isManifold        ? EdgeKind::Manifold
                                                  : EdgeKind::NonManifold);
     }
-    // The faces of a lattice have no vertex twice.
+    // A face of a lattice has no vertex twice.
     if (complex.dimension() == 2) markDegenerate();
 
-    // The corners of the surface, vertex by vertex.
+    // Groups the corners of the surface by vertex.
     const auto forEachCorner = [&](auto visit) {
         for (Index face = 0; face < complex.count(2); ++face) {
             if (isSurfaceFace_[face] == 0) continue;
@@ -57,7 +58,8 @@ Index SurfaceFans::faceCount(Index edge) const {
     return static_cast<Index>(surfaceFaces(edge).size());
 }
 
-/// Edges that a face has more than once between the same two vertices, or that lead nowhere.
+/// Marks edges as non-manifold if a face has several of them between the same two vertices, or if
+/// they join a vertex to itself.
 void SurfaceFans::markDegenerate() {
     std::vector<std::array<Index, 3>> sides;  // the two ends, and the edge
     for (Index face = 0; face < complex_.count(2); ++face) {
@@ -83,7 +85,7 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
     const std::size_t count = cornerOffsets_[vertex + 1] - first;
     if (count == 0) return VertexKind::None;
 
-    // Each edge at the vertex with the corners that it bounds; a manifold edge has two.
+    // The edges at the vertex, each with the corners that it bounds; a manifold edge has two.
     std::vector<std::pair<Index, std::size_t>> sides;
     for (std::size_t i = 0; i < count; ++i) {
         sides.emplace_back(corners_[first + i].entering, i);
@@ -91,7 +93,8 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
     }
     std::sort(sides.begin(), sides.end());
 
-    // Fans as trees of corners: each corner points to another of its fan, the root to itself.
+    // A forest of corners with one tree per fan: each corner points to another corner of its fan,
+    // the root to itself.
     std::vector<std::size_t> parents(count);
     std::iota(parents.begin(), parents.end(), std::size_t{0});
     const auto rootOf = [&](std::size_t corner) {
@@ -102,7 +105,8 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
         if (sides[i].first == sides[i + 1].first && edge(sides[i].first) == EdgeKind::Manifold)
             parents[rootOf(sides[i].second)] = rootOf(sides[i + 1].second);
 
-    // The ends of each fan: edges that do not lead on. Ascending, as the sides are.
+    // The edges at the ends of each fan, ascending as the sides are: edges that join it to no other
+    // corner.
     std::vector<std::vector<Index>> ends(count);
     bool hasBoundary = false, hasNonManifold = false;
     for (const auto& [side, corner] : sides) {
@@ -112,15 +116,15 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
         hasNonManifold |= edge(side) == EdgeKind::NonManifold;
     }
     std::size_t fanCount = 0;
-    bool areBetweenTheSame = true;
+    bool haveSameEnds = true;
     for (std::size_t corner = 0; corner < count; ++corner) {
         if (rootOf(corner) != corner) continue;
         ++fanCount;
         const std::vector<Index>& own = ends[corner];
-        areBetweenTheSame &= own.size() == 2 && own[0] != own[1] && own == ends[rootOf(0)];
+        haveSameEnds &= own.size() == 2 && own[0] != own[1] && own == ends[rootOf(0)];
     }
     if (fanCount == 1 && !hasNonManifold) return VertexKind::Fan;
-    if (fanCount > 2 && areBetweenTheSame && !hasBoundary) return VertexKind::Crease;
+    if (fanCount > 2 && haveSameEnds && !hasBoundary) return VertexKind::Crease;
     return VertexKind::NonManifold;
 }
 

@@ -9,33 +9,35 @@
 
 namespace espalier::far {
 
-/// How the faces of a surface meet: in its edges, and around its vertices. The surface is a mesh,
-/// or the boundary of a lattice.
+/// Classifies how the faces of a surface meet in its edges and around its vertices. The surface is
+/// a mesh, or the boundary of a lattice.
 class SurfaceFans {
 public:
-    /// \param complex must outlive this
-    /// \param isSurfaceFace not 0 for the faces that form the surface, one a face of `complex`
+    /// \param complex must outlive this object
+    /// \param isSurfaceFace one per face of `complex`, not 0 for the faces that form the surface
     /// \cost O(n log n) in the corners of the faces
     SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace);
 
-    /// An edge by its faces on the surface.
+    /// The kind of an edge, by its number of faces on the surface.
     enum class EdgeKind : std::uint8_t {
-        None,        ///< none
-        Boundary,    ///< one
-        Manifold,    ///< two, which run along it in opposite directions
-        NonManifold  ///< more, or two that run along it the same way; or both its ends are one
-                     ///< vertex, or one of its faces has another edge between the same two
+        None,        ///< no face
+        Boundary,    ///< one face
+        Manifold,    ///< two faces, which run along the edge in opposite directions
+        NonManifold  ///< more faces, or two that run along the edge in the same direction; or both
+                     ///< ends are the same vertex, or one of its faces has another edge between the
+                     ///< same two vertices
     };
     EdgeKind edge(Index edge) const { return edgeKinds_[edge]; }
 
-    /// Number of faces of the surface at an edge.
+    /// Returns the number of faces of the surface at an edge.
     Index faceCount(Index edge) const;
 
-    /// A vertex by its fans: sets of corners on the surface, joined across manifold edges.
+    /// The kind of a vertex, by its fans. A fan is a set of corners on the surface, joined across
+    /// manifold edges.
     enum class VertexKind {
         None,        ///< no fan
-        Fan,         ///< one, closed or between two boundary edges
-        Crease,      ///< three or more, all between the same two non-manifold edges
+        Fan,         ///< one fan, closed or between two boundary edges
+        Crease,      ///< three or more fans, all between the same two non-manifold edges
         NonManifold  ///< anything else
     };
 
@@ -46,7 +48,7 @@ private:
     std::vector<Index> surfaceFaces(Index edge) const;
     void markDegenerate();
 
-    /// A corner of a face, by the two edges that meet in it.
+    /// A corner of a face: the two edges that meet in it.
     struct Corner {
         Index entering;
         Index leaving;
@@ -55,7 +57,8 @@ private:
     const CellComplex& complex_;
     std::vector<std::uint8_t> isSurfaceFace_;
     std::vector<EdgeKind> edgeKinds_;
-    std::vector<Offset> cornerOffsets_;  ///< vertex v has corners [v] to [v + 1]
+    std::vector<Offset> cornerOffsets_;  ///< vertex v has corners cornerOffsets_[v] to
+                                         ///< cornerOffsets_[v + 1] − 1
     std::vector<Corner> corners_;
 };
 

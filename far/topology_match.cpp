@@ -9,8 +9,8 @@
 namespace espalier::far {
 namespace {
 
-/// A cell of any dimension, in numbers that do not depend on how it was written down: the canonical
-/// loop of each of its sides, behind its length; the sides in order.
+/// Returns a cell of any dimension as numbers that do not depend on how it was written: for each of
+/// its sides in ascending order, the length and the canonical loop of the side.
 std::vector<Index> canonicalCell(const CellComplex& complex, Index cell) {
     const int dimension = complex.dimension();
     std::vector<std::vector<Index>> sides;

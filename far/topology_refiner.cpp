@@ -11,15 +11,55 @@
 
 namespace espalier::far {
 
+namespace {
+
+/// Checks that the rules of RATS, which know no other sharpness, can refine a level.
+void checkNotSemiSharp(const Level& level) {
+    if (!level.strata.hasSemiSharp()) return;
+    for (int dimension = 0; dimension <= 1; ++dimension)
+        for (Index index = 0; index < level.complex.count(dimension); ++index) {
+            const float sharpness = level.strata.sharpness({dimension, index});
+            if (sharpness == kSmooth || sharpness == kInfinitelySharp) continue;
+            std::string name = concat("vertex ", index);
+            if (dimension == 1) {
+                const auto ends = level.complex.relation(1, 0)[index];
+                const auto [low, high] = std::minmax(ends.front(), ends.back());
+                name = concat("edge (", low, ", ", high, ")");
+            }
+            throw TopologyError(TopologyCause::BadMark, {dimension, index},
+                                name +
+                                    " is semi-sharp; under the rules of RATS everything is "
+                                    "smooth or infinitely sharp");
+        }
+}
+
+/// Checks that the rules can refine a level.
+void checkRules(const Level& level, const RefinerOptions& options) {
+    const bool isRats = options.rules == Rules::Rats;
+    if (isRats && level.complex.dimension() == kMaxDimension)
+        throw Error("the rules of RATS are for curves and meshes, not for lattices");
+    if (isRats && options.boundary == Boundary::Open)
+        throw Error("the rules of RATS do not have the boundary mode 'open'");
+    if (isRats || options.rules == Rules::Mlca)
+        if (options.triangles == TriangleSubdivision::Smooth)
+            throw Error(concat("the rules of ", isRats ? "RATS" : "MLCA",
+                               " do not have smooth triangles; use catmark"));
+    if (isRats) checkNotSemiSharp(level);
+}
+
+}  // namespace
+
 TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options)
     : options_(options) {
     Strata strata = classify(base, options.boundary, options.sharpEdges, options.marks);
     std::vector<Index> holes = readHoles(base, options.marks);
     levels_.push_back({std::move(base), std::move(strata), std::move(holes)});
+    checkRules(levels_.front(), options_);
 }
 
 TopologyRefiner::TopologyRefiner(Level first, const RefinerOptions& options) : options_(options) {
     levels_.push_back(std::move(first));
+    checkRules(levels_.front(), options_);
 }
 
 namespace {
@@ -30,7 +70,7 @@ ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {
     return marks;
 }
 
-/// The entities that are lower ends of children: those that are not on the open boundary.
+/// Marks the entities that are lower ends of children: those that are not on the open boundary.
 ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     ByEntity<std::uint8_t> closed = marksOf(parent.complex, 1);
     for (int d = 0; d <= parent.complex.dimension(); ++d)
@@ -39,7 +79,7 @@ ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     return closed;
 }
 
-/// The children [v, f] of the holes.
+/// Returns the children [v, f] of the holes.
 std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement) {
     std::vector<Index> holes;
     if (parent.holes.empty()) return holes;
@@ -53,7 +93,7 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 }  // namespace
 
 void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
-    // Room first: what throws below leaves the levels as they are.
+    // Reserve memory first: an exception below then leaves the levels unchanged.
     refinements_.reserve(refinements_.size() + 1);
     levels_.reserve(levels_.size() + 1);
     const Level& parent = levels_.back();
@@ -68,7 +108,7 @@ void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
 
 namespace {
 
-/// Refuses a level that cannot be, before those below it are made.
+/// Throws if a level is too large, before the levels below it are made.
 void checkSize(const CellComplex& complex, int levels, int level) {
     const LevelSize size = levelSize(complex, levels);
     const std::string name = concat("level ", level);
@@ -83,7 +123,7 @@ void checkSize(const CellComplex& complex, int levels, int level) {
 }  // namespace
 
 void TopologyRefiner::refineUniform(int level) {
-    // Without boundary control levels are smaller, by how much is not known beforehand.
+    // Without boundary control, levels are smaller by an amount that is not known in advance.
     if (level > maxLevel() && isUniform() && boundary() != Boundary::Open)
         checkSize(levels_.back().complex, level - maxLevel(), level);
     while (maxLevel() < level) {
@@ -103,7 +143,7 @@ void TopologyRefiner::refineUniform(int level) {
 
 namespace {
 
-/// The cells that share a vertex with one of `cells`, and these; ascending.
+/// Returns `cells` and the cells that share a vertex with one of them, ascending.
 std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cells) {
     std::vector<std::uint8_t> isIn(complex.count(complex.dimension()));
     for (const Index cell : cells)
@@ -116,9 +156,9 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
     return result;
 }
 
-/// Takes the mark off the entities without a vertex of one of `cells`.
-void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
-                  ByEntity<std::uint8_t>& marks) {
+/// Removes the mark of entities that have no vertex of one of `cells`.
+void unmarkOutside(const CellComplex& complex, std::span<const Index> cells,
+                   ByEntity<std::uint8_t>& marks) {
     std::vector<std::uint8_t> isCorner(complex.count(0), 0);
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
@@ -134,7 +174,7 @@ void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
     }
 }
 
-/// Marks cells and all that they contain.
+/// Marks cells and all entities that they contain.
 ByEntity<std::uint8_t> marksIn(const CellComplex& complex, std::span<const Index> cells) {
     ByEntity<std::uint8_t> marks = marksOf(complex, 0);
     for (int d = 0; d <= complex.dimension(); ++d)
@@ -168,10 +208,10 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
     } else {
         kept.upper = marksOf(parent.complex, 1);
         chosen.assign(cells.begin(), cells.end());
-        // Chaikin's rule looks at the edges at both ends of an edge: one more ring must be whole.
+        // Chaikin's rule uses the edges at both ends of an edge, so one more ring must be complete.
         if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
             chosen = grown(parent.complex, chosen);
-        unmarkBeyond(parent.complex, chosen, kept.lower);
+        unmarkOutside(parent.complex, chosen, kept.lower);
     }
     addLevel(&kept);
     chosen_ = std::move(chosen);
@@ -179,9 +219,9 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
 
 namespace {
 
-void checkLevel(int level, int least, int most) {
-    if (level < least || level > most)
-        throw Error(concat("there is no level ", level, " here: levels ", least, " to ", most,
+void checkLevel(int level, int first, int last) {
+    if (level < first || level > last)
+        throw Error(concat("there is no level ", level, " here: levels ", first, " to ", last,
                            " have been refined"));
 }
 

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-// far/: topology. No positions and no weights.
+// far/: refines topology. It knows neither positions nor weights.
 //
 // In: loops of vertex numbers, and marks. Out: refined levels with the strata of their entities.
 //
@@ -21,20 +21,35 @@
 //
 // Read cell_complex.h, strata.h, refinement.h, then this header.
 //
-// Notation: n is a level, 0 the base. An interval [a, b] is a pair of entities, a in b; its child
-// has the dimension dim b − dim a.
+// Notation: n is a level, 0 the base. An interval [a, b] is a pair of entities, a contained in b or
+// equal to it; its child has the dimension dim b − dim a.
 namespace espalier::far {
 
-/// The weights of a triangle at a smooth edge of a surface.
+/// The rules of refinement. The first two are Catmull-Clark's and differ only in the edge rule of
+/// volumes, and only for interior edges with a number of faces other than four. On grids, the third
+/// is equal to both.
+enum class Rules {
+    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
+    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+    Mlca,        ///< split, then average: see stencils/mlca.h    Bajaj, Schaefer, Warren & Xu 2002
+    Rats         ///< for curves and meshes: see stencils/rats.h  Savva & Clapworthy, section 2.2
+};
+inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
+                                              {"cse96", Rules::Cse96},
+                                              {"mlca", Rules::Mlca},
+                                              {"rats", Rules::Rats}};
+
+/// The weight of a triangle in the point of a smooth edge of a surface.
 enum class TriangleSubdivision {
-    Catmark,  ///< those of every face
-    Smooth    ///< 0.47 in place of 1/4 for its centroid: OpenSubdiv's "smooth triangles"
+    Catmark,  ///< the same as for every face
+    Smooth    ///< 0.47 instead of 1/4 for the triangle's centroid: OpenSubdiv's "smooth triangles"
 };
 inline constexpr Word<TriangleSubdivision> kTriangleSubdivisionWords[] = {
     {"catmark", TriangleSubdivision::Catmark}, {"smooth", TriangleSubdivision::Smooth}};
 
-/// How a complex is refined; decided once, at level 0.
+/// How to refine a complex; chosen once, at level 0.
 struct RefinerOptions {
+    Rules rules = Rules::Siggraph96;
     Boundary boundary = Boundary::Sharp;
     SharpEdges sharpEdges = SharpEdges::SingleCell;
     Creasing creasing = Creasing::Uniform;
@@ -46,80 +61,86 @@ struct RefinerOptions {
 struct Level {
     CellComplex complex;
     Strata strata;
-    std::vector<Index> holes = {};  ///< of a mesh: faces, ascending
+    std::vector<Index> holes = {};  ///< faces of a mesh that are holes, ascending
 };
 
-/// The chain of refined complexes. Level 0 is the base; level k has about 8 times (lattice), 4
+/// Refines a complex level by level. Level 0 is the base; level k has about 8 times (lattice), 4
 /// times (mesh) or twice (curve) the entities of level k − 1.
 ///
-/// Vertices of level k are numbered as Refinement says: vertex points, edge points, face points,
-/// cell points of level k − 1. So under Boundary::Sharp, vertex i of a level is the vertex point of
-/// vertex i of the level before.
+/// Vertices of level k are numbered as in Refinement: the vertex points, edge points, face points
+/// and cell points of level k − 1. So under Boundary::Sharp, vertex i of a level is the vertex
+/// point of vertex i of the level before.
 ///
-/// Const calls are safe from any number of threads.
+/// Any number of threads may call const functions at once.
 class ESPALIER_API TopologyRefiner {
 public:
-    /// \throws TopologyError for marks that do not fit `base`
+    /// \throws TopologyError for marks that do not fit `base`; under Rules::Rats (BadMark) for an
+    ///         edge or a vertex that is semi-sharp
+    /// \throws Error under Rules::Mlca and Rules::Rats for TriangleSubdivision::Smooth; under
+    ///         Rules::Rats for a lattice and for Boundary::Open, as it reaches the border
     explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});
 
-    /// A chain that goes on from a level of another one: level 0 of this is `first`.
-    /// \param options of the other one; its marks were read there
+    /// Continues the chain of another refiner: level 0 is `first`.
+    /// \param options of the other refiner; its marks are not read again
     explicit TopologyRefiner(Level first, const RefinerOptions& options = {});
 
-    /// Adds levels until maxLevel() is `level`; those already there stay.
+    /// Refines up to `level`. Does nothing if the level exists.
     ///
     /// \throws TopologyError (TooManyEntities; EmptyComplex under Boundary::Open); MemoryError. The
-    ///         levels made before stay. A level that is too large is refused before any is made,
-    ///         but under Boundary::Open, where its size is not known beforehand
-    /// \throws Error after refineAround(): parts of the levels are not there
+    ///         levels made before are kept. If a level is too large, the function throws before it
+    ///         makes any level; except under Boundary::Open, where sizes are not known in advance
+    /// \throws Error after refineAround(), which leaves the finest level incomplete
     /// \cost O(entries of the new levels)
     void refineUniform(int level);
 
-    /// How much of a level refineAround() makes.
+    /// How much of a level refineAround() creates.
     enum class Extent {
-        Ring,  ///< the cells [v, c] with v a vertex of one of the given cells: their children, and
-               ///< all that is around these
-        Cells  ///< their children alone; no level can follow
+        Ring,  ///< the cells [v, c] with v a vertex of one of the given cells: the children of
+               ///< these cells, and all cells around the children
+        Cells  ///< only the children of the given cells; no level can follow
     };
 
-    /// Adds one level that holds no more than some cells need.
+    /// Adds one level that contains only what some cells need.
     ///
-    /// What is there has the same order as in the whole level. The same are the rows of level
-    /// tables for the vertices of the children of `cells` and, with Extent::Ring, for those in the
-    /// cells around the children, and the strata of what contains a vertex of a child. The
-    /// outermost cells lack neighbours, so that no more can be said of what lies on their outer
-    /// side.
+    /// The entities that exist have the same order as in the whole level. The following are equal
+    /// to those of the whole level: the rows of level tables for the vertices of the children of
+    /// `cells` and, with Extent::Ring, for the vertices of the cells around the children; and the
+    /// strata of the entities that contain a vertex of a child. The outermost cells lack
+    /// neighbours, so rows and strata on their outer side may differ.
     ///
-    /// \param cells entities of dimension() of the finest level, ascending; where that was made
-    ///        like this, children of the cells that were given then
-    /// \throws Error if it is not so, naming the first; and what refineUniform() throws
-    /// \cost O(entries of the finest level, and of the new one)
+    /// \param cells entities of dimension() of the finest level, ascending; if that level was made
+    ///        by refineAround(), children of the cells that were given then
+    /// \throws Error for the first cell that is not; and as refineUniform()
+    /// \cost O(entries of the finest level and of the new one)
     void refineAround(std::span<const Index> cells, Extent extent = Extent::Ring);
 
-    /// Whether the finest level holds all of it.
+    /// Returns true if the finest level is complete.
     bool isUniform() const { return !chosen_; }
 
     int dimension() const { return level(0).complex.dimension(); }
+    Rules rules() const { return options_.rules; }
     Boundary boundary() const { return options_.boundary; }
     const RefinerOptions& options() const { return options_; }
 
-    /// The finest level so far.
+    /// Returns the number of the finest level so far.
     int maxLevel() const { return static_cast<int>(levels_.size()) - 1; }
 
+    /// Returns a level.
     /// \param level 0 to maxLevel()
-    /// \throws Error if it is none of these
+    /// \throws Error if `level` is out of range
     const Level& level(int level) const;
 
-    /// The split of level `level` − 1 into level `level`: parent and child maps.
+    /// Returns the split of level `level` − 1 into level `level`: the maps between parents and
+    /// children.
     /// \param level 1 to maxLevel()
-    /// \throws Error if it is none of these
+    /// \throws Error if `level` is out of range
     const Refinement& refinement(int level) const;
 
 private:
     void addLevel(const Refinement::Kept* kept);
 
     RefinerOptions options_;
-    /// The cells around which the finest level is whole; nothing where it is everywhere.
+    /// The cells around which the finest level is complete; nothing if it is complete everywhere.
     std::optional<std::vector<Index>> chosen_;
     std::vector<Level> levels_;
     std::vector<Refinement> refinements_;

@@ -74,12 +74,12 @@ void checkFace(const CellComplex& complex, Index face) {
                concat(" names vertex ", *twice, " twice"));
 }
 
-/// One edge of one face of a cell, seen from the cell.
+/// An edge of a face of a cell, seen from the cell.
 struct FaceSide {
     Index edge;
     std::size_t face;    ///< position among the faces of the cell
     std::size_t corner;  ///< position of the edge in the face's loop
-    int sign;            ///< whether the outward loop of the face runs along the edge
+    int sign;            ///< +1 if the outward loop of the face runs from tail to head, else −1
 };
 
 /// Checks that the faces of one cell form a sphere.
@@ -94,7 +94,7 @@ void checkCell(const CellComplex& complex, Index cell) {
     if (twice != sortedFaces.end())
         refuse(TopologyCause::RepeatedFace, entity, concat(" lists face ", *twice, " twice"));
 
-    // The corners of all faces, numbered through; firstCorner[f] is the first of face f.
+    // The corners of all faces are numbered consecutively; firstCorner[f] is the first of face f.
     std::vector<std::size_t> firstCorner(faces.size() + 1, 0);
     std::vector<FaceSide> sides;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -108,7 +108,7 @@ void checkCell(const CellComplex& complex, Index cell) {
         return std::pair(a.edge, a.face) < std::pair(b.edge, b.face);
     });
 
-    // Each edge joins two faces, and at both of its ends one corner of each.
+    // Each edge joins two faces and, at each of its ends, one corner of each face.
     DisjointSets pieces(faces.size());
     DisjointSets fans(firstCorner.back());
     const auto cornerAt = [&](const FaceSide& side, Index vertex) {
@@ -142,7 +142,7 @@ void checkCell(const CellComplex& complex, Index cell) {
 
     const auto vertices = complex.relation(3, 0)[cell];
     if (fans.setCount() != vertices.size()) {
-        // Some vertex has more than one fan: find it, for the message.
+        // Some vertex has more than one fan: find it for the message.
         std::vector<std::pair<Index, std::size_t>> fanOf;
         for (std::size_t f = 0; f < faces.size(); ++f) {
             const auto loop = complex.relation(2, 0)[faces[f]];
@@ -167,7 +167,7 @@ void checkCell(const CellComplex& complex, Index cell) {
                       "; expected 2"));
 }
 
-/// Checks that one or two cells meet in a face, from opposite sides.
+/// Checks that one or two cells contain a face, from opposite sides.
 void checkCellsOfFace(const CellComplex& complex, Index face) {
     const auto cells = complex.relation(2, 3)[face];
     if (cells.size() > 2)
@@ -237,7 +237,7 @@ void validate(const CellComplex& complex) {
                        std::string(" belongs to no ") + dimensionName(d + 1));
         });
     if (dimension == 3) {
-        // Crowded faces first: what a third cell does to a face would else look like a bad cell.
+        // Crowded faces first: otherwise, a third cell at a face would be reported as a bad cell.
         checkEach(complex, 2, [](const CellComplex& c, Index face) {
             if (c.relation(2, 3)[face].size() > 2) checkCellsOfFace(c, face);
         });

@@ -19,7 +19,7 @@ constexpr std::uint32_t kWithoutGradients = 1, kWithGradients = 2;  // versions
 
 using stencils::StencilTable;
 
-/// What the file holds, in numbers.
+/// The sizes in the header of the file.
 struct Sizes {
     std::int64_t rows, columns, entries, kept, nameBytes, modelBytes;
     std::optional<std::array<std::int64_t, 3>> gradientEntries;
@@ -30,6 +30,7 @@ Array<Number> readNumbers(ByteInput& in, std::int64_t count) {
     return in.numbersAs<Number, Number>(static_cast<std::uint64_t>(count));
 }
 
+/// Reads weights.
 /// \throws CodingError if a weight is not finite
 Array<double> readWeights(ByteInput& in, std::int64_t count) {
     auto result = readNumbers<double>(in, count);
@@ -40,6 +41,7 @@ Array<double> readWeights(ByteInput& in, std::int64_t count) {
     return result;
 }
 
+/// Reads positions.
 /// \throws CodingError if a coordinate is not finite
 std::vector<Point3> readPoints(ByteInput& in, std::int64_t count, const char* name) {
     std::vector<Point3> result(count);
@@ -53,8 +55,8 @@ std::vector<Point3> readPoints(ByteInput& in, std::int64_t count, const char* na
 }
 
 /// Returns true if the file is exactly as long as the sizes in its header say.
-bool fitTheRest(const Sizes& sizes, std::size_t left) {
-    // Subtracted part by part from what is there: no claim, however large, overflows.
+bool fileSizeMatches(const Sizes& sizes, std::size_t left) {
+    // Subtracts each part from the bytes that are left, so that no claimed size can overflow.
     std::uint64_t room = left;
     const auto take = [&](std::int64_t count, std::uint64_t size) {
         if (count < 0 || static_cast<std::uint64_t>(count) > room / size) return false;
@@ -93,12 +95,13 @@ Sizes readHeader(ByteInput& in, std::uint64_t& hash) {
         for (std::int64_t& entries : sizes.gradientEntries.emplace())
             entries = in.number<std::int64_t>();
     }
-    if (!fitTheRest(sizes, in.left()))
+    if (!fileSizeMatches(sizes, in.left()))
         throw CodingError("is truncated or corrupted: its size is not what its header says");
     return sizes;
 }
 
-/// \throws CodingError if the arrays are not a table of `columnCount` columns
+/// Builds a table with `columnCount` columns.
+/// \throws CodingError if the arrays are not such a table
 StencilTable<double> makeTable(std::int64_t columnCount, Array<Offset> offsets,
                                Array<Index> columns, Array<double> weights) {
     try {
@@ -123,7 +126,8 @@ BoundGradients readGradients(const Sizes& sizes, ByteInput& in) {
     return gradients;
 }
 
-/// \throws Error if gradients are not those of the binding's points by its lattice
+/// \throws Error unless the gradients have the binding's points as rows and its lattice vertices as
+///         columns
 void checkShape(const BoundGradients& gradients, const StencilTable<double>& table) {
     const auto refuse = [&](const std::string& what, const std::string& got) {
         throw Error(concat("a bound model of ", table.rowCount(), " points and ",
@@ -160,7 +164,7 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     if (expected != crc32Of(checked))
         throw CodingError("is corrupted: its checksum does not match");
 
-    // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
+    // The checksum is right, so the checks below only fail for a file that was made to mislead.
     if (sizes.columns < 0 || sizes.columns > kMaxIndex)
         throw CodingError(
             concat("claims ", sizes.columns, " lattice vertices; expected 0 to ", kMaxIndex));

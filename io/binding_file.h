@@ -13,31 +13,34 @@
 
 namespace espalier::io {
 
-/// How the surroundings of bound points are deformed, which carries their normals and tangents.
+/// Tables that give the deformation gradient F at each bound point, by which normals and tangents
+/// are carried along.
 struct BoundGradients {
-    /// As limit::LimitTable::gradients: the products with a pose are the columns of F. One row a
-    /// point, one column a base vertex.
+    /// One row per point and one column per base vertex, as in limit::LimitTable::gradients. Table
+    /// j times a pose is column j of F.
     std::array<stencils::StencilTable<double>, 3> tables;
 
-    /// The base vertices at rest. The products with their displacements are the columns of F − 1,
-    /// exactly 0 where nothing moves.
+    /// The base vertices at rest. Table j times the displacements from them is column j of F − 1,
+    /// which is exactly 0 where nothing moves.
     std::vector<Point3> rest;
 
     friend bool operator==(const BoundGradients&, const BoundGradients&) = default;
 };
 
-/// A bound model, complete: apply it to a pose, and write the result in the format of the model.
+/// A model with its binding: all that is needed to apply a pose, and to write the result in the
+/// format of the model.
 struct BoundModel {
     embed::Binding binding;
-    std::string modelName;   ///< of the model's file, without folders; its extension is its format
-    std::string modelBytes;  ///< the model's file
+    std::string
+        modelName;  ///< file name of the model, without folders; the extension is its format
+    std::string modelBytes;  ///< content of the model's file
 
-    /// The gradients that carry normals and tangents, if the model has such and is bound to the
-    /// limit. Without gradients, apply leaves normals and tangents as they are.
+    /// Present if the model has normals or tangents and is bound to the limit. Without gradients,
+    /// applying a pose leaves normals and tangents as they are.
     std::optional<BoundGradients> gradients = {};
 };
 
-/// Writes a bound model (.espb). The file, little-endian throughout:
+/// Writes a bound model (.espb). The file is little-endian throughout and holds:
 ///
 ///     8 bytes   "ESPALIER"
 ///     u32       version of the format: 2 with gradients, 1 without
@@ -47,26 +50,25 @@ struct BoundModel {
 ///     i64 × 3   version 2: entries of the gradients by x, y and z
 ///     i64       offsets of the rows, rows + 1 of them
 ///     f64       weights
-///     f64 × 3   where the kept points stay
+///     f64 × 3   positions of the kept points
 ///     i32       columns
-///     i32       the kept points
+///     i32       numbers of the kept points
 ///     three times, version 2: the gradients by x, y and z
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
 ///       i32     columns
-///     f64 × 3   version 2: the lattice at rest, one position a column
+///     f64 × 3   version 2: the lattice at rest, one position per column
 ///     bytes     the model's name; the model
-///     u32       CRC-32 of all before (that of zlib)
+///     u32       CRC-32 (zlib's) of all bytes before it
 ///
 /// \throws Error if the gradients do not have the shape of the binding; FileError if the file
-/// cannot
-///         be written
+///         cannot be written
 ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model);
 
-/// Reads a bound model of version 1 or 2.
+/// Reads a bound model of version 1 or 2. The sizes that the file claims are checked before memory
+/// is allocated for them.
 /// \throws FileError if the file cannot be read, is of another kind or version, is truncated, or
-///         does not have the checksum that it should; if a weight or a position is not finite;
-///         nothing is allocated by the sizes that it claims before they are checked
+///         has a wrong checksum; if a weight or a position is not finite
 ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path);
 
 /// The same for a file that is in memory already.

@@ -10,13 +10,14 @@
 namespace espalier::io {
 namespace {
 
-/// A matrix by rows, and for each entry the sum of the sizes of the terms that it was made of.
+/// A matrix by rows, and for each entry the sum of the absolute values of its terms.
 struct Map {
     std::array<double, 9> entries;
     std::array<double, 9> sizes;
 };
 
-/// Exponent of the power of two that brings the largest of the numbers to [1, 2).
+/// Returns the exponent e for which the largest absolute value of the numbers is in [2^e, 2^(e +
+/// 1)).
 template <class Numbers>
 int exponentOf(const Numbers& numbers) {
     double largest = 0;
@@ -24,7 +25,8 @@ int exponentOf(const Numbers& numbers) {
     return largest > 0 ? std::ilogb(largest) : 0;
 }
 
-/// The numbers times a power of two: exact, but for one that is 2^1000 times smaller than another.
+/// Multiplies the numbers by 2^exponent. The products are exact unless one number is 2^1000 times
+/// smaller than another.
 template <class Numbers>
 Numbers timesPowerOfTwo(Numbers numbers, int exponent) {
     for (double& number : numbers) number = std::scalbn(number, exponent);
@@ -54,10 +56,11 @@ Map cofactorMap(const DeformationGradient& f) {
     return map;
 }
 
-/// The vector along map · direction, of the length of `direction`.
+/// Returns map · direction, scaled to the length of `direction`; zero if the product is only
+/// rounding.
 Point3 carryBy(const Map& map, const Point3& direction) {
-    // An entry, made of two products of rounded numbers, and the sum over a row are off by less
-    // than this part of their terms.
+    // Relative to its terms, the rounding error of an entry (two products) and of the sum over a
+    // row is less than this.
     constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
     const int exponent = exponentOf(direction);
     const Point3 from = timesPowerOfTwo(direction, -exponent);

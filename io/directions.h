@@ -8,28 +8,30 @@
 
 namespace espalier::io {
 
-/// The deformation gradient F at a point, by rows: number 3 i + j is d x'_i / d X_j, the change of
-/// coordinate i of the deformed point by coordinate j of the point at rest. All are finite.
+/// The deformation gradient F at a point, by rows: number 3 i + j is d x'_i / d X_j, the derivative
+/// of coordinate i of the deformed point by coordinate j of the point at rest. All numbers are
+/// finite.
 ///
-/// Where nothing moves it should be the identity to the last bit, as 1 + d u / d X is, of the
-/// displacements u: then directions keep theirs.
+/// Where nothing moves, F should be the identity to the last bit, so that directions stay as they
+/// are. Computed as 1 + d u / d X from the displacements u, it is.
 using DeformationGradient = std::array<double, 9>;
 
-// What a deformation makes of the directions at a point. Only the direction follows F, and the
-// length stays (to a few roundings): unit vectors remain so, as renderers expect. The zero vector
-// comes back bit for bit, and so does what the map given below takes to itself. Zero is also what
-// F leaves no direction of, but for what its rounding makes up.
+// carryNormal() and carryTangent() turn a direction as the deformation turns it, and keep its
+// length (to a few roundings): unit vectors stay unit vectors, as renderers expect. A direction
+// that F maps to itself comes back bit for bit, and so does the zero vector. The result is zero
+// where F maps the direction to zero up to rounding.
 //
-// The vectors are finite, and so are their lengths, with a factor of 2 to spare. F may be of any
-// size; a determinant of 0 or below is as good as any.
+// The vectors must be finite and their lengths at most half of the largest double. F may be of any
+// size, and its determinant may be 0 or negative.
 
-/// A normal, along cof(F) n = det(F) F⁻ᵀ n: the cross product of two tangents that F carries. So it
-/// keeps to the side from which a face runs anticlockwise, in a deformation that mirrors too, and
-/// there is one where F flattens space onto the surface. Zero where F shrinks the surface to a
-/// curve.
+/// Returns the normal of the deformed surface, along cof(F) n = det(F) F⁻ᵀ n, the cross product of
+/// two tangents that F carries. It stays on the side from which the face runs anticlockwise, even
+/// if the deformation mirrors, and it exists where F flattens space onto the surface. Zero where F
+/// shrinks the surface to a curve.
 ESPALIER_API Point3 carryNormal(const DeformationGradient& gradient, const Point3& normal);
 
-/// A tangent, along F t. Zero where F shrinks its line to a point.
+/// Returns the tangent of the deformed surface, along F t. Zero where F shrinks the line of the
+/// tangent to a point.
 ESPALIER_API Point3 carryTangent(const DeformationGradient& gradient, const Point3& tangent);
 
 }  // namespace espalier::io

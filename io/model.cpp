@@ -37,7 +37,7 @@ const ModelFormat& requireFormat(const std::filesystem::path& path) {
     throw FileError(path, "is not of a known model format; expected " + known);
 }
 
-/// Refuses numbers that are not so many, one set a point, or that are not finite.
+/// Throws unless there is one set of finite numbers per point.
 template <class Numbers>
 void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std::string& plural,
               const std::string& singular) {

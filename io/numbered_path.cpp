@@ -26,12 +26,12 @@ struct NumberPlace {
     std::size_t width;
 };
 
-/// The place that begins at the % at `begin`, if it is one.
+/// Returns the place whose % is at `begin`; nothing if the % begins neither %d nor %0Nd.
 std::optional<NumberPlace> placeAt(const std::string& text, std::size_t begin) {
     std::size_t end = begin + 1;
     std::size_t width = 0;
     if (text.compare(end, 1, "0") == 0) {
-        // The zero and one or two digits; a text that ends sooner has a 0 at its end.
+        // Reads one or two digits after the zero. At the end of the text, text[end] is '\0'.
         for (++end; end < begin + 4 && isDigit(text[end]); ++end)
             width = 10 * width + static_cast<std::size_t>(text[end] - '0');
         if (width == 0) return std::nullopt;

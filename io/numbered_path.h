@@ -6,15 +6,16 @@
 
 namespace espalier::io {
 
-/// The name of the file of pose `number` when `count` poses are written to `pattern`.
+/// Returns the name of the file for pose `number` when `count` poses are written to `pattern`.
 ///
-/// `%d` in the pattern, or `%0Nd` with N from 1 to 99, gives the number its place, and zeros up to
-/// N digits. In a pattern without, one pose has the pattern itself; of several, each has its number
-/// of at least four digits before the extension: out.obj gives out.0000.obj.
+/// The number replaces `%d` in the pattern, or `%0Nd` with N from 1 to 99, which pads it with zeros
+/// to N digits. If the pattern has no such place, a single pose gets the pattern itself, and
+/// several poses get their number, of at least four digits, before the extension: out.obj becomes
+/// out.0000.obj.
 ///
 /// \param number from 0
-/// \throws Error if the pattern has more than one place for the number or a % that is none, if it
-/// names no file, or if the number is negative
+/// \throws Error if the pattern has more than one % or a % that begins neither form, if it names no
+///         file, or if the number is negative
 ESPALIER_API std::filesystem::path numberedPath(const std::filesystem::path& pattern, int number,
                                                 int count);
 

@@ -11,17 +11,17 @@
 namespace espalier::io {
 
 /// Facts about a file that are no errors, but that its user should know. The library never prints:
-/// a reader gives the notes to its caller.
+/// a reader passes the notes to its caller.
 struct ReadNotes {
-    /// The vertices that no cell of a lattice, or no line of a curve, uses: their numbers in the
-    /// file, ascending. The lattice lacks them, and its vertices are numbered without them.
+    /// Vertices that no cell of the lattice, or no line of the curve, uses: their numbers in the
+    /// file, ascending. The reader leaves them out and numbers the other vertices without gaps.
     std::vector<Index> droppedVertices;
 
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };
 
-/// The notes on a file as one line for people, "a.vtu: dropped 1 unused vertex (vertex 17)"; empty
-/// if there are none. Of many vertices the line names the first few.
+/// Returns the notes on a file as one line of text, "a.vtu: dropped 1 unused vertex (vertex 17)";
+/// empty if there are no notes. The line names at most five vertices.
 ESPALIER_API std::string describe(const std::filesystem::path& path, const ReadNotes& notes);
 
 }  // namespace espalier::io

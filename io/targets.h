@@ -12,19 +12,19 @@
 
 namespace espalier::io {
 
-/// Where a point of a model is wanted.
+/// The wanted position of one point of a model.
 struct Target {
-    Index point;  ///< its number in the model, from 0
+    Index point;  ///< number of the point in the model, from 0
     Point3 position;
-    std::size_t line;  ///< of the file
+    std::size_t line;  ///< line of the file, for messages
 };
 
-/// Reads targets from text, one a line: the number of a point and three coordinates, with white
-/// space between. What follows a # is a comment, to the end of its line.
+/// Reads targets from text, one per line: the number of a point and three coordinates, separated by
+/// white space. A # begins a comment, which ends with the line.
 ///
-/// \param pointCount of the model
-/// \throws FileError with the line for what is no number, not finite, or no point of the model, and
-///         for a point that comes twice; if there are no targets
+/// \param pointCount number of points of the model
+/// \throws FileError with the line, if a word is no number or not finite, if the model has no such
+///         point, or if a point comes twice; FileError if there are no targets
 ESPALIER_API std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount);
 
 /// The same for a file that is in memory already.

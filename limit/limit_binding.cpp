@@ -17,7 +17,7 @@
 
 namespace espalier::limit {
 
-// For bindGroups(), which finds them by the namespace of LimitTable.
+// bindGroups() finds these functions by the namespace of LimitTable.
 const stencils::StencilTable<double>& pointRows(const LimitTable& table) {
     return table.points;
 }
@@ -42,16 +42,17 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Around irregular features gradients are those of the nearest vertex of a cell of this size.
+/// Size of cell at irregular features when gradients are requested. There the gradient of a place
+/// is taken at the nearest vertex of its cell.
 constexpr double kGradientTolerance = 1e-12;
 
-/// Options whose places serve gradients too, if these are asked for.
+/// Options with a tolerance that is tight enough for gradients, if these are requested.
 LimitOptions forGradients(LimitOptions options) {
     if (options.gradients) options.tolerance = std::min(options.tolerance, kGradientTolerance);
     return options;
 }
 
-/// The rows of places over the vertices of their level.
+/// Returns the rows of places over the vertices of their level.
 stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t placeCount,
                                       Index vertexCount) {
     return stencils::buildTable(static_cast<Index>(placeCount), vertexCount,
@@ -62,12 +63,12 @@ stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t place
                                 });
 }
 
-/// (T X)⁻¹ for the directions T of one place, three rows from `first` on, and the rest pose X. Not
-/// a number where T X spans no volume.
+/// Returns (T X)⁻¹ for the directions T of one place, rows `first` to first + 2, and the rest pose
+/// X. NaN where T X spans no volume.
 Matrix3d inverseAtRest(const stencils::StencilTable<double>& tangents, Index first,
                        std::span<const Point3> positions) {
-    // Rounding of T X is some 1e-16 of the sums of its terms' sizes: of what is this flat, F would
-    // have six digits at best.
+    // The rounding of T X is about 1e-16 of the sum of the sizes of its terms. Where T X is flatter
+    // than this, F would have at most six correct digits.
     constexpr double kFlat = 1e-10;
     Matrix3d atRest = Matrix3d::Zero();
     Vector3d sizes = Vector3d::Zero();
@@ -75,7 +76,7 @@ Matrix3d inverseAtRest(const stencils::StencilTable<double>& tangents, Index fir
         const auto columns = tangents.columns(first + row);
         const auto weights = tangents.weights(first + row);
         if (columns.empty()) continue;
-        // Rows sum to 0: seen from a vertex near by, coordinates are small.
+        // Rows sum to 0, so that the origin may be a nearby vertex: coordinates are then small.
         const Vector3d origin(positions[columns.front()].data());
         for (std::size_t k = 0; k < columns.size(); ++k) {
             const Vector3d term = weights[k] * (Vector3d(positions[columns[k]].data()) - origin);
@@ -83,18 +84,18 @@ Matrix3d inverseAtRest(const stencils::StencilTable<double>& tangents, Index fir
             sizes[row] += term.norm();
         }
     }
-    // Directions of any length: derivatives of deep levels are very small.
+    // Scale each direction to unit length: derivatives of deep levels are very small.
     const Matrix3d unit = sizes.cwiseInverse().asDiagonal() * atRest;
     if (!(std::abs(unit.determinant()) > kFlat))
         return Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
     return unit.inverse() * sizes.cwiseInverse().asDiagonal();
 }
 
-/// A row of F's column `axis` for each place. F maps the rest pose as the directions T do:
-/// Fᵀ = (T X)⁻¹ T x.
-/// \param tangents three rows a place, over the base
-/// \param positions of the base at rest
-/// \param scale what gradients by these positions are multiplied by
+/// Returns the rows of the columns of F, one row for each place. F maps the directions T of the
+/// rest pose to those of the pose: Fᵀ = (T X)⁻¹ T x.
+/// \param tangents three rows for each place, over the base
+/// \param positions positions of the base at rest
+/// \param scale factor for gradients by these positions
 std::array<stencils::StencilTable<double>, 3> gradientsOf(
     const stencils::StencilTable<double>& tangents, std::span<const Point3> positions,
     double scale) {
@@ -121,8 +122,9 @@ std::array<stencils::StencilTable<double>, 3> gradientsOf(
     return gradients;
 }
 
-/// \throws Error naming a cell, a face or a vertex of so many sides that the levels around it would
-///         take all memory: each point near it needs some twenty levels, with as many cells as that
+/// Limits the number of sides. Each point near an irregular entity needs about twenty levels, each
+/// with as many cells as the entity has sides: beyond this number the levels would take all memory.
+/// \throws Error naming a cell, a face or a vertex with more sides
 void checkSides(const far::CellComplex& complex) {
     constexpr std::ptrdiff_t kMaxSides = 1000;
     const auto check = [&](int dimension, int other, const char* entity, const char* sides) {
@@ -142,7 +144,7 @@ void checkSides(const far::CellComplex& complex) {
 /// Binds groups of points to the limit volume.
 class LimitBinder {
 public:
-    /// \param lattice in units; its base and positions must outlive this
+    /// \param lattice positions in units; its base and positions must outlive this
     LimitBinder(const embed::RestLattice& lattice, const embed::LengthUnit& unit,
                 const LimitOptions& options)
         : positions_(lattice.positions),
@@ -164,8 +166,8 @@ public:
     }
 
 private:
-    /// A part for the points of each level, and one for those without a place.
-    /// \param numbers of the points
+    /// Adds a part for the points of each level, and one for the points without a place.
+    /// \param numbers numbers of the found points in the group
     void addParts(const FoundPoints& found, const std::vector<Index>& numbers,
                   std::vector<Part>& parts) const {
         const stencils::Levels& levels = found.descent.levels;
@@ -207,7 +209,7 @@ private:
     }
 
     std::span<const Point3> positions_;
-    double perLength_;  ///< units in a length of 1
+    double perLength_;  ///< number of units in a length of 1
     bool gradients_;
     LimitSearch search_;
 };
@@ -218,14 +220,14 @@ embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                              std::span<const Point3> points,
                                              const LimitOptions& options) {
     checkLimitTolerance(options.tolerance);
-    checkLimitRules(lattice.rules);
+    checkLimitRules(lattice.base.rules());
     embed::checkRest(lattice, 1);
     checkSides(lattice.base.level(0).complex);
     const embed::LengthUnit unit(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
-    auto binder = std::make_shared<const LimitBinder>(
-        embed::RestLattice{lattice.base, inUnits, lattice.rules}, unit, options);
-    // As in a deep level: most points at irregular features share no cells with others.
+    auto binder = std::make_shared<const LimitBinder>(embed::RestLattice{lattice.base, inUnits},
+                                                      unit, options);
+    // As in a deep level: most points at irregular features share no cells with other points.
     constexpr Offset kGroupSize = 1 << 12;
     auto model = embed::bindGroups<LimitTable>(
         [binder = std::move(binder)](std::span<const Point3> group) { return binder->bind(group); },

@@ -9,33 +9,33 @@
 #include <span>
 #include <utility>
 
-// limit/: the volume that refining goes to.
+// limit/: computes the limit volume of a lattice, which its levels converge to.
 //
-// In: a lattice at rest and points, or places in cells. Out: D on the limit volume, with
+// In: a lattice at rest, and points or places in cells. Out: D on the limit volume, with its
 // derivatives.
 //
-// Types: VertexRing, a vertex with its neighbours, whose subdivision matrix has the limit mask as
-// its eigenvector; TricubicPatch, a regular cell; LimitSearch, which finds a point; LimitTable, D
-// with its gradients.
+// Types: a VertexRing holds a vertex with its neighbours; the left eigenvector of its subdivision
+// matrix gives the limit of the vertex. A TricubicPatch is the limit of a regular cell. LimitSearch
+// finds points. A LimitTable is D with its gradients.
 //
 // Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header and limit_search.h.
 //
-// Notation: F = ∂x'/∂X is the deformation gradient by the rest pose X.
+// Notation: F = ∂x'/∂X is the deformation gradient; X is the rest pose, x' the deformed one.
 namespace espalier::limit {
 
-/// How close to the limit is close enough, unless said otherwise.
+/// The default of LimitOptions::tolerance.
 inline constexpr double kLimitTolerance = 1e-6;
 
 struct LimitOptions {
     embed::EmbeddingOptions embedding = {};
 
-    /// The size of what is left around irregular features, where the limit is blended from exact
-    /// ones: its corners are no further apart than this fraction of the size of the base, in any
-    /// pose. 1e-14 to 1e-1.
+    /// Largest size of a blended cell, as a fraction of the size of the base. Cells at irregular
+    /// features are refined until their corners are at most this far apart in any pose; then the
+    /// exact limits of their corners are blended. 1e-14 to 1e-1.
     double tolerance = kLimitTolerance;
 
-    /// Whether to make LimitTable::gradients. Points are then placed with a tolerance of 1e-12 at
-    /// most, whatever `tolerance` is: at irregular features that takes more levels.
+    /// Makes LimitTable::gradients. Points are then placed with a tolerance of at most 1e-12,
+    /// whatever `tolerance` is, which takes more levels at irregular features.
     bool gradients = false;
 
     /// Called now and then with the number of points done, from any thread; or empty.
@@ -45,46 +45,47 @@ struct LimitOptions {
 /// D, and the gradient of the deformation.
 ///
 /// With p' the base vertices of a pose, column j of the deformation gradient F = ∂x'/∂X at a point
-/// is gradients[j] · p', where X is the rest pose: F is the identity at rest. Normals go with the
-/// cofactor matrix of F, tangents with F. Rows of gradients sum to 0. They are empty where that of
-/// the point is, or where the lattice at rest has no volume at the point.
+/// is gradients[j] · p', where X is the rest pose: F is the identity at rest. Transform normals by
+/// the cofactor matrix of F, tangents by F. Rows of gradients sum to 0. A row is empty if the row
+/// of the point in D is empty, or if the lattice at rest has no volume at the point.
 ///
-/// For an affine pose F is its matrix to some 1e-12, at any tolerance. For any other pose F is
-/// exact in regular cells of all levels, and at the features themselves, by the eigenvectors of
-/// their rings. Where it changes faster than points are rounded, near irregular edges, it is good
-/// to 1e-6.
+/// For an affine pose, F is the matrix of the pose to about 1e-12, at any tolerance. For any other
+/// pose, F is exact in regular cells of all levels, and exact at irregular features, where it comes
+/// from the eigenvectors of their rings. Near irregular edges F may change faster than the rounding
+/// of the points resolves; it is accurate to 1e-6 there.
 struct LimitTable {
     stencils::StencilTable<double> points;  ///< D: points × base vertices
-    std::array<stencils::StencilTable<double>, 3> gradients =
-        {};  ///< the same shape; or 0 × 0 if not asked for
+    /// The same shape; 0 × 0 if they were not requested.
+    std::array<stencils::StencilTable<double>, 3> gradients = {};
 
     friend bool operator==(const LimitTable&, const LimitTable&) = default;
 };
 
-/// Binds points to the limit volume itself, not to a level of it: to the volume that refining goes
-/// to, in which no trilinear cell approximates anything.
+/// Binds points to the limit volume itself instead of a level. No trilinear cell approximates the
+/// volume.
 ///
-/// A regular cell of any level is a tricubic polynomial there, in which a point is found by
-/// Newton's method. Cells at irregular features are refined, no further than points ask for, until
-/// they are regular, or smaller than the tolerance; in these, the exact limits of the cell's
-/// vertices are blended as points of a level are. So D has rows of 64 entries in regular regions,
-/// as that of a level has.
+/// In a regular cell of any level the limit is a tricubic polynomial, and Newton's method finds the
+/// place of a point. Cells at irregular features are refined, only where there are points, until
+/// they are regular or smaller than the tolerance. In the small ones the exact limits of the cell's
+/// vertices are blended in the way a level blends its vertices. D has rows of 64 entries in regular
+/// regions, the same as the D of a level.
 ///
-/// Statuses are those of the embedding. A point outside that is carried goes with the tangent of
-/// the nearest place. A point in the gap between a patch and what is left at an irregular feature,
-/// less wide than the tolerance, is inside.
+/// Statuses have the meaning that they have for a level. A point outside that is carried follows
+/// the tangent at the nearest place. A point in the gap between a patch and a blended cell counts
+/// as inside; the gap is narrower than the tolerance.
 ///
 /// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
 ///         around which the levels would take all memory; for a tolerance that is out of range; and
 ///         under Rules::Rats
-/// \cost O(points · entries of D a point); near an irregular feature also its distance's logarithm,
-///       some 0.2 ms a level. In parallel; the result does not depend on the number of threads
-/// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (whose trilinear cells this goes past)
+/// \cost O(points · entries of D per point); near an irregular feature times the logarithm of the
+///       distance to it, about 0.2 ms per level. In parallel; the result does not depend on the
+///       number of threads
+/// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (the limit replaces their trilinear cells)
 ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                                           std::span<const Point3> points,
                                                           const LimitOptions& options = {});
 
-/// The same without gradients: the result of binding to a level, for all that takes such.
+/// Drops the gradients, so that the result has the type of a binding to a level.
 inline embed::BindingResult withoutGradients(embed::BindingResultOf<LimitTable> result) {
     auto& [table, kept, keptAt, topologyHash] = result.binding;
     return {{std::move(table.points), std::move(kept), std::move(keptAt), topologyHash},

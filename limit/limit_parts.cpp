@@ -18,13 +18,14 @@ struct LimitParts::Refined {
     stencils::Levels levels;
     std::vector<LimitPart> parts = {};
     std::vector<TricubicPatch> patches = {};
-    std::vector<Index> blended = {};             ///< vertices of the last level, ascending
-    stencils::StencilTable<double> limits = {};  ///< a row for each of these
+    std::vector<Index> blended = {};  ///< vertices of blended cells on the last level, ascending
+    stencils::StencilTable<double> limits = {};  ///< a row for each vertex of `blended`
 };
 
 namespace {
 
-/// The cells of the last level that what is left of the one before was refined into.
+/// Returns the children of `parents` on the last level. `parents` are cells of the level before,
+/// ascending.
 std::vector<LimitPart> childrenOf(const far::TopologyRefiner& refiner,
                                   const std::vector<LimitPart>& parents) {
     const int level = refiner.maxLevel();
@@ -49,17 +50,15 @@ std::vector<Index> cellsOf(const std::vector<LimitPart>& parts) {
 
 }  // namespace
 
-LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, int level) {
+LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
     if (base.dimension() != 3)
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
     if (level < 1 || level > kMaxLevelOfParts)
         throw Error("the level that irregular features are refined to is " + std::to_string(level) +
                     "; expected 1 to " + std::to_string(kMaxLevelOfParts));
-    checkLimitRules(rules);
-    stencils::checkRules(base, rules);
     auto refined = std::make_shared<Refined>(
-        Refined{{far::TopologyRefiner(base.level(0), base.options()), rules}});
+        Refined{stencils::Levels(far::TopologyRefiner(base.level(0), base.options()))});
     stencils::Levels& levels = refined->levels;
     std::vector<LimitPart> left;
     for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)
@@ -68,7 +67,7 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, 
         const far::Level& here = levels.finestLevel();
         std::vector<LimitPart> irregular;
         for (const LimitPart& part : left) {
-            if (!embed::isLasting(here, part.cell)) continue;
+            if (!embed::remainsInLimit(here, part.cell)) continue;
             if (embed::isRegularCell(here, part.cell)) {
                 refined->parts.push_back(part);
                 refined->patches.emplace_back(here, *embed::frameOf(here.complex, part.cell));
@@ -81,7 +80,7 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, 
         levels.refineAround(cellsOf(left));
         left = childrenOf(levels.refiner(), left);
     }
-    // Without boundary control there may be no next level: refining says what is missing.
+    // If everything shrank away there is no next level: refineUniform() throws and says why.
     if (left.empty() && refined->parts.empty())
         far::TopologyRefiner(base.level(0), base.options()).refineUniform(1);
     for (const LimitPart& part : left) {

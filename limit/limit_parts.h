@@ -4,30 +4,30 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
+// Splits the limit volume of a lattice into tricubic patches and blended cells.
 namespace espalier::limit {
 
-/// The most levels to which LimitParts refines irregular features.
+/// Highest level to which LimitParts refines irregular features.
 inline constexpr int kMaxLevelOfParts = 15;
 
-/// One of the parts that the limit volume of a lattice is made of: the limit of a cell of a level.
+/// A part of the limit volume of a lattice: the limit of one cell of one level.
 struct LimitPart {
-    Index baseCell = 0;  ///< that it descends from
+    Index baseCell = 0;  ///< base cell that `cell` descends from
     int level = 0;
     Index cell = 0;
 };
 
-/// Where the vertices of all levels are, for some positions of those of the base.
+/// Positions of the vertices of all levels, for given positions of the base vertices.
 struct LimitPositions {
     std::vector<std::vector<Point3>> levels;
 
-    /// Those of the last level; but the vertices of blends are where they go in the limit.
+    /// Positions of the vertices of the last level; vertices of blended cells are at their limits.
     std::vector<Point3> limits;
 };
 
@@ -37,43 +37,46 @@ struct BezierPatch {
     /// far::hexahedronVertices().
     std::array<Point3, 64> points;
 
-    /// Of the vertices that these points are means of, and of phantoms (tricubic_patch.h).
+    /// Largest absolute coordinate of the control points that `points` are averages of, including
+    /// phantoms (tricubic_patch.h).
     double largestCoordinate = 0;
 };
 
-/// The limit volume of a lattice, all of it: the cells that are regular on the level where they
-/// become so, each a tricubic patch, and on the last level what is left around irregular features.
-/// There, a cell is blended: taken as one of a level is (embed/cell_place.h), but between the
-/// limits of its vertices. Cells are refined there only.
+/// Splits the whole limit volume of a lattice into parts. A cell that is regular, on the first
+/// level where it is, becomes a tricubic patch. The cells that are irregular on the last level are
+/// blended: a blended cell is interpolated in the way a level interpolates its cells
+/// (embed/cell_place.h), but between the limits of its vertices. Only irregular cells are refined.
 ///
-/// Immutable and cheap to copy; any number of threads may ask.
+/// Immutable and cheap to copy; any number of threads may use one at once.
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
 class ESPALIER_API LimitParts {
 public:
     /// \param base a lattice; its level 0 is refined anew, locally
-    /// \param level how far irregular features are refined, 1 to kMaxLevelOfParts: what is blended
-    ///        around them halves in width with each
-    /// \throws Error for what is no lattice, a level out of range, and under Rules::Rats;
+    /// \param level level to which irregular features are refined, 1 to kMaxLevelOfParts. Each
+    ///        level halves the width of the blended region around a feature
+    /// \throws Error if `base` is not a lattice or `level` is out of range;
     ///         TopologyError and MemoryError as TopologyRefiner::refineUniform()
-    /// \cost O(parts): at a feature that is a surface, such as an open boundary, 4 times as many as
-    ///       on the level before, at an edge twice as many, at a vertex as many
-    LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, int level);
+    /// \cost O(parts). Each level multiplies the number of parts at a feature: by 4 at a surface,
+    ///       such as an open boundary, by 2 at an edge, by 1 at a vertex
+    LimitParts(const far::TopologyRefiner& base, int level);
 
     const far::CellComplex& base() const;
 
-    /// Patches, by level, and behind them blends, each in order of cells. Under Boundary::Open
-    /// without those that shrink away.
+    /// Patches in order of level, then blended cells; within a level in order of cells. Under
+    /// Boundary::Open, cells that shrink away are not among them.
     std::span<const LimitPart> parts() const;
     std::size_t patchCount() const;
 
-    /// That of the blends; it may hold more cells.
+    /// The level of the blended cells. It may contain cells that are not parts.
     const far::CellComplex& lastLevel() const;
 
-    /// \param positions one a vertex of the base
-    /// \throws Error if their number is another
+    /// Computes the positions of all vertices that the parts need.
+    /// \param positions one for each vertex of the base
+    /// \throws Error if the number of positions differs from the number of vertices
     /// \cost O(vertices of all levels)
     LimitPositions place(std::span<const Point3> positions) const;
 
+    /// Returns a patch in Bernstein form.
     /// \param patch below patchCount()
     BezierPatch bezierPatch(std::size_t patch, const LimitPositions& positions) const;
 

@@ -16,14 +16,14 @@
 namespace espalier::limit {
 namespace {
 
-/// Adds `scale` times some weights to others.
+/// Appends weights, multiplied by `scale`.
 void add(std::vector<embed::VertexWeight>& weights, double scale,
          std::span<const embed::VertexWeight> more) {
     for (const auto& [vertex, weight] : more) weights.push_back({vertex, scale * weight});
 }
 
-/// The weights of a cell's vertices in the first derivative along one axis: the place's weights are
-/// linear in its offset.
+/// Returns the weights of a cell's vertices in the first derivative along one axis. The weights of
+/// a place are linear in its offset, so a difference of two places is the derivative.
 std::vector<embed::VertexWeight> slope(const far::CellComplex& complex, embed::CellPlace place,
                                        std::size_t axis) {
     std::vector<embed::VertexWeight> weights;
@@ -34,7 +34,7 @@ std::vector<embed::VertexWeight> slope(const far::CellComplex& complex, embed::C
     return weights;
 }
 
-/// The same of the position or a first derivative.
+/// Returns the weights of the position or of a first derivative.
 std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
                                        const embed::CellPlace& place, const Orders& orders) {
     if (orders == kPosition) return embed::placeWeights(complex, place);
@@ -46,7 +46,7 @@ std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
 
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices) {
-    auto limits = buildLimitMasks(levels.refiner(), level, levels.rules(), vertices);
+    auto limits = buildLimitMasks(levels.refiner(), level, vertices);
     if (levels.refiner().boundary() != far::Boundary::Open) return limits;
     return stencils::buildTable(limits.rowCount(), limits.columnCount(),
                                 [&](Index row, stencils::RowAccumulator& accumulator) {
@@ -60,8 +60,8 @@ stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int l
 
 namespace {
 
-/// Half the sum of the differences of two rows: how far apart they can put two points, as a
-/// fraction of the size of what they weigh.
+/// Half the sum of the absolute differences of two rows: an upper bound of the distance of the two
+/// points, as a fraction of the size of the control points.
 double spreadOf(const stencils::StencilTable<double>& rows, Index a, Index b) {
     double sum = 0;
     std::size_t i = 0, k = 0;
@@ -76,7 +76,7 @@ double spreadOf(const stencils::StencilTable<double>& rows, Index a, Index b) {
     return sum / 2;
 }
 
-/// The factor of a corner of the unit interval in a derivative of the blend along it.
+/// Weight of one end of the unit interval in linear interpolation, or in its derivative.
 double blendFactor(std::size_t bit, double at, int order) {
     if (order == 0) return bit != 0 ? at : 1 - at;
     return order > 1 ? 0 : bit != 0 ? 1 : -1;
@@ -95,8 +95,8 @@ std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Ord
 
 }  // namespace
 
-std::vector<std::uint8_t> areSmall(const stencils::Levels& levels, std::span<const Index> cells,
-                                   double tolerance) {
+std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span<const Index> cells,
+                                       double tolerance) {
     const far::Incidence& vertices = levels.finestLevel().complex.relation(3, 0);
     const int level = levels.finest();
     std::vector<Index> corners;
@@ -120,7 +120,7 @@ std::vector<std::uint8_t> areSmall(const stencils::Levels& levels, std::span<con
         for (const Index vertex : vertices[cell])
             spread = std::max(spread, spreadOf(rows, placeIn(corners, vertices[cell][0]),
                                                placeIn(corners, vertex)));
-        // No two are further apart than twice that.
+        // By the triangle inequality, any two vertices are at most twice that far apart.
         result.push_back(2 * spread <= tolerance);
     }
     return result;
@@ -133,7 +133,7 @@ void checkLimitTolerance(double tolerance) {
     throw Error(text.str());
 }
 
-int leastLevelOfSmall(double tolerance) {
+int lowestBlendableLevel(double tolerance) {
     return std::max(1, static_cast<int>(std::ceil(-std::log2(tolerance))));
 }
 
@@ -154,7 +154,7 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
         } else if (place->isBlended) {
             blend(place->frame.corners);
         } else {
-            // Points come along a curve: the one before is often in the same cell.
+            // Points come along a curve, so the point before is often in the same cell.
             const auto* before = i > 0 ? std::get_if<FramePlace>(&places[i - 1].where) : nullptr;
             if (before && patches_[i - 1] && before->frame.corners == place->frame.corners)
                 patches_[i] = patches_[i - 1];
@@ -183,15 +183,14 @@ std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders&
 
 stencils::StencilTable<double> PlaceRows::tangents() const {
     std::vector<CellCorner> corners;
-    std::vector<Index> cornerOf(places_.size());  // Read where there is no patch.
+    std::vector<Index> cornerOf(places_.size());  // Used where there is no patch.
     for (std::size_t i = 0; i < places_.size(); ++i) {
         if (patches_[i]) continue;
         cornerOf[i] = static_cast<Index>(corners.size());
         corners.push_back(nearestCorner(i));
     }
     stencils::StencilTable<double> atCorners;
-    if (!corners.empty())
-        atCorners = buildTangentTable(levels_.refiner(), levelNumber_, levels_.rules(), corners);
+    if (!corners.empty()) atCorners = buildTangentTable(levels_.refiner(), levelNumber_, corners);
     return stencils::buildTable(
         static_cast<Index>(3 * places_.size()), level_.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
@@ -209,7 +208,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
         });
 }
 
-/// The vertex with the largest share in a place, of those that have a limit.
+/// Returns the vertex with the largest weight in a place, among the vertices that have a limit.
 CellCorner PlaceRows::nearestCorner(std::size_t i) const {
     Index cell = 0;
     std::vector<embed::VertexWeight> weights;
@@ -232,7 +231,7 @@ CellCorner PlaceRows::nearestCorner(std::size_t i) const {
     return corner;
 }
 
-/// Weights of vertices, of those of their limits.
+/// Replaces each vertex by its limit: weights of limits become weights of vertices.
 std::vector<embed::VertexWeight> PlaceRows::inLimits(
     std::span<const embed::VertexWeight> weights) const {
     std::vector<embed::VertexWeight> result;

@@ -14,65 +14,69 @@
 #include "limit_tangents.h"
 #include "tricubic_patch.h"
 
-// Places in the limit volume, and their weights over the vertices of the level that they are in.
+// Places in the limit volume, and their weights over the vertices of their level.
 namespace espalier::limit {
 
-/// In a hexahedron: (u, v, w) in its frame. `offset`, in the same coordinates, goes on from there
-/// along the tangent.
+/// A place in a hexahedron: (u, v, w) in its frame. `offset`, in the same coordinates, continues
+/// from there along the tangent.
 struct FramePlace {
     embed::CellFrame frame;
     std::array<double, 3> uvw = {};
     std::array<double, 3> offset = {};
-    bool isBlended = false;  ///< of the limits of its corners; else the cell is regular
+    bool isBlended = false;  ///< the limits of the corners are blended; else the cell is regular
 };
 
-/// A place in a cell of a level, either as above, or as in a level (of any cell), but between the
-/// limits of its vertices.
+/// A place in a cell of a level. A FramePlace is in a hexahedron. A CellPlace is in a cell of any
+/// type, with the meaning it has in a level, except that the vertices are at their limits.
 struct LimitPlace {
     int level = 0;
     std::variant<FramePlace, embed::CellPlace> where;
 };
 
-/// Derivatives by u, v and w: each 0, 1 or 2; all 0 is the position.
+/// Orders of a derivative by u, v and w, each 0, 1 or 2. All 0 is the position.
 using Orders = std::array<int, 3>;
 
-/// Which derivatives of places are asked for: rows of tables in this order.
+/// Derivatives of each order. Tables have their rows in this order.
 inline constexpr Orders kPosition = {0, 0, 0};
 inline constexpr std::array<Orders, 3> kFirst = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 inline constexpr std::array<Orders, 6> kSecond = {
     {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 2, 0}, {0, 1, 1}, {0, 0, 2}}};
 
-/// The limits of vertices of a level, as they are blended: a vertex on the open boundary, which has
-/// none, is itself. It is within the size of a cell of where it goes.
+/// Returns the rows of the limits of vertices of a level, for blending. A vertex on the open
+/// boundary has no limit and gets itself, which is less than the size of a cell away from where
+/// refinement takes it.
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices);
 
-/// Which cells of the finest level, 1 or above, are so small that they may be blended: no two of
-/// their vertices are further apart than a fraction of the size of level 0, in any pose.
-std::vector<std::uint8_t> areSmall(const stencils::Levels& levels, std::span<const Index> cells,
-                                   double tolerance);
+/// Returns 1 for each cell of the finest level that is small enough to be blended, else 0. In any
+/// pose, the vertices of such a cell are at most `tolerance` times the size of level 0 apart.
+/// \pre the finest level is 1 or above
+std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span<const Index> cells,
+                                       double tolerance);
 
-/// \throws Error if it is not 1e-14 to 0.1
+/// \throws Error unless the tolerance is 1e-14 to 0.1
 void checkLimitTolerance(double tolerance);
 
-/// The level from which on cells may be that small: refining halves a cell at best, or nearly so.
-int leastLevelOfSmall(double tolerance);
+/// Lowest level on which a cell may be that small: a level halves a cell at best, or nearly so.
+int lowestBlendableLevel(double tolerance);
 
-/// The weights of places of one level over its vertices.
+/// Computes the weights of places of one level over the vertices of the level.
 class PlaceRows {
 public:
     /// \param levels, places must outlive this
-    /// \param level of the places
-    /// \cost that of the limits of vertices at irregular features
+    /// \param level level of the places
+    /// \cost the cost of the limits of vertices at irregular features
     PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places);
 
-    /// A derivative at place i, along its tangent if it has an offset: that changes the position
-    /// alone. Second ones of a FramePlace alone; those of a blend by u, v or w twice are 0.
+    /// Returns a derivative at place i. An offset of the place continues the position along the
+    /// tangent; it does not change derivatives. Second derivatives exist for a FramePlace only;
+    /// those of a blend by the same coordinate twice are 0.
     std::vector<embed::VertexWeight> weights(std::size_t i, const Orders& orders) const;
 
     /// Rows 3i to 3i + 2 give three directions of the limit at place i. They sum to 0. In a regular
     /// cell they are the derivatives by u, v and w. In a blend, they are the directions in which
-    /// the cell leaves the nearest of its vertices (see buildTangentTable()).
+    /// the edges of the cell leave the vertex that has the largest weight (see
+    /// buildTangentTable()).
     stencils::StencilTable<double> tangents() const;
 
 private:
@@ -83,9 +87,9 @@ private:
     int levelNumber_;
     const far::Level& level_;
     std::span<const LimitPlace> places_;
-    std::vector<std::optional<TricubicPatch>> patches_;  ///< one a place
-    std::vector<Index> vertices_;                        ///< whose limits are known, ascending
-    stencils::StencilTable<double> limits_;              ///< a row for each of these
+    std::vector<std::optional<TricubicPatch>> patches_;  ///< one for each place
+    std::vector<Index> vertices_;            ///< vertices whose limits are known, ascending
+    stencils::StencilTable<double> limits_;  ///< a row for each of `vertices_`
 };
 
 }  // namespace espalier::limit

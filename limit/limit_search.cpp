@@ -22,24 +22,26 @@ using Extent = far::TopologyRefiner::Extent;
 
 namespace {
 
-/// A cell with an edge of this part of the lattice's size is not refined, however long it is: its
-/// children would differ by little more than rounding.
+/// A cell with an edge shorter than this fraction of the lattice's size is not refined, however
+/// long the cell is: its children would differ by little more than rounding.
 constexpr double kThinnest = 1e-13;
 
-/// From this level on cells are so small that the nearest place of a patch is taken as it is, and
-/// what no patch gives back is left to the nearest place.
+/// From this level on cells are very small. The place that PatchSolver::nearest() gives is then
+/// taken as the nearest, and a point that stays Undecided is left to findNearest().
 constexpr int kMaxLevelOfPatches = 12;
 
-/// How many cells of a level a point is sought in: more hold it only where the lattice is folded.
+/// Maximum number of cells of a level that are searched for a point. More cells contain the point
+/// only where the lattice is folded.
 constexpr std::size_t kMaxContaining = 48;
 
-/// How many cells of a level may become the nearest one of a point: those around a vertex are all
-/// as near.
+/// Maximum number of cells of a level kept as candidates for the nearest one: the cells around a
+/// vertex are all equally near.
 constexpr std::size_t kMaxNearest = 24;
 
 }  // namespace
 
-/// The candidates of a level that need not be refined.
+/// Solvers for the candidates of a level: patches for regular cells, a blend for cells that need no
+/// further refinement.
 class LimitSearch::Cells {
 public:
     Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought)
@@ -60,23 +62,24 @@ public:
             findBlended(search, descent);
     }
 
-    /// The polynomial of candidate i; null if the cell is not regular.
+    /// Returns the solver of candidate i, or null if the cell is not regular.
     const PatchSolver* patch(std::size_t i) const { return patches_[i] ? &*patches_[i] : nullptr; }
     const embed::CellFrame& frame(std::size_t i) const { return frames_[i]; }
 
-    /// Whether candidate i is so small that the limits of its vertices are blended.
+    /// True if candidate i is so small that the limits of its vertices are blended.
     bool isBlended(std::size_t i) const { return isBlended_[i] != 0; }
-    /// The same for a point that is so far from the candidate that it hardly matters.
+    /// True also if the point is so far from the candidate that the error of blending hardly
+    /// matters.
     bool isBlended(std::size_t i, const Vector3d& point) const {
         return isBlended(i) ||
                (blend_ && boxes_[i].exteriorDistance(point) > kFar * boxes_[i].diagonal().norm());
     }
-    /// \pre a candidate is blended
+    /// \pre isBlended() is true for some candidate
     const embed::CellSolver& blend() const { return *blend_; }
 
 private:
-    /// In diagonals of a cell. The place of a point that is so far outside is the nearest but for
-    /// some 1/8 of the cell squared, and far from what would lose digits: thousands of cells.
+    /// In diagonals of a cell. For a point at this distance the nearest place of the blend is wrong
+    /// by about 1/8 of the cell's size squared. Precision is lost only at thousands of cell sizes.
     static constexpr double kFar = 8;
 
     void findBlended(const LimitSearch& search, const embed::Descent& descent) {
@@ -89,7 +92,8 @@ private:
         sortUnique(corners);
         if (corners.empty()) return;
         if (search.isFineEnough(level)) {
-            // What is only far away may be blended of the vertices as they are.
+            // Cells that are blended only because they are far away may use the vertices
+            // themselves.
             const auto limits = blendedRows(descent.levels, level, corners);
             const auto places = stencils::applyLevelTable(limits, positions_);
             for (std::size_t i = 0; i < corners.size(); ++i) positions_[corners[i]] = places[i];
@@ -102,7 +106,7 @@ private:
                 boxes_.back().extend(Vector3d(positions_[vertex].data()));
         }
         if (!search.isFineEnough(level)) return;
-        isBlended_ = areSmall(descent.levels, descent.candidates.cells, search.tolerance_);
+        isBlended_ = areBlendable(descent.levels, descent.candidates.cells, search.tolerance_);
         for (std::size_t i = 0; i < isBlended_.size(); ++i)
             isBlended_[i] |=
                 isThin(level_.complex.relation(3, 0)[descent.candidates.cells[i]], search.scale_);
@@ -119,11 +123,11 @@ private:
     }
 
     const far::Level& level_;
-    std::vector<Point3> positions_;  ///< limits at the corners of what is blended
+    std::vector<Point3> positions_;  ///< vertices; corners of blended cells are at their limits
     std::vector<std::optional<PatchSolver>> patches_;
     std::vector<embed::CellFrame> frames_;
     std::vector<std::uint8_t> isBlended_;
-    std::vector<Eigen::AlignedBox3d> boxes_;  ///< of the candidates, in the limit
+    std::vector<Eigen::AlignedBox3d> boxes_;  ///< contain the candidates, in the limit
     std::optional<embed::CellSolver> blend_;
 };
 
@@ -131,11 +135,12 @@ LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& 
     : tolerance_(options.tolerance),
       seekNearest_(options.embedding.outside == embed::OutsidePolicy::Nearest),
       scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
-      finestLevel_(leastLevelOfSmall(options.tolerance)),
+      finestLevel_(lowestBlendableLevel(options.tolerance)),
       descent_(lattice, scale_) {}
 
-/// \param settle is called for each level: settle(descent, cells) leaves the candidates that are to
-///        be refined
+/// Refines around the candidates until none is left.
+/// \param settle is called on each level: settle(found, cells) removes the candidates that need no
+///        refinement
 template <class Settle>
 FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
                                 Settle settle) const {
@@ -145,10 +150,11 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     for (;;) {
         settle(found, Cells(*this, found.descent, sought));
         if (found.descent.candidates.cells.empty()) return found;
-        keepFew(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
-        // Boxes allow for a part of a cell, which is more, until cells are as small.
+        limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
+        // No margin: bounding boxes are larger than their cells by a part of the cell, which
+        // exceeds rounding until cells are as small as that.
         found.descent.margin = isNearest ? descent_.rounding() : 0;
-        descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Likely);
+        descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Estimate);
     }
 }
 
@@ -164,7 +170,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 if (!point.allFinite()) return false;
                 if (const PatchSolver* patch = cells.patch(i)) {
                     const auto [answer, uvw] = patch->find(point);
-                    if (answer == PatchSolver::Answer::Here) {
+                    if (answer == PatchSolver::Answer::Inside) {
                         located = {
                             embed::PointStatus::Inside,
                             LimitPlace{level,
@@ -178,8 +184,8 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 const Index cell = found.descent.candidates.cells[i];
                 auto inside = cells.blend().locateIn(point, {&cell, 1});
                 if (!inside) {
-                    // So small a cell may miss a point on its faces by the rounding of that.
-                    inside = cells.blend().locateBeside(point, CellId(cell), true);
+                    // The cell is so small that rounding may put a point on its faces outside.
+                    inside = cells.blend().locateOutsideCells(point, CellId(cell), true);
                     if (!(inside->distance <= descent_.rounding())) return false;
                 }
                 if (inside->place)
@@ -192,7 +198,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
         LocatedInLimit& located = result.points[p];
         if (located.place) continue;
         const auto beyond =
-            embed::CellSolver::beyondReach(Vector3d(points[p].data()), seekNearest_);
+            embed::CellSolver::resultIfUnreachable(Vector3d(points[p].data()), seekNearest_);
         if (beyond)
             located.status = beyond->status;
         else
@@ -201,34 +207,34 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
     return result;
 }
 
-/// Leaves of each point's cells no more than so many, the nearest ones as they are, whatever they
-/// may become.
-void LimitSearch::keepFew(embed::Descent& descent, std::span<const Point3> points,
-                          std::size_t most) const {
+/// Keeps at most `maxCells` cells for each point: the nearest ones, measured before refinement.
+void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point3> points,
+                                  std::size_t maxCells) const {
     embed::Candidates& candidates = descent.candidates;
     std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
             cellsOf[p].emplace_back(0, candidates.cells[i]);
-    const bool areFew = std::all_of(cellsOf.begin(), cellsOf.end(),
-                                    [&](const auto& cells) { return cells.size() <= most; });
-    // Base cells may be of any kind, and have no distances yet.
-    if (areFew || descent.levels.finest() == 0) return;
+    const bool isWithinLimit = std::all_of(cellsOf.begin(), cellsOf.end(), [&](const auto& cells) {
+        return cells.size() <= maxCells;
+    });
+    // Base cells may be of any type; CellSolver has no distances for them.
+    if (isWithinLimit || descent.levels.finest() == 0) return;
     const embed::CellSolver solver(descent.levels.finestLevel().complex,
                                    descent.levels.finestPositions(), scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {
         auto& cells = cellsOf[p];
-        if (cells.size() <= most) continue;
+        if (cells.size() <= maxCells) continue;
         for (auto& [distance, cell] : cells)
             distance = solver.distance(Vector3d(points[p].data()), CellId(cell));
-        std::nth_element(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(most),
+        std::nth_element(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(maxCells),
                          cells.end());
-        cells.resize(most);
+        cells.resize(maxCells);
         std::sort(cells.begin(), cells.end(),
                   [](const auto& a, const auto& b) { return a.second < b.second; });
     }
     candidates.filter([&](std::size_t i, Index p) {
-        // Ascending, as they were given.
+        // The cells are sorted by number.
         const auto& cells = cellsOf[p];
         const auto found =
             std::lower_bound(cells.begin(), cells.end(), candidates.cells[i],
@@ -238,7 +244,7 @@ void LimitSearch::keepFew(embed::Descent& descent, std::span<const Point3> point
 }
 
 FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
-    // If points outside stay, only what is in the gaps is of interest.
+    // If points outside are kept in place, only points in gaps matter here.
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
     auto result =
@@ -259,7 +265,7 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
                     distance = (patch->map().position(uvw) - point).norm();
                     place.where = FramePlace{cells.frame(i), embed::toArray(uvw), {}, false};
                 } else {
-                    const auto there = cells.blend().locateBeside(point, CellId(cell), true);
+                    const auto there = cells.blend().locateOutsideCells(point, CellId(cell), true);
                     if (!there.place) return false;
                     distance = there.distance;
                     place.where = *there.place;
@@ -275,19 +281,20 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
         });
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
-        // Nothing is as near as a gap is wide.
+        // There is no cell within the width of a gap.
         if (!located.place && !seekNearest_) continue;
         located = continued(located, result.descent.levels, Vector3d(points[p].data()));
     }
     return result;
 }
 
-/// A point that is in no cell, with its nearest place continued to it along the tangent.
+/// Continues the nearest place of a point along the tangent, up to the point.
 LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
                                       const Vector3d& point) const {
     if (!nearest.place) return {embed::PointStatus::NotConverged, {}, 0, 0};
     const double distance = nearest.distance;
-    // In the gap between a patch and what is blended, or as good as on the boundary.
+    // The point is in the gap between a patch and a blended cell, or on the boundary within
+    // rounding.
     const bool isInside = distance <= gap();
     const embed::PointStatus status =
         isInside ? embed::PointStatus::Inside : embed::PointStatus::Outside;

@@ -14,42 +14,45 @@
 
 namespace espalier::limit {
 
-/// Where points lie in the limit volume of a lattice. The residual is the rounding of the solve, as
-/// in a level.
+/// The place of a point in the limit volume of a lattice. The residual is the rounding of the
+/// solve, as for a level.
 using LocatedInLimit = embed::Located<LimitPlace>;
 
-/// The places of some points, and the levels that they are in.
+/// The places of points, and the levels that contain the places.
 struct FoundPoints {
     embed::Descent descent;
     std::vector<LocatedInLimit> points;
 };
 
-/// Finds points in the limit volume, level by level: in regular cells by solving for their
-/// polynomial, in what is left at irregular features as in a level whose vertices have gone to
-/// their limits. Any number of threads may ask. All in units of the lattice (LengthUnit).
+/// Finds points in the limit volume, level by level. In a regular cell it solves for the place in
+/// the tricubic polynomial. At irregular features it searches small cells in the way a level is
+/// searched, with the vertices at their limits. Any number of threads may use one search at once.
+/// All lengths are in units of the lattice (LengthUnit).
 class LimitSearch {
 public:
     /// \param lattice its base and positions must outlive this
     LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options);
 
-    /// The points that are in a cell. A point in several, as on a face between two, belongs to the
-    /// one of the lowest level, and of these to that of the lowest number. Finds all but those in
-    /// strongly bent cells, which reach far beyond their corners.
-    /// \param unsettled gets the points that findNearest() may find
+    /// Finds the points that are inside a cell. A point in several cells, as on a face between two,
+    /// belongs to the cell of the lowest level, and among these to the cell of the lowest number.
+    /// May miss points in strongly bent cells, which reach far beyond their corners.
+    /// \param unsettled gets the points that were not found and may be found by findNearest()
     FoundPoints findInside(std::span<const Point3> points, std::vector<Index>& unsettled) const;
 
-    /// Points by the nearest place: in strongly bent cells, in gaps between cells, and beside the
-    /// lattice, if points there are to be carried.
+    /// Finds the nearest place of each point: for points in strongly bent cells, in gaps between
+    /// cells and, if points outside are to be carried, beside the lattice.
     ///
-    /// A point is sought in kMaxNearest cells of a level at most. Where more are as near, as in a
-    /// lattice that is folded flat, its place is a near one, or it is NotConverged.
+    /// Searches at most kMaxNearest cells of a level for each point. Where more cells are equally
+    /// near, as in a lattice that is folded flat, the result is a near place instead of the nearest
+    /// one, or NotConverged.
     FoundPoints findNearest(std::span<const Point3> points) const;
 
 private:
     class Cells;
-    void keepFew(embed::Descent& descent, std::span<const Point3> points, std::size_t most) const;
+    void limitCandidates(embed::Descent& descent, std::span<const Point3> points,
+                         std::size_t maxCells) const;
     bool isFineEnough(int level) const { return level >= finestLevel_; }
-    /// How far from a cell a point still counts as inside.
+    /// Distance from a cell at which a point still counts as inside.
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
     FoundPoints search(std::span<const Point3> points, embed::Sought sought, Settle settle) const;
@@ -59,7 +62,7 @@ private:
     double tolerance_;  ///< LimitOptions::tolerance
     bool seekNearest_;
     embed::CellSolver::Scale scale_;
-    int finestLevel_;  ///< from here on, cells may be small enough to blend
+    int finestLevel_;  ///< lowest level on which cells may be small enough to blend
     embed::PointDescent descent_;
 };
 

@@ -22,7 +22,7 @@
 namespace espalier::limit {
 namespace {
 
-/// The derivatives up to an order: 1, 4 or 10.
+/// Returns the derivatives up to an order: 1, 4 or 10 of them.
 std::vector<Orders> ordersUpTo(int derivatives) {
     std::vector<Orders> orders = {kPosition};
     if (derivatives > 0) orders.insert(orders.end(), kFirst.begin(), kFirst.end());
@@ -30,24 +30,28 @@ std::vector<Orders> ordersUpTo(int derivatives) {
     return orders;
 }
 
-/// Refined no further than this, whatever the tolerance: cells of 1e-13 of the first ones.
+/// Maximum number of further levels, whatever the tolerance: cells are then 1e-13 of the first
+/// ones.
 constexpr int kMaxLevels = 43;
 
-/// A location on its way down: the cell that holds it on the level at hand.
+/// A location during the descent, with the cell of the current level that contains it.
 struct Walker {
     std::size_t location;
     embed::CellFrame frame;
     std::array<double, 3> uvw;
 };
 
-/// Locations with their places, on the levels that go on from theirs.
+/// Locations with their places on the levels below the level of the locations.
 struct Walk {
-    stencils::Levels levels;                               ///< level 0 is that of the locations
-    std::vector<std::vector<std::size_t>> locations = {};  ///< that end on each level
-    std::vector<std::vector<LimitPlace>> places = {};      ///< one for each of these
+    stencils::Levels levels;  ///< level 0 is the level of the locations
+    /// For each level, the locations that end on it.
+    std::vector<std::vector<std::size_t>> locations = {};
+    /// For each level, one place for each of its `locations`.
+    std::vector<std::vector<LimitPlace>> places = {};
 };
 
-/// The half of a cell along each axis that holds a place, and the place there.
+/// Goes to the half of the cell along each axis that contains the place: changes `uvw` to the place
+/// in this child, and returns the corner of the child.
 std::size_t stepInto(std::array<double, 3>& uvw) {
     std::size_t corner = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -65,14 +69,14 @@ std::vector<Index> cellsOf(const std::vector<Walker>& walkers) {
     return cells;
 }
 
-/// Ends the walkers that are in regular cells, or in small ones, and leaves the others.
+/// Ends the walkers in regular or small cells: moves them to the places of the level.
 void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
     const int level = walk.levels.finest();
     const far::Level& here = walk.levels.finestLevel();
     const std::vector<Index> cells = cellsOf(walkers);
     std::vector<std::uint8_t> isSmall(cells.size(), level >= kMaxLevels);
-    if (level >= leastLevelOfSmall(tolerance) && level < kMaxLevels && !cells.empty())
-        isSmall = areSmall(walk.levels, cells, tolerance);
+    if (level >= lowestBlendableLevel(tolerance) && level < kMaxLevels && !cells.empty())
+        isSmall = areBlendable(walk.levels, cells, tolerance);
     walk.locations.emplace_back();
     walk.places.emplace_back();
     std::erase_if(walkers, [&](const Walker& walker) {
@@ -85,7 +89,7 @@ void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
     });
 }
 
-/// Goes down with all that have not ended.
+/// Takes the remaining walkers to the next level.
 void refine(Walk& walk, std::vector<Walker>& walkers, std::span<const LimitLocation> locations) {
     const far::CellComplex parent = walk.levels.finestLevel().complex;
     walk.levels.refineAround(cellsOf(walkers));
@@ -101,7 +105,7 @@ void refine(Walk& walk, std::vector<Walker>& walkers, std::span<const LimitLocat
     }
 }
 
-/// The rows of the places of one level: a block for each derivative of `orders`.
+/// Builds the rows of the places of one level, a block of rows for each derivative in `orders`.
 stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const PlaceRows& rows,
                                       std::span<const Orders> orders) {
     const std::size_t placeCount = walk.places[level].size();
@@ -110,7 +114,7 @@ stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const
         walk.levels.refiner().level(static_cast<int>(level)).complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const auto& order = orders[static_cast<std::size_t>(row) / placeCount];
-            // Coordinates are twice as fast on each level.
+            // Each level doubles the derivative by a coordinate.
             const double scale =
                 std::ldexp(1.0, static_cast<int>(level) * (order[0] + order[1] + order[2]));
             for (const auto& [vertex, weight] :
@@ -119,15 +123,15 @@ stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const
         });
 }
 
-/// A chunk of locations: their rows over the vertices of their level, a block for each derivative.
+/// Builds the rows of a chunk of locations over the vertices of their level, a block of rows for
+/// each derivative.
 stencils::StencilTable<double> rowsOf(const far::Level& level,
                                       const far::RefinerOptions& refinerOptions,
-                                      stencils::Rules rules,
                                       std::span<const LimitLocation> locations,
                                       std::vector<Walker> walkers,
                                       const std::vector<Orders>& orders, double tolerance) {
     const std::size_t first = walkers.front().location, count = walkers.size();
-    Walk walk{{far::TopologyRefiner(level, refinerOptions), rules}};
+    Walk walk{stencils::Levels(far::TopologyRefiner(level, refinerOptions))};
     for (;;) {
         settle(walk, walkers, tolerance);
         if (walkers.empty()) break;
@@ -144,8 +148,8 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
                                               stencils::compositionOf(walk.levels.tables()));
     if (!derivatives.empty())
         derivativeRows = stencils::composeDerivatives(
-            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Themselves);
-    // Where the row of each location and derivative is.
+            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Vectors);
+    // The table and row that hold a location and derivative.
     struct Source {
         const stencils::StencilTable<double>* table;
         Index row;
@@ -183,7 +187,7 @@ Walker walkerAt(const far::CellComplex& complex, std::size_t location, const Lim
     if (at.cell < 0 || at.cell >= complex.count(3))
         throw Error(name + " is in cell " + std::to_string(at.cell) + "; there are " +
                     std::to_string(complex.count(3)) + " cells");
-    // Sums of coordinates may pass 1 by their rounding.
+    // A coordinate that is a sum may exceed 1 by rounding.
     constexpr double kRounding = 1e-14;
     std::array<double, 3> uvw;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -200,7 +204,7 @@ Walker walkerAt(const far::CellComplex& complex, std::size_t location, const Lim
     return {location, *frame, uvw};
 }
 
-/// Takes the blocks of a table apart.
+/// Splits a table into its blocks of rows.
 LimitStencils blocksOf(const stencils::StencilTable<double>& table, std::size_t blockCount) {
     const auto block = [&](std::size_t number) {
         std::vector<Index> rows(static_cast<std::size_t>(table.rowCount()) / blockCount);
@@ -217,7 +221,7 @@ LimitStencils blocksOf(const stencils::StencilTable<double>& table, std::size_t 
 }  // namespace
 
 LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                 stencils::Rules rules, std::span<const LimitLocation> locations,
+                                 std::span<const LimitLocation> locations,
                                  const LimitStencilOptions& options) {
     const far::Level& here = refiner.level(level);
     if (here.complex.dimension() != 3)
@@ -225,10 +229,9 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
             "places in cells have limits in lattices only; on meshes and curves, vertices have "
             "limits");
     checkOptions(options);
-    checkLimitRules(rules);
-    stencils::checkRules(refiner, rules);
     const std::vector<Orders> orders = ordersUpTo(options.derivatives);
-    // Chunks share the cells that they refine; each has some of the work of a level to itself.
+    // Locations of a chunk share the cells that they refine. Each chunk repeats some of the work of
+    // a level.
     constexpr Offset kGrain = 1 << 13;
     const Offset count = std::ssize(locations);
     std::vector<stencils::StencilTable<double>> chunks((count + kGrain - 1) / kGrain);
@@ -236,8 +239,8 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
         std::vector<Walker> walkers;
         for (Offset i = first; i < last; ++i)
             walkers.push_back(walkerAt(here.complex, i, locations[i]));
-        chunks[first / kGrain] = rowsOf(here, refiner.options(), rules, locations,
-                                        std::move(walkers), orders, options.tolerance);
+        chunks[first / kGrain] = rowsOf(here, refiner.options(), locations, std::move(walkers),
+                                        orders, options.tolerance);
     });
     const auto rows = stencils::buildTable(
         static_cast<Index>(count * std::ssize(orders)), here.complex.count(0),
@@ -250,13 +253,13 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
                 accumulator.add(table.columns(source)[e], table.weights(source)[e]);
         });
     const stencils::CompactTable compact = stencils::compactColumns(rows);
-    return blocksOf(stencils::multiply(compact.table, stencils::buildStencils(refiner, level, rules,
-                                                                              compact.columns)),
-                    orders.size());
+    return blocksOf(
+        stencils::multiply(compact.table, stencils::buildStencils(refiner, level, compact.columns)),
+        orders.size());
 }
 
 LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                 stencils::Rules rules, const LimitStencilOptions& options) {
+                                 const LimitStencilOptions& options) {
     checkOptions(options);
     LimitStencils result;
     if (options.derivatives > 0) {
@@ -279,7 +282,7 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
                 break;
             }
         }
-        const auto found = buildLimitStencils(refiner, level, rules, locations, options);
+        const auto found = buildLimitStencils(refiner, level, locations, options);
         const auto spread = [&](const stencils::StencilTable<double>& table) {
             return stencils::buildTable(
                 here.complex.count(0), table.columnCount(),
@@ -294,7 +297,7 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
         for (std::size_t i = 0; options.derivatives > 1 && i < 6; ++i)
             result.second[i] = spread(found.second[i]);
     }
-    result.position = buildVertexLimits(refiner, level, rules);
+    result.position = buildVertexLimits(refiner, level);
     return result;
 }
 

@@ -2,10 +2,11 @@
 #include "limit_tangents.h"
 
 #include <espalier/limit/vertex_ring.h>
+#include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/surroundings.h>
 #include <espalier/stencils/table_builder.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -19,11 +20,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Three edges at a vertex, by their places among all edges there.
+/// Three edges at a vertex, by their positions among all edges at the vertex.
 using EdgePlaces = std::array<Index, 3>;
 
-/// The first three edges of a cell that leave a corner of it. (Any three edges of a convex cell
-/// that meet in a vertex are linearly independent.)
+/// Returns the first three edges of a cell at a corner. (Any three edges of a convex cell that meet
+/// in a vertex are linearly independent.)
 EdgePlaces edgesAt(const far::CellComplex& complex, const CellCorner& corner) {
     const auto around = complex.relation(0, 1)[corner.vertex];
     EdgePlaces places = {};
@@ -36,25 +37,21 @@ EdgePlaces edgesAt(const far::CellComplex& complex, const CellCorner& corner) {
     return places;
 }
 
-/// An orthonormal basis of the columns, the first k of which span the first k of theirs.
-MatrixXd orthonormal(const MatrixXd& columns) {
-    return Eigen::HouseholderQR<MatrixXd>(columns).householderQ() *
-           MatrixXd::Identity(columns.rows(), columns.cols());
-}
-
-/// One level further. The sums of columns are put right: their rounding would not shrink.
+/// Applies one level. Then corrects the sum of each column to 0, since the rounding of the sum
+/// would not shrink with the columns.
 MatrixXd stepped(const Eigen::SparseMatrix<double>& transposed, const MatrixXd& columns) {
     MatrixXd next = transposed * columns;
     next.row(0) -= next.colwise().sum();
     return next;
 }
 
-/// The functionals of three edges, one a column, those that shrink most slowly first.
+/// Returns the functionals of three edges, one in each column, the slowest to shrink first.
 MatrixXd sortedEdges(const Eigen::SparseMatrix<double>& transposed, const EdgePlaces& places) {
-    constexpr int kSteps = 16;  // Rates differ by a tenth at least, or hardly matter.
+    // Rates of shrinking that differ by less than a tenth do not matter.
+    constexpr int kSteps = 16;
     MatrixXd edges = MatrixXd::Zero(transposed.rows(), 3);
     for (Eigen::Index k = 0; k < 3; ++k) {
-        edges(0, k) = -1;  // The vertex is the first point of its ring, and its edges come next.
+        edges(0, k) = -1;  // The ring has the vertex first, then its edges.
         edges(1 + places[k], k) = 1;
     }
     MatrixXd later = edges;
@@ -66,17 +63,17 @@ MatrixXd sortedEdges(const Eigen::SparseMatrix<double>& transposed, const EdgePl
     return edges(Eigen::all, order);
 }
 
-/// The direction that a functional tends to, but for a space that it has left behind.
+/// Returns the direction that a functional converges to, modulo the space `known`.
 ///
-/// Rounding may lead to directions that shrink more slowly than the functional itself, and grows
-/// beside it (along an edge of 16 cells by 1.22 a level, while the functional settles by 0.6). So
-/// the direction is taken where it changes least before it changes again.
-/// \param known an orthonormal basis of a space that the matrix takes to itself
-/// \return nothing if it goes on to turn
+/// Rounding may add a direction that shrinks more slowly than the functional itself, and so grows
+/// relative to it (along an edge of 16 cells by 1.22 per level, while the functional converges by
+/// 0.6). So the result is the iterate that changes least, before changes increase again.
+/// \param known an orthonormal basis of a space that is invariant under the matrix
+/// \return nullopt if the direction does not converge
 std::optional<VectorXd> limitOf(const Eigen::SparseMatrix<double>& transposed, VectorXd functional,
                                 const MatrixXd& known) {
-    constexpr int kMaxSteps =
-        2048;  // Around an edge of 16 cells, directions settle by 0.95 a step.
+    // Around an edge of 16 cells, directions converge by 0.95 per step.
+    constexpr int kMaxSteps = 2048;
     constexpr double kSettled = 1e-15, kConverged = 1e-11, kRising = 100;
     const auto normalized = [&](const VectorXd& vector) -> VectorXd {
         return (vector - known * (known.transpose() * vector)).normalized();
@@ -97,8 +94,9 @@ std::optional<VectorXd> limitOf(const Eigen::SparseMatrix<double>& transposed, V
     return best;
 }
 
-/// An orthonormal basis of the space that the functionals of three edges tend to, over the points
-/// of the ring: one after the other, or where one goes on to turn, all at once.
+/// Returns an orthonormal basis of the space that the functionals of three edges converge to, over
+/// the points of the ring. Computes one direction after the other; where a direction does not
+/// converge, all three at once.
 MatrixXd directionsOf(const VertexRing& ring, const EdgePlaces& places) {
     const Eigen::SparseMatrix<double> transposed = ring.subdivision.transpose();
     const MatrixXd edges = sortedEdges(transposed, places);
@@ -110,32 +108,32 @@ MatrixXd directionsOf(const VertexRing& ring, const EdgePlaces& places) {
         known.rightCols(1) = *limit;
     }
     if (known.cols() == 3) return known;
-    // What turns or settles slowly does so within the space of the three.
+    // A direction that rotates or converges slowly does so within the space of the three.
     constexpr int kSteps = 128;
-    MatrixXd basis = orthonormal(edges);
-    for (int step = 0; step < kSteps; ++step) basis = orthonormal(stepped(transposed, basis));
+    MatrixXd basis = stencils::orthonormalBasis(edges);
+    for (int step = 0; step < kSteps; ++step)
+        basis = stencils::orthonormalBasis(stepped(transposed, basis));
     return basis;
 }
 
 }  // namespace
 
 stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules,
                                                  std::span<const CellCorner> corners) {
     const far::Level& here = refiner.level(level);
     std::vector<Index> vertices;
     for (const CellCorner& corner : corners) vertices.push_back(corner.vertex);
-    const stencils::ShapeGroups groups = stencils::groupByShape(refiner, here, rules, vertices);
+    const stencils::ShapeGroups groups = stencils::groupByShape(refiner, here, vertices);
 
-    // Each ring that there is, with the edges that are asked for there.
-    std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.firsts.size());
+    // For each distinct ring, the triples of edges that are needed there.
+    std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.representatives.size());
     const auto directionsAt = [&](const CellCorner& corner) -> MatrixXd& {
         return directions[groups.groupOf.at(corner.vertex)][edgesAt(here.complex, corner)];
     };
     for (const CellCorner& corner : corners) directionsAt(corner);
-    parallelFor(std::ssize(groups.firsts), 1, [&](Offset first, Offset last) {
+    parallelFor(std::ssize(groups.representatives), 1, [&](Offset first, Offset last) {
         for (auto group = static_cast<std::size_t>(first); std::cmp_less(group, last); ++group) {
-            const VertexRing ring = ringOf(here, refiner.options(), rules, groups.firsts[group]);
+            const VertexRing ring = ringOf(here, refiner.options(), groups.representatives[group]);
             for (auto& [places, columns] : directions[group])
                 columns = ring.start.transpose() * directionsOf(ring, places);
         }

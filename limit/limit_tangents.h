@@ -2,12 +2,11 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
 
-// The directions in which the limit goes on from a vertex.
+// Directions of the limit at a vertex.
 namespace espalier::limit {
 
 /// A cell and one of its vertices.
@@ -16,22 +15,22 @@ struct CellCorner {
     Index vertex = 0;
 };
 
-/// Rows 3i to 3i + 2 give three directions in the limit at corners[i], over the vertices of the
-/// level: those in which three edges of the cell leave the vertex, level after level. Rows sum to
-/// 0. Their lengths and their order mean nothing; the space that they span does. With T the rows, X
-/// the rest pose and x another one, the gradient F = ∂x/∂X at the corner has Fᵀ = (T X)⁻¹ T x.
+/// Builds the directions of the limit at corners of cells, over the vertices of the level. Rows 3i
+/// to 3i + 2 belong to corners[i]: they are the directions that three edges of the cell at the
+/// vertex converge to, level after level. Rows sum to 0. Only the space that the three rows span
+/// has a meaning, not their lengths or order. With T the rows, X the rest pose and x another pose,
+/// the gradient F = ∂x/∂X at the corner satisfies Fᵀ = (T X)⁻¹ T x.
 ///
-/// Each level shrinks all edges, some more slowly than others. The rows are bases of the space that
-/// the edges' rows tend to, found by orthogonal iteration with the matrix of the vertex's ring.
+/// Each level shrinks all edges, some more slowly than others. The rows are a basis of the space
+/// that the rows of the edges converge to. Orthogonal iteration with the matrix of the vertex's
+/// ring finds the basis.
 ///
-/// \param corners vertices are not open; all that contains them must be there
+/// \param corners their vertices are not open; the level has all entities that contain a vertex
 /// \throws Error as ringOf()
-/// \cost O(entries of the ring's matrix), some hundred times, once for each shape of ring and
-/// corner
-///       in it. In parallel
+/// \cost O(entries of the ring's matrix), some hundred times for each distinct shape of ring and
+///       each corner in it. In parallel
 /// \cite Halstead, Kass, DeRose 1993 (limits by eigenvectors); Reif 1995 (when tangents exist)
 stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules,
                                                  std::span<const CellCorner> corners);
 
 }  // namespace espalier::limit

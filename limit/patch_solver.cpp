@@ -33,8 +33,8 @@ embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
         values[axis] = weightsAt(uvw, axis, 0);
         slopes[axis] = weightsAt(uvw, axis, 1);
     }
-    // Axis by axis: along w to 16 points, along v to 4, along u to one. As matrices, so that
-    // registers are filled.
+    // Sum along one axis after the other: over w to 16 points, over v to 4, over u to one. Matrices
+    // of this shape fill the vector registers.
     using Solid = Eigen::Matrix<double, 48, 4>;
     using Sheet = Eigen::Matrix<double, 12, 4>;
     using Line = Eigen::Matrix<double, 3, 4>;
@@ -56,15 +56,15 @@ embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
 
 PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(points) {
     inverse_ = map_.tangent(kCentre).jacobian.inverse();
-    // Some ten units in the last place of a coordinate.
+    // About ten units in the last place of a coordinate.
     constexpr double kRounding = 2e-15;
     double largest = 0;
     for (const Vector3d& control : points)
         largest = std::max(largest, control.lpNorm<Eigen::Infinity>());
     length_ = kRounding * largest;
     rounding_ = length_ * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
-    // A polynomial lies in the hull of its Bézier points. What is off in these, and in a point, is
-    // within some units of the largest coordinate, too.
+    // A polynomial is in the hull of its Bézier points. The rounding of these points, and of the
+    // point, is also within some units in the last place of the largest coordinate.
     hull_ = embed::AffineHull(inverse_);
     for (const Vector3d& control : bezierPoints(points)) {
         hull_.extend(control);
@@ -73,8 +73,8 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
     hull_.widen(2 * rounding_);
     box_.min().array() -= 2 * length_;
     box_.max().array() += 2 * length_;
-    // A derivative by u is a spline whose control points are the differences along u: it lies in
-    // their hull.
+    // A derivative by u is a spline whose control points are the differences along u: it is in the
+    // hull of these.
     spread_.setZero();
     std::size_t stride = 1;
     for (Eigen::Index axis = 0; axis < 3; ++axis, stride *= 4)
@@ -88,30 +88,30 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
 
 PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     constexpr double kOnFace = 1e-9;
-    if (!box_.contains(point)) return {Answer::NotHere, {}};
-    // Most patches that a point is not in are ruled out by this: where the lattice is irregular 3
-    // of 4 are asked in vain.
-    if (!hull_.contains(point)) return {Answer::NotHere, {}};
+    if (!box_.contains(point)) return {Answer::Outside, {}};
+    // This excludes most patches that do not contain the point. In irregular regions 3 of 4 patches
+    // asked do not contain it.
+    if (!hull_.contains(point)) return {Answer::Outside, {}};
     const TricubicMap map = map_.around(point);
     if (inverse_.allFinite()) {
         const Vector3d start = kCentre - inverse_ * map.position(kCentre);
         const auto uvw = embed::findOrigin(map, start.cwiseMax(0).cwiseMin(1));
-        if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Here, *uvw};
-        if (isExcluded(map)) return {Answer::NotHere, {}};
+        if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
+        if (isExcluded(map)) return {Answer::Outside, {}};
     }
     const Vector3d nearest = embed::nearestToOrigin(map);
-    if (map.position(nearest).norm() <= 2 * length_) return {Answer::Here, nearest};
+    if (map.position(nearest).norm() <= 2 * length_) return {Answer::Inside, nearest};
     return {Answer::Undecided, {}};
 }
 
-/// Krawczyk's test. With c the centre of a box, r half its sides, A the inverse of a Jacobian and E
-/// the most that A J is off the identity, any solution in the box lies within E r of c − A F(c). So
-/// the box may be cut to that, again and again; there is none if nothing is left.
+/// Krawczyk's test. For a box with centre c and half sides r, let A be the inverse of a Jacobian
+/// and E a bound of |A J − identity|. Then any solution in the box is within E r of c − A F(c). The
+/// box is cut to this region repeatedly; if nothing is left, there is no solution.
 bool PatchSolver::isExcluded(const TricubicMap& map) const {
     constexpr int kMaxCuts = 50;
-    // Rounding of what was found of E.
+    // Rounding of E.
     constexpr double kSlack = 1e-12;
-    // A box that is cut by less than this hardly gets smaller.
+    // Stop when a cut leaves more than this fraction: the box hardly gets smaller.
     constexpr double kLeastCut = 0.9;
     Vector3d low = Vector3d::Zero(), high = Vector3d::Ones();
     for (int cut = 0; cut < kMaxCuts; ++cut) {
@@ -121,7 +121,7 @@ bool PatchSolver::isExcluded(const TricubicMap& map) const {
         low = low.cwiseMax(middle - reach);
         high = high.cwiseMin(middle + reach);
         if ((low.array() > high.array()).any()) return true;
-        // Written so that what is not a number ends it.
+        // This form of the comparison also stops at NaN.
         if (!((high - low).sum() < kLeastCut * before.sum())) return false;
     }
     return false;

@@ -11,12 +11,12 @@
 
 namespace espalier::limit {
 
-/// The map of a tricubic patch: (u, v, w) in [0, 1]³ to space.
+/// The map of a tricubic patch from (u, v, w) in [0, 1]³ to space.
 class TricubicMap {
 public:
     explicit TricubicMap(const TricubicPatch::ControlPoints& points) : points_(points) {}
 
-    /// The same map with a point at the origin.
+    /// Returns the map shifted so that `point` is at the origin.
     TricubicMap around(const Eigen::Vector3d& point) const;
 
     embed::Trilinear::Tangent tangent(const Eigen::Vector3d& uvw) const;
@@ -28,7 +28,7 @@ private:
     TricubicPatch::ControlPoints points_;
 };
 
-/// Finds points in one tricubic patch.
+/// Finds the place of a point in one tricubic patch.
 class PatchSolver {
 public:
     explicit PatchSolver(const TricubicPatch::ControlPoints& points);
@@ -36,40 +36,43 @@ public:
     const TricubicMap& map() const { return map_; }
 
     enum class Answer {
-        Here,      ///< in the patch
-        NotHere,   ///< that is proved
-        Undecided  ///< the patch is too strongly bent to tell: its children are less so
+        Inside,    ///< in the patch
+        Outside,   ///< proved not to be in the patch
+        Undecided  ///< the patch is too strongly bent to decide; its children are bent less
     };
     struct Found {
         Answer answer = Answer::Undecided;
         Eigen::Vector3d uvw = Eigen::Vector3d::Zero();
     };
 
-    /// NotHere for all outside of a hull of the patch; else Newton's method, and where that leads
-    /// out of the patch, Krawczyk's test that there is no solution in it. In a flat patch, and
-    /// where neither decides, a point is Here if the nearest place of the patch gives it back. What
-    /// is Here may lie outside of [0, 1]³ by 1e-9 and the rounding of the coordinates; what is
-    /// outside of the hull by more than rounding is NotHere all the same.
+    /// Decides whether a point is in the patch, and finds its place.
+    ///
+    /// A point outside a hull of the patch is Outside. Otherwise Newton's method runs; where it
+    /// leaves the patch, Krawczyk's test may prove that the patch has no solution. In a flat patch,
+    /// and where neither test decides, the point is Inside if the nearest place of the patch
+    /// coincides with it. A place that is Inside may be outside [0, 1]³ by up to 1e-9 and the
+    /// rounding of the coordinates. A point outside the hull by more than rounding is always
+    /// Outside.
     Found find(const Eigen::Vector3d& point) const;
 
-    /// Whether the Jacobian is nearly the same all over the patch: then the place that nearest()
-    /// finds is the nearest of all.
+    /// True if the Jacobian is nearly constant over the patch. Then nearest() finds the global
+    /// minimum.
     bool isNearlyLinear() const;
 
-    /// The place in [0, 1]³ that is (locally) nearest to a point.
+    /// Returns the place in [0, 1]³ that is nearest to a point, at least locally.
     Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
 
 private:
     bool isExcluded(const TricubicMap& map) const;
 
     TricubicMap map_;
-    Eigen::Matrix3d inverse_;  ///< of the Jacobian at the centre
-    embed::AffineHull hull_;   ///< of the patch
-    Eigen::AlignedBox3d box_;  ///< of the patch
-    /// Entry by entry the most that inverse · Jacobian is off the identity, anywhere in the patch.
+    Eigen::Matrix3d inverse_;  ///< inverse of the Jacobian at the centre
+    embed::AffineHull hull_;   ///< contains the patch
+    Eigen::AlignedBox3d box_;  ///< contains the patch
+    /// Upper bound of |inverse · Jacobian − identity| over the patch, entry by entry.
     Eigen::Matrix3d spread_;
-    double length_;    ///< the rounding of coordinates
-    double rounding_;  ///< the same in u, v and w
+    double length_;    ///< rounding of coordinates
+    double rounding_;  ///< rounding of u, v and w
 };
 
 }  // namespace espalier::limit

@@ -8,7 +8,7 @@
 namespace espalier::limit {
 namespace {
 
-/// Gives the share of a phantom to the two layers that it is made of.
+/// Adds the weight of a phantom to the two layers that define it.
 std::array<double, 4> folded(std::array<double, 4> weights, const AxisEnds& ends) {
     if (!ends.hasLow) {
         weights[1] += 2 * weights[0];
@@ -27,7 +27,8 @@ std::array<double, 4> folded(std::array<double, 4> weights, const AxisEnds& ends
 
 TricubicPatch::TricubicPatch(const far::Level& level, const embed::CellFrame& frame) {
     vertices_.fill(kMaxIndex);
-    // Where a corner of a cell `at` cells along each axis from this one is.
+    // Returns the number of the control point at `corner` of the cell that is `at` cells away along
+    // each axis.
     const auto place = [](const std::array<int, 3>& at, std::size_t corner) {
         std::size_t result = 0;
         for (std::size_t axis = 3; axis-- > 0;)
@@ -39,7 +40,8 @@ TricubicPatch::TricubicPatch(const far::Level& level, const embed::CellFrame& fr
         for (std::size_t corner = 0; corner < 8; ++corner)
             vertices_[place(at, corner)] = cell.corners[corner];
     };
-    // The cells along w, of each those along v, and of each of these those along u.
+    // Visit the three cells along w, from each of these the cells along v, and from each of these
+    // the cells along u.
     const auto visit = [&](const auto& self, const embed::CellFrame& cell, std::array<int, 3> at,
                            std::size_t axis) -> void {
         for (const int step : {0, -1, 1}) {
@@ -82,7 +84,7 @@ TricubicPatch::ControlPoints TricubicPatch::controlPoints(std::span<const Point3
             points[i].setZero();
         else
             points[i] = Eigen::Vector3d(positions[vertices_[i]].data());
-    // Where two axes lack a layer, the later one makes phantoms of phantoms.
+    // Where two axes lack a layer, the later axis makes phantoms from phantoms.
     std::size_t stride = 1;
     for (std::size_t axis = 0; axis < 3; ++axis, stride *= 4)
         for (std::size_t i = 0; i < 64; ++i) {
@@ -100,7 +102,7 @@ TricubicPatch::ControlPoints bezierPoints(TricubicPatch::ControlPoints points) {
     for (std::size_t stride = 1; stride < 64; stride *= 4)
         for (std::size_t i = 0; i < 64; ++i) {
             if (i / stride % 4 != 0) continue;
-            // The ends of a cubic, and of its tangents there.
+            // Ends of the cubic, then Bézier points for its end tangents.
             Eigen::Vector3d &a = points[i], &b = points[i + stride], &c = points[i + 2 * stride],
                             &d = points[i + 3 * stride];
             const Eigen::Vector3d low = (a + 4 * b + c) / 6, high = (b + 4 * c + d) / 6;

@@ -15,10 +15,10 @@
 namespace espalier::limit {
 namespace {
 
-/// Where in a hexahedron, in VTK's order, the corner opposite to each lies.
+/// For each corner of a hexahedron in VTK's order, the opposite corner.
 constexpr std::array<std::size_t, 8> kOpposite = {6, 7, 4, 5, 2, 3, 0, 1};
 
-/// The vertex of an edge, a quadrilateral or a hexahedron that is opposite to another one.
+/// Returns the vertex of an edge, a quadrilateral or a hexahedron that is opposite to `vertex`.
 Index opposite(const far::CellComplex& complex, const Entity& entity, Index vertex) {
     if (entity.dimension == 3) {
         const auto corners = *far::hexahedronVertices(complex, CellId(entity.index));
@@ -31,7 +31,7 @@ Index opposite(const far::CellComplex& complex, const Entity& entity, Index vert
     return loop[(at + loop.size() / 2) % loop.size()];
 }
 
-/// The limit of a regular vertex on stratum s: the product of (1, 4, 1)/6 along s axes.
+/// Adds the limit of a regular vertex on stratum s: the product of (1, 4, 1)/6 along s axes.
 void addRegularRow(const far::Level& level, Index vertex, stencils::RowAccumulator& row) {
     const Entity self{0, vertex};
     const int stratum = level.strata.of(self);
@@ -46,23 +46,23 @@ void addRegularRow(const far::Level& level, Index vertex, stencils::RowAccumulat
     }
 }
 
-/// The limits of vertices that are not regular, each ring's shape solved for once.
+/// Limits of irregular vertices, computed once for each distinct shape of ring.
 class IrregularLimits {
 public:
     IrregularLimits(const far::TopologyRefiner& refiner, const far::Level& level,
-                    stencils::Rules rules, std::span<const Index> vertices)
-        : groups_(stencils::groupByShape(refiner, level, rules, vertices)) {
-        const std::vector<Index>& firsts = groups_.firsts;
-        masks_.resize(firsts.size());
-        parallelFor(std::ssize(firsts), 1, [&](Offset first, Offset last) {
+                    std::span<const Index> vertices)
+        : groups_(stencils::groupByShape(refiner, level, vertices)) {
+        const std::vector<Index>& representatives = groups_.representatives;
+        masks_.resize(representatives.size());
+        parallelFor(std::ssize(representatives), 1, [&](Offset first, Offset last) {
             for (Offset i = first; i < last; ++i) {
-                const VertexRing ring = ringOf(level, refiner.options(), rules, firsts[i]);
+                const VertexRing ring = ringOf(level, refiner.options(), representatives[i]);
                 masks_[i] = ring.start.transpose() * limitMask(ring);
             }
         });
     }
 
-    /// The weights of the vertices around one, by their ascending numbers.
+    /// Weights of the vertices around `vertex`, in ascending order of the vertices.
     const Eigen::VectorXd& maskOf(Index vertex) const { return masks_[groups_.groupOf.at(vertex)]; }
 
 private:
@@ -72,19 +72,17 @@ private:
 
 }  // namespace
 
-void checkLimitRules(stencils::Rules rules) {
-    if (rules == stencils::Rules::Rats)
+void checkLimitRules(far::Rules rules) {
+    if (rules == far::Rules::Rats)
         throw Error(
             "limits are not known under the rules of RATS, which look beyond the ring of a "
             "vertex");
 }
 
 stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refiner, int level,
-                                               stencils::Rules rules,
                                                std::span<const Index> vertices) {
     stencils::checkVertices(refiner, level, vertices);
-    checkLimitRules(rules);
-    stencils::checkRules(refiner, rules);
+    checkLimitRules(refiner.rules());
     const far::Level& here = refiner.level(level);
     std::vector<std::uint8_t> isRegular(vertices.size());
     parallelFor(std::ssize(vertices), 4096, [&](Offset first, Offset last) {
@@ -96,7 +94,7 @@ stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refin
     for (std::size_t i = 0; i < vertices.size(); ++i)
         if (!isRegular[i] && !here.strata.isOpen({0, vertices[i]}))
             irregular.push_back(vertices[i]);
-    const IrregularLimits limits(refiner, here, rules, irregular);
+    const IrregularLimits limits(refiner, here, irregular);
     return stencils::buildTable(
         static_cast<Index>(vertices.size()), here.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
@@ -114,19 +112,17 @@ stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refin
 }
 
 stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules,
                                                  std::span<const Index> vertices) {
     const stencils::CompactTable limits =
-        stencils::compactColumns(buildLimitMasks(refiner, level, rules, vertices));
+        stencils::compactColumns(buildLimitMasks(refiner, level, vertices));
     return stencils::multiply(limits.table,
-                              stencils::buildStencils(refiner, level, rules, limits.columns));
+                              stencils::buildStencils(refiner, level, limits.columns));
 }
 
-stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules) {
+stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner, int level) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildVertexLimits(refiner, level, rules, all);
+    return buildVertexLimits(refiner, level, all);
 }
 
 }  // namespace espalier::limit

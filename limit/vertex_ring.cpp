@@ -14,8 +14,8 @@ namespace {
 
 using Extent = far::TopologyRefiner::Extent;
 
-/// What contains a vertex, by dimension and number. Children [v, x] are numbered as the x are, so
-/// that this order is the same on the next level.
+/// Returns the entities that contain a vertex, by dimension and number. Children [v, x] have the
+/// same order as their parents x, so the order is the same on the next level.
 std::vector<Entity> entitiesAt(const far::CellComplex& complex, Index vertex) {
     std::vector<Entity> entities;
     for (int d = 0; d <= complex.dimension(); ++d)
@@ -31,10 +31,10 @@ bool hasSemiSharp(const far::Level& level, Index vertex) {
            });
 }
 
-/// A star as it is refined about its vertex.
+/// A star that is refined around its vertex.
 struct Chain {
     stencils::Levels levels;
-    Index vertex;  ///< the child of the first level's
+    Index vertex;  ///< child of the vertex of the first level
 
     const far::Level& level() const { return levels.finestLevel(); }
     const far::Refinement& refinement() const {
@@ -48,7 +48,8 @@ struct Chain {
         vertex = refinement().childOf({parent, parent})->index;
     }
 
-    /// The ring about the vertex: the new points of what contained it a level before.
+    /// Returns the ring of the vertex: the new points of `entities`, which contain the vertex of
+    /// the level before.
     std::vector<Index> ring(const std::vector<Entity>& entities) const {
         std::vector<Index> points;
         for (const Entity& entity : entities)
@@ -57,7 +58,7 @@ struct Chain {
     }
 };
 
-/// A table as a matrix of `columnCount` columns: placeOf(column) is the place of a column there.
+/// Converts a table to a matrix with `columnCount` columns; placeOf(column) maps columns.
 template <class PlaceOf>
 Eigen::SparseMatrix<double> matrixOf(const stencils::StencilTable<double>& rows,
                                      Eigen::Index columnCount, PlaceOf placeOf) {
@@ -70,7 +71,7 @@ Eigen::SparseMatrix<double> matrixOf(const stencils::StencilTable<double>& rows,
     return matrix;
 }
 
-/// A vertex in nothing: it stays.
+/// The ring of a vertex that no other entity contains: the vertex does not move.
 VertexRing loneRing(Index vertex) {
     VertexRing ring{{{0, vertex}}, Eigen::SparseMatrix<double>(1, 1), {vertex}, {}};
     ring.subdivision.insert(0, 0) = 1;
@@ -90,9 +91,8 @@ std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex)
     return vertices;
 }
 
-VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
-                  stencils::Rules rules, Index vertex) {
-    if (rules == stencils::Rules::Rats)
+VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, Index vertex) {
+    if (options.rules == far::Rules::Rats)
         throw Error(
             "limits are not known under the rules of RATS, which look beyond the ring of a vertex");
     const bool looksFurther =
@@ -104,7 +104,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
     const int dimension = level.complex.dimension();
     if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
 
-    Chain chain{{far::TopologyRefiner(star.level, options), rules}, star.vertex};
+    Chain chain{stencils::Levels(far::TopologyRefiner(star.level, options)), star.vertex};
     std::vector<Entity> entities;
     do {
         entities = entitiesAt(chain.level().complex, chain.vertex);
@@ -124,16 +124,16 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
     entities = entitiesAt(chain.level().complex, chain.vertex);
     chain.refine(Extent::Cells);
     const auto next = stencils::selectRows(chain.levels.tables().back(), chain.ring(entities));
-    // A vertex is numbered by the dimension and number of what it is the new point of: the ring
-    // ascends.
+    // New points are numbered by the dimension and number of their entities, so the ring is
+    // ascending.
     ring.subdivision =
         matrixOf(next, std::ssize(first), [&](Index column) { return placeIn(first, column); });
     return ring;
 }
 
 Eigen::VectorXd limitMask(const VertexRing& ring) {
-    // The second eigenvalue is some 0.65 at most under the rules of Catmull-Clark: 90 steps to
-    // rounding. Many more say that it is 1.
+    // Under Catmull-Clark rules the second eigenvalue is at most about 0.65, so that 90 steps
+    // converge to rounding. After many more steps the eigenvalue must be 1.
     constexpr int kMaxSteps = 4096;
     constexpr double kNearlySettled = 1e-12;
     const Eigen::SparseMatrix<double> transposed = ring.subdivision.transpose();
@@ -142,12 +142,12 @@ Eigen::VectorXd limitMask(const VertexRing& ring) {
     for (int step = 0; step < last; ++step) {
         Eigen::VectorXd next = transposed * mask;
         next /= next.sum();
-        // As many steps again square the part that is left.
+        // The same number of steps again squares the remaining error.
         if (last == kMaxSteps && (next - mask).lpNorm<Eigen::Infinity>() <= kNearlySettled)
             last = std::min(2 * step + 1, kMaxSteps - 1);
         mask = std::move(next);
     }
-    // At a corner or an edge, the vertices beside it go to 0 and never get there.
+    // At a corner or a sharp edge, the weights of other vertices converge to 0 without reaching it.
     constexpr double kNothing = 1e-20;
     if (last < kMaxSteps) return (mask.array().abs() < kNothing).select(0, mask);
     throw Error("the rules do not converge at vertex " +

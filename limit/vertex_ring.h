@@ -3,68 +3,73 @@
 
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <complex>
 #include <vector>
 
+// Computes how refinement acts on a vertex's ring: its matrix, limit mask and eigenvalues.
 namespace espalier::limit {
 
-/// What is left around a vertex, level after level: its one-ring, which the same matrix takes to
-/// that of the next level for ever.
+/// The ring of a vertex, and the matrix that takes it to the ring of the next level. The matrix is
+/// the same on all levels, so its eigenvectors give the limit.
 ///
-/// The ring one level on has a vertex for each entity that contains the vertex v, v itself among
-/// them: their new points. One more level on, the entities around v are the children [v, x] of
-/// these, one for one, and so are their new points: ring' = M ring. The rules of those see nothing
-/// but the ring. Where a feature is semi-sharp, it is so from the level on where that has run out.
+/// On the next level, the ring of a vertex v has a point for each entity that contains v, v itself
+/// included: the new point of the entity. One level further, the entities around v are the children
+/// [v, x] of these, one for each, and so are their new points: ring' = M ring. Their rules use only
+/// points of the ring. Where a feature is semi-sharp, the ring starts at the level on which no
+/// sharpness is left.
 ///
-/// At a vertex of the surface M takes the points of the surface among themselves, and likewise in
-/// each stratum.
+/// At a vertex of the surface, M maps the points of the surface to points of the surface, and
+/// likewise in each stratum.
 ///
 /// \cite MacCracken & Joy 1996, section 2.2 (the rules); Halstead, Kass, DeRose 1993 (the limit as
 ///       the left eigenvector)
 struct VertexRing {
-    /// What contains the vertex, by dimension and number: point i of the ring is the new point of
-    /// entity i. The vertex itself is the first.
+    /// Entities that contain the vertex, by dimension and number: point i of the ring is the new
+    /// point of entity i. The vertex itself is the first.
     std::vector<Entity> entities;
 
     /// M: row i holds the weights of point i of the next ring. Rows sum to 1.
     Eigen::SparseMatrix<double> subdivision;
 
-    std::vector<Index> vertices;  ///< verticesAround() the vertex
+    std::vector<Index> vertices;  ///< verticesAround() of the vertex
 
     /// Row i holds the weights of point i of the first ring over `vertices`.
     Eigen::SparseMatrix<double> start;
 
-    int levels = 1;  ///< how far on the first ring is
+    int levels = 1;  ///< number of levels from the vertex's level to the first ring
 };
 
-/// The vertices of all that contains a vertex, ascending.
+/// Returns the vertices of all entities that contain a vertex, ascending.
 ESPALIER_API std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex);
 
-/// \param level any, of a curve, a mesh or a lattice; all that contains the vertex must be there
-/// \param options of the refiner that it is a level of
-/// \param vertex of it, not open
-/// \throws Error under Rules::Rats, whose rules look further than the ring; for a vertex that is
-///         not there; and for one on the open boundary, which does not stay
+/// Builds the ring of a vertex.
+/// \param level any level of a curve, a mesh or a lattice, with all entities that contain the
+///        vertex
+/// \param options options of the refiner that has this level
+/// \param vertex a vertex of the level, not open
+/// \throws Error under Rules::Rats, whose rules use points outside the ring; for a vertex that does
+///         not exist; and for a vertex on the open boundary, which does not persist under
+///         refinement
 /// \cost O(entries of the ring's matrices)
 ESPALIER_API VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
-                               stencils::Rules rules, Index vertex);
+                               Index vertex);
 
-/// The weights of the ring in the limit of the vertex: ℓ with ℓM = ℓ, of sum 1, which the row of
-/// the vertex in Mᵏ goes to.
-/// \throws Error if it goes to nothing: the rules do not converge there
+/// Returns the weights of the ring's points in the limit of the vertex: the left eigenvector ℓM = ℓ
+/// of sum 1. It is the limit of the vertex's row in Mᵏ.
+/// \throws Error if the rows do not converge
 /// \cost O(entries of M), some hundred times
 ESPALIER_API Eigen::VectorXd limitMask(const VertexRing& ring);
 
-/// Rings of more points are refused by eigenvalues(), whose time grows with their cube.
+/// Largest ring for which eigenvalues() works, in points. Its time grows with the cube of the
+/// number.
 inline constexpr Index kMaxEigenvalues = 2000;
 
-/// The eigenvalues of M by descending modulus; the first is 1.
+/// Returns the eigenvalues of M by descending modulus; the first is 1.
 /// \throws Error if the ring has more than kMaxEigenvalues points
-/// \cost O(n³) in the points of the ring
+/// \cost O(n³) for a ring of n points
 ESPALIER_API std::vector<std::complex<double>> eigenvalues(const VertexRing& ring);
 
 }  // namespace espalier::limit

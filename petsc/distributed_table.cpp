@@ -47,7 +47,7 @@ void checkInitialised() {
         throw Error("PETSc is not initialised: call PetscInitialize() before spreading a table");
 }
 
-/// What a rank sees without the others.
+/// Checks the arguments of one rank, without communication.
 void checkOwn(const StencilTable<double>& rows, Offset ownVertexCount, int components,
               int componentsOfRank0) {
     if (components < 1) throw Error(concat("got ", components, " components"));
@@ -61,7 +61,7 @@ void checkOwn(const StencilTable<double>& rows, Offset ownVertexCount, int compo
                 throw Error(concat("row ", row, " has a weight of ", weight));
 }
 
-/// The range of this rank, where each has so many.
+/// Returns the range of this rank, given the count of each rank.
 OwnedRange rangeOf(MPI_Comm comm, Offset count) {
     std::int64_t last = 0;
     const std::int64_t own = count;
@@ -75,7 +75,8 @@ Offset sumOf(MPI_Comm comm, Offset count) {
     return sum;
 }
 
-/// The offsets and the columns of rows as PETSc's integers; columns are copied if ours are others.
+/// The offsets and columns of rows as PETSc's integers; columns are copied only if the integer
+/// types differ.
 template <class Integer>
 struct IntegersOf {
     explicit IntegersOf(const StencilTable<double>& rows)
@@ -92,7 +93,7 @@ struct IntegersOf {
     std::span<const Integer> columns;
 };
 
-/// An array in a vector that has none of its own.
+/// Puts an array into a vector that has no memory of its own, while the object exists.
 class Placed {
 public:
     Placed(const ErrorCapture& errors, Vec vector, std::span<const double> values)
@@ -115,7 +116,7 @@ void checkSize(std::size_t got, Offset count, int components, const char* what) 
 
 }  // namespace
 
-// After PetscFinalize() there is nothing that could be freed.
+// After PetscFinalize() there is nothing left to free.
 void DistributedTable::Destroy::operator()(Mat matrix) const {
     PetscBool initialised = PETSC_FALSE;
     PetscInitialized(&initialised);
@@ -152,14 +153,14 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     });
 
     const ErrorCapture errors;
-    // MATAIJ, for on one rank MatCreateMAIJ takes its matrix for a MATSEQAIJ, unseen.
+    // MATAIJ, because MatCreateMAIJ on one rank assumes a MATSEQAIJ without checking.
     Mat matrix = nullptr;
     errors.check(MatCreate(comm, &matrix));
     matrix_.reset(matrix);
     errors.check(MatSetSizes(matrix, ownRows.rowCount(), toPetscInt(ownVertexCount),
                              toPetscInt(pointCount_), toPetscInt(vertexCount_)));
     errors.check(MatSetType(matrix, MATAIJ));
-    // Each does nothing for a matrix of the other type.
+    // Each of these does nothing for a matrix of the other type.
     errors.check(MatSeqAIJSetPreallocationCSR(matrix, integers->offsets.data(),
                                               integers->columns.data(), ownRows.weights().data()));
     errors.check(MatMPIAIJSetPreallocationCSR(matrix, integers->offsets.data(),

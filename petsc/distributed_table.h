@@ -13,10 +13,11 @@
 #include <type_traits>
 #include <vector>
 
+// Applies the deformation matrix over the ranks of MPI, with PETSc.
 namespace espalier::petsc {
 
-/// The points, or the lattice vertices, of one rank: first to last − 1 of all. Those of rank 0 come
-/// first, then those of rank 1.
+/// The points, or the lattice vertices, of one rank: numbers first to last − 1. Ranks own
+/// consecutive ranges, in order of rank.
 struct OwnedRange {
     Offset first = 0;
     Offset last = 0;
@@ -25,89 +26,99 @@ struct OwnedRange {
     friend bool operator==(const OwnedRange&, const OwnedRange&) = default;
 };
 
-/// The part of `rank` of an even split, as PetscSplitOwnership makes it: the first ranks have one
-/// more where it does not come out even.
+/// Returns the range of `rank` in an even split, the same as PetscSplitOwnership: if the total is
+/// not a multiple of the number of ranks, the first ranks get one more.
 /// \throws Error unless total ≥ 0 and 0 ≤ rank < size
 ESPALIER_API OwnedRange evenRange(Offset total, int rank, int size);
 
-/// The deformation matrix D of a model that is spread over the ranks of an MPI communicator, as
-/// PETSc's MATMPIAIJ (on one rank MATSEQAIJ), with MATMAIJ over it for the components:
+/// Applies the deformation matrix D of a model, and its transpose, over the ranks of an MPI
+/// communicator. D is stored as PETSc's MATMPIAIJ (on one rank MATSEQAIJ), with MATMAIJ over it for
+/// the components:
 ///
 ///     D           points × lattice vertices; each rank has the rows of its own points
 ///     blocked     (components · points) × (components · vertices): D for each component
 ///     evaluate    point values = D · vertex values
 ///     ...Adjoint  vertex gradients = Dᵀ · point gradients
 ///
-/// Values are packed, `components` an entry, as {x, y, z}; a rank passes those of its own points
-/// and of its own vertices, and no rank ever has all of them. Points are numbered through the
-/// ranks: first those of rank 0. So are the vertices; their numbers are the columns of the rows.
+/// Values are packed, `components` per entry, for example {x, y, z}. A rank passes the values of
+/// its own points and vertices; no rank ever has all of them. Points are numbered across the ranks:
+/// first the points of rank 0, then those of rank 1, and so on. Vertices are numbered in the same
+/// way; their numbers are the columns of the rows.
 ///
-/// MPI and PETSc are the caller's to initialise, and to finalise when the table is gone. The
-/// constructors, both evaluations and the destructor are collective: all ranks of the communicator
-/// must call them, in the same order. So is assignment, which destroys what the table had. A table
-/// that was moved from may only be assigned to or destroyed.
+/// The caller initialises MPI and PETSc, and finalises them after the table is destroyed.
+/// Constructors, both evaluations and the destructor are collective: all ranks of the communicator
+/// must call them in the same order. Assignment is collective too, since it destroys the previous
+/// contents. A table that was moved from may only be assigned to or destroyed.
 ///
-/// On each rank arguments are checked, and copies made, before any goes on; what fails on one is
-/// thrown on all, with its rank. Only where PETSc itself fails on some ranks, out of memory say,
-/// may the others wait for ever. Not for several threads at a time.
+/// Before any rank continues, all ranks check their arguments and make their copies. An error on
+/// one rank is thrown on all, with the number of the rank. Only if PETSc itself fails on some
+/// ranks, for example out of memory, the others may wait forever. Not thread-safe.
 ///
-/// Messages: evaluate() receives ghostCount() · components doubles, at most one message from each
-/// rank that owns some of these vertices, while the rank's own vertices are already multiplied;
-/// evaluateAdjoint() sends as many back. Each also reduces one int over all ranks, for the checks.
-/// Memory of a rank: 12 bytes an entry, 44 bytes a point (on one rank 20), and 52 a ghost; where
-/// PETSc's integers have 64 bits, 16 bytes an entry and 88 a point (40). docs/scaling.md has the
-/// sums.
+/// Messages: evaluate() receives ghostCount() · components doubles, in at most one message from
+/// each rank that owns some of these vertices, while it multiplies the rank's own vertices;
+/// evaluateAdjoint() sends the same amount back. Each also reduces one int over all ranks, for the
+/// checks. Memory of a rank: 12 bytes per entry, 44 bytes per point (20 on one rank), and 52 per
+/// ghost; if PETSc's integers have 64 bits, 16 bytes per entry and 88 per point (40).
+/// docs/scaling.md derives these numbers.
 ///
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
 class ESPALIER_API DistributedTable {
 public:
-    /// \param ownRows the rows of this rank's points, over all vertices of the lattice: the table
-    ///        of embed::bindPoints() for these points. It is copied, so that it may go
-    /// \param ownVertexCount how many of the vertices are this rank's; evenRange() splits them.
-    ///        A rank may have no vertices, or no points
-    /// \param components numbers an entry, the same on all ranks
-    /// \throws Error on all ranks if PETSc is not initialised; if the vertices of all ranks are not
-    ///         the columns of each; for weights that are not finite, naming rank and row; if
-    ///         PETSc's integers do not hold the entries of a rank or the rows of `blocked`
-    /// \cost O(entries). Meanwhile ownRows is there too, and with PETSc's integers of 64 bits a
-    ///       copy of its columns: 24 bytes an entry, or 36
+    /// Distributes D.
+    ///
+    /// \param ownRows rows of this rank's points, over all vertices of the lattice: the table of
+    ///        embed::bindPoints() for these points. It is copied
+    /// \param ownVertexCount number of vertices of this rank; evenRange() splits them evenly. A
+    ///        rank may have no vertices, or no points
+    /// \param components numbers per entry, the same on all ranks
+    /// \throws Error on all ranks if PETSc is not initialised; if the vertices of all ranks
+    ///         together are not the columns of each rank's rows; for weights that are not finite,
+    ///         naming rank and row; if PETSc's integers cannot count the entries of a rank or the
+    ///         rows of `blocked`
+    /// \cost O(entries). During construction ownRows exists too, and with 64-bit integers of PETSc
+    ///       a copy of its columns: 24 bytes per entry, or 36
     DistributedTable(MPI_Comm comm, const stencils::StencilTable<double>& ownRows,
                      Offset ownVertexCount, int components = 3);
 
-    /// The same for positions of points of which some are kept in place: evaluate() puts these
-    /// where they stay, as osd::evaluateBinding() does; in the adjoint their gradients count for
-    /// nothing. (With the constructor above, rows that are empty give 0.)
+    /// Distributes D for positions, with some points kept in place: evaluate() writes their fixed
+    /// positions, as osd::evaluateBinding() does, and the adjoint ignores their gradients. (With
+    /// the constructor above, empty rows give 0.)
     ///
-    /// \throws Error also for kept points that are not the rank's
+    /// \throws Error also for kept points that the rank does not have
     DistributedTable(MPI_Comm comm, const embed::Binding& own, Offset ownVertexCount);
 
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }
     OwnedRange ownVertices() const { return ownVertices_; }
-    Offset pointCount() const { return pointCount_; }    ///< of all ranks
-    Offset vertexCount() const { return vertexCount_; }  ///< of all ranks
+    Offset pointCount() const { return pointCount_; }    ///< on all ranks
+    Offset vertexCount() const { return vertexCount_; }  ///< on all ranks
 
-    /// Vertices of other ranks that the points of this one depend on.
+    /// Number of vertices of other ranks that this rank's points depend on.
     Offset ghostCount() const { return ghostCount_; }
 
-    /// Results differ with the number of ranks, by the order of the sums: they are off the exact
-    /// ones by at most one ulp of Σ |w · x| for each entry. For the same ranks and rows they are
-    /// the same bit for bit, in both directions: PETSc adds what other ranks send in the order of
-    /// these, not in that of arrival.
+    /// Computes the values of this rank's points.
     ///
-    /// \param ownVertexValues components() for each of ownVertices()
-    /// \param ownPointValues components() for each of ownPoints(); must not overlap
-    /// \throws Error on all ranks if a span has another size, naming the rank. Nothing is written
+    /// Results depend on the number of ranks through the order of summation: they differ from the
+    /// exact sums by at most one ulp of Σ |w · x| for each entry. For the same ranks and rows they
+    /// are identical bit for bit, in both directions: PETSc adds contributions in the order of the
+    /// ranks, not in the order of arrival.
+    ///
+    /// \param ownVertexValues components() numbers for each of ownVertices()
+    /// \param ownPointValues components() numbers for each of ownPoints(); must not overlap
+    /// \throws Error on all ranks if a span has the wrong size, naming the rank. Nothing is written
     /// \cost O(entries of the rank × components), and the messages above
     void evaluate(std::span<const double> ownVertexValues, std::span<double> ownPointValues);
 
-    /// As evaluate(), from gradients by the points to gradients by the vertices.
+    /// Computes the gradients of this rank's vertices, from gradients of the points; otherwise as
+    /// evaluate().
     void evaluateAdjoint(std::span<const double> ownPointGradients,
                          std::span<double> ownVertexGradients);
 
-    // For PETSc's solvers, KSPLSQR say. They stay the table's: neither to be destroyed nor changed.
-    Mat matrix() const { return matrix_.get(); }    ///< D
-    Mat blocked() const { return blocked_.get(); }  ///< D for each component; D where there is one
+    // For PETSc's solvers, for example KSPLSQR. The table owns the matrices: do not destroy or
+    // change them.
+    Mat matrix() const { return matrix_.get(); }  ///< D
+    /// D for each component; D itself for one component.
+    Mat blocked() const { return blocked_.get(); }
 
 private:
     struct Destroy {
@@ -121,7 +132,8 @@ private:
     OwnedRange ownPoints_, ownVertices_;
     Offset pointCount_ = 0, vertexCount_ = 0, ghostCount_ = 0;
     Owned<Mat> matrix_, blocked_;
-    Owned<Vec> points_, vertices_;  ///< of no memory of their own: the caller's arrays are put in
+    /// Without memory of their own: they refer to the caller's arrays.
+    Owned<Vec> points_, vertices_;
     std::vector<Index> kept_;
     std::vector<Point3> keptAt_;
 };

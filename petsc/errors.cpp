@@ -11,7 +11,7 @@
 namespace espalier::petsc {
 namespace {
 
-/// An error is told where it arises, and again by each function that it passes through.
+/// PETSc reports an error where it occurs, and again in each function that it passes through.
 PetscErrorCode keepMessage(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
                            PetscErrorType type, const char* message, void* context) {
     if (type != PETSC_ERROR_INITIAL) return code;
@@ -50,11 +50,11 @@ void checkMpi(int code) {
 
 namespace {
 
-/// Of fixed size, since memory may be what is missing.
-using Complaint = std::array<char, 501>;
+/// A fixed size, since the error may be lack of memory.
+using ErrorText = std::array<char, 501>;
 
-Complaint complaintOf(const std::exception_ptr& wrong) {
-    Complaint result{};
+ErrorText errorTextOf(const std::exception_ptr& wrong) {
+    ErrorText result{};
     const auto keep = [&](const char* text) {
         std::strncpy(result.data(), text, result.size() - 1);
     };
@@ -76,14 +76,13 @@ void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong) {
     int rank = 0, size = 0;
     checkMpi(MPI_Comm_rank(comm, &rank));
     checkMpi(MPI_Comm_size(comm, &size));
-    int complaining = wrong ? rank : size;
-    checkMpi(MPI_Allreduce(MPI_IN_PLACE, &complaining, 1, MPI_INT, MPI_MIN, comm));
-    if (complaining == size) return;
+    int failedRank = wrong ? rank : size;
+    checkMpi(MPI_Allreduce(MPI_IN_PLACE, &failedRank, 1, MPI_INT, MPI_MIN, comm));
+    if (failedRank == size) return;
 
-    Complaint complaint = rank == complaining ? complaintOf(wrong) : Complaint{};
-    checkMpi(MPI_Bcast(complaint.data(), static_cast<int>(complaint.size()), MPI_CHAR, complaining,
-                       comm));
-    throw Error(concat("rank ", complaining, ": ", complaint.data()));
+    ErrorText text = rank == failedRank ? errorTextOf(wrong) : ErrorText{};
+    checkMpi(MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, failedRank, comm));
+    throw Error(concat("rank ", failedRank, ": ", text.data()));
 }
 
 }  // namespace espalier::petsc

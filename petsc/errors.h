@@ -9,7 +9,8 @@
 
 namespace espalier::petsc {
 
-/// While it lives, PETSc's errors on this rank are not printed, but thrown by check().
+/// While an object exists, check() throws PETSc's errors on this rank, and PETSc does not print
+/// them.
 class ErrorCapture {
 public:
     ErrorCapture();
@@ -17,30 +18,31 @@ public:
     ErrorCapture(const ErrorCapture&) = delete;
     ErrorCapture& operator=(const ErrorCapture&) = delete;
 
-    /// \param code what a function of PETSc returned
-    /// \throws Error with PETSc's message, unless all went well
+    /// \param code return value of a PETSc function
+    /// \throws Error with PETSc's message if the code is an error
     void check(PetscErrorCode code) const;
 
 private:
     std::string message_;
 };
 
-/// \throws Error with MPI's message, unless all went well. (Where the communicator's error handler
-///         is that which MPI starts with, MPI ends the program itself.)
+/// \throws Error with MPI's message if the code is an error. (MPI's default error handler ends the
+///         program instead.)
 void checkMpi(int code);
 
-/// Throws on all ranks what was thrown on any. Collective; allocates nothing before all know.
+/// Throws on all ranks if any rank has caught an error. Collective; allocates no memory before all
+/// ranks know.
 ///
-/// \param wrong what this rank has caught; null where all is well
-/// \throws Error on all ranks, where any has caught something: "rank 2: ", and what the lowest of
-///         those has to say, of which 500 bytes are sent
+/// \param wrong the exception that this rank has caught; null if none
+/// \throws Error on all ranks if any has caught something: "rank 2: " and the message of the lowest
+///         of these ranks, up to 500 bytes
 /// \cost one reduction of an int
 void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong);
 
-/// Does on each rank what only that rank may fail at (its checks, its allocations), so that none
-/// goes on to wait for one that threw. Collective.
+/// Runs work that may fail on one rank only, such as checks and allocations, so that no rank goes
+/// on to wait for one that threw. Collective.
 ///
-/// \param work throws what is wrong on this rank; must not itself be collective
+/// \param work throws if this rank has an error; must not be collective itself
 /// \throws Error as throwOnAllRanks()
 template <class Work>
 void checkOnAllRanks(MPI_Comm comm, const Work& work) {

@@ -46,14 +46,14 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
                                   points, options);
     } else if (isLimit) {
         auto inLimit = limit::bindLimit(
-            {refiner.base(), lattice.positions, refiner.rules()}, points,
+            {refiner.base(), lattice.positions}, points,
             {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
         if (hasDirections)
             result.bound.gradients = {std::move(inLimit.binding.table.gradients),
                                       lattice.positions};
         found = limit::withoutGradients(std::move(inLimit));
     } else {
-        found = embed::bindPoints({refiner.base(), lattice.positions, refiner.rules()}, points,
+        found = embed::bindPoints({refiner.base(), lattice.positions}, points,
                                   {.level = level, .embedding = options});
     }
     result.bound.binding = std::move(found.binding);

@@ -18,8 +18,7 @@ Agreement compareWithOpenSubdiv(const Refiner& refiner, int level) {
     checkLevel(level);
     return withoutGil([&] {
         const auto levels = refiner.upTo(level);
-        return compare::Comparison(*levels).compareAll(refiner.rules(),
-                                                       refiner.lattice()->positions);
+        return compare::Comparison(*levels).compareAll(refiner.lattice()->positions);
     });
 }
 

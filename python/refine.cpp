@@ -26,30 +26,26 @@ using Word = std::optional<std::string>;
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
                                      const Word& creasing, const Word& triangles) {
-    const auto options =
-        refinerOptions(*lattice,
-                       {chosen(far::kBoundaryWords, "boundary", boundary),
-                        chosen(far::kCreasingWords, "creasing", creasing),
-                        chosen(far::kTriangleSubdivisionWords, "triangles", triangles)},
-                       chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges));
-    const auto rule = chosen(stencils::kRulesWords, "rules", rules);
-    return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
+    auto options = refinerOptions(*lattice,
+                                  {chosen(far::kBoundaryWords, "boundary", boundary),
+                                   chosen(far::kCreasingWords, "creasing", creasing),
+                                   chosen(far::kTriangleSubdivisionWords, "triangles", triangles)},
+                                  chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges));
+    options.rules = chosen(far::kRulesWords, "rules", rules);
+    return withoutGil([&] { return std::make_shared<Refiner>(lattice, options); });
 }
 
 std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
-    return sharedWithoutGil([&] {
-        return stencils::refinedLattice(*refiner.upTo(level), level, refiner.rules(),
-                                        *refiner.lattice());
-    });
+    return sharedWithoutGil(
+        [&] { return stencils::refinedLattice(*refiner.upTo(level), level, *refiner.lattice()); });
 }
 
 py::array_t<double> refinedPositions(const Refiner& refiner, int level,
                                      const std::optional<ArrayLike>& pose) {
     const auto& rest = refiner.lattice()->positions;
     const auto base = pose ? toPoints(*pose, "pose", rest.size()) : rest;
-    return toArray(withoutGil([&] {
-        return stencils::refinePositions(*refiner.upTo(level), level, refiner.rules(), base);
-    }));
+    return toArray(
+        withoutGil([&] { return stencils::refinePositions(*refiner.upTo(level), level, base); }));
 }
 
 std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
@@ -57,15 +53,14 @@ std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
     const auto rows = vertices ? toIndices(*vertices, "vertices") : std::vector<Index>();
     return sharedWithoutGil([&] {
         const auto levels = refiner.upTo(level);
-        return vertices ? stencils::buildStencils(*levels, level, refiner.rules(), rows)
-                        : stencils::buildStencils(*levels, level, refiner.rules());
+        return vertices ? stencils::buildStencils(*levels, level, rows)
+                        : stencils::buildStencils(*levels, level);
     });
 }
 
 std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
     checkLevel(level);
-    return sharedWithoutGil(
-        [&] { return stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()); });
+    return sharedWithoutGil([&] { return stencils::buildLevelTable(*refiner.upTo(level), level); });
 }
 
 std::tuple<Index, Index, Index, Index> countsOf(const Refiner& refiner, int level) {
@@ -115,7 +110,7 @@ None for boundary, creasing or triangles means the lattice's tags, or else the f
         .def_property_readonly("lattice", getter(&Refiner::lattice), "The Lattice at level 0.")
         .def_property_readonly(
             "rules",
-            [](const Refiner& self) { return wordOf(stencils::kRulesWords, {self.rules()}); },
+            [](const Refiner& self) { return wordOf(far::kRulesWords, {self.base().rules()}); },
             "The name of the rules: str.")
         .def("counts", &countsOf, "level"_a,
              "Numbers of vertices, edges, faces and cells of a level: tuple of 4 int.")

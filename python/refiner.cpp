@@ -2,7 +2,6 @@
 #include "refiner.h"
 
 #include <espalier/shapes/refiner_options.h>
-#include <espalier/stencils/composition.h>
 
 #include <utility>
 
@@ -10,14 +9,10 @@
 
 namespace espalier::python {
 
-Refiner::Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options,
-                 stencils::Rules rules)
+Refiner::Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options)
     : lattice_(std::move(lattice)),
-      rules_(rules),
       base_(lattice_->complex, options),
-      deepest_(std::make_shared<far::TopologyRefiner>(base_)) {
-    stencils::checkRules(base_, rules);
-}
+      deepest_(std::make_shared<far::TopologyRefiner>(base_)) {}
 
 std::shared_ptr<const far::TopologyRefiner> Refiner::upTo(int level) const {
     if (level < 0) throw Error(concat("level: expected 0 or more, got ", level));
@@ -45,8 +40,7 @@ std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object) {
     auto lattice = object.cast<std::shared_ptr<Lattice>>();
     return withoutGil([&] {
         const auto options = refinerOptions(*lattice);
-        return std::make_shared<const Refiner>(std::move(lattice), options,
-                                               stencils::Rules::Siggraph96);
+        return std::make_shared<const Refiner>(std::move(lattice), options);
     });
 }
 

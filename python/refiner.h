@@ -3,7 +3,6 @@
 
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/masks.h>
 
 #include <memory>
 #include <mutex>
@@ -16,11 +15,9 @@ namespace espalier::python {
 /// it, without the GIL.
 class Refiner {
 public:
-    Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options,
-            stencils::Rules rules);
+    Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options);
 
     const std::shared_ptr<Lattice>& lattice() const { return lattice_; }
-    stencils::Rules rules() const { return rules_; }
 
     /// Returns the refiner with level 0 only.
     const far::TopologyRefiner& base() const { return base_; }
@@ -31,7 +28,6 @@ public:
 
 private:
     std::shared_ptr<Lattice> lattice_;
-    stencils::Rules rules_;
     far::TopologyRefiner base_;
     mutable std::mutex mutex_;
     mutable std::shared_ptr<const far::TopologyRefiner> deepest_;

@@ -69,12 +69,11 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
         const auto add = [&](const std::vector<Index>& some) {
             vertices.insert(vertices.end(), some.begin(), some.end());
         };
-        if (faces)
-            add(embed::verticesHoldingFaces(refiner->base(), refiner->rules(), heldFaces, wanted));
+        if (faces) add(embed::verticesHoldingFaces(refiner->base(), heldFaces, wanted));
         if (points)
-            add(embed::verticesHoldingPoints(
-                {refiner->base(), refiner->lattice()->positions, refiner->rules()}, heldPoints,
-                wanted, {.level = level, .embedding = options}));
+            add(embed::verticesHoldingPoints({refiner->base(), refiner->lattice()->positions},
+                                             heldPoints, wanted,
+                                             {.level = level, .embedding = options}));
         sortUnique(vertices);
         return vertices;
     }));
@@ -89,8 +88,7 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
     return sharedWithoutGil([&] {
-        return embed::nestTables(*table, pose,
-                                 {refiner->base(), refiner->lattice()->positions, refiner->rules()},
+        return embed::nestTables(*table, pose, {refiner->base(), refiner->lattice()->positions},
                                  {.level = level, .embedding = options});
     });
 }

@@ -28,7 +28,7 @@ public:
         : refiner_(std::move(refiner)),
           level_(limit ? 0 : level),
           levels_(refiner_->upTo(level_)),
-          check_(limit ? solve::ValidityCheck(limit::LimitParts(*levels_, refiner_->rules(), level),
+          check_(limit ? solve::ValidityCheck(limit::LimitParts(*levels_, level),
                                               refiner_->lattice()->positions)
                        : solve::ValidityCheck(levels_->level(level_).complex,
                                               refined(refiner_->lattice()->positions))) {}
@@ -53,7 +53,7 @@ public:
 
 private:
     std::vector<Point3> refined(std::span<const Point3> positions) const {
-        return stencils::refinePositions(*levels_, level_, refiner_->rules(), positions);
+        return stencils::refinePositions(*levels_, level_, positions);
     }
 
     std::shared_ptr<const Refiner> refiner_;

@@ -14,8 +14,8 @@
 namespace espalier::shapes {
 namespace {
 
-/// Where the x and y axes of the cross-section point at a place of the limb, before twist and
-/// radius. They are of unit length and perpendicular except across a bend.
+/// The x and y axes of the cross-section at a place of the limb, before twist and radius. They are
+/// perpendicular unit vectors, except at a bend, where the cross-section is stretched.
 struct Frame {
     Point3 x;
     Point3 y;
@@ -40,7 +40,7 @@ void check(const ArmOptions& options) {
     }
 }
 
-/// The unit directions of the bones.
+/// Returns the unit directions of the bones.
 std::vector<Point3> boneDirections(const std::vector<ArmJoint>& joints) {
     std::vector<Point3> directions;
     for (std::size_t i = 0; i + 1 < joints.size(); ++i)
@@ -50,7 +50,7 @@ std::vector<Point3> boneDirections(const std::vector<ArmJoint>& joints) {
 
 Frame firstFrame(const Point3& direction, const Point3& up) {
     const Point3 across = difference(up, scaled(direction, dot(up, direction)));
-    // Nearer to the bone, what is left of `up` has few digits that are not rounding.
+    // If `up` is nearer to the bone, its part across the bone is mostly rounding.
     if (!(length(across) > 1e-6 * length(up)))
         refuseField("arm", "up", textOf(up),
                     "vectors that are not along the first bone, " + textOf(direction));
@@ -58,8 +58,8 @@ Frame firstFrame(const Point3& direction, const Point3& up) {
     return {x, cross(direction, x)};
 }
 
-/// The frame in the plane that bisects two bones: turned half way from the first bone to the
-/// second, and stretched across the bend.
+/// Returns the frame in the plane that bisects two bones: the frame of the first bone, rotated half
+/// way to the second, and stretched across the bend.
 Frame bisectingFrame(const Frame& frame, const Point3& before, const Point3& after) {
     const Point3 normal = normalised(sum(before, after));
     const Affine half = rotationBetween(before, normal);
@@ -73,13 +73,13 @@ Frame bisectingFrame(const Frame& frame, const Point3& before, const Point3& aft
     return turned;
 }
 
-/// The frame at each joint.
+/// Returns the frame at each joint.
 std::vector<Frame> jointFrames(const ArmOptions& options) {
     const std::vector<Point3> bones = boneDirections(options.joints);
     Frame carried = firstFrame(bones.front(), options.up);
     std::vector<Frame> frames = {carried};
     for (std::size_t i = 1; i < bones.size(); ++i) {
-        // cos 179°: beyond it the plane of the bend is lost.
+        // -0.99984 is cos 179°. Beyond it, the plane of the bend is lost in rounding.
         if (dot(bones[i - 1], bones[i]) < -0.99984)
             refuseField("arm", indexed("joints", i) + ".position",
                         textOf(options.joints[i].position),
@@ -92,7 +92,7 @@ std::vector<Frame> jointFrames(const ArmOptions& options) {
     return frames;
 }
 
-/// Takes the unit cross-section to its place at a fraction t of the way between two joints.
+/// Returns the map that takes the unit cross-section to the place at fraction t between two joints.
 Affine station(const ArmJoint& a, const Frame& frameA, const ArmJoint& b, const Frame& frameB,
                double t) {
     const Point3 x = between(frameA.x, frameB.x, t);

@@ -12,7 +12,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// The old vertices under their own numbers, and the new ones after them.
+/// Returns the lattice with the new vertices after the old ones; no cell uses them yet.
 Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices) {
     Lattice result = lattice;
     for (const NewVertex& vertex : newVertices) result.positions.push_back(vertex.position);
@@ -54,7 +54,7 @@ void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
     }
 }
 
-/// A boundary face as the cell that is put on it sees it.
+/// A boundary face to which a cell is attached.
 struct Site {
     Loop loop;  ///< anticlockwise seen from outside the lattice
     std::vector<Point3> positions;
@@ -75,7 +75,7 @@ struct Site {
         for (const Index vertex : loop) positions.push_back(lattice.positions[vertex]);
     }
 
-    /// That a vector from the face leads to the outside.
+    /// Throws unless a vector from the face points to the outside.
     void requireOutward(const std::string& who, const std::string& field, const Point3& vector,
                         const Point3& value) const {
         requireFinite(who, field, value);

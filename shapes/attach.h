@@ -12,54 +12,53 @@
 #include <vector>
 
 /// \file
-/// Building a lattice cell by cell, face to face (MacCracken & Joy 1996, section 5).
+/// Builds a lattice cell by cell, face to face (MacCracken & Joy 1996, section 5).
 ///
-/// Each function returns the lattice with one more cell, which is the last. Vertices and cells that
-/// were there keep their numbers, positions, attributes and marks; new vertices follow them. Edges
-/// and faces are numbered in the order of first appearance, as ComplexBuilder does: a lattice that
-/// was built by it, outward loops first, keeps those numbers too.
+/// Each function returns the lattice with one more cell, which is the last. Old vertices and cells
+/// keep their numbers, positions, attributes and marks; new vertices follow them. Edges and faces
+/// are numbered in the order of first appearance, as in ComplexBuilder: a lattice that
+/// ComplexBuilder built from outward loops keeps these numbers too.
 ///
-/// New vertices coincide with no old one, even in the same place; merge() of the one lattice welds
-/// them. Each call costs O(n log n) in the size of the lattice.
+/// New vertices are never welded to old ones, even in the same place; merge() of the single lattice
+/// welds them. Each call costs O(n log n) in the size of the lattice.
 namespace espalier::shapes {
 
-/// Puts a prism on a face: its vertices, and as many new ones moved by an offset, in the order of
-/// the face's loop. Their attributes and integers are those of the vertices they come from. The
-/// faces of the new cell are: the one it stands on, the one opposite, then one an edge, in loop
-/// order.
+/// Attaches a prism to a face. Its new vertices are copies of the face's vertices, moved by an
+/// offset, in the order of the face's loop, with the same attributes and integers. The faces of the
+/// new cell are: the given face, the opposite face, then one face per edge, in loop order.
 ///
 /// \param face a boundary face
-/// \param offset to the outside of the lattice
+/// \param offset vector to the outside of the lattice
 /// \throws Error if the face does not exist, is between two cells, or the offset points inwards or
 ///         along the face
 ESPALIER_API Lattice attachPrism(const Lattice& lattice, FaceId face, const Point3& offset);
 
-/// Puts a pyramid on a face: a tetrahedron on a triangle. The attributes of the apex are the mean
-/// of those of the face; it has no integers (noInteger()). The faces of the new cell are: the one
-/// it stands on, then one an edge.
+/// Attaches a pyramid to a face; on a triangle, a tetrahedron. The apex gets the mean of the
+/// attributes of the face's vertices, and no integers (noInteger()). The faces of the new cell are:
+/// the given face, then one face per edge.
 ///
 /// \param apex a new vertex, outside the lattice
 /// \throws Error as attachPrism does
 ESPALIER_API Lattice attachPyramid(const Lattice& lattice, FaceId face, const Point3& apex);
 
-/// A vertex that comes with a new cell.
+/// A new vertex of a new cell.
 struct NewVertex {
     Point3 position = {0, 0, 0};
-    /// Vertices whose mean attributes it takes; with none, its attributes are 0. It takes the
-    /// integers of one vertex; with none, or more than one, it has noInteger().
+    /// The new vertex gets the mean attributes of these vertices; if there are none, 0. From a
+    /// single vertex it also gets the integers; otherwise its integers are noInteger().
     std::vector<Index> attributesFrom = {};
 };
 
 /// Adds any polyhedron, face to face with the lattice or apart from it.
 ///
-/// \param loops of its faces, anticlockwise from outside; the new vertices are numbered on from the
-///              old ones
+/// \param loops faces of the polyhedron, anticlockwise from outside; the numbers of new vertices
+///        follow the old ones
 /// \throws Error for an attribute source that does not exist; far::TopologyError for a cell that
-///         does not fit: a face that then has three cells, a new vertex that is not used
+///         does not fit: if a face would have three cells, or a new vertex is not used
 ESPALIER_API Lattice attachCell(const Lattice& lattice, std::span<const std::vector<Index>> loops,
                                 std::span<const NewVertex> newVertices);
 
-/// The same with a tetrahedron, pyramid, wedge or hexahedron.
+/// The same for a tetrahedron, pyramid, wedge or hexahedron.
 ESPALIER_API Lattice attachCell(const Lattice& lattice, far::StandardCell cell,
                                 std::span<const Index> vertices,
                                 std::span<const NewVertex> newVertices);

@@ -26,7 +26,7 @@ void check(const BarbellOptions& options) {
     requirePositive("barbell", "height", options.height);
     if (!(options.roundness >= 0 && options.roundness <= 1))
         refuseField("barbell", "roundness", textOf(options.roundness), "numbers from 0 to 1");
-    // Where a round end is as wide as the bar, its centre would lie on the edge of the bar.
+    // If a round end were only as wide as the bar, its centre would lie on the end of the bar.
     const bool fits = options.roundness < 1 ? options.barHalfWidth <= options.endRadius
                                             : options.barHalfWidth < options.endRadius;
     if (!fits)
@@ -40,15 +40,15 @@ void check(const BarbellOptions& options) {
     requireCountable("barbell", {options.barSegments, options.barAcross, options.layers, 24});
 }
 
-/// The x coordinate at which the bar meets an end that is centred at the origin.
+/// Returns the x coordinate at which the bar meets an end that is centred at the origin.
 double neck(const BarbellOptions& options) {
     const double round = std::sqrt(options.endRadius * options.endRadius -
                                    options.barHalfWidth * options.barHalfWidth);
     return std::lerp(options.endRadius, round, options.roundness);
 }
 
-/// The point of a square's three far sides at a fraction of their length, from (1, 1) by way of
-/// (-1, 1) and (-1, -1) to (1, -1).
+/// Returns the point at a fraction of the path along three sides of a square, from (1, 1) via (-1,
+/// 1) and (-1, -1) to (1, -1).
 Point3 onSquare(double fraction) {
     const double along = 6 * fraction;
     if (along <= 2) return {1 - along, 1, 0};
@@ -56,9 +56,9 @@ Point3 onSquare(double fraction) {
     return {along - 5, -1, 0};
 }
 
-/// The outline of the end to the left of the bar, about the origin: vertex 0 at the upper side of
-/// the bar, vertex endSegments at the lower one, those between them round the end, then those
-/// across the bar, upwards.
+/// Returns the outline of the left end, centred at the origin. Vertex 0 is at the upper side of the
+/// bar and vertex endSegments at the lower side; the vertices between them go around the end, and
+/// the vertices after them go upwards across the bar.
 std::vector<Point3> endOutline(const BarbellOptions& options) {
     const double half = options.barHalfWidth;
     const double x = neck(options);
@@ -76,7 +76,7 @@ std::vector<Point3> endOutline(const BarbellOptions& options) {
     return outline;
 }
 
-/// The flat mesh: the left end, the right end (the left one turned by half a circle), the bar.
+/// Makes the flat mesh: the left end, the right end (the left end rotated by 180 degrees), the bar.
 Lattice barbellMesh(const BarbellOptions& options) {
     const std::vector<Point3> outline = endOutline(options);
     const Lattice end = diskMesh(outline, {0, 0, 0}, options.pattern);
@@ -89,8 +89,8 @@ Lattice barbellMesh(const BarbellOptions& options) {
     for (std::size_t i = 0; i < end.positions.size(); ++i)
         positions.push_back(scaled(positions[i], -1));
 
-    // Rows across the bar go upwards, columns to the right. The first and last columns are vertices
-    // of the outlines, which are the last ones of their ends.
+    // Rows of the bar are counted upwards, columns to the right. The vertices of the first and last
+    // column belong to the outlines of the ends; an outline has the last vertices of its end.
     const auto onOutline = [&](Index row) {
         return endCount - sides + (options.endSegments + row) % sides;
     };

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-// Reading the cells of a complex back as what a ComplexBuilder takes; not installed.
+// Adds the cells of a complex to a ComplexBuilder; not installed.
 namespace espalier::shapes {
 
 using Loop = std::vector<Index>;

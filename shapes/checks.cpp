@@ -75,7 +75,7 @@ void requireInterval(const std::string& shape, std::size_t index, double min, do
 void requireCountable(const std::string& shape, std::initializer_list<Offset> factors) {
     Offset count = 1;
     for (const Offset factor : factors) {
-        // Below 2^31 before each product, so that none overflows.
+        // `count` is below 2^31 before each multiplication, so nothing overflows.
         if (factor <= kMaxIndex / count) {
             count *= factor;
             continue;

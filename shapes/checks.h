@@ -9,11 +9,11 @@
 #include <initializer_list>
 #include <string>
 
-// Checks of what callers pass to the functions of this folder; not installed. Each throws an Error
-// of one line: who refuses, which field, its value, and what is allowed.
+// Checks of the arguments of this folder's functions; not installed. Each check throws an Error of
+// one line that names the function, the field, its value, and the allowed values.
 namespace espalier::shapes {
 
-/// The shortest text that reads back as `value`.
+/// Returns the shortest text that reads back as `value`.
 std::string textOf(double value);
 std::string textOf(const Point3& point);
 
@@ -25,20 +25,20 @@ void requireFinite(const std::string& shape, const std::string& field, double va
 void requireFinite(const std::string& shape, const std::string& field, const Point3& value);
 void requirePositive(const std::string& shape, const std::string& field, double value);
 
-/// "field[index]": how messages name an entry of a list.
+/// Returns "field[index]", the name of a list entry in messages.
 std::string indexed(const std::string& field, std::size_t index);
 
-/// That min[index] and max[index] are finite and in this order.
+/// Throws unless min[index] and max[index] are finite and in this order.
 void requireInterval(const std::string& shape, std::size_t index, double min, double max);
 
-/// That a number of entities, or of entries in their loops, given by its factors (each above 0),
-/// can be counted by an Index. Asked before memory is taken for them.
+/// Throws if the product of the factors (each above 0) is too large for an Index. It is the number
+/// of entities, or of entries in their loops; call this before allocating memory for them.
 /// \throws far::TopologyError (TooManyEntities)
 void requireCountable(const std::string& shape, std::initializer_list<Offset> factors);
 
-/// That a lattice has the dimension that `who` works on, one finite position a vertex and
-/// `components` values a vertex in each attribute, and marks on vertices that exist.
-/// \param name how the message calls the lattice: "the mesh", "lattice 2"
+/// Throws unless a lattice has the dimension that `who` works on, one finite position per vertex,
+/// `components` values per vertex in each attribute, and marks on vertices that exist.
+/// \param name name of the lattice in the message: "the mesh", "lattice 2"
 void requireConsistent(const std::string& who, const std::string& name, const Lattice& lattice,
                        int dimension);
 

@@ -14,7 +14,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// What a sweep makes of one mesh, whatever its positions.
+/// Makes the topology, attributes and marks of a sweep; positions play no part.
 class Sweep {
 public:
     Sweep(const Lattice& mesh, std::size_t layerCount, SweepEnds ends)
@@ -23,7 +23,7 @@ public:
           rowCount_(static_cast<Index>(layerCount) - (ends == SweepEnds::Open ? 1 : 0)),
           ends_(ends) {}
 
-    /// \param reversed per face of the mesh: whether it runs clockwise seen from the next layer
+    /// \param reversed per face of the mesh: true if it runs clockwise seen from the next layer
     far::CellComplex complex(const std::vector<bool>& reversed) const {
         far::ComplexBuilder builder(3, layerCount_ * mesh_.complex.count(0));
         std::vector<Loop> loops;
@@ -51,7 +51,7 @@ public:
         return marks;
     }
 
-    /// Each layer has the values of the mesh.
+    /// Copies the values of the mesh to each layer.
     /// \tparam Attribute VertexAttribute or VertexIntegers
     template <class Attribute>
     std::vector<Attribute> onLayers(std::vector<Attribute> attributes) const {
@@ -96,11 +96,11 @@ private:
 
     const Lattice& mesh_;
     Index layerCount_;
-    Index rowCount_;  ///< of cells between layers
+    Index rowCount_;  ///< number of rows of cells between layers
     SweepEnds ends_;
 };
 
-/// That each edge of the mesh has at most two faces, since a face has at most two cells.
+/// Throws unless each edge of the mesh has at most two faces, because a face has at most two cells.
 void requireManifold(const std::string& who, const far::CellComplex& mesh) {
     for (Index edge = 0; edge < mesh.count(1); ++edge) {
         const std::size_t faceCount = mesh.relation(1, 2)[edge].size();
@@ -111,7 +111,8 @@ void requireManifold(const std::string& who, const far::CellComplex& mesh) {
     }
 }
 
-/// That the cells can be counted: each corner of the mesh is in 6 corners of loops a row of cells.
+/// Throws if there are too many entries. A corner of the mesh gives 6 corners of loops in each row
+/// of cells.
 void requireCountableRows(const std::string& who, const far::CellComplex& mesh,
                           std::size_t layerCount) {
     const auto layers = static_cast<Offset>(std::min<std::size_t>(layerCount, kMaxIndex));
@@ -144,17 +145,18 @@ std::vector<Point3> loopPositions(const Loop& loop, const std::vector<Point3>& p
     return result;
 }
 
-/// The cosine of the angle between a vector and the area vector of a loop; 0 for a loop without
-/// area.
+/// Returns the cosine of the angle between a vector and the area vector of a loop; 0 for a loop
+/// without area.
 double facing(const std::vector<Point3>& loop, const Point3& direction) {
     const Point3 area = areaVector(loop);
     const double scale = length(area) * length(direction);
     return scale > 0 ? dot(area, direction) / scale : 0;
 }
 
-/// That the first row of cells of a straight extrusion has volume; the others are copies of it.
+/// Throws unless the first row of cells of a straight extrusion has positive volume; the other rows
+/// are copies of it.
 void requireVolumes(const Lattice& mesh, const Lattice& lattice, const Point3& direction) {
-    // A few roundings of the cross products, and far below any angle that is meant.
+    // A few rounding errors of the cross products, and far below any intended angle.
     constexpr double kAlong = 1e-12;
     for (Index face = 0; face < mesh.complex.count(2); ++face) {
         const Loop bottom = far::outwardLoops(lattice.complex, CellId(face)).front();

@@ -6,8 +6,7 @@
 
 namespace espalier::shapes {
 
-/// A message about a field of options that names fields as C and Python do: minorRadius is
-/// minor_radius.
+/// Returns a message with the field names of C and Python: minorRadius becomes minor_radius.
 inline std::string withUnderscores(std::string_view message) {
     const auto isLower = [](char letter) { return letter >= 'a' && letter <= 'z'; };
     std::string text;

@@ -66,7 +66,7 @@ Lattice torus(const TorusOptions& options) {
         const double angle = 2 * std::numbers::pi * segment / options.segments;
         const double cosine = std::cos(angle);
         const double sine = std::sin(angle);
-        // The section's x goes along the axis and its y outwards, so that its normal goes round.
+        // The section's x is the z axis and its y points outwards, so its normal follows the ring.
         Affine station;
         station.linear = {{{0, cosine, -sine}, {0, sine, cosine}, {1, 0, 0}}};
         station.translation = {options.majorRadius * cosine, options.majorRadius * sine, 0};

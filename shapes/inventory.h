@@ -12,13 +12,14 @@
 #include <vector>
 
 /// \file
-/// The inventory of lattices (MacCracken & Joy 1996, section 5). Each is valid, has no vertex
-/// twice, and cells of positive volume; vertex and cell numbers are those of sweep(), layer by
-/// layer. The topology depends on the integer and enum fields alone: two sets of options that
-/// differ in lengths and positions only give two poses of one lattice.
+/// Makes ready lattices from a few numbers: box, cylinder, torus, star, barbell and arm (MacCracken
+/// & Joy 1996, section 5). Each lattice is valid, without duplicate vertices, and its cells have
+/// positive volume. Vertices and cells are numbered as by sweep(), layer by layer. The topology
+/// depends only on the integer and enum fields: two sets of options that differ only in lengths and
+/// positions give two poses of one lattice.
 ///
-/// Every function throws Error naming the first field out of range, its value and what is allowed,
-/// and far::TopologyError if there would be more entities than an Index counts.
+/// Every function throws Error naming the first field out of range, its value and the allowed
+/// values, and far::TopologyError if there would be too many entities for an Index.
 namespace espalier::shapes {
 
 /// A box of hexahedra (figure 1, left). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] + 1)
@@ -36,9 +37,9 @@ struct CylinderOptions {
     int sectors = 8;  ///< sides of the disk: 3 or more
     DiskPattern pattern = {};
     int layers = 1;           ///< 1 or more
-    double radius = 1;        ///< of the outermost vertices, above 0
-    Point3 from = {0, 0, 0};  ///< the centre of the first end
-    Point3 to = {0, 0, 1};    ///< the centre of the last end, elsewhere
+    double radius = 1;        ///< distance of the outermost vertices from the axis, above 0
+    Point3 from = {0, 0, 0};  ///< centre of the first end
+    Point3 to = {0, 0, 1};    ///< centre of the last end; must differ from `from`
 };
 ESPALIER_API Lattice cylinder(const CylinderOptions& options = {});
 
@@ -46,22 +47,22 @@ enum class TorusSection { Grid, Disk };
 inline constexpr Word<TorusSection> kTorusSectionWords[] = {{"grid", TorusSection::Grid},
                                                             {"disk", TorusSection::Disk}};
 
-/// A cross-section swept round the z axis, about the origin.
+/// A cross-section swept around the z axis, with the centre at the origin.
 struct TorusOptions {
-    int segments = 8;  ///< cells round the ring: 3 or more
+    int segments = 8;  ///< cells around the ring: 3 or more
     TorusSection section = TorusSection::Grid;
     int gridCells = 1;         ///< Grid: cells along each side of the square, 1 or more
     int sides = 6;             ///< Disk: 3 or more
     DiskPattern pattern = {};  ///< Disk
-    double majorRadius = 1;    ///< of the circle that the section is swept along
+    double majorRadius = 1;    ///< radius of the circle along which the section is swept
     double minorRadius = 0.4;  ///< half the side of the square, or the radius of the disk: above 0
                                ///< and below majorRadius
 };
 ESPALIER_API Lattice torus(const TorusOptions& options = {});
 
-/// A flat star (figure 7): a disk in the plane z = 0, thickened to both sides, whose outermost
-/// vertices are at outerRadius and innerRadius by turns, the first on the +x axis. With equal radii
-/// it is the round rest pose of the same lattice.
+/// A flat star (figure 7): a disk in the plane z = 0, thickened to both sides. Its outermost
+/// vertices alternate between outerRadius and innerRadius; the first is on the +x axis. With equal
+/// radii it is the round rest pose of the same lattice.
 struct StarOptions {
     int points = 5;  ///< 2 or more
     DiskPattern pattern = {};
@@ -74,19 +75,19 @@ ESPALIER_API Lattice star(const StarOptions& options = {});
 
 /// Two ends joined by a bar along x (figure 8): a mesh in the plane z = 0, thickened to both sides.
 ///
-/// With roundness = 0, barHalfWidth = endRadius and endSegments a multiple of 3 it is a rectangular
-/// block of barLength + 4 endRadius by 2 endRadius: the rest pose for a barbell of the same
-/// topology.
+/// With roundness = 0, barHalfWidth = endRadius and endSegments a multiple of 3, it is a
+/// rectangular block of barLength + 4 endRadius by 2 endRadius: the rest pose for a barbell of the
+/// same topology.
 struct BarbellOptions {
-    int endSegments = 6;        ///< edges round an end, apart from those at the bar: 3 or more
-    int barSegments = 2;        ///< cells along the bar: 1 or more
-    int barAcross = 2;          ///< cells across the bar: 1 or more
-    DiskPattern pattern = {};   ///< of the ends
-    int layers = 1;             ///< 1 or more
-    double endRadius = 1;       ///< of a round end, or half the side of a square one: above 0
-    double barLength = 2;       ///< from end to end: above 0
+    int endSegments = 6;       ///< edges around an end, without the edges at the bar: 3 or more
+    int barSegments = 2;       ///< cells along the bar: 1 or more
+    int barAcross = 2;         ///< cells across the bar: 1 or more
+    DiskPattern pattern = {};  ///< pattern of the ends
+    int layers = 1;            ///< 1 or more
+    double endRadius = 1;      ///< radius of a round end, or half the side of a square one: above 0
+    double barLength = 2;      ///< from end to end: above 0
     double barHalfWidth = 0.4;  ///< above 0, at most endRadius; below it if roundness is 1
-    double roundness = 1;       ///< of the ends: from 0, square, to 1, round
+    double roundness = 1;       ///< shape of the ends: from 0, square, to 1, round
     double height = 0.5;        ///< above 0
 };
 ESPALIER_API Lattice barbell(const BarbellOptions& options = {});
@@ -94,32 +95,32 @@ ESPALIER_API Lattice barbell(const BarbellOptions& options = {});
 /// A point of the polyline that an arm is built around.
 struct ArmJoint {
     Point3 position = {0, 0, 0};
-    double radius = 0.2;  ///< of the cross-section, above 0
-    double twist = 0;     ///< of the cross-section about the limb: radians, anticlockwise looking
-                          ///< back from the end of the limb
+    double radius = 0.2;  ///< radius of the cross-section, above 0
+    double twist = 0;     ///< rotation of the cross-section about the limb: radians, anticlockwise
+                          ///< when looking back from the end of the limb
 };
 
-/// A tube round a limb (figure 9): shoulder, elbow, wrist, hand. Other positions and twists give a
+/// A tube around a limb (figure 9): shoulder, elbow, wrist, hand. Other positions and twists give a
 /// pose of the same lattice.
 ///
 /// Cross-sections are disks. At a joint the disk lies in the plane that bisects the two bones, and
-/// is stretched across the bend so that the tube keeps its thickness (up to a bend of a right
-/// angle; the stretch grows no further beyond). Between joints, position, radius, twist and plane
-/// go over from one to the next linearly. The frame is carried from bone to bone by the smallest
-/// rotation, so that it never flips and no twist comes in but that of the joints.
+/// is stretched across the bend so that the tube keeps its thickness (for bends up to a right
+/// angle; beyond, the stretch does not grow). Between joints, position, radius, twist and plane
+/// change linearly. The smallest rotation carries the frame from bone to bone, so that it never
+/// flips, and the tube has no twist except the twist of the joints.
 ///
-/// On the inner side of a bend the tube is shorter than the bones. Where the radius times the
-/// tangent of half the bend exceeds a bone, counting the bends at both of its ends, the sections
-/// cross and cells turn inside out.
+/// On the inner side of a bend the tube is shorter than the bones. For each bone, add the radius
+/// times the tangent of half the bend at both of its ends. If the sum exceeds the length of the
+/// bone, the sections cross and cells turn inside out.
 struct ArmOptions {
-    /// 2 or more, each away from the next; the polyline does not turn back on itself.
+    /// 2 or more joints; neighbours must differ, and the polyline must not turn back on itself.
     std::vector<ArmJoint> joints = {
         {{0, 0, 0}, 0.3, 0}, {{1, 0, 0}, 0.25, 0}, {{2, 0, 0}, 0.2, 0}, {{2.5, 0, 0}, 0.2, 0}};
     int segments = 2;  ///< cells from joint to joint: 1 or more
-    int sides = 4;     ///< of the cross-section: 3 or more
+    int sides = 4;     ///< sides of the cross-section: 3 or more
     DiskPattern pattern = {1, Core::Polygon};
-    /// The side of the first bone on which the first vertex of the cross-section is. Not along that
-    /// bone; the same for all poses of a lattice.
+    /// Direction from the first bone to the first vertex of the cross-section. It must not be
+    /// parallel to that bone, and must be the same for all poses of a lattice.
     Point3 up = {0, 0, 1};
 };
 ESPALIER_API Lattice arm(const ArmOptions& options = {});

@@ -15,7 +15,7 @@ std::int64_t noInteger(IntegerType type) {
         case IntegerType::UInt32:
             return std::numeric_limits<std::uint32_t>::max();
         default:
-            return -1;  // Of UInt64, these are the bits of the largest number.
+            return -1;  // For UInt64, these are the bits of the largest number.
     }
 }
 

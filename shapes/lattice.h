@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-// shapes/: lattices made by code.
+// shapes/ makes lattices by code.
 //
-// In: sizes and counts; or other lattices. Out: a Lattice.
+// Its functions take sizes and counts, or other lattices, and return a Lattice.
 //
-// Types: Lattice (this header), the options and functions of inventory.h and solids.h; extrude.h,
-// section.h, merge.h and attach.h make lattices of parts.
+// This header has the type Lattice. inventory.h and solids.h make whole lattices; extrude.h,
+// section.h, merge.h and attach.h make lattices from parts.
 //
 // Read this header, then inventory.h.
 
@@ -25,36 +25,37 @@ namespace espalier {
 /// The types of integers that files keep on vertices.
 enum class IntegerType { Int8, UInt8, Int16, UInt16, Int32, UInt32, Int64, UInt64 };
 
-/// Integers on the vertices of a lattice: identifiers, numbers of materials. They are never
-/// averaged: a vertex has the integers of one vertex that it comes from, or noInteger().
+/// Integers on the vertices of a lattice, such as identifiers or material numbers. They are never
+/// averaged: a vertex of a new lattice has the integers of one old vertex, or noInteger().
 struct VertexIntegers {
     std::string name;
     int components = 1;
     IntegerType type = IntegerType::Int64;
 
-    /// `components` a vertex, vertex by vertex, in the range of the type. UInt64 has its bits here:
-    /// 2^63 and above are negative.
+    /// `components` values per vertex, vertex by vertex, in the range of the type. A UInt64 is
+    /// stored by its bits: 2^63 and above are negative.
     std::vector<std::int64_t> values;
 };
 
-/// Marks a vertex that has no integer: −1 of signed types, the largest number of unsigned ones.
+/// Returns the value of a vertex without an integer: −1 for signed types, the largest number for
+/// unsigned ones.
 ESPALIER_API std::int64_t noInteger(IntegerType type);
 
-/// The name of a type: "UInt64".
+/// Returns the name of a type: "UInt64".
 ESPALIER_API const char* integerTypeName(IntegerType type);
 
-/// A quantity on the vertices of a lattice besides their position: texture coordinates, material
-/// parameters. It is refined and applied by the same tables as positions.
+/// A quantity on the vertices of a lattice besides their position, such as texture coordinates or
+/// material parameters. It is refined and applied by the same tables as positions.
 ///
 /// \cite MacCracken & Joy 1996, section 8
 struct VertexAttribute {
     std::string name;
     int components = 1;
-    std::vector<double> values;  ///< `components` a vertex, vertex by vertex
+    std::vector<double> values;  ///< `components` values per vertex, vertex by vertex
 };
 
-/// How a file asks to be refined, where it does; OBJ meshes carry such tags. They win over a
-/// program's defaults, and its user's choices over them.
+/// Refinement options that a file sets; OBJ meshes can. They override a program's defaults, and the
+/// options of its user override them.
 struct RefinementTags {
     std::optional<far::Boundary> boundary = {};
     std::optional<far::Creasing> creasing = {};
@@ -62,10 +63,10 @@ struct RefinementTags {
     friend bool operator==(const RefinementTags&, const RefinementTags&) = default;
 };
 
-/// A complex (a lattice, of dimension 3, or a mesh or a curve) placed in space.
+/// A complex with positions: a lattice (dimension 3), a mesh (2) or a curve (1).
 struct Lattice {
     far::CellComplex complex;
-    std::vector<Point3> positions;  ///< one a vertex
+    std::vector<Point3> positions;  ///< one per vertex
     far::Marks marks;
     std::vector<VertexAttribute> attributes;
     RefinementTags tags = {};

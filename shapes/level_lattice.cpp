@@ -8,8 +8,8 @@
 namespace espalier {
 namespace {
 
-/// Adds the vertices that are marked by hand and as sharp as their mark says, though without it
-/// they would be too: under another boundary mode they might not.
+/// Adds marks for vertices that were marked by hand and are still sharp. marksFor() omits marks
+/// that the boundary mode implies, but the new lattice may be refined under another mode.
 void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& marks) {
     if (refiner.boundary() == far::Boundary::Open) return;
     std::vector<bool> isMarked(refiner.level(level).complex.count(0));
@@ -32,7 +32,7 @@ Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
                            positions.size(), " positions"));
     const far::RefinerOptions& used = refiner.options();
     Lattice lattice{complex, std::move(positions), {}, {}};
-    // A file of a mesh or a curve keeps the boundary mode; one of a lattice has marks alone.
+    // Files of meshes and curves store the boundary mode; files of lattices store only marks.
     const bool hasTags = complex.dimension() < kMaxDimension;
     lattice.marks = far::marksFor(
         complex, strata,

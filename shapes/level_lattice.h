@@ -9,25 +9,25 @@
 
 namespace espalier {
 
-/// A level as a lattice of its own, to write to a file, or to refine further.
+/// Returns a level as a new lattice, to be written to a file or refined further.
 ///
-/// It has the marks that keep its strata: refined by refinerOptions(), its level k has the strata
-/// of level `level` + k of the refiner. A mesh or a curve has tags as well, which keep how it is
-/// refined; a lattice of three dimensions is to be refined under the same boundary mode where that
-/// is far::Boundary::Open, and under any other else. Attributes and integers are not
-/// carried over: stencils::refineValues() refines attributes, and levelIntegers() carries integers.
+/// Its marks preserve the strata: refined with refinerOptions(), level k of the new lattice has the
+/// strata of level `level` + k of the refiner. A mesh or a curve also gets tags with the options of
+/// the refiner. A lattice of dimension 3 has no tags: refine it with far::Boundary::Open if the
+/// refiner had this mode, and with any other mode otherwise. Attributes and integers are not
+/// copied: stencils::refineValues() refines attributes, and levelIntegers() copies integers.
 ///
-/// \param level one that the refiner has
-/// \param positions one a vertex of the level
-/// \throws Error if the refiner does not have the level, or there are not as many positions
+/// \param level a level that the refiner has
+/// \param positions one per vertex of the level
+/// \throws Error if the refiner does not have the level, or the number of positions is wrong
 /// \cost O(entities of the level)
 ESPALIER_API Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
                                   std::vector<Point3> positions);
 
-/// The integers of a base lattice on a level that the refiner has whole: unchanged at the vertices
-/// that are vertex points of vertices of the base, and noInteger() at all others.
+/// Returns the integers of a base lattice on a level that the refiner has as a whole. Vertex points
+/// of base vertices have the integers of the base vertex; all other vertices have noInteger().
 ///
-/// \param integers `components` a vertex of level 0
+/// \param integers `components` values per vertex of level 0
 /// \throws Error if the refiner does not have the level, or the integers do not fit level 0
 /// \cost O(vertices of the level), for each list
 ESPALIER_API std::vector<VertexIntegers> levelIntegers(const far::TopologyRefiner& refiner,

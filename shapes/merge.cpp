@@ -20,7 +20,7 @@ std::string latticeName(const MergeOptions& options, std::size_t number) {
     return options.names.empty() ? concat("lattice ", number) : options.names[number];
 }
 
-// In what follows an Attribute is a VertexAttribute or VertexIntegers.
+// In the templates below, Attribute is VertexAttribute or VertexIntegers.
 
 template <class Attribute>
 const Attribute* findAttribute(const std::vector<Attribute>& attributes, const std::string& name) {
@@ -57,7 +57,7 @@ void requireAttribute(const Attribute& wanted, const std::string& owner,
                            " components in ", name, ", but ", wanted.components, " in ", owner));
 }
 
-/// That the first lattice and another one have the same attributes.
+/// Throws unless the first lattice and another one have the same attributes.
 template <class Attribute>
 void requireSame(const std::vector<Attribute>& ofFirst, const std::string& first,
                  const std::vector<Attribute>& others, const std::string& other) {
@@ -65,7 +65,7 @@ void requireSame(const std::vector<Attribute>& ofFirst, const std::string& first
     for (const Attribute& attribute : others) requireAttribute(attribute, other, ofFirst, first);
 }
 
-/// The same attributes without values.
+/// Returns the attributes without their values.
 template <class Attribute>
 std::vector<Attribute> withoutValues(std::vector<Attribute> attributes) {
     for (Attribute& attribute : attributes) attribute.values.clear();
@@ -89,7 +89,7 @@ void check(std::span<const Lattice> lattices, const MergeOptions& options) {
     }
 }
 
-/// That no cell loses a vertex.
+/// Throws if two vertices of a cell are welded.
 void requireCellsKept(const far::CellComplex& complex, std::span<const Index> newVertex,
                       const std::string& name, double distance) {
     const int dimension = complex.dimension();
@@ -120,12 +120,12 @@ void appendMarks(const far::Marks& from, std::span<const Index> newVertex, far::
         to.vertices.push_back({newVertex[mark.vertex], mark.sharpness});
 }
 
-/// Writes the values of vertices that first appear in `from`: those numbered `firstNew` and above.
+/// Appends to `to` the values of the vertices that appear first in `from`.
 template <class Attribute>
 void appendValues(const Attribute& from, std::span<const Index> newVertex, Attribute& to) {
     const std::size_t components = to.components;
     for (std::size_t vertex = 0; vertex < newVertex.size(); ++vertex) {
-        // Numbers are given in the order of appearance, so a new vertex is the next one.
+        // Vertices are numbered in the order of appearance, so a new vertex has the next number.
         if (static_cast<std::size_t>(newVertex[vertex]) * components != to.values.size()) continue;
         const auto first = from.values.begin() + static_cast<std::ptrdiff_t>(vertex * components);
         to.values.insert(to.values.end(), first, first + to.components);
@@ -143,7 +143,7 @@ std::string nameOf(const Origin& origin, const MergeOptions& options) {
                   latticeName(options, origin.lattice));
 }
 
-/// The merged vertices of a face, ascending.
+/// Returns the merged vertices of a face, ascending.
 std::vector<Index> mergedVertices(const far::CellComplex& complex, Index face,
                                   std::span<const Index> newVertex) {
     std::vector<Index> vertices;
@@ -152,8 +152,8 @@ std::vector<Index> mergedVertices(const far::CellComplex& complex, Index face,
     return vertices;
 }
 
-/// The faces of the lattices that become one face of more than two cells, up to the one that brings
-/// the third cell. Empty if there is none.
+/// Finds faces of the lattices that become one face with more than two cells, and returns them up
+/// to the face that adds the third cell. Empty if there are none.
 std::vector<Origin> crowdedFace(std::span<const Lattice> lattices,
                                 std::span<const Index> newIndex) {
     struct Faces {
@@ -175,8 +175,7 @@ std::vector<Origin> crowdedFace(std::span<const Lattice> lattices,
     return {};
 }
 
-/// The first two cells of the lattices that become cells of the same faces. Empty if there are
-/// none.
+/// Returns the first two cells of the lattices that get the same faces. Empty if there are none.
 std::vector<Origin> repeatedCell(std::span<const Lattice> lattices,
                                  std::span<const Index> newIndex) {
     std::map<std::vector<std::vector<Index>>, Origin>
@@ -198,7 +197,7 @@ std::vector<Origin> repeatedCell(std::span<const Lattice> lattices,
     return {};
 }
 
-/// Builds the merged complex. Errors name faces and cells of the lattices, not of the result.
+/// Builds the merged complex. Errors name faces and cells of the original lattices.
 far::CellComplex buildMerged(const far::ComplexBuilder& builder, std::span<const Lattice> lattices,
                              std::span<const Index> newIndex, const MergeOptions& options) {
     try {

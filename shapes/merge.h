@@ -11,15 +11,15 @@
 
 namespace espalier::shapes {
 
+/// Options of merge().
 struct MergeOptions {
-    /// Vertices at most this far apart become one, as a fraction of the diagonal of the box around
+    /// Vertices at most this far apart are welded, as a fraction of the diagonal of the box around
     /// all lattices: 0 or more, below 1. The default is a million times the rounding of double
-    /// arithmetic, so that the same point reached by two computations is one vertex, and far below
-    /// the spacing of vertices that are meant to differ. Positions that went through a file of
-    /// floats need about 1e-6.
+    /// arithmetic, so that one point computed in two ways gives one vertex; it is far below the
+    /// distance of vertices that should differ. Positions from a file of floats need about 1e-6.
     double tolerance = 1e-9;
-    /// Names of the lattices in messages: one a lattice, for example the paths of their files.
-    /// Empty for "lattice 0", "lattice 1" and so on.
+    /// Names of the lattices in messages, one per lattice, for example the paths of their files. If
+    /// empty, the names are "lattice 0", "lattice 1" and so on.
     std::vector<std::string> names = {};
 };
 
@@ -29,24 +29,24 @@ struct MergeOptions {
 ///
 /// Vertices, edges, faces and cells are numbered in the order of their first appearance, lattice by
 /// lattice. A welded vertex takes its position, its attributes and its integers from the first
-/// lattice that has it. Marks are carried over; of two on one edge or vertex the later one counts,
-/// as ever.
+/// lattice that has it. Marks are kept; if two marks name the same edge or vertex, the later one
+/// wins.
 ///
-/// Only whole faces are shared: lattices that touch in faces of different shape stay apart there,
-/// joined at the vertices that they have in common.
+/// Only whole faces are shared. Lattices that touch in faces of different shape share the vertices
+/// that coincide there, but no faces.
 ///
 /// \param lattices at least one, all of one dimension and with the same attributes
-/// \throws Error for no lattice, a tolerance out of range, another number of names than of
-///         lattices, or an attribute that one lattice lacks or has with another number of
-///         components or, of integers, another type; far::TopologyError for a cell of which two
-///         vertices would become one, a cell that is in two lattices, or a face of three cells.
-///         These messages name the lattices, and number cells and faces as their own lattice does
-/// \cost O(n log n) in the number of entries of the result; the search for coincident vertices is
-///       linear while the vertices are spread out, as those of a lattice are
+/// \throws Error for no lattice, a tolerance out of range, a wrong number of names, or an attribute
+///         that one lattice lacks or has with a different number of components or (integers) a
+///         different type; far::TopologyError for a cell that would lose a vertex, a cell that is
+///         in two lattices, or a face of three cells. These messages name the lattices, and number
+///         cells and faces as in their own lattice
+/// \cost O(n log n) in the number of entries of the result; the search for coincident vertices
+/// takes linear time if the vertices are spread out, as in most lattices
 /// \cite MacCracken & Joy 1996, section 5
 ESPALIER_API Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options = {});
 
-/// The same for two.
+/// The same for two lattices.
 ESPALIER_API Lattice merge(const Lattice& first, const Lattice& second,
                            const MergeOptions& options = {});
 

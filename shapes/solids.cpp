@@ -15,19 +15,20 @@
 namespace espalier::shapes {
 namespace {
 
-/// The lattice of one cell.
+/// Returns a lattice of one cell.
 Lattice singleCell(std::vector<Point3> positions, const std::vector<Loop>& loops) {
     far::ComplexBuilder builder(3, static_cast<Index>(positions.size()));
     builder.addCell(loops);
     return {builder.build(), std::move(positions), {}, {}};
 }
 
-/// The vertices of a convex solid that are farthest in a direction, anticlockwise seen from there.
+/// Returns the face of a regular solid with this normal: the vertices that are farthest in this
+/// direction, anticlockwise seen from outside.
 Loop faceTowards(const Point3& normal, const std::vector<Point3>& vertices) {
     double farthest = 0;
     for (const Point3& vertex : vertices) farthest = std::max(farthest, dot(normal, vertex));
     Loop loop;
-    // The vertices of a regular solid that are not on the face are nearer by a tenth and more.
+    // In a regular solid, vertices that are not on the face are nearer by at least a tenth.
     for (std::size_t v = 0; v < vertices.size(); ++v)
         if (dot(normal, vertices[v]) > 0.99 * farthest) loop.push_back(static_cast<Index>(v));
     const Point3 x = vertices[loop.front()];
@@ -41,8 +42,8 @@ Loop faceTowards(const Point3& normal, const std::vector<Point3>& vertices) {
     return loop;
 }
 
-/// A regular solid from its vertices and the normals of its faces, which are the vertices of its
-/// dual.
+/// Makes a regular solid from its vertices and the normals of its faces. The normals are the
+/// vertices of the dual solid.
 Lattice regularSolid(const char* name, const RegularSolidOptions& options,
                      std::vector<Point3> vertices, const std::vector<Point3>& normals) {
     requirePositive(name, "radius", options.radius);
@@ -60,13 +61,13 @@ std::vector<Point3> octahedronVertices() {
     return {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {0, 0, 1}};
 }
 
-/// In the order of a hexahedron of VTK.
+/// Returns the vertices of a cube in the order of VTK's hexahedron.
 std::vector<Point3> cubeVertices() {
     return {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
             {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
 }
 
-/// (0, ±a, ±b) and its cyclic permutations.
+/// Appends (0, ±a, ±b) and its cyclic permutations.
 void appendRectangles(double a, double b, std::vector<Point3>& points) {
     for (const double sa : {-a, a})
         for (const double sb : {-b, b}) {
@@ -88,7 +89,7 @@ std::vector<Point3> dodecahedronVertices() {
     return points;
 }
 
-/// The polygon of a solid at a height.
+/// Returns the polygon of a solid at height z.
 std::vector<Point3> polygonAt(double z, const PolygonalSolidOptions& options) {
     std::vector<Point3> points = regularPolygon(options.sides, options.radius);
     for (Point3& point : points) point[2] = z;

@@ -5,14 +5,15 @@
 #include <espalier/shapes/lattice.h>
 
 /// \file
-/// Lattices of a single cell about the origin. A vertex where n edges of its cell meet becomes a
-/// type-n cell when it is refined (MacCracken & Joy 1996, section 2.2).
+/// Makes lattices of a single cell about the origin: regular solids, prisms, pyramids and
+/// bipyramids. Refinement turns a vertex where n edges of its cell meet into a type-n cell
+/// (MacCracken & Joy 1996, section 2.2).
 ///
 /// Every function throws Error naming the first field out of range.
 namespace espalier::shapes {
 
 struct RegularSolidOptions {
-    double radius = 1;  ///< of the sphere through the vertices, above 0
+    double radius = 1;  ///< radius of the sphere through the vertices, above 0
 };
 ESPALIER_API Lattice tetrahedron(const RegularSolidOptions& options = {});  ///< 4 vertices, type-3
 ESPALIER_API Lattice cube(const RegularSolidOptions& options = {});         ///< 8 vertices, type-3
@@ -21,23 +22,25 @@ ESPALIER_API Lattice
 dodecahedron(const RegularSolidOptions& options = {});                      ///< 20 vertices, type-3
 ESPALIER_API Lattice icosahedron(const RegularSolidOptions& options = {});  ///< 12 vertices, type-5
 
-/// A solid over a regular polygon in a plane of constant z, which has a vertex on the side of +x.
+/// Options of a solid over a regular polygon in a plane of constant z. The first vertex of the
+/// polygon is on the side of +x.
 struct PolygonalSolidOptions {
-    int sides = 4;      ///< of the polygon: 3 or more
-    double radius = 1;  ///< of the circle through the vertices of the polygon, above 0
+    int sides = 4;      ///< sides of the polygon: 3 or more
+    double radius = 1;  ///< radius of the circle through the vertices of the polygon, above 0
     double height = 1;  ///< from -height / 2 to height / 2, above 0
 };
 
-/// The polygon at the bottom (vertices 0 to sides − 1) and at the top (sides to 2 sides − 1). A
-/// wedge for 3 sides.
+/// Makes a prism, with the polygon at the bottom (vertices 0 to sides − 1) and at the top (sides to
+/// 2 sides − 1). With 3 sides it is a wedge.
 ESPALIER_API Lattice prism(const PolygonalSolidOptions& options = {});
 
-/// The polygon at the bottom (vertices 0 to sides − 1) and an apex at the top (vertex sides), which
-/// is type-n for n sides. A tetrahedron for 3 sides.
+/// Makes a pyramid, with the polygon at the bottom (vertices 0 to sides − 1) and an apex at the top
+/// (vertex sides), which is type-n for n sides. With 3 sides it is a tetrahedron.
 ESPALIER_API Lattice pyramid(const PolygonalSolidOptions& options = {});
 
-/// The polygon in the middle (vertices 0 to sides − 1) and an apex at the bottom (vertex sides) and
-/// at the top (vertex sides + 1), both type-n for n sides. An octahedron for 4.
+/// Makes a bipyramid, with the polygon in the middle (vertices 0 to sides − 1) and an apex at the
+/// bottom (vertex sides) and at the top (vertex sides + 1), both type-n for n sides. With 4 sides
+/// it is an octahedron.
 ESPALIER_API Lattice bipyramid(const PolygonalSolidOptions& options = {});
 
 }  // namespace espalier::shapes

@@ -28,7 +28,7 @@ Affine rotationAbout(const Point3& axis, double cosine, double sine) {
     return map;
 }
 
-/// The coordinate axis that is farthest from being parallel to a unit vector.
+/// Returns the coordinate axis with the largest angle to a unit vector.
 Point3 leastAlignedAxis(const Point3& direction) {
     std::size_t least = 0;
     for (std::size_t axis = 1; axis < 3; ++axis)
@@ -38,7 +38,7 @@ Point3 leastAlignedAxis(const Point3& direction) {
     return result;
 }
 
-/// The same lattice with every face on the other side of its cells.
+/// Returns the complex with all faces reversed in their cells.
 far::CellComplex insideOut(const far::CellComplex& complex) {
     far::Rows<far::Signed> faces;
     for (Index cell = 0; cell < complex.count(3); ++cell) {

@@ -26,17 +26,18 @@ std::pair<Point3, Point3> bounds(std::span<const Point3> points) {
     return {low, high};
 }
 
-/// Kept points, in boxes of a grid that are looked up by a hash.
+/// The welded points, in the boxes of a grid. A hash table finds the boxes.
 class PointGrid {
 public:
-    /// \param origin at most as large as any point, in each coordinate
+    /// \param origin lower bound of all points, in each coordinate
     PointGrid(const Point3& origin, double boxSize) : origin_(origin), boxSize_(boxSize) {}
 
     void insert(Index index, const Point3& point) {
         boxes_[boxOf(point)].push_back({index, point});
     }
 
-    /// The point nearest to `point` within `distance`; of several, the one inserted first.
+    /// Returns the point nearest to `point` within `distance`. If several are equally near, returns
+    /// the one that was inserted first.
     std::optional<Index> nearest(const Point3& point, double distance) const {
         const Point3 reach = {distance, distance, distance};
         const Box low = boxOf(difference(point, reach));
@@ -96,8 +97,8 @@ double diagonal(std::span<const Point3> points) {
 Welding weld(std::span<const Point3> points, double distance) {
     Welding welding;
     if (points.empty()) return welding;
-    // Boxes a few times as large as the distance, so that most searches look into one; and not so
-    // small against the whole that their numbers overflow.
+    // Boxes are a few times larger than the distance, so that most searches look into one box, and
+    // large enough compared with the whole that box numbers do not overflow.
     constexpr double kFinest = 1.0 / (1 << 20);
     const double extent = diagonal(points);
     const double boxSize = extent > 0 ? std::max(4 * distance, extent * kFinest) : 1;

@@ -7,24 +7,24 @@
 #include <span>
 #include <vector>
 
-// The search for coincident points; not installed.
+// Finds coincident points; not installed.
 namespace espalier::shapes {
 
-/// Points that are the same, numbered in the order of their first appearance.
+/// The result of welding points. Welded points are numbered in the order of first appearance.
 struct Welding {
-    std::vector<Index> newIndex;    ///< per point
-    std::vector<Point3> positions;  ///< per welded point: that of the first one
+    std::vector<Index> newIndex;    ///< per point: number of its welded point
+    std::vector<Point3> positions;  ///< per welded point: position of its first point
 };
 
-/// Makes each point one with the nearest of the points before it that are kept, if that is at most
-/// `distance` away. Kept points are farther than that from one another.
+/// Welds each point to the nearest welded point before it, if the distance is at most `distance`;
+/// otherwise the point becomes a new welded point. So welded points are more than `distance` apart.
 ///
-/// \param points finite
+/// \param points finite positions
 /// \param distance 0 or more
-/// \cost O(n) with a hash table of boxes, while few points share a box
+/// \cost O(n) with a hash table of boxes, if few points share a box
 Welding weld(std::span<const Point3> points, double distance);
 
-/// The diagonal of the box around points; 0 for none.
+/// Returns the diagonal of the box around points; 0 if there are none.
 double diagonal(std::span<const Point3> points);
 
 }  // namespace espalier::shapes

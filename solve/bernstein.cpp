@@ -19,7 +19,7 @@ constexpr double binomial(std::size_t n, std::size_t k) {
     return result;
 }
 
-/// The degrees of a polynomial along the axes. Its coefficients are in order of places along u,
+/// The degrees of a polynomial along the axes. Coefficients are ordered by their index along u,
 /// then v, then w.
 struct Degrees {
     std::array<std::size_t, 3> along;
@@ -28,7 +28,7 @@ struct Degrees {
     constexpr std::size_t at(std::size_t a, std::size_t b, std::size_t c) const {
         return a + (along[0] + 1) * (b + (along[1] + 1) * c);
     }
-    /// What the polynomial's basis function at a place has for a factor, beside its powers.
+    /// Binomial factor of the basis function with this index.
     constexpr double factor(std::size_t a, std::size_t b, std::size_t c) const {
         return binomial(along[0], a) * binomial(along[1], b) * binomial(along[2], c);
     }
@@ -46,7 +46,7 @@ constexpr std::array<Degrees, 3> kDerivative = {{{{Degree - 1, Degree, Degree}},
                                                  {{Degree, Degree - 1, Degree}},
                                                  {{Degree, Degree, Degree - 1}}}};
 
-/// The factors of all places.
+/// Returns the binomial factors of all basis functions.
 template <std::size_t Count>
 constexpr std::array<double, Count> factorsOf(const Degrees& degrees) {
     std::array<double, Count> result{};
@@ -56,7 +56,8 @@ constexpr std::array<double, Count> factorsOf(const Degrees& degrees) {
     return result;
 }
 
-/// Coefficients of the powers alone: in these, a product is a convolution.
+/// Multiplies coefficients by their binomial factors. A product of polynomials is then a
+/// convolution.
 template <std::size_t Degree>
 Derivatives<Degree> withFactors(const Derivatives<Degree>& derivatives) {
     constexpr std::size_t kCount = kDerivative<Degree>[0].count();
@@ -70,9 +71,9 @@ Derivatives<Degree> withFactors(const Derivatives<Degree>& derivatives) {
     return result;
 }
 
-/// The determinant of maps that are linear in time (2 ends) or do not change (1 end): first the
-/// cross product of the derivatives by v and w, then its product with that by u. A factor linear in
-/// time has no other factors than 1.
+/// Returns the determinant of maps that are linear in time (2 ends) or constant (1 end): the cross
+/// product of the derivatives by v and w, then its product with the derivative by u. Binomial
+/// factors of degree 1, as in time, are 1.
 template <std::size_t Degree, std::size_t Ends>
 Trivariate<kDeterminantDegree<Degree>, 3 * Ends - 2> determinantOf(
     const std::array<const Derivatives<Degree>*, Ends>& maps) {
@@ -113,8 +114,7 @@ Trivariate<kDeterminantDegree<Degree>, 3 * Ends - 2> determinantOf(
     return result;
 }
 
-/// The coefficients of a polynomial in one variable up to a place between 0 and 1, and from there
-/// on: by de Casteljau.
+/// Splits a polynomial in one variable at `place`, between 0 and 1, by de Casteljau's algorithm.
 template <std::size_t Count>
 std::pair<std::array<double, Count>, std::array<double, Count>> cut(
     std::array<double, Count> coefficients, double place) {
@@ -189,16 +189,16 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// How often a part of the cube is halved at most: 10 times along each axis, say; then the gap
-/// between coefficients and values is 1e-6 of that in the whole.
-constexpr int kDeepest = 30;
+/// Maximum number of halvings of a part of the cube. With 10 along each axis, the gap between
+/// coefficients and values falls to 1e-6 of that in the whole cube.
+constexpr int kMaxDepth = 30;
 
-/// Nor is what is no number.
+/// False for NaN.
 bool isAboveZero(double value) {
     return value > 0;
 }
 
-/// Whether all coefficients are, and so all values.
+/// True if all coefficients are positive, which proves that all values are.
 template <std::size_t Degree, std::size_t Lanes>
 bool isProvedPositive(const Trivariate<Degree, Lanes>& polynomials) {
     return std::all_of(polynomials.begin(), polynomials.end(), [](const auto& lanes) {
@@ -206,16 +206,16 @@ bool isProvedPositive(const Trivariate<Degree, Lanes>& polynomials) {
     });
 }
 
-/// Whether a value of a lane that is known is not above 0.
+/// True if a known value of a lane, at a corner, is not positive.
 template <std::size_t Degree, std::size_t Lanes>
-bool isSeenToFail(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
+bool failsAtCorner(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
     const auto& corners = kCornerCoefficients<Degree>;
     return std::any_of(corners.begin(), corners.end(),
                        [&](std::size_t at) { return !isAboveZero(polynomials[at][lane]); });
 }
 
-/// How far a lane is from linear along each axis: what is linear along all has its least
-/// coefficient at a corner, so that nothing is gained by halving.
+/// Returns the deviation of a lane from linear along each axis. A polynomial that is linear along
+/// all axes has its smallest coefficient at a corner, so that halving gains nothing.
 template <std::size_t Degree, std::size_t Lanes>
 std::array<double, 3> bends(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
     std::array<double, 3> result{};
@@ -249,7 +249,7 @@ struct Part {
     }
 };
 
-/// A part of the cube, and what the least quotient in it lies between.
+/// A part of the cube, with bounds of the smallest quotient in it.
 template <std::size_t Degree>
 struct QuotientPart : Part<Degree, 2> {
     using Part<Degree, 2>::polynomials;
@@ -258,7 +258,8 @@ struct QuotientPart : Part<Degree, 2> {
     double high = kInfinity;
 
     explicit QuotientPart(const Part<Degree, 2>& part) : Part<Degree, 2>(part) {
-        // The quotient is a mean of those of the coefficients, if all of its weights are positive.
+        // The quotient is a weighted mean of the quotients of coefficients if all weights are
+        // positive.
         for (const auto& [upper, lower] : polynomials)
             low = std::min(low, lower > 0 ? upper / lower : -kInfinity);
         for (const std::size_t at : kCornerCoefficients<Degree>)
@@ -266,8 +267,9 @@ struct QuotientPart : Part<Degree, 2> {
                 high = std::min(high, polynomials[at][0] / polynomials[at][1]);
     }
 
-    /// Where the two, each for its size, are most bent. While weights are not positive, the way
-    /// that isPositive() went to prove that they are.
+    /// The axis along which the two polynomials, relative to their sizes, deviate most from linear.
+    /// While some weights are not positive only the second counts: the same halvings let
+    /// isPositive() prove that it is positive.
     std::size_t axis() const {
         std::array<double, 3> sum{};
         for (std::size_t lane = std::isinf(low) ? 1 : 0; lane < 2; ++lane) {
@@ -280,7 +282,7 @@ struct QuotientPart : Part<Degree, 2> {
     }
 };
 
-/// A part of the cube for a part of the time.
+/// A part of the cube during a part of the time.
 template <std::size_t Degree>
 struct MovingPart : Part<Degree, 4> {
     using Part<Degree, 4>::polynomials, Part<Degree, 4>::depth;
@@ -288,7 +290,7 @@ struct MovingPart : Part<Degree, 4> {
     double first = 0;
     double last = 1;
 
-    /// Whether time is more bent than each of the axes; else, which of them is the most.
+    /// True if the deviation from linear is larger in time than along each axis of space.
     bool isMostBentInTime() const { return largestOf(spaceAndTime()) == 3; }
     std::size_t axis() const {
         const auto all = spaceAndTime();
@@ -331,7 +333,8 @@ bool isPositive(const Trivariate<Degree, 1>& polynomial) {
     for (int halvings = 0; !open.empty(); ++halvings) {
         const Part<Degree, 1> part = open.back();
         open.pop_back();
-        if (isSeenToFail(part.polynomials, 0) || part.depth == kDeepest || halvings == kMaxHalvings)
+        if (failsAtCorner(part.polynomials, 0) || part.depth == kMaxDepth ||
+            halvings == kMaxHalvings)
             return false;
         const auto [lower, upper] = part.halved(largestOf(bends(part.polynomials, 0)));
         for (const auto& half : {lower, upper})
@@ -342,7 +345,8 @@ bool isPositive(const Trivariate<Degree, 1>& polynomial) {
 
 template <std::size_t Degree>
 double leastQuotient(const Trivariate<Degree, 2>& quotient) {
-    // More than isPositive() may take to prove that the second is: then it shows here, too.
+    // More halvings than isPositive() may need: so the second polynomial is proved positive here,
+    // too.
     constexpr int kMaxHalvings = 2000;
     constexpr double kPrecision = 1e-3, kSmall = 1e-6;
     QuotientPart<Degree> lowest({quotient, 0});
@@ -351,7 +355,7 @@ double leastQuotient(const Trivariate<Degree, 2>& quotient) {
     const auto isHigher = [](const QuotientPart<Degree>& a, const QuotientPart<Degree>& b) {
         return a.low > b.low;
     };
-    for (int halvings = 0; halvings < kMaxHalvings && lowest.depth < kDeepest; ++halvings) {
+    for (int halvings = 0; halvings < kMaxHalvings && lowest.depth < kMaxDepth; ++halvings) {
         const double gap = high - lowest.low;
         const bool hasSign = lowest.low > 0 || !(high > 0);
         if (hasSign &&
@@ -375,7 +379,7 @@ ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
     using Moving = MovingPart<Degree>;
     constexpr int kMaxHalvings = 2000;
     constexpr double kPrecision = 1e-6, kNone = 1e-12;
-    std::vector<Moving> open;  // a heap, the earliest first
+    std::vector<Moving> open;  // A heap, the earliest first.
     const auto isLater = [](const Moving& a, const Moving& b) { return a.first > b.first; };
     const auto keepUnlessProved = [&](const Moving& part) {
         if (isProvedPositive(part.polynomials)) return;
@@ -387,15 +391,15 @@ ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
         std::pop_heap(open.begin(), open.end(), isLater);
         const Moving part = open.back();
         open.pop_back();
-        // All times before it have been proved.
-        const bool failsAtLast = isSeenToFail(part.polynomials, 3);
-        const bool isDeepest = part.depth == kDeepest;
+        // All earlier times are proved.
+        const bool failsAtLast = failsAtCorner(part.polynomials, 3);
+        const bool isMaxDepth = part.depth == kMaxDepth;
         const bool isShort =
             part.last - part.first <= kPrecision * part.first || part.last <= kNone;
-        if (isSeenToFail(part.polynomials, 0) || (isShort && failsAtLast))
+        if (failsAtCorner(part.polynomials, 0) || (isShort && failsAtLast))
             return {part.first, true};
-        if (halvings == kMaxHalvings || (isShort && isDeepest)) return {part.first, false};
-        const bool takesTime = !isShort && (failsAtLast || isDeepest || part.isMostBentInTime());
+        if (halvings == kMaxHalvings || (isShort && isMaxDepth)) return {part.first, false};
+        const bool takesTime = !isShort && (failsAtLast || isMaxDepth || part.isMostBentInTime());
         const auto [one, other] = takesTime ? part.halvedInTime() : part.halvedInSpace();
         keepUnlessProved(one);
         keepUnlessProved(other);

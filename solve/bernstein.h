@@ -7,30 +7,32 @@
 #include <cstddef>
 #include <utility>
 
-// Jacobian determinants as Bernstein polynomials: that of a trilinear map is of degree (2, 2, 2) in
-// (u, v, w), with 27 coefficients, that of a tricubic one of degree (8, 8, 8), with 729. All values
-// lie between the least and the greatest, and those at the corners are values themselves; halving
-// the cube closes the gap, by a fourth each time. So "positive in the whole cell" can be proved,
-// where samples can only suggest it.
-
-// What Bernstein polynomials are proved to be above: by their coefficients, after halving the cube
-// as often as need be, within limits. So "no" may also mean that it could not be proved. For the
-// degrees of determinants, 2 and 8.
+// Jacobian determinants as Bernstein polynomials, and proofs that they are positive.
+//
+// The determinant of a trilinear map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; that of
+// a tricubic map has degree (8, 8, 8) and 729 coefficients. All values in the cube are between the
+// smallest and the largest coefficient, and the coefficients at the corners are values. Each
+// halving of the cube reduces the gap between coefficients and values to a fourth. So the
+// coefficients can prove that a determinant is positive in the whole cell, which samples can only
+// suggest.
+//
+// The proofs halve the cube until the coefficients decide, up to a limit. An answer "no" may
+// therefore also mean that no proof was found.
 
 namespace espalier::solve {
 
-/// So many polynomials of a degree along each axis, by their Bernstein coefficients: coefficient
-/// (a, b, c) of each is at a + n (b + n c), n being Degree + 1.
+/// `Lanes` polynomials of one degree along each axis, as Bernstein coefficients. Coefficient (a, b,
+/// c) of each is at index a + n (b + n c), with n = Degree + 1.
 template <std::size_t Degree, std::size_t Lanes>
 struct Trivariate
     : std::array<std::array<double, Lanes>, (Degree + 1) * (Degree + 1) * (Degree + 1)> {};
 
-/// From one coefficient to the next along an axis.
+/// Distance of the indices of neighbouring coefficients along each axis.
 template <std::size_t Degree>
 inline constexpr std::array<std::size_t, 3> kAxisStride = {1, Degree + 1,
                                                            (Degree + 1) * (Degree + 1)};
 
-/// The coefficients that are values, at the corners of the cube.
+/// Indices of the coefficients at the corners of the cube, which are values of the polynomial.
 template <std::size_t Degree>
 inline constexpr std::array<std::size_t, 8> kCornerCoefficients = [] {
     std::array<std::size_t, 8> result{};
@@ -40,64 +42,67 @@ inline constexpr std::array<std::size_t, 8> kCornerCoefficients = [] {
     return result;
 }();
 
-/// The derivatives by u, v and w of a map of a degree along each axis, by Bernstein coefficients:
-/// one fewer along its own axis than along the others. Those of each are in order of places along
-/// u, then v, then w.
+/// Bernstein coefficients of the derivatives by u, v and w of a map with one degree along each
+/// axis. A derivative has one coefficient fewer along its own axis. Coefficients are ordered by
+/// their index along u, then v, then w.
 template <std::size_t Degree>
 struct Derivatives : std::array<std::array<Point3, Degree*(Degree + 1) * (Degree + 1)>, 3> {};
 
-/// A determinant has three factors, one of each derivative.
+/// Degree of the determinant: it has one factor from each derivative.
 template <std::size_t Degree>
 inline constexpr std::size_t kDeterminantDegree = 3 * Degree - 1;
 
-/// The determinant of the Jacobian. For maps of degree 1 and 3.
+/// Returns the determinant of the Jacobian, for maps of degree 1 and 3.
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>& derivatives);
 
-/// The same while the map goes over from one to another linearly: cubic in that, too. Lane m is
-/// Bernstein coefficient m of degree 3; lanes 0 and 3 are the determinants at the ends.
+/// Returns the determinant of the Jacobian while the map changes linearly from `first` to `last`.
+/// It is cubic in time: lane m is Bernstein coefficient m of degree 3, so lanes 0 and 3 are the
+/// determinants of `first` and `last`.
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 4> determinant(const Derivatives<Degree>& first,
                                                       const Derivatives<Degree>& last);
 
-/// The coefficients on the lower and on the upper half of an axis, by de Casteljau.
+/// Splits polynomials into the lower and the upper half of an axis, by de Casteljau's algorithm.
 template <std::size_t Degree, std::size_t Lanes>
 std::pair<Trivariate<Degree, Lanes>, Trivariate<Degree, Lanes>> halves(
     const Trivariate<Degree, Lanes>& polynomials, std::size_t axis);
 
-/// A polynomial up to a time between 0 and 1, and from there on.
+/// Splits a polynomial at a time between 0 and 1.
 template <std::size_t Degree>
 std::pair<Trivariate<Degree, 4>, Trivariate<Degree, 4>> partsInTime(
     const Trivariate<Degree, 4>& polynomial, double time);
 
-/// Whether a polynomial is proved to be above 0 in the whole cube. It is not where a value inside
-/// comes within 1e-5 or so of 0, in parts of the largest coefficient.
+/// Returns true if the polynomial is proved to be positive in the whole cube. Returns false where a
+/// value comes within about 1e-5 of 0, relative to the largest coefficient.
 ///
-/// \cost one look at the coefficients where that will do, as it mostly does; at most 1,000
+/// \cost usually one pass over the coefficients; at most 1,000 passes
 template <std::size_t Degree>
 bool isPositive(const Trivariate<Degree, 1>& polynomial);
 
-/// A lower bound of the quotient of two polynomials, the first and the second lane. Its sign is
-/// that of the least value, where it can be proved, and else not positive; its distance from the
-/// least value is at most a thousandth of it, or 1e-6, where 2,000 halvings can bring that about.
+/// Returns a lower bound of the quotient of two polynomials, the first lane over the second. The
+/// bound is positive only if the quotient is. If the quotient is positive and this can be proved,
+/// the bound is positive. The bound is below the smallest value by at most 0.1 % of it or 1e-6,
+/// unless 2,000 halvings do not suffice.
 ///
-/// \param quotient the second is positive, as isPositive() has it
-/// \cost 4,000 looks at the coefficients at most: 2 ms for degree 2
+/// \param quotient its second lane must be positive in the sense of isPositive()
+/// \cost at most 4,000 passes over the coefficients: 2 ms for degree 2
 template <std::size_t Degree>
 double leastQuotient(const Trivariate<Degree, 2>& quotient);
 
-/// Until when a polynomial is proved to be above 0 in the whole cube.
+/// The time up to which a polynomial is proved to be positive in the whole cube.
 struct ProvedTime {
     double time = 0;
 
-    /// Whether it is not above 0 somewhere by a millionth of the time later, or by 1e-12; or the
-    /// time is all that was asked for. If not, 2,000 halvings of the cube and of time, the earliest
-    /// parts first, did not tell what comes next.
+    /// True if the polynomial is not positive somewhere shortly after `time`, by a millionth of it
+    /// or 1e-12; or if `time` is all that was requested. False if 2,000 halvings of the cube and of
+    /// time, which start with the earliest parts, did not decide what happens after `time`.
     bool isTight = true;
 };
 
+/// Finds the time up to which a polynomial is proved to be positive.
 /// \param upTo above 0, at most 1
-/// \cost one look at the coefficients where that will do; at most 4,000: 4 ms for degree 2
+/// \cost usually one pass over the coefficients; at most 4,000 passes: 4 ms for degree 2
 template <std::size_t Degree>
 ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo);
 

@@ -16,7 +16,7 @@ void checkAxis(int axis) {
     if (axis < 0 || axis > 2) throw Error(concat("there is no axis ", axis, "; expected 0 to 2"));
 }
 
-/// The mirror images of points among themselves.
+/// Finds the mirror image of each point among the points.
 class Images {
 public:
     Images(std::span<const Point3> positions, int axis, double plane, double tolerance)
@@ -29,7 +29,7 @@ public:
               return boxes;
           }()) {}
 
-    /// \throws Error if a point has none, or several
+    /// \throws Error if a point has no image, or several
     Index of(Index vertex) const {
         Eigen::Vector3d image(positions_[vertex].data());
         image[axis_] = 2 * plane_ - image[axis_];
@@ -49,7 +49,7 @@ private:
     std::span<const Point3> positions_;
     int axis_;
     double plane_, tolerance_;
-    embed::BoxTree tree_;  ///< over the points, each with the tolerance around it
+    embed::BoxTree tree_;  ///< contains a box of the size of the tolerance around each point
 };
 
 }  // namespace
@@ -69,8 +69,8 @@ Index DesignVariables::coordinate(Index vertex, int axis) const {
     return 3 * vertex + axis;
 }
 
-/// The coordinate that a coordinate is linked to in the end; from now on directly, as are those
-/// between.
+/// Returns the root of a coordinate, and compresses the path: the coordinates on the way then link
+/// to the root directly.
 DesignVariables::Link DesignVariables::rootOf(Index coordinate) {
     std::vector<Index> path = {coordinate};
     while (links_[path.back()].to != path.back()) path.push_back(links_[path.back()].to);
@@ -102,7 +102,8 @@ void DesignVariables::scale(Index vertex, double unit) {
     for (int axis = 0; axis < 3; ++axis) scale(vertex, axis, unit);
 }
 
-/// The factor between the roots of two coordinates, when one is to be `factor` times the other.
+/// Returns the factor between the roots of two coordinates if the first is to be `factor` times the
+/// other.
 double DesignVariables::joinedFactor(Index coordinate, Index to, double factor) {
     const double joined = factor * rootOf(to).factor / rootOf(coordinate).factor;
     if (!std::isnormal(joined) || !std::isnormal(1 / joined))
@@ -116,14 +117,14 @@ double DesignVariables::joinedFactor(Index coordinate, Index to, double factor) 
 void DesignVariables::join(Index coordinate, Index to, double factor) {
     const Link own = rootOf(coordinate), other = rootOf(to);
     if (own.to == other.to) {
-        // x = own · root and x = factor · other · root: unless these are one, but for the rounding
-        // of a few products, only 0 is both.
+        // x = own · root and x = factor · other · root. Unless the two factors are equal up to the
+        // rounding of a few products, only 0 satisfies both.
         constexpr double kRounding = 1e-12;
         if (!(std::abs(own.factor - factor * other.factor) <= kRounding * std::abs(own.factor)))
             isFrozen_[own.to] = 1;
         return;
     }
-    // The lower number stays a root, so that variables come in the order of coordinates.
+    // The lower number stays the root, so that variables are in the order of coordinates.
     Link link = {other.to, joinedFactor(coordinate, to, factor)};
     Index from = own.to;
     if (from < link.to) {
@@ -165,7 +166,7 @@ void DesignVariables::mirror(std::span<const Point3> positions, int axis, double
 }
 
 stencils::StencilTable<double> DesignVariables::matrix() const {
-    // Links lead to lower numbers, and so to what has been resolved.
+    // Links lead to lower numbers, which are resolved already.
     std::vector<Link> roots(links_.size());
     std::vector<Index> variables(links_.size(), 0);
     Index count = 0;

@@ -11,57 +11,58 @@
 
 namespace espalier::solve {
 
-/// The variables of a design: which displacements of the lattice an optimiser may choose.
+/// Selects the displacements of a lattice that an optimiser may choose, as variables.
 ///
-/// At first each coordinate of each vertex is a variable. Coordinates that are linked share one,
-/// each with a factor of its own; frozen ones have none. B says how: its row 3v + c holds the
+/// Initially each coordinate of each vertex is a variable. Linked coordinates share a variable,
+/// each with its own factor; frozen coordinates have none. Row 3v + c of the matrix B holds the
 /// weights of the variables in the displacement of coordinate c of vertex v. With D, points ×
-/// vertices, J = (D ⊗ I₃) · B is the Jacobian of the points' coordinates by the variables.
+/// vertices, J = (D ⊗ I₃) · B is the Jacobian of the coordinates of the points by the variables.
 class ESPALIER_API DesignVariables {
 public:
     explicit DesignVariables(Index vertexCount);
 
-    /// Keeps a vertex, or one coordinate of it, where it is; and with it all that is linked to it.
-    /// \throws Error for a vertex that is not there, or an axis that is not 0 to 2
+    /// Keeps a vertex, or one coordinate of it, in place, and everything that is linked to it.
+    /// \throws Error for a vertex that does not exist, or an axis that is not 0 to 2
     void freeze(Index vertex);
     void freeze(Index vertex, int axis);
 
-    /// Makes a vertex move as another does, each coordinate times its factor: 1, 1, 1 to move
-    /// alike; −1, 1, 1 to mirror at a plane across the first axis. Links join: all that is linked
-    /// to either vertex shares their variable. What could only move by 0 to keep all links, such as
-    /// a coordinate that is its own mirror image, is frozen.
+    /// Makes `vertex` move as `to` does, each coordinate multiplied by its factor: 1, 1, 1 to move
+    /// alike; −1, 1, 1 to mirror at a plane across the first axis. Links are transitive: all
+    /// vertices that are linked to either one share a variable. A coordinate that can satisfy all
+    /// links only by staying in place, such as one that is its own mirror image, is frozen.
     ///
-    /// \throws Error for a vertex that is not there; for factors that are 0 or not finite, also as
-    ///         products with those of other links. Nothing is linked then
+    /// \throws Error for a vertex that does not exist; for factors that are 0 or not finite, also
+    ///         in products with factors of other links. The links are then unchanged
     void link(Index vertex, Index to, const std::array<double, 3>& factors = {1, 1, 1});
 
     /// Links each vertex with its mirror image at a plane across an axis.
     ///
-    /// \param positions of the vertices, at rest
+    /// \param positions positions of the vertices at rest
     /// \param axis 0 to 2
-    /// \param at where the plane is on that axis
-    /// \param tolerance how far an image may be from its vertex
-    /// \throws Error naming the first vertex without an image, or with more than one, in which case
+    /// \param at coordinate of the plane on that axis
+    /// \param tolerance largest distance of a vertex from the image of another one
+    /// \throws Error naming the first vertex without an image, or with several, in which case
     ///         nothing is linked; if there are not as many positions as vertices, or one is not
     ///         finite
     /// \cost O(vertices · log vertices)
     void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
 
-    /// Sets by how much a vertex moves, or one coordinate of it, when its variable grows by 1, so
-    /// that variables can be of about the same size for an optimiser. At first 1. Coordinates that
-    /// are linked share a variable: what is set last holds for all of them, each by its own factor;
-    /// a link that is made later keeps the unit of the lower-numbered variable.
+    /// Sets how far a vertex, or one coordinate of it, moves when its variable grows by 1, so that
+    /// an optimiser sees variables of similar size. Initially 1. Linked coordinates share a
+    /// variable: the last call decides for all of them, each by its own factor. A link made later
+    /// keeps the unit of the lower-numbered coordinate.
     ///
-    /// \throws Error for a vertex that is not there, or an axis that is not 0 to 2; for a unit that
-    ///         is 0 or not finite, also as a quotient with the factor of a link
+    /// \throws Error for a vertex that does not exist, or an axis that is not 0 to 2; for a unit
+    ///         that is 0 or not finite, also as a quotient with the factor of a link
     void scale(Index vertex, double unit);
     void scale(Index vertex, int axis, double unit);
 
-    /// B: 3 · vertices × variables. Columns are in the order of their first coordinates.
+    /// Returns B: 3 · vertices × variables. Columns are ordered by the first coordinate of each
+    /// variable.
     stencils::StencilTable<double> matrix() const;
 
 private:
-    /// Coordinate = factor · another.
+    /// This coordinate = factor · coordinate `to`.
     struct Link {
         Index to;
         double factor;
@@ -71,17 +72,17 @@ private:
     double joinedFactor(Index coordinate, Index to, double factor);
     void join(Index coordinate, Index to, double factor);
 
-    std::vector<Link> links_;     ///< one a coordinate, to a lower one; roots to themselves
-    std::vector<char> isFrozen_;  ///< of roots
-    std::vector<double> units_;   ///< of roots: by how much they move
+    std::vector<Link> links_;  ///< one for each coordinate, to a lower one; a root links to itself
+    std::vector<char> isFrozen_;  ///< for roots only
+    std::vector<double> units_;   ///< for roots only: distance moved for 1 unit of the variable
 };
 
-/// J = (D ⊗ I₃) · B: row 3i + c holds the derivatives of coordinate c of point i by the variables.
-/// J·v moves the points, Jᵀ·g (transposeTable()) carries gradients back.
+/// Builds J = (D ⊗ I₃) · B: row 3i + c holds the derivatives of coordinate c of point i by the
+/// variables. J·v moves the points, Jᵀ·g (transposeTable()) carries gradients back.
 ///
 /// \param deformation D, points × vertices
 /// \param design B
-/// \throws Error if B has not three rows for each column of D; if there are more than 2^31 / 3
+/// \throws Error unless B has three rows for each column of D; if there are more than 2^31 / 3
 ///         points
 /// \cost O(products of entries), in parallel
 ESPALIER_API stencils::StencilTable<double> buildJacobian(

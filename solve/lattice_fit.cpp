@@ -17,8 +17,8 @@ using Matrix = Eigen::SparseMatrix<double>;
 using Columns = Eigen::MatrixX3d;
 using stencils::StencilTable;
 
-/// The matrix that an expression stands for. Not by a constructor: Eigen's lose memory if they
-/// throw for want of it, and copy what could be moved.
+/// Evaluates an expression into a matrix. Not by a constructor: Eigen's constructors leak memory if
+/// an allocation throws, and they copy where a move would do.
 template <class Expression>
 Matrix evaluated(const Expression& expression) {
     Matrix result;
@@ -26,7 +26,8 @@ Matrix evaluated(const Expression& expression) {
     return result;
 }
 
-/// Directions in which the square of the matrix is below this part of its largest count as open.
+/// Directions in which the squared matrix is below this fraction of its largest eigenvalue count as
+/// undetermined.
 constexpr double kOpen = 1e-10;
 
 void check(const StencilTable<double>& deformation, std::span<const Point3> misses,
@@ -58,10 +59,10 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
         throw Error(concat("the strength is ", options.strength, "; expected 0.0001 to 10000"));
 }
 
-/// Names the target that is farthest from its point.
+/// Throws an error that names the target farthest from its point.
 [[noreturn]] void refuseFarTargets(std::span<const Point3> misses) {
     const auto size = [](const Point3& miss) {
-        // Halved, since the distance itself may be no double.
+        // Halved, since the distance itself may overflow.
         return std::hypot(miss[0] / 2, miss[1] / 2, miss[2] / 2);
     };
     const auto farthest = std::ranges::max_element(misses, {}, size);
@@ -71,7 +72,7 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
                              " is too far from the point: the square of the distance overflows"));
 }
 
-/// Which vertices may move.
+/// The vertices that may move.
 struct FreeVertices {
     std::vector<Index> vertices;
 
@@ -85,7 +86,7 @@ struct FreeVertices {
 
     Index count() const { return static_cast<Index>(vertices.size()); }
 
-    /// The columns of the free vertices.
+    /// Returns the columns of the free vertices.
     Matrix columnsOf(const Matrix& matrix) const {
         Matrix selection(matrix.cols(), count());
         selection.reserve(Eigen::VectorXi::Constant(count(), 1));
@@ -94,7 +95,7 @@ struct FreeVertices {
     }
 };
 
-/// R.
+/// Returns R.
 Matrix smoothing(const far::CellComplex& base, Smoothing kind) {
     const Index count = base.count(0);
     Matrix result(count, count);
@@ -114,11 +115,11 @@ Matrix smoothing(const far::CellComplex& base, Smoothing kind) {
     return evaluated(result + neighbours);
 }
 
-/// The normal equations of the free vertices, with a little of the identity added so that they can
-/// be factored whatever is open.
+/// The normal equations of the free vertices. A small multiple of the identity is added, so that
+/// they can be factored even if displacements are undetermined.
 class NormalEquations {
 public:
-    /// \param matrix, smooth are taken
+    /// \param matrix, smooth are moved from
     NormalEquations(Matrix&& matrix, Matrix&& smooth, double strength) {
         matrix_.swap(matrix);
         smooth_.swap(smooth);
@@ -134,10 +135,10 @@ public:
             throw Error("the normal equations of the fit cannot be factored");
     }
 
-    /// Refines until nothing changes. Each step adds what the shift had left out (iterated Tikhonov
-    /// regularisation); what is left over is found by the matrices themselves, so that squaring
-    /// them costs no digits; and each change is a multiple of the square, so that it has no part in
-    /// open directions but by rounding: what comes out is the smallest solution.
+    /// Solves by iterated Tikhonov regularisation: each step corrects the effect of the added
+    /// identity. The residual is computed from the matrices themselves, so that squaring them costs
+    /// no digits. Each change is the square times a vector, so it has no component in undetermined
+    /// directions, except by rounding: the result is the smallest solution.
     Columns solve(const Columns& right) const {
         constexpr int kMaxSteps = 100;
         Columns solution = Columns::Zero(square_.rows(), 3);
@@ -151,7 +152,7 @@ public:
         return solution;
     }
 
-    /// The least eigenvalue that does not count as none, and its direction.
+    /// Approximation of the smallest eigenvalue, and its direction.
     struct Least {
         double value;
         Eigen::VectorXd direction;
@@ -167,7 +168,7 @@ public:
 private:
     static constexpr int kPowerSteps = 200;
 
-    /// Of no symmetry that an eigenvector could lack.
+    /// A vector without any symmetry that could make it orthogonal to an eigenvector.
     Eigen::VectorXd start() const {
         Eigen::VectorXd vector(square_.rows());
         for (Eigen::Index i = 0; i < vector.size(); ++i)
@@ -186,8 +187,8 @@ private:
         return value;
     }
 
-    Matrix matrix_, smooth_;  ///< D, and R times its strength
-    Matrix square_;           ///< of both
+    Matrix matrix_, smooth_;  ///< D, and R times the strength
+    Matrix square_;           ///< matrix_ᵀ matrix_ + smooth_ᵀ smooth_
     double largest_ = 0;
     Eigen::SimplicialLDLT<Matrix> factor_;
 };

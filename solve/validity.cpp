@@ -17,7 +17,7 @@ namespace {
 using far::CellComplex;
 using limit::LimitPositions;
 
-/// \param name of the positions, in messages
+/// \param name name of the positions in messages
 void checkPositions(const CellComplex& complex, std::span<const Point3> positions,
                     const char* name) {
     constexpr double kMaxCoordinate = 1e90;
@@ -32,7 +32,7 @@ void checkPositions(const CellComplex& complex, std::span<const Point3> position
                     std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
-/// What is left of a determinant above its floor, turned so that it is positive at rest.
+/// Subtracts the floor from a determinant, whose sign is changed so that it is positive at rest.
 template <std::size_t Degree, std::size_t Lanes>
 Trivariate<Degree, Lanes> aboveFloor(Trivariate<Degree, Lanes> determinant, int orientation,
                                      const std::array<double, Lanes>& floor) {
@@ -42,7 +42,7 @@ Trivariate<Degree, Lanes> aboveFloor(Trivariate<Degree, Lanes> determinant, int 
     return determinant;
 }
 
-/// The sign of the determinant all over a part; 0 if it has none.
+/// Returns the sign of the determinant in a part; 0 if it is not the same everywhere.
 std::int8_t orientationOf(const CheckedVolume& volume, Index part, const LimitPositions& rest) {
     std::optional<std::int8_t> common;
     volume.forEachPiece(
@@ -61,15 +61,16 @@ std::int8_t orientationOf(const CheckedVolume& volume, Index part, const LimitPo
     return common.value_or(0);
 }
 
-/// A cell has the orientation that all of its parts have.
+/// Combines the orientations of the parts of a cell: 0 unless all agree.
 void join(std::vector<std::optional<std::int8_t>>& ofCells, Index cell, std::int8_t ofPart) {
     auto& common = ofCells[cell];
     common = common.value_or(ofPart) == ofPart ? ofPart : 0;
 }
 
-/// Takes their orientation from cells that are turned against most of those that they are joined
-/// to by faces; in doubt, against the lowest of them.
-void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientation) {
+/// Sets the orientation to 0 for cells that are oriented against most cells in their connected
+/// component. If both orientations are equally frequent, the lowest-numbered cell that has one
+/// decides.
+void clearMinorityOrientations(const CellComplex& complex, std::vector<std::int8_t>& orientation) {
     const far::Incidence& faces = complex.relation(3, 2);
     const far::Incidence& cells = complex.relation(2, 3);
     std::vector<char> isSeen(orientation.size(), 0);
@@ -98,7 +99,8 @@ void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientatio
     }
 }
 
-/// A lower bound of the least volume ratio of a part, or the double next to it; its sign is sure.
+/// Returns a lower bound of the smallest volume ratio of a part, up to one rounding; its sign is
+/// certain.
 double leastRatio(const CheckedVolume& volume, Index part, int orientation,
                   const LimitPositions& rest, const LimitPositions& pose) {
     constexpr double kLargest = std::numeric_limits<double>::max();
@@ -118,17 +120,17 @@ double leastRatio(const CheckedVolume& volume, Index part, int orientation,
     return std::max(least, -kLargest);
 }
 
-/// Of a piece at the end of the way that is looked at, beyond the pose perhaps.
+/// Returns the size of a piece at the end of the way, which may be beyond the pose.
 ///
-/// \param end its size there, at rest + most (pose − rest)
+/// \param end size at rest + most (pose − rest)
 PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double most) {
-    // Its uncertainty is that of rest and pose, which grow by the way: most (|rest| + |pose|), of
-    // which the latter is at most |rest| + (|rest| + |end|) / most.
+    // The uncertainty includes those of rest and pose, multiplied by the length of the way: most
+    // (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) / most.
     end.uncertainty = 2 * (end.uncertainty + (1 + most) * rest.uncertainty);
     return end;
 }
 
-/// Takes a step back to where a part is proved valid.
+/// Shortens a step to the length for which a part is proved valid.
 void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int orientation,
              const LimitPositions& rest, const LimitPositions& end, double most) {
     volume.forEachPiece(
@@ -145,7 +147,7 @@ void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int ori
         rest, end);
 }
 
-/// Calls visit(range, part) for all parts, ranges of them in parallel. What a range does does not
+/// Calls visit(range, part) for all parts, with ranges of parts in parallel. The ranges do not
 /// depend on the number of threads.
 template <class Visit>
 void forEachPart(const CheckedVolume& volume, Visit visit) {
@@ -176,7 +178,7 @@ ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest
     for (Index part = 0; part < volume.partCount(); ++part)
         join(ofCells, volume.cellOf(part), ofParts[part]);
     for (const auto& orientation : ofCells) orientation_.push_back(orientation.value_or(0));
-    dropTurned(volume.cells(), orientation_);
+    clearMinorityOrientations(volume.cells(), orientation_);
     for (Index cell = 0; cell < volume.cells().count(3); ++cell)
         if (ofCells[cell] && orientation_[cell] == 0) badAtRest_.push_back(cell);
 }
@@ -219,8 +221,8 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
         for (std::size_t c = 0; c < 3; ++c)
             ends[vertex][c] += most * (pose[vertex][c] - ends[vertex][c]);
     const LimitPositions end = volume.place(ends);
-    // In parts of `most`. The digits of a part's depend on how far the parts before it have brought
-    // the step down. So each range has a step of its own.
+    // Lengths are fractions of `most` here. The digits of a result depend on how far earlier parts
+    // have shortened the step, so each range has its own step.
     std::vector<LargestStep> ofRanges((volume.partCount() + volume.grain() - 1) / volume.grain(),
                                       {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {

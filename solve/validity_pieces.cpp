@@ -15,12 +15,13 @@
 namespace espalier::solve {
 namespace {
 
-/// The corner of a hexahedron at places (0 or 1) along u, v and w, in VTK's order.
+/// Returns the corner of a hexahedron, in VTK's order, at the end 0 or 1 of u, v and w.
 std::size_t cornerAt(const std::array<std::size_t, 3>& place) {
     return 4 * place[2] + (place[1] == 1 ? 3 - place[0] : place[0]);
 }
 
-/// Of boxes whose edges go over from some lengths to others linearly, in Bernstein coefficients.
+/// Volume of a box whose edge lengths change linearly from `first` to `last`, as Bernstein
+/// coefficients.
 std::array<double, 4> volumes(const std::array<double, 3>& first,
                               const std::array<double, 3>& last) {
     const auto mean = [](const std::array<double, 3>& one, const std::array<double, 3>& others) {
@@ -32,7 +33,7 @@ std::array<double, 4> volumes(const std::array<double, 3>& first,
             last[0] * last[1] * last[2]};
 }
 
-/// As long as they may be: both ends may be off, along all three axes.
+/// Upper bounds of the lengths: both ends may be off along all three axes.
 std::array<double, 3> longest(const PieceSize& size) {
     const double longer = 2 * std::numbers::sqrt3 * size.uncertainty;
     return {size.lengths[0] + longer, size.lengths[1] + longer, size.lengths[2] + longer};
@@ -40,21 +41,22 @@ std::array<double, 3> longest(const PieceSize& size) {
 
 constexpr double kUnit = std::numeric_limits<double>::epsilon();
 
-/// 512 units of rounding, each half of that.
+/// 512 units of rounding; a unit is half of epsilon.
 constexpr double kRounding = 256 * kUnit;
 
-/// What coefficients may be off by, while a piece goes over from one to another.
+/// Returns the rounding error that coefficients may have while a piece changes from `first` to
+/// `last`.
 std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, double rounding) {
     const auto exact = volumes(first.lengths, last.lengths);
     const auto longer = volumes(longest(first), longest(last));
     std::array<double, 4> floor;
-    // Below the least normal number, products lose digits.
+    // Below the smallest normal number, products lose digits.
     for (std::size_t i = 0; i < 4; ++i)
         floor[i] = longer[i] - exact[i] + rounding * longer[i] + std::numeric_limits<double>::min();
     return floor;
 }
 
-/// A map by its Bézier points: that at places (i, j, k) is at i + n (j + n k).
+/// Returns a map from its Bézier points: point (i, j, k) is at index i + n (j + n k).
 template <std::size_t Degree>
 Piece<Degree> pieceOf(
     const std::array<Point3, (Degree + 1) * (Degree + 1) * (Degree + 1)>& points) {
@@ -105,7 +107,7 @@ Piece<1> CellPieces::hexahedron(std::span<const Point3> positions) const {
 }
 
 Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions) const {
-    // From one of the vertices, so that where the cell lies does not cost digits.
+    // Measure from one of the vertices, so that a cell far from the origin loses no digits.
     const auto vertices = complex_.relation(3, 0)[cell_.value];
     const Point3& origin = positions[vertices.front()];
     Point3 apex{};

@@ -14,7 +14,7 @@
 namespace espalier::stencils {
 namespace {
 
-/// Rows of the identity.
+/// Returns the rows of the identity for some columns.
 StencilTable<double> selectionTable(Index columnCount, std::span<const Index> columns) {
     Array<Offset> offsets(columns.size() + 1);
     std::iota(offsets.begin(), offsets.end(), Offset{0});
@@ -24,7 +24,7 @@ StencilTable<double> selectionTable(Index columnCount, std::span<const Index> co
             Array<double>(columns.size(), 1.0)};
 }
 
-/// A table times values of `components` a source entry, source by source.
+/// Multiplies a table by values: `components` per source entry, entry after entry.
 std::vector<double> product(const StencilTable<double>& table, std::span<const double> values,
                             int components) {
     const auto width = static_cast<std::size_t>(components);
@@ -80,14 +80,15 @@ CompactTable compactColumns(StencilTable<double> table) {
 
 namespace {
 
-/// The rows of S_level for the given vertices, by multiplication.
-/// \param origins of the levels 0 to `level` − 1
-/// \param rowsOf the rows of R_k for some vertices of level k: rowsOf(k, vertices)
+/// Returns the rows of S_level for the given vertices, by multiplication.
+/// \param origins of levels 0 to `level` − 1
+/// \param rowsOf rowsOf(k, vertices) returns the rows of R_k for some vertices of level k
 template <class RowsOf>
 StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
                              std::span<const BaseEntities> origins, std::span<const Index> vertices,
                              RowsOf rowsOf) {
-    // Down the levels: what each row needs of the level before. Then up: their products.
+    // First from the finest level down: find the rows that each level needs of the level before.
+    // Then multiply from the base up.
     struct Link {
         StencilTable<double> table;
         RowOrder order;
@@ -112,20 +113,19 @@ StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
 
 }  // namespace
 
-StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
+StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
                                    std::span<const Index> vertices) {
     checkVertices(refiner, level, vertices);
-    checkRules(refiner, rules);
     if (level == 0) return selectionTable(refiner.level(0).complex.count(0), vertices);
     const std::vector<BaseEntities> origins = baseEntities(refiner, level - 1);
     const auto rowsOf = [&](int k, std::span<const Index> demanded) {
-        return buildLevelTable(refiner, k, rules, demanded);
+        return buildLevelTable(refiner, k, demanded);
     };
-    if (RepeatedRows::areIn(refiner, level, rules)) {
+    if (RepeatedRows::isApplicable(refiner, level)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
-        const bool isAll = rows.firsts().size() == vertices.size();
-        auto firstRows = compose(refiner, level, origins, rows.firsts(), rowsOf);
-        return isAll ? firstRows : rows.expand(firstRows);
+        const bool isAll = rows.representatives().size() == vertices.size();
+        auto distinctRows = compose(refiner, level, origins, rows.representatives(), rowsOf);
+        return isAll ? distinctRows : rows.expand(distinctRows);
     }
     return compose(refiner, level, origins, vertices, rowsOf);
 }
@@ -154,25 +154,22 @@ StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
                    });
 }
 
-StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules) {
+StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildStencils(refiner, level, rules, all);
+    return buildStencils(refiner, level, all);
 }
 
-std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
-                                                   Rules rules) {
-    refiner.level(level);  // Throws if it is not there.
-    checkRules(refiner, rules);
+std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level) {
+    refiner.level(level);  // Throws if the level does not exist.
     std::vector<StencilTable<double>> tables;
-    for (int k = 1; k <= level; ++k) tables.push_back(buildLevelTable(refiner, k, rules));
+    for (int k = 1; k <= level; ++k) tables.push_back(buildLevelTable(refiner, k));
     return tables;
 }
 
-std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
+std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                                  std::span<const double> values, int components) {
-    refiner.level(level);  // Throws if it is not there.
-    checkRules(refiner, rules);
+    refiner.level(level);  // Throws if the level does not exist.
     const Index baseCount = refiner.level(0).complex.count(0);
     if (components < 1 ||
         values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))
@@ -181,7 +178,7 @@ std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                     " vertices");
     std::vector<double> result(values.begin(), values.end());
     for (int k = 1; k <= level; ++k)
-        result = product(buildLevelTable(refiner, k, rules), result, components);
+        result = product(buildLevelTable(refiner, k), result, components);
     return result;
 }
 
@@ -209,9 +206,9 @@ std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
     return toPositions(product(table, toValues(positions), 3));
 }
 
-std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
                                     std::span<const Point3> positions) {
-    return toPositions(refineValues(refiner, level, rules, toValues(positions), 3));
+    return toPositions(refineValues(refiner, level, toValues(positions), 3));
 }
 
 }  // namespace espalier::stencils

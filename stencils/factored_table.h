@@ -8,12 +8,13 @@
 
 namespace espalier::stencils {
 
-/// A deformation table that is not multiplied out: D = points · vertices, so that a pose moves the
-/// vertices of the refined lattice first, and these the points.
+/// A deformation table in two factors, D = points · vertices: a pose first moves the vertices of
+/// the refined lattice, and these then move the points.
 ///
-/// Where cells of the level hold several points each, that is less to keep and less to do: a row
-/// of `points` has 8 entries, one of D up to 64. Where each point has a cell of its own it is more,
-/// since each brings eight rows of `vertices`. entryCount() against that of D tells.
+/// If cells of the level contain several points each, the factors take less memory and time than D:
+/// a row of `points` has 8 entries, and a row of D up to 64. If each point has a cell of its own,
+/// they take more, since each point needs eight rows of `vertices`. Compare entryCount() with the
+/// entryCount() of D.
 ///
 /// osd::CompiledChain evaluates it.
 ///
@@ -23,7 +24,7 @@ struct ESPALIER_API FactoredTable {
     using Weight = Real;
 
     StencilTable<Real> vertices;  ///< rows of S_n: vertices of the level × base vertices
-    StencilTable<Real> points;    ///< W: points × those vertices
+    StencilTable<Real> points;    ///< W: points × the rows of `vertices`
 
     Index rowCount() const { return points.rowCount(); }
     Index columnCount() const { return vertices.columnCount(); }
@@ -32,7 +33,7 @@ struct ESPALIER_API FactoredTable {
     friend bool operator==(const FactoredTable&, const FactoredTable&) = default;
 };
 
-/// The same factors with weights rounded to another precision.
+/// Returns the table with weights rounded to another precision.
 template <class To, class From>
 FactoredTable<To> convertTable(FactoredTable<From> table) {
     return {convertTable<To>(std::move(table.vertices)), convertTable<To>(std::move(table.points))};

@@ -9,19 +9,20 @@
 
 namespace espalier::stencils {
 
-/// A set of a few of many numbered items, each with its place in a list. To look one up is to read
-/// an array; to forget them all costs as much as they are.
+/// A set of numbered items, of which few are in the set. Each item has a position in a list.
+/// Looking up an item reads one array element, and removing all items takes time proportional to
+/// their number.
 class IndexSet {
 public:
     /// \param count items are 0 to count − 1
     explicit IndexSet(Index count) : places_(count, kNone) {}
 
     bool has(Index item) const { return places_[item] != kNone; }
-    /// \param item one that is there
+    /// \param item must be in the set
     Index placeOf(Index item) const { return places_[item]; }
     const std::vector<Index>& items() const { return items_; }
 
-    /// \param item one that is not there
+    /// \param item must not be in the set
     void add(Index item) {
         places_[item] = static_cast<Index>(items_.size());
         items_.push_back(item);
@@ -34,7 +35,7 @@ public:
             places_[items_[place]] = static_cast<Index>(place);
     }
 
-    /// Forgets all but the first `count`.
+    /// Removes all items but the first `count`.
     void shrink(std::size_t count) {
         for (; items_.size() > count; items_.pop_back()) places_[items_.back()] = kNone;
     }

@@ -14,11 +14,11 @@
 namespace espalier::stencils {
 namespace {
 
-/// Entries of a row that counts as long, from here on.
+/// A row with more entries than this is long.
 constexpr Offset kLongRow = 256;
 
-/// A table over some of its columns, which hold all of its entries.
-/// \param columns ascending
+/// Renumbers the columns of a table to positions in `columns`.
+/// \param columns ascending; contains every column that has an entry
 StencilTable<double> overColumns(const StencilTable<double>& table,
                                  std::span<const Index> columns) {
     Array<Index> places(table.columns().size());
@@ -35,9 +35,9 @@ std::vector<Index> columnsOf(const StencilTable<double>& table) {
     return columns;
 }
 
-/// The rows of `own`, and behind them those of `more`, over the vertices of the level above.
+/// Multiplies the rows of `own`, and then the rows of `more`, by a level table.
 /// \param step R of the level
-/// \param areDerivatives whether rows sum to 0
+/// \param areDerivatives whether rows must sum to 0
 StencilTable<double> carried(const StencilTable<double>& own, const StencilTable<double>& more,
                              const StencilTable<double>& step, bool areDerivatives) {
     return buildTable(own.rowCount() + more.rowCount(), step.columnCount(),
@@ -52,14 +52,16 @@ StencilTable<double> carried(const StencilTable<double>& own, const StencilTable
                               const auto factors = step.weights(columns[i]);
                               for (std::size_t k = 0; k < next.size(); ++k)
                                   accumulator.add(next[k], weights[i] * factors[k]);
-                              // Thousands of long rows may go by before a loop looks.
+                              // A loop checks memory after each chunk: too late for thousands of
+                              // long rows.
                               if (std::ssize(next) > kLongRow) checkMemory();
                           }
                           if (areDerivatives) accumulator.makeSumZero();
                       });
 }
 
-/// Three rows after three made orthonormal: each spans with those before it what it did.
+/// Makes each group of three consecutive rows orthonormal. The first, the first two and all three
+/// rows of a group span the same spaces as before.
 StencilTable<double> orthonormal(const StencilTable<double>& rows) {
     return buildTable(
         rows.rowCount(), rows.columnCount(), [&](Index row, RowAccumulator& accumulator) {
@@ -73,9 +75,7 @@ StencilTable<double> orthonormal(const StencilTable<double>& rows) {
             for (Index r = first; r <= row; ++r)
                 for (std::size_t k = 0; k < rows.columns(r).size(); ++k)
                     vectors(placeIn(columns, rows.columns(r)[k]), r - first) = rows.weights(r)[k];
-            const Eigen::MatrixXd basis =
-                Eigen::HouseholderQR<Eigen::MatrixXd>(vectors).householderQ() *
-                Eigen::MatrixXd::Identity(vectors.rows(), vectors.cols());
+            const Eigen::MatrixXd basis = orthonormalBasis(vectors);
             for (std::size_t i = 0; i < columns.size(); ++i)
                 accumulator.add(columns[i], basis(static_cast<Eigen::Index>(i), row - first));
             accumulator.makeSumZero();
@@ -94,7 +94,7 @@ StencilTable<double> concatenated(const StencilTable<double>& first,
                       });
 }
 
-/// Takes the rows of several tables apart that stand in one behind each other.
+/// Splits a concatenated table into tables with the given numbers of rows.
 void appendParts(const StencilTable<double>& table, std::span<const Index> counts,
                  std::vector<StencilTable<double>>& parts) {
     Index first = 0;
@@ -111,7 +111,7 @@ std::vector<Index> rowCounts(std::span<const StencilTable<double>> tables) {
     return counts;
 }
 
-/// Whether a row of a relation has more than kLongRow entries.
+/// Returns true if a row has more than kLongRow entries.
 bool hasLongRow(std::span<const Offset> offsets) {
     for (std::size_t row = 1; row < offsets.size(); ++row)
         if (offsets[row] - offsets[row - 1] > kLongRow) return true;
@@ -154,7 +154,8 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
         }
         std::vector<StencilTable<double>> result;
         if (last > 0 && below.rowCount() == counts.back()) {
-            // No level between has rows, as for points: long ones are not copied.
+            // No level between the base and the last one has rows, as when binding points: long
+            // rows are not copied.
             result.push_back(std::move(rows[0]));
             while (result.size() < last) result.push_back(selectRows(result[0], {}));
             result.push_back(std::move(below));
@@ -163,9 +164,10 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
         appendParts(last > 0 ? concatenated(rows[0], below) : rows[0], counts, result);
         return result;
     }
-    // Down the levels: the vertices whose rows of S_k are asked for. Then up: these rows.
+    // First from the finest level down: find the vertices whose rows of S_k are needed. Then
+    // compute these rows from the base up.
     std::vector<std::vector<Index>> vertices(rows.size());
-    std::vector<StencilTable<double>> steps(rows.size());  // The rows of R_k for those.
+    std::vector<StencilTable<double>> steps(rows.size());  // The rows of R_k for these vertices.
     for (std::size_t k = last;; --k) {
         const auto own = columnsOf(rows[k]);
         const auto above = k == last ? std::vector<Index>() : columnsOf(steps[k + 1]);
@@ -188,7 +190,7 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
 std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
                                                      std::vector<StencilTable<double>> rows,
                                                      RowMeaning meaning) {
-    // On the first levels rows share most vertices, and rounding grows to 2⁶ times itself only.
+    // On the first levels rows share most vertices, and rounding errors grow by 2⁶ only.
     constexpr std::size_t kSharedLevels = 6;
     const std::vector<Index> counts = rowCounts(rows);
     StencilTable<double> below;
@@ -198,11 +200,16 @@ std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTabl
     }
     if (below.rowCount() > 0) rows.back() = concatenated(rows.back(), below);
     auto result = composeRows(tables, std::move(rows), compositionOf(tables));
-    // Takes the rows of the last levels apart again.
+    // Split the rows of the last levels again.
     const StencilTable<double> last = std::move(result.back());
     result.pop_back();
     appendParts(last, std::span(counts).subspan(result.size()), result);
     return result;
+}
+
+Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& columns) {
+    return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *
+           Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
 }  // namespace espalier::stencils

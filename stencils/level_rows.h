@@ -4,49 +4,56 @@
 #include <espalier/far/cell_complex.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <Eigen/Core>
+
 #include <span>
 #include <vector>
 
 namespace espalier::stencils {
 
-/// From which end products of level tables are made.
+/// From which end to multiply level tables.
 enum class Composition {
-    FromBase,  ///< rows of S_k are made once, for all rows that share their vertices
-    FromRows   ///< each row is carried up by itself: where rows of S_k are long, few of them are
-               ///< shared by more rows than they have entries
+    FromBase,  ///< each row of S_k is computed once, for all rows that use its vertex
+    FromRows   ///< each row is carried to the base separately. Faster for long rows of S_k, most of
+               ///< which are used by fewer rows than they have entries
 };
 
-/// FromRows if new points on the levels above a complex have rows of more than some 256 entries:
-/// those of cells and faces of as many vertices, and of vertices of as many cells.
+/// Returns FromRows if new points above a complex have rows of more than about 256 entries. This is
+/// the case if a cell or face has that many vertices, or a vertex that many cells.
 /// \cost O(entities of the complex)
 Composition compositionAbove(const far::CellComplex& complex);
 
-/// The same by level tables at hand.
+/// The same, decided from the level tables.
 /// \cost O(rows)
 Composition compositionOf(std::span<const StencilTable<double>> tables);
 
-/// Tables over the vertices of several levels, carried to the base: element k of the result is
-/// rows[k] · R_k … R_1. All levels in one go: a row of S_k is made once, for what asks for it there
-/// and for what is made of it further up.
+/// Carries tables over the vertices of several levels to the base: element k of the result is
+/// rows[k] · R_k … R_1. Does all levels together, so that each row of S_k is computed once, both
+/// for rows[k] and for higher levels.
 ///
-/// \param tables R_1, R_2, …: as many as levels 1 to rows.size() − 1 at least
-/// \param rows one table a level, from 0 on; without rows where a level has none
+/// \param tables R_1, R_2, …, at least up to level rows.size() − 1
+/// \param rows one table per level, from level 0; a table without rows if a level has none
 /// \cost O(products of entries), in parallel
 std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<double>> tables,
                                               std::vector<StencilTable<double>> rows,
                                               Composition composition);
 
-/// Whether rows of derivatives stand for themselves, or for the space that each three of them span.
-enum class RowMeaning { Themselves, Spans };
+/// Whether each row of derivatives matters by itself, or only the space that each three rows span.
+enum class RowMeaning { Vectors, Spans };
 
-/// The same for rows of derivatives, each right to its own size, however deep its level is.
+/// The same for rows of derivatives, each accurate relative to its own size on any level.
 ///
-/// Such rows sum to 0. Each level takes them to about half their size, but not the rounding of
-/// their sum. So they are carried up level by level, and their sums are put right on each. Rows
-/// that span a space are made orthonormal too: where a smooth boundary bends a corner flat, the
-/// three derivatives tend to a plane, and the third one, near to it, would be lost in rounding.
+/// A row of derivatives sums to 0. Each level reduces the row to about half its size, but not the
+/// rounding error of its sum. So the rows are carried to the base level by level, and their sums
+/// are corrected on each level. With RowMeaning::Spans, each three rows are also made orthonormal:
+/// where a smooth boundary flattens a corner, the three derivatives tend to a plane, and the third
+/// one would be lost in rounding.
 std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
                                                      std::vector<StencilTable<double>> rows,
                                                      RowMeaning meaning);
+
+/// Returns an orthonormal basis of the space that the columns span: one vector for each column. For
+/// every k, the first k vectors span the same space as the first k columns.
+Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& columns);
 
 }  // namespace espalier::stencils

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/far/strata.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/masks.h>
 #include <espalier/stencils/mlca.h>
 #include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
@@ -17,15 +18,19 @@ namespace espalier::stencils {
 namespace {
 
 using far::CellComplex;
+using far::Rules;
 
-/// The sub-complex that a rule averages over: that of a stratum, less the edges that fade.
+/// The sub-complex that a rule averages over: the entities of a stratum, without the edges that
+/// fade.
 struct Neighbourhood {
     const far::Level& level;
     const Entity& entity;
     int stratum;
-    std::optional<std::array<Index, 2>> crease = {};  ///< the edges that a vertex is left on
+    std::optional<std::array<Index, 2>> crease = {};  ///< the edges of the crease that a vertex
+                                                      ///< remains on
 
-    /// Calls visit(other) for the entities of a dimension that are or contain the entity.
+    /// Calls visit(other) for each entity of a dimension that is equal to the entity or contains
+    /// it.
     template <class Visit>
     void forEach(int dimension, Visit visit) const {
         for (const Index index :
@@ -44,25 +49,25 @@ struct Neighbourhood {
     }
 };
 
-Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision triangles) {
+Mask maskOf(const Neighbourhood& around, const far::RefinerOptions& options) {
     const Entity& entity = around.entity;
     const int stratum = around.stratum;
     const bool isSurfaceEdge = entity.dimension == 1 && stratum == 2;
-    if (isSurfaceEdge && triangles == far::TriangleSubdivision::Smooth) {
+    if (isSurfaceEdge && options.triangles == far::TriangleSubdivision::Smooth) {
         int triangleCount = 0;
         around.forEach(2, [&](const Entity& face) {
             triangleCount += around.level.complex.boundary(2)[face.index].size() == 3;
         });
         return smoothTriangleMask(triangleCount);
     }
-    // n of the rules: faces at an edge of the volume, edges at a vertex of the surface.
+    // n in the rules: faces at an edge of the volume, edges at a vertex of the surface.
     const bool needsValence = entity.dimension == stratum - 2;
-    return refinementMask(rules, entity.dimension, stratum,
+    return refinementMask(options.rules, entity.dimension, stratum,
                           needsValence ? around.count(entity.dimension + 1) : 0);
 }
 
 /// Adds `weight` / `count` times the centroid of an entity.
-/// \param verticesOf of all entities of its dimension
+/// \param verticesOf the vertices of all entities of its dimension
 void addCentroid(const far::Incidence& verticesOf, const Entity& entity, double weight,
                  double count, RowAccumulator& row) {
     const auto vertices = verticesOf[entity.index];
@@ -70,9 +75,10 @@ void addCentroid(const far::Incidence& verticesOf, const Entity& entity, double 
     for (const Index vertex : vertices) row.add(vertex, share);
 }
 
-/// Adds `scale` times a mask: of each average in it, the centroids; of each centroid, the vertices.
-/// The entity itself comes last: its own share is large, and the many small ones of a pole add up
-/// best among themselves (with 360 edges at a vertex, 2e-17 off instead of 2e-14).
+/// Adds `scale` times a mask, as weights of the vertices of each centroid in each average. The
+/// entity itself comes last: its weight is large, and the many small weights at a vertex with many
+/// edges are summed more accurately before it (with 360 edges at a vertex, the error is 2e-17
+/// instead of 2e-14).
 void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAccumulator& row) {
     for (int dimension = around.stratum; dimension >= around.entity.dimension; --dimension) {
         const double weight = scale * mask[dimension];
@@ -95,7 +101,7 @@ void addRatsRow(const far::Level& level, const Entity& entity, RowAccumulator& r
     }
 }
 
-/// Adds `scale` times the rule of MLCA: of each sub-cell at the point of the entity, the centroid.
+/// Adds `scale` times the rule of MLCA: the centroids of all sub-cells at the point of the entity.
 void addSubCells(const Neighbourhood& around, double scale, RowAccumulator& row) {
     const far::CellComplex& complex = around.level.complex;
     const Entity& entity = around.entity;
@@ -103,7 +109,7 @@ void addSubCells(const Neighbourhood& around, double scale, RowAccumulator& row)
     const double share = scale / (around.count(around.stratum) * static_cast<double>(own.size()));
     std::optional<Index> last;
     around.forEach(around.stratum, [&](const Entity& whole) {
-        // A face that passes the entity more than once is named as often, and in a row.
+        // A face that passes the entity more than once is listed as often, consecutively.
         if (std::exchange(last, whole.index) == whole.index) return;
         const auto corners = complex.relation(whole.dimension, 0)[whole.index];
         for (std::size_t corner = 0; corner < corners.size(); ++corner) {
@@ -118,16 +124,16 @@ void addSubCells(const Neighbourhood& around, double scale, RowAccumulator& row)
     });
 }
 
-/// Adds the row of a new point of Catmull-Clark or MLCA: the rule of its stratum, and where that
-/// fades the rule of the next.
-void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+/// Adds the row of a new point of Catmull-Clark or MLCA: by the rule of its stratum, blended with
+/// the rule of the next stratum if the entity fades.
+void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level,
                    const Entity& entity, RowAccumulator& row) {
     const far::RefinerOptions& options = refiner.options();
     const auto addRule = [&](const Neighbourhood& around, double scale) {
-        if (rules == Rules::Mlca)
+        if (options.rules == Rules::Mlca)
             addSubCells(around, scale, row);
         else
-            addMask(around, maskOf(around, rules, options.triangles), scale, row);
+            addMask(around, maskOf(around, options), scale, row);
     };
     const auto fading = far::fadingOf(level.complex, level.strata, options.creasing, entity);
     addRule({level, entity, level.strata.of(entity)}, fading ? fading->weight : 1);
@@ -136,32 +142,26 @@ void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level,
 
 }  // namespace
 
-void checkRules(const far::TopologyRefiner& refiner, Rules rules) {
-    if (rules == Rules::Mlca) checkMlca(refiner);
-    if (rules == Rules::Rats) checkRats(refiner);
-}
-
-StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
+StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
                                      std::span<const Index> vertices) {
     const VertexParents parents(refiner, level);
     checkVertices(refiner, level, vertices);
-    checkRules(refiner, rules);
     const far::Level& parent = refiner.level(level - 1);
     return buildTable(static_cast<Index>(vertices.size()), parent.complex.count(0),
                       [&](Index row, RowAccumulator& accumulator) {
                           const Index vertex = vertices[row];
                           const Entity entity = parents(vertex);
-                          if (rules == Rules::Rats)
+                          if (refiner.rules() == Rules::Rats)
                               addRatsRow(parent, entity, accumulator);
                           else
-                              addBlendedRow(refiner, parent, rules, entity, accumulator);
+                              addBlendedRow(refiner, parent, entity, accumulator);
                       });
 }
 
-StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules) {
+StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildLevelTable(refiner, level, rules, all);
+    return buildLevelTable(refiner, level, all);
 }
 
 }  // namespace espalier::stencils

@@ -6,14 +6,14 @@
 
 namespace espalier::stencils {
 
-Levels::Levels(far::TopologyRefiner refiner, Rules rules, std::vector<Point3> positions)
-    : refiner_(std::move(refiner)), rules_(rules) {
+Levels::Levels(far::TopologyRefiner refiner, std::vector<Point3> positions)
+    : refiner_(std::move(refiner)) {
     positions_.push_back(std::move(positions));
 }
 
 void Levels::refineAround(std::span<const Index> cells, far::TopologyRefiner::Extent extent) {
     refiner_.refineAround(cells, extent);
-    tables_.push_back(buildLevelTable(refiner_, finest(), rules_));
+    tables_.push_back(buildLevelTable(refiner_, finest()));
     if (positions_.front().empty()) return;
     positions_.push_back(applyLevelTable(tables_.back(), positions_.back()));
 }

@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -12,21 +11,20 @@
 
 namespace espalier::stencils {
 
-/// The levels of a curve, a mesh or a lattice, with R_1 to R_k and the positions of the vertices of
-/// each level. Levels are added one at a time, around some cells.
+/// Holds the levels of a curve, a mesh or a lattice, with R_1 to R_k and the positions of the
+/// vertices of each level. Levels are added one at a time, around some cells.
 class ESPALIER_API Levels {
 public:
-    /// \param refiner with level 0 alone
+    /// \param refiner must have level 0 only
     /// \param positions of the vertices of level 0; without positions, no level has them
-    Levels(far::TopologyRefiner refiner, Rules rules, std::vector<Point3> positions = {});
+    explicit Levels(far::TopologyRefiner refiner, std::vector<Point3> positions = {});
 
     const far::TopologyRefiner& refiner() const { return refiner_; }
-    Rules rules() const { return rules_; }
 
     int finest() const { return refiner_.maxLevel(); }
     const far::Level& finestLevel() const { return refiner_.level(finest()); }
 
-    /// R_1 to that of the finest level.
+    /// The level tables R_1 to R_k of all levels.
     std::span<const StencilTable<double>> tables() const { return tables_; }
 
     std::span<const Point3> positions(int level) const { return positions_[level]; }
@@ -37,14 +35,14 @@ public:
     void refineAround(std::span<const Index> cells,
                       far::TopologyRefiner::Extent extent = far::TopologyRefiner::Extent::Ring);
 
-    /// The rows of S for some vertices of the finest level, 1 or above: see composeStencils().
+    /// Returns the rows of S for some vertices of the finest level, 1 or above: see
+    /// composeStencils().
     StencilTable<double> stencils(std::span<const Index> vertices) const;
 
 private:
     far::TopologyRefiner refiner_;
-    Rules rules_;
     std::vector<StencilTable<double>> tables_;
-    std::vector<std::vector<Point3>> positions_;  ///< one set a level
+    std::vector<std::vector<Point3>> positions_;  ///< one set per level
 };
 
 }  // namespace espalier::stencils

@@ -15,20 +15,20 @@ Mask surfaceMask(int dimension, double n) {
     return dimension == 1 ? Mask{0, 0.5, 0.5, 0} : Mask{0, 0, 1, 0};
 }
 
-Mask volumeMask(Rules rules, int dimension, double n) {
+Mask volumeMask(far::Rules rules, int dimension, double n) {
     if (dimension == 0) return {0.125, 0.375, 0.375, 0.125};
     if (dimension == 1)
-        return rules == Rules::Siggraph96 ? Mask{0, (n - 3) / n, 2 / n, 1 / n}
-                                          : Mask{0, 0.25, 0.5, 0.25};
+        return rules == far::Rules::Siggraph96 ? Mask{0, (n - 3) / n, 2 / n, 1 / n}
+                                               : Mask{0, 0.25, 0.5, 0.25};
     return dimension == 2 ? Mask{0, 0, 0.5, 0.5} : Mask{0, 0, 0, 1};
 }
 
 }  // namespace
 
-Mask refinementMask(Rules rules, int dimension, int stratum, Index valence) {
-    assert(rules != Rules::Mlca);
+Mask refinementMask(far::Rules rules, int dimension, int stratum, Index valence) {
+    assert(rules != far::Rules::Mlca);
     assert(0 <= dimension && dimension <= stratum && stratum <= kMaxDimension);
-    if (rules == Rules::Rats) {
+    if (rules == far::Rules::Rats) {
         Mask average{};
         average[stratum] = 1;
         return average;

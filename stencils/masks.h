@@ -3,33 +3,19 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
-#include <espalier/base/word.h>
+#include <espalier/far/topology_refiner.h>
 
 #include <array>
 
 namespace espalier::stencils {
 
-/// The rules of refinement. The first two are Catmull-Clark's, and differ in the edge rule of
-/// volumes only, and there only where other than four faces meet in an interior edge. On grids the
-/// third is the same again.
-enum class Rules {
-    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
-    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
-    Mlca,        ///< split, then average: see mlca.h    Bajaj, Schaefer, Warren & Xu 2002
-    Rats         ///< of curves and meshes: see rats.h   Savva & Clapworthy, section 2.2
-};
-inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
-                                              {"cse96", Rules::Cse96},
-                                              {"mlca", Rules::Mlca},
-                                              {"rats", Rules::Rats}};
-
-/// The new point of an entity as an affine combination of averages: entry j is the weight of the
-/// average of the centroids of the incident entities of dimension j (itself, where j is its own
-/// dimension; P, M̄, Ā and C̄ in the papers' letters for j = 0, 1, 2, 3). Entries sum to 1; those
-/// below the entity's dimension or above its stratum are 0.
+/// The new point of an entity as an affine combination of averages. Entry j is the weight of the
+/// average of the centroids of the incident entities of dimension j; if j is the entity's own
+/// dimension, the entity itself. In the papers' letters, the averages are P, M̄, Ā and C̄ for j =
+/// 0, 1, 2, 3. Entries sum to 1; entries below the entity's dimension or above its stratum are 0.
 using Mask = std::array<double, kMaxDimension + 1>;
 
-/// The refinement rule of an entity of dimension `dimension` on stratum `stratum`. Of
+/// Returns the refinement rule of an entity of dimension `dimension` on stratum `stratum`. For
 /// Catmull-Clark:
 ///
 ///     stratum  cell   face           edge                     vertex
@@ -42,26 +28,27 @@ using Mask = std::array<double, kMaxDimension + 1>;
 /// of the surface, (Ā + M)/2 is (A₀ + A₁ + P₀ + P₁)/4; with two edges at a vertex of a curve, (M̄ +
 /// P)/2 is (P₋ + 6P + P₊)/8.
 ///
-/// Weights may be negative: that of M where two faces meet in an interior edge (−1/2), and that of
-/// P where two edges meet in a surface vertex (−1/2). The convex-hull property fails there.
+/// Weights may be negative: the weight of M if two faces meet in an interior edge (−1/2), and the
+/// weight of P if two edges meet in a surface vertex (−1/2). The convex-hull property fails there.
 ///
-/// Of RATS: the average of dimension `stratum`, of which its new points are made (rats.h).
+/// For RATS, the average of dimension `stratum`, from which its new points are made (rats.h).
 ///
-/// MLCA has no masks: its averages have weights (mlca.h).
+/// MLCA has no masks, since its averages have unequal weights (mlca.h).
 ///
 /// \param rules not Rules::Mlca
 /// \param dimension 0 to 3, at most `stratum`
 /// \param stratum 0 to 3
-/// \param valence n: of an edge on stratum 3 the number of its faces, of a vertex on stratum 2 the
-///        number of its edges on the surface; at least 1; not used otherwise
+/// \param valence n: for an edge on stratum 3, its number of faces; for a vertex on stratum 2, its
+///        number of edges on the surface; at least 1; otherwise not used
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Joy, bicubic refinement, "face", "edge" and
 ///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
-ESPALIER_API Mask refinementMask(Rules rules, int dimension, int stratum, Index valence);
+ESPALIER_API Mask refinementMask(far::Rules rules, int dimension, int stratum, Index valence);
 
-/// The rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā, where w
-/// is the mean of 0.47 for each triangle and 1/4 for each other face at the edge.
+/// Returns the rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā,
+/// where w is the mean, over the faces at the edge, of 0.47 for a triangle and 1/4 for any other
+/// face.
 ///
-/// \param triangles how many of the two faces at the edge are triangles: 0 to 2
+/// \param triangles number of triangles among the two faces at the edge: 0 to 2
 /// \cite OpenSubdiv 3.5, Sdc::Scheme<SCHEME_CATMARK>, after Stam
 ESPALIER_API Mask smoothTriangleMask(int triangles);
 

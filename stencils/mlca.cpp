@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/stencils/mlca.h>
 
 namespace espalier::stencils {
@@ -10,7 +9,7 @@ std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole, s
     parts.reserve(8);
     parts.push_back({0, vertex});
     if (whole.dimension == 2) {
-        // By positions: the loop may pass the vertex again.
+        // By position, since the loop may pass the vertex more than once.
         const auto edges = complex.relation(2, 1)[whole.index];
         parts.push_back({1, edges[corner]});
         parts.push_back({1, edges[corner == 0 ? edges.size() - 1 : corner - 1]});
@@ -21,11 +20,6 @@ std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole, s
                 parts.push_back({dimension, part});
     if (whole.dimension > 0) parts.push_back(whole);
     return parts;
-}
-
-void checkMlca(const far::TopologyRefiner& refiner) {
-    if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
-        throw Error("the rules of MLCA do not have smooth triangles; use catmark");
 }
 
 }  // namespace espalier::stencils

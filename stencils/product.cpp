@@ -9,20 +9,20 @@
 #include <cmath>
 #include <string>
 
-// The product of two tables, a block of rows at a time. Neighbouring rows of the left table ask for
-// the same few rows of the right one, which name the same few columns: the vertices around a base
-// cell. So the right rows that a block asks for are spread out over the columns of the block, once,
-// and the block is a small product of dense rows: no search, no merge, and full vectors.
+// Multiplies two tables, one block of rows at a time. Neighbouring rows of the left table use the
+// same few rows of the right one, and these use the same few columns: the vertices around a base
+// cell. So the right rows that a block uses are stored densely over the columns of the block, once.
+// The block is then a small dense product: no search, no merge, and full vectors.
 namespace espalier::stencils {
 namespace {
 
-/// Multiplies one block after the other; each thread has its own.
+/// Multiplies blocks one after another; each thread has its own.
 class BlockProduct {
 public:
     BlockProduct(const StencilTable<double>& left, const StencilTable<double>& right)
         : left_(left), right_(right), middles_(right.rowCount()), columns_(right.columnCount()) {}
 
-    /// Appends the rows first to last − 1 of the product, as `order` counts them.
+    /// Appends rows order.row(first) to order.row(last − 1) of the product.
     void append(Offset first, Offset last, const RowOrder& order, RowList& rows) {
         while (first < last) {
             Offset end = first;
@@ -39,9 +39,9 @@ public:
     }
 
 private:
-    /// Takes a row into the block, unless that has rows already and becomes too large.
+    /// Adds a row to the block, unless the block already has rows and would become too large.
     bool extend(Index row) {
-        // Wider blocks are mostly zeros; with more middle rows they leave the nearer caches.
+        // Wider blocks are mostly zeros; with more middle rows, they exceed the inner caches.
         constexpr std::size_t kMaxColumns = 128, kMaxMiddles = 1024;
         const std::size_t middleCount = middles_.items().size();
         const std::size_t columnCount = columns_.items().size();
@@ -59,7 +59,7 @@ private:
         return false;
     }
 
-    /// Lays out the rows of the right table over the columns of the block.
+    /// Stores the rows of the right table densely over the columns of the block.
     void spread() {
         width_ = (columns_.items().size() + kLanes - 1) / kLanes * kLanes;
         dense_.assign(width_ * middles_.items().size(), 0);
@@ -76,8 +76,8 @@ private:
 
     void appendRow(Index row, RowList& rows) {
         collectTerms(row);
-        // A strip of columns at a time, with its sums in registers: half the time of a pass over
-        // all columns for each term.
+        // Sums a strip of columns at a time in registers: half the time of a pass over all columns
+        // for each term.
         for (std::size_t strip = 0; strip < width_; strip += kLanes) {
             std::array<double, kLanes> sums = {};
             for (const Term& term : terms_)
@@ -88,9 +88,9 @@ private:
         appendSums(rows);
     }
 
-    /// The factors of a row, each with the row that it multiplies. The largest comes last: near a
-    /// vertex of many edges, very many small products add up best among themselves (with 360 edges,
-    /// 1e-16 off after two levels instead of 2e-14).
+    /// Collects the factors of a row, each with the row that it multiplies. The largest factor
+    /// comes last: near a vertex with many edges, the many small products are summed more
+    /// accurately before it (with 360 edges, the error after two levels is 1e-16 instead of 2e-14).
     void collectTerms(Index row) {
         const auto middles = left_.columns(row);
         const auto factors = left_.weights(row);
@@ -108,7 +108,7 @@ private:
     }
 
     void appendSums(RowList& rows) {
-        // Sums that cancelled to exactly 0 are left out, as columns that no factor leads to.
+        // Omits sums that are exactly 0, and columns that no factor uses.
         const std::size_t begin = rows.columns.size();
         if (rows.columns.capacity() < begin + width_) grow(rows);
         rows.columns.resize(begin + columns_.items().size());
@@ -124,7 +124,8 @@ private:
         rows.endRow();
     }
 
-    /// Makes room for the rows that are still to come, taken to be like those of this block.
+    /// Reserves memory for the remaining rows, assuming that they are as long as the rows of this
+    /// block.
     void grow(RowList& rows) {
         const std::size_t size = rows.columns.size() + columns_.items().size() * (rowsLeft_ + 1);
         rows.columns.reserve(size);
@@ -135,15 +136,15 @@ private:
 
     struct Term {
         double factor;
-        const double* row;  ///< `width_` numbers of dense_
+        const double* row;  ///< `width_` elements of dense_
     };
 
     const StencilTable<double>& left_;
     const StencilTable<double>& right_;
-    IndexSet middles_, columns_;  ///< what the block has so far
-    std::size_t rowsLeft_ = 0;    ///< that append() is still to make
+    IndexSet middles_, columns_;  ///< rows and columns of the right table that the block uses
+    std::size_t rowsLeft_ = 0;    ///< number of rows that append() has still to compute
     std::size_t width_ = 0;
-    std::vector<double> dense_;  ///< a row of `width_` for each of middles_
+    std::vector<double> dense_;  ///< a row of `width_` elements for each of middles_
     std::vector<Term> terms_;
     std::vector<double> sums_;
 };

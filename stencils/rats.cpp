@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/stencils/rats.h>
 
 #include <algorithm>
-#include <string>
 
 namespace espalier::stencils {
 
@@ -14,11 +11,12 @@ namespace {
 
 constexpr int kCornerStratum = 0, kBorderStratum = 1;
 
-/// Whether a part of the entity of dimension `dimension` has at most the stratum `most`.
-bool hasPart(const Level& level, const Entity& entity, int dimension, int most) {
+/// Returns true if the entity has a part of dimension `dimension` with a stratum of at most
+/// `maxStratum`.
+bool hasPart(const Level& level, const Entity& entity, int dimension, int maxStratum) {
     const auto parts = level.complex.relation(entity.dimension, dimension)[entity.index];
     return std::any_of(parts.begin(), parts.end(), [&](Index part) {
-        return level.strata.of({dimension, part}) <= most;
+        return level.strata.of({dimension, part}) <= maxStratum;
     });
 }
 
@@ -29,7 +27,7 @@ std::vector<Entity> verticesOf(const Level& level, const Entity& entity) {
     return vertices;
 }
 
-/// The inner edges of a face that share a vertex with one of its border edges.
+/// Returns the inner edges of a face that share a vertex with one of its border edges.
 std::vector<Entity> edgesAtTheBorder(const Level& level, const Entity& face) {
     const auto edges = level.complex.relation(2, 1)[face.index];
     std::vector<Index> onBorder;
@@ -61,25 +59,6 @@ RatsPoint facePoint(const Level& level, const Entity& face) {
     return hasPart(level, face, 1, kBorderStratum) ? RatsPoint::FBeta : RatsPoint::FGamma;
 }
 
-void checkNotSemiSharp(const Level& level) {
-    if (!level.strata.hasSemiSharp()) return;
-    for (int dimension = 0; dimension <= 1; ++dimension)
-        for (Index index = 0; index < level.complex.count(dimension); ++index) {
-            const float sharpness = level.strata.sharpness({dimension, index});
-            if (sharpness == far::kSmooth || sharpness == far::kInfinitelySharp) continue;
-            std::string name = "vertex " + std::to_string(index);
-            if (dimension == 1) {
-                const auto ends = level.complex.relation(1, 0)[index];
-                const auto [low, high] = std::minmax(ends.front(), ends.back());
-                name = "edge (" + std::to_string(low) + ", " + std::to_string(high) + ")";
-            }
-            throw far::TopologyError(far::TopologyCause::BadMark, {dimension, index},
-                                     name +
-                                         " is semi-sharp; under the rules of RATS everything is "
-                                         "smooth or infinitely sharp");
-        }
-}
-
 }  // namespace
 
 RatsPoint ratsPoint(const Level& level, Entity entity) {
@@ -109,16 +88,6 @@ std::vector<Entity> ratsSources(const Level& level, Entity entity) {
         default:
             return {entity};
     }
-}
-
-void checkRats(const far::TopologyRefiner& refiner) {
-    if (refiner.dimension() == kMaxDimension)
-        throw Error("the rules of RATS are for curves and meshes, not for lattices");
-    if (refiner.boundary() == far::Boundary::Open)
-        throw Error("the rules of RATS do not have the boundary mode 'open'");
-    if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
-        throw Error("the rules of RATS do not have smooth triangles; use catmark");
-    checkNotSemiSharp(refiner.level(0));
 }
 
 }  // namespace espalier::stencils

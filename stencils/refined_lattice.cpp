@@ -5,13 +5,11 @@
 
 namespace espalier::stencils {
 
-Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, Rules rules,
-                       const Lattice& base) {
-    Lattice refined =
-        levelLattice(refiner, level, refinePositions(refiner, level, rules, base.positions));
+Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Lattice& base) {
+    Lattice refined = levelLattice(refiner, level, refinePositions(refiner, level, base.positions));
     for (const auto& [name, components, values] : base.attributes)
         refined.attributes.push_back(
-            {name, components, refineValues(refiner, level, rules, values, components)});
+            {name, components, refineValues(refiner, level, values, components)});
     refined.integers = levelIntegers(refiner, level, base.integers);
     return refined;
 }

@@ -2,19 +2,19 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/masks.h>
 
 namespace espalier::stencils {
 
-/// A level of a lattice, a mesh or a curve as a lattice of its own: levelLattice() with the
-/// positions and attributes of `base` refined, and its integers carried by levelIntegers().
+/// Returns a level of a lattice, a mesh or a curve as a lattice of its own: levelLattice() with
+/// refined positions and attributes of `base`, and its integers carried by levelIntegers().
 ///
 /// \param refiner of base.complex
-/// \param level one that the refiner has
+/// \param level must exist in `refiner`
 /// \throws Error as levelLattice() and refineValues()
 /// \cost as refineValues(), for the positions and for each attribute
-ESPALIER_API Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, Rules rules,
+ESPALIER_API Lattice refinedLattice(const far::TopologyRefiner& refiner, int level,
                                     const Lattice& base);
 
 }  // namespace espalier::stencils

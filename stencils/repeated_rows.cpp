@@ -9,11 +9,11 @@
 
 namespace espalier::stencils {
 
-bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
-    // On level 1 nothing is inside an entity but its own point. Rows are matched by their place
-    // among those of an entity: none may be missing.
+bool RepeatedRows::isApplicable(const far::TopologyRefiner& refiner, int level) {
+    // On level 1, an entity contains no vertex but its own point. Rows are matched by their
+    // position among the rows of an entity, so no row may be missing.
     return level >= 2 && refiner.isUniform() &&
-           Surroundings::decideRows(refiner.level(0), refiner.boundary(), rules);
+           Surroundings::shapesDetermineRows(refiner.level(0), refiner.options());
 }
 
 RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
@@ -23,15 +23,16 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
     const BaseEntities& origin = origins[static_cast<std::size_t>(level) - 1];
     insides_.resize(origin.count());
 
-    // Refinement keeps the order of the shapes, and so rows correspond that come at the same place
-    // among the rows of their base entities.
+    // Refinement keeps the order of vertices in equal shapes, so corresponding rows have the same
+    // position among the rows of their base entities.
     Array<Index> places(parents.count());
     std::vector<Index> sizes(insides_.size(), 0);
     for (Index vertex = 0; vertex < parents.count(); ++vertex)
         places[vertex] = sizes[origin.of(parents(vertex))]++;
 
-    std::vector<Index> firstSets;            // of each shape
-    std::vector<std::optional<Index>> sets;  // of each set of rows, its number among firsts_
+    std::vector<Index> firstSets;  // for each shape
+    std::vector<std::optional<Index>>
+        sets;  // for each set of rows, its position in representatives_
     Surroundings surroundings(refiner.level(0));
     for (std::size_t row = 0; row < vertices.size(); ++row) {
         const Index vertex = vertices[row];
@@ -49,22 +50,23 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
         }
         std::optional<Index>& first = sets[inside->firstSet + places[vertex]];
         if (!first) {
-            first = static_cast<Index>(firsts_.size());
-            firsts_.push_back(vertex);
-            firstBases_.push_back(base);
+            first = static_cast<Index>(representatives_.size());
+            representatives_.push_back(vertex);
+            baseEntities_.push_back(base);
         }
         copies_[row] = {*first, base};
     }
 }
 
-/// The places of the columns of a table among the vertices around their base entities.
-Array<Index> RepeatedRows::placesOf(const StencilTable<double>& firstRows) const {
-    Array<Index> places(firstRows.columns().size());
-    for (Index row = 0; row < firstRows.rowCount(); ++row) {
-        const Index* const around = verticesAround(firstBases_[row]);
-        Offset entry = firstRows.offsets()[row];
+/// Returns, for each entry of a table, the position of its column among the vertices around the
+/// row's base entity.
+Array<Index> RepeatedRows::placesOf(const StencilTable<double>& distinctRows) const {
+    Array<Index> places(distinctRows.columns().size());
+    for (Index row = 0; row < distinctRows.rowCount(); ++row) {
+        const Index* const around = verticesAround(baseEntities_[row]);
+        Offset entry = distinctRows.offsets()[row];
         Index place = 0;
-        for (const Index column : firstRows.columns(row)) {  // Both ascend.
+        for (const Index column : distinctRows.columns(row)) {  // Both are ascending.
             while (around[place] != column) ++place;
             places[entry++] = place;
         }
@@ -72,22 +74,22 @@ Array<Index> RepeatedRows::placesOf(const StencilTable<double>& firstRows) const
     return places;
 }
 
-StencilTable<double> RepeatedRows::expand(const StencilTable<double>& firstRows) const {
-    const Array<Index> places = placesOf(firstRows);
-    const Index columnCount = firstRows.columnCount();
+StencilTable<double> RepeatedRows::expand(const StencilTable<double>& distinctRows) const {
+    const Array<Index> places = placesOf(distinctRows);
+    const Index columnCount = distinctRows.columnCount();
     Array<Offset> offsets(copies_.size() + 1);
     offsets[0] = 0;
     for (std::size_t row = 0; row < copies_.size(); ++row)
-        offsets[row + 1] = offsets[row] + firstRows.offsets()[copies_[row].first + 1] -
-                           firstRows.offsets()[copies_[row].first];
+        offsets[row + 1] = offsets[row] + distinctRows.offsets()[copies_[row].first + 1] -
+                           distinctRows.offsets()[copies_[row].first];
     Array<Index> columns(offsets.back());
     Array<double> weights(columns.size());
     parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
         for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);
              ++row) {
             const Copy& copy = copies_[row];
-            const auto from = firstRows.weights(copy.first);
-            const Index* const place = places.data() + firstRows.offsets()[copy.first];
+            const auto from = distinctRows.weights(copy.first);
+            const Index* const place = places.data() + distinctRows.offsets()[copy.first];
             const Index* const around = verticesAround(copy.base);
             Index* const to = columns.data() + offsets[row];
             for (std::size_t k = 0; k < from.size(); ++k) to[k] = around[place[k]];

@@ -3,7 +3,6 @@
 
 #include <espalier/base/array.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -13,49 +12,49 @@
 
 namespace espalier::stencils {
 
-/// Rows of S_level of which many are the same weights over other columns: those inside base
-/// entities with surroundings of the same shape (surroundings.h). Of each such set of rows one is
-/// made, by whoever uses this, and copied to the others: S_4 of a torus of 1,600 quadrilaterals
-/// takes 40 ns a row instead of 490.
+/// Finds rows of S_level that have the same weights over different columns: rows inside base
+/// entities whose surroundings have the same shape (surroundings.h). The caller computes one row of
+/// each such set, and expand() copies it to the others. For S_4 of a torus of 1,600 quadrilaterals,
+/// this takes 40 ns per row instead of 490.
 class RepeatedRows {
 public:
-    /// Whether shapes decide the rows of S_level.
-    static bool areIn(const far::TopologyRefiner& refiner, int level, Rules rules);
+    /// Returns true if the rows of S_level depend on shapes only.
+    static bool isApplicable(const far::TopologyRefiner& refiner, int level);
 
-    /// \param origins of the levels 0 to `level` − 1
-    /// \param vertices of the level: whose rows are asked for
-    /// \cost O(vertices of the level + entries around the base entities that these lie in)
+    /// \param origins of levels 0 to `level` − 1
+    /// \param vertices of the level, whose rows are requested
+    /// \cost O(vertices of the level + entries around the base entities that contain `vertices`)
     RepeatedRows(const far::TopologyRefiner& refiner, int level,
                  std::span<const BaseEntities> origins, std::span<const Index> vertices);
 
-    /// One vertex of each set of rows, in the order in which they are met.
-    const std::vector<Index>& firsts() const { return firsts_; }
+    /// One vertex for each set of equal rows, in the order of first occurrence.
+    const std::vector<Index>& representatives() const { return representatives_; }
 
-    /// All the rows.
-    /// \param firstRows the rows of S_level for firsts()
+    /// Returns all rows.
+    /// \param distinctRows the rows of S_level for representatives()
     /// \cost O(entries), in parallel
-    StencilTable<double> expand(const StencilTable<double>& firstRows) const;
+    StencilTable<double> expand(const StencilTable<double>& distinctRows) const;
 
 private:
-    /// A row: what the `first`-th of firsts() is, over the vertices around a base entity.
+    /// A row: a copy of row `first` of representatives(), over the vertices around a base entity.
     struct Copy {
         Index first;
         Index base;
     };
-    /// What is known of a base entity that a row lies in.
+    /// A base entity that contains a row.
     struct Inside {
-        Index firstSet;   ///< the rows inside belong to sets of this number on
-        Offset vertices;  ///< those around the entity are around_[vertices] on
+        Index firstSet;   ///< number of the first set of rows that belongs to this entity
+        Offset vertices;  ///< the vertices around the entity begin at around_[vertices]
     };
     const Index* verticesAround(Index base) const {
         return around_.data() + insides_[base]->vertices;
     }
-    Array<Index> placesOf(const StencilTable<double>& firstRows) const;
+    Array<Index> placesOf(const StencilTable<double>& distinctRows) const;
 
-    std::vector<Index> firsts_;
-    std::vector<Index> firstBases_;               ///< the base entity of each of firsts_
-    Array<Copy> copies_;                          ///< one a row
-    std::vector<std::optional<Inside>> insides_;  ///< one a base entity
+    std::vector<Index> representatives_;
+    std::vector<Index> baseEntities_;             ///< for each of representatives_, its base entity
+    Array<Copy> copies_;                          ///< one per row
+    std::vector<std::optional<Inside>> insides_;  ///< one per base entity
     std::vector<Index> around_;
 };
 

@@ -11,17 +11,17 @@
 
 namespace espalier::stencils {
 
-/// An order of the rows of a table in which those come one after the other that share columns, or
-/// will after a product. Without groups, the order of the table.
+/// An order of the rows of a table in which rows of the same group are consecutive: rows that share
+/// columns, or that will share columns after a product. Without groups, the order is that of the
+/// table.
 class ESPALIER_API RowOrder {
 public:
     RowOrder() = default;
 
-    /// \param groups one a row: rows of the same number belong together. Numbers 0 to
-    ///        `groupCount` − 1
+    /// \param groups one per row: the number of the row's group, 0 to `groupCount` − 1
     RowOrder(std::span<const Index> groups, Index groupCount);
 
-    /// The rows in this order; empty where it is that of the table.
+    /// The rows in this order; empty if the order is that of the table.
     std::span<const Index> rows() const { return rows_; }
 
     Index row(Offset position) const {
@@ -37,32 +37,32 @@ private:
     std::vector<Index> groups_;
 };
 
-/// Of each entity of a level, the entity of the base in whose interior it lies: numbered through
-/// the dimensions, vertices first. Entities of the same one are refined from the same base
-/// vertices, those around it.
+/// Tells for each entity of a level which base entity contains it in its interior. Base entities
+/// are numbered consecutively over all dimensions, vertices first. Entities in the same base entity
+/// depend on the same base vertices, those around it.
 class ESPALIER_API BaseEntities {
 public:
     explicit BaseEntities(const far::CellComplex& base);
 
-    /// Goes on to the next level.
+    /// Replaces the level by the next one.
     void refine(const far::Refinement& refinement);
 
     /// Number of entities of the base, of all dimensions.
     Index count() const { return begins_.back(); }
 
-    /// The entity of the base that a number stands for.
+    /// Returns the base entity of a number.
     Entity entity(Index number) const;
 
     std::span<const Index> of(int dimension) const { return numbers_[dimension]; }
     Index of(const Entity& entity) const { return of(entity.dimension)[entity.index]; }
 
 private:
-    /// The numbers of the dimensions, one after the other.
+    /// The first number of each dimension, and the total.
     std::array<Index, kMaxDimension + 2> begins_ = {};
     ByEntity<Index> numbers_;
 };
 
-/// Those of levels 0 to `level`.
+/// Returns the base entities of levels 0 to `level`.
 ESPALIER_API std::vector<BaseEntities> baseEntities(const far::TopologyRefiner& refiner, int level);
 
 }  // namespace espalier::stencils

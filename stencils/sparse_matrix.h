@@ -13,18 +13,18 @@
 
 namespace espalier::stencils {
 
-/// A table as Eigen sees it: a compressed row-major sparse matrix, rowCount() × columnCount(),
-/// whose columns and weights are those of the table, not copies. The row offsets are copied, since
-/// Eigen wants them in the width of the columns.
+/// Shows a table to Eigen as a compressed row-major sparse matrix, rowCount() × columnCount(),
+/// without copying columns and weights. The row offsets are copied, since Eigen needs them in the
+/// integer type of the columns.
 ///
-/// The table must outlive the view, and the view what matrix() returns.
+/// The table must outlive the view, and the view must outlive the result of matrix().
 template <class Real>
 class ESPALIER_API SparseView {
 public:
     using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;
     using Map = Eigen::Map<const Matrix>;
 
-    /// \throws Error if the table has more entries than an Index counts
+    /// \throws Error if the table has more entries than an Index can count
     explicit SparseView(const StencilTable<Real>& table) : table_(&table) {
         if (table.entryCount() > kMaxIndex)
             throw Error("a table of " + std::to_string(table.entryCount()) +
@@ -43,8 +43,8 @@ private:
     std::vector<Index> offsets_;
 };
 
-/// A table with the entries of any Eigen sparse expression; explicit zeros are kept.
-/// \throws Error if it has more rows or columns than an Index counts
+/// Returns a table with the entries of any Eigen sparse expression; explicit zeros are kept.
+/// \throws Error if it has more rows or columns than an Index can count
 template <class Derived>
 StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<Derived>& matrix) {
     using Real = typename Derived::Scalar;

@@ -102,7 +102,7 @@ StencilTable<Real> transposeTable(const StencilTable<Real>& table) {
 
 namespace {
 
-/// A table of rows of others: sourceOf(row) is the table, and the row there.
+/// Copies rows of other tables: sourceOf(row) returns the table and the row in it.
 template <class Real, class SourceOf>
 StencilTable<Real> copyRows(Index rowCount, Index columnCount, SourceOf sourceOf) {
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);

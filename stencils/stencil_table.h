@@ -10,34 +10,35 @@
 
 namespace espalier::stencils {
 
-/// Says that arrays are what they should be, and need no check.
+/// Tells a constructor that its arrays are valid and need no check.
 struct Trusted {};
 
 template <class Real>
 class StencilTable;
 
-/// The same table with weights rounded to another precision, of a table that is done with: its
-/// offsets and columns are moved, not copied.
+/// Returns the table with weights rounded to another precision. Moves the offsets and columns of
+/// `table`.
 template <class To, class From>
 ESPALIER_API StencilTable<To> convertTable(StencilTable<From>&& table);
 
-/// A sparse matrix of weights in compressed sparse rows, as OpenSubdiv's stencil tables: row i
+/// A sparse matrix of weights in compressed sparse rows, like OpenSubdiv's stencil tables: row i
 /// gives result i as Σ_k weights(i)[k] · source[columns(i)[k]].
 ///
-/// Columns ascend and are unique in a row. Immutable, and so safe to share between threads.
-/// Real is float or double.
+/// Columns are ascending and unique in a row. Immutable, so any number of threads may read it. Real
+/// is float or double.
 template <class Real>
 class ESPALIER_API StencilTable {
 public:
     using Weight = Real;
 
-    /// The table of no rows and no columns.
+    /// Creates a table without rows and columns.
     StencilTable() = default;
 
     /// \param columnCount number of source entries
-    /// \param offsets one more than rows; row i has entries offsets[i] to offsets[i + 1]
-    /// \param columns, weights one an entry
-    /// \throws Error if the arrays are not such a matrix, naming the first bad row
+    /// \param offsets one more than the number of rows; row i has entries offsets[i] to offsets[i +
+    ///        1] − 1
+    /// \param columns, weights one per entry
+    /// \throws Error if the arrays are not such a matrix (names the first bad row)
     StencilTable(Index columnCount, Array<Offset> offsets, Array<Index> columns,
                  Array<Real> weights);
 
@@ -52,7 +53,7 @@ public:
     std::span<const Index> columns(Index row) const { return slice<Index>(columns_, row); }
     std::span<const Real> weights(Index row) const { return slice<Real>(weights_, row); }
 
-    // The arrays as a whole: rowCount() + 1 offsets, entryCount() columns and weights.
+    // All rows: rowCount() + 1 offsets, entryCount() columns and weights.
     std::span<const Offset> offsets() const { return offsets_; }
     std::span<const Index> columns() const { return columns_; }
     std::span<const Real> weights() const { return weights_; }
@@ -79,30 +80,31 @@ private:
 extern template class StencilTable<float>;
 extern template class StencilTable<double>;
 
-/// The same table with weights rounded to another precision: tables are built in double, and
-/// evaluators take float as well.
+/// Returns the table with weights rounded to another precision. Tables are built in double, and
+/// evaluators also take float.
 template <class To, class From>
 ESPALIER_API StencilTable<To> convertTable(const StencilTable<From>& table);
 
-/// The transpose: row j holds the weights of column j, by ascending rows. Of D it carries gradients
-/// by the points to gradients by the lattice vertices.
+/// Returns the transpose: row j holds the weights of column j, with rows ascending. The transpose
+/// of D carries gradients by the points to gradients by the lattice vertices.
 /// \cost O(entries + rows + columns)
 template <class Real>
 ESPALIER_API StencilTable<Real> transposeTable(const StencilTable<Real>& table);
 
-/// Some rows of a table, in the order in which they are named.
-/// \param rows those of the table, repeats allowed
+/// Returns some rows of a table, in the given order.
+/// \param rows of the table; repeats are allowed
 /// \cost O(entries), in parallel
 template <class Real>
 ESPALIER_API StencilTable<Real> selectRows(const StencilTable<Real>& table,
                                            std::span<const Index> rows);
 
-/// Tables of as many rows over the same columns as one: row i · n + t is row i of table t of n. To
-/// apply them in one pass, as a position and its derivatives: the n results of a point lie
-/// together, and rows that share their columns read the values once (osd::CompiledTable).
+/// Combines n tables with the same shape into one: row i · n + t is row i of table t. It evaluates
+/// several results, such as a position and its derivatives, in one pass: the n results of a point
+/// are consecutive, and rows that share their columns read the values once (osd::CompiledTable).
 ///
 /// \param tables none of them null
-/// \throws Error if there is no table, one is of another shape than the first, or rows are too many
+/// \throws Error if there is no table, a table differs in shape from the first, or there are too
+///         many rows
 /// \cost O(entries), in parallel
 template <class Real>
 ESPALIER_API StencilTable<Real> interleaveRows(

@@ -24,14 +24,18 @@ Surroundings::Surroundings(const far::Level& level)
                               d >= 2 ? &complex.boundary(d) : nullptr});
 }
 
-bool Surroundings::decideRows(const far::Level& level, far::Boundary boundary, Rules rules) {
-    const bool seesShapesOnly =
-        rules == Rules::Mlca ? level.complex.dimension() < kMaxDimension : rules != Rules::Rats;
-    return seesShapesOnly && boundary != far::Boundary::Open && !level.strata.hasSemiSharp();
+bool Surroundings::shapesDetermineRows(const far::Level& level,
+                                       const far::RefinerOptions& options) {
+    const bool seesShapesOnly = options.rules == far::Rules::Mlca
+                                    ? level.complex.dimension() < kMaxDimension
+                                    : options.rules != far::Rules::Rats;
+    return seesShapesOnly && options.boundary != far::Boundary::Open &&
+           !level.strata.hasSemiSharp();
 }
 
 Index Surroundings::shapeOf(const Entity& entity) {
-    // What repeats is met early. Where nothing does, each shape takes some kilobytes.
+    // Shapes that repeat occur early. If none repeats, each stored shape would take several
+    // kilobytes.
     constexpr std::size_t kMaxRemembered = 4096;
     collect(entity);
     describe(entity);
@@ -69,7 +73,7 @@ void Surroundings::describe(const Entity& entity) {
     }
 }
 
-/// Its strata; its vertices; and what bounds it, with directions.
+/// Appends an entity's strata, its vertices, and its boundary with signs.
 void Surroundings::describe(int dimension, Index index) {
     const Entity entity{dimension, index};
     const far::Strata& strata = level_.strata;
@@ -85,24 +89,25 @@ void Surroundings::describe(int dimension, Index index) {
     description_.push_back(static_cast<Index>(parts.size()));
     const IndexSet& near = around_[static_cast<std::size_t>(dimension) - 1];
     for (std::size_t i = 0; i < parts.size(); ++i)
-        // Parts that do not touch the entity bear no name here.
+        // Parts that do not touch the entity have no number here.
         description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);
 }
 
-ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
                          std::span<const Index> vertices) {
     std::optional<Surroundings> surroundings;
-    if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.boundary(), rules))
+    if (vertices.size() > 1 && Surroundings::shapesDetermineRows(level, refiner.options()))
         surroundings.emplace(level);
     ShapeGroups groups;
     std::map<Index, std::size_t> groupOfShape;
     for (const Index vertex : vertices) {
-        const auto [place, isNew] = groups.groupOf.emplace(vertex, groups.firsts.size());
+        const auto [place, isNew] = groups.groupOf.emplace(vertex, groups.representatives.size());
         if (!isNew) continue;
         if (surroundings)
             place->second = groupOfShape.emplace(surroundings->shapeOf({0, vertex}), place->second)
                                 .first->second;
-        if (place->second == groups.firsts.size()) groups.firsts.push_back(vertex);
+        if (place->second == groups.representatives.size())
+            groups.representatives.push_back(vertex);
     }
     return groups;
 }

@@ -3,7 +3,6 @@
 
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/index_set.h>
-#include <espalier/stencils/masks.h>
 
 #include <array>
 #include <map>
@@ -13,34 +12,35 @@
 
 namespace espalier::stencils {
 
-/// Tells which entities of a complex have surroundings of the same shape. What is around an entity
-/// is all that shares a vertex with it. Two shapes are the same if what is around one entity
-/// becomes what is around the other by renumbering that keeps the order of the numbers: the same
-/// loops, from the same start and in the same direction, over vertices of the same order, on the
-/// same strata.
+/// Finds the entities of a complex whose surroundings have the same shape. The surroundings of an
+/// entity are all entities that share a vertex with it. Two surroundings have the same shape if
+/// renumbering in the same order turns one into the other: then they have the same loops, with the
+/// same start and direction, over vertices in the same order, on the same strata.
 ///
-/// Refinement and its rules see nothing but that: numbers enter as an order only, and the new
-/// points inside an entity depend on nothing further out. So with neither semi-sharp features nor
-/// open boundaries (whose fate is decided further out), and by Catmull-Clark's rules, the rows of
-/// stencils inside two entities of one shape have the same weights, to the last bit, over columns
-/// that renumber as the shapes do. By those of MLCA too on curves and meshes, whose loops say it
-/// all; the point of a cell, however, depends on its edges and faces on the far side, of which the
-/// shape of what is around an entity of a lattice says nothing.
+/// Refinement and its rules depend on nothing else: they use numbers only for their order, and the
+/// new points inside an entity depend only on its surroundings. So, under Catmull-Clark's rules and
+/// without semi-sharp features or open boundaries (which depend on entities farther away), the rows
+/// of stencils inside two entities of the same shape have the same weights, to the last bit; their
+/// columns are renumbered as the shapes are. The same holds for MLCA on curves and meshes, whose
+/// loops contain everything that it uses. It does not hold for MLCA on lattices: the point of a
+/// cell depends on edges and faces on the cell's far side, which the surroundings of an entity do
+/// not include.
 class Surroundings {
 public:
     explicit Surroundings(const far::Level& level);
 
-    /// Whether rows inside entities follow from shapes, under these rules. RATS looks one vertex
-    /// further, and MLCA at all parts of the cells around, of which a shape names those alone that
-    /// touch the entity.
-    static bool decideRows(const far::Level& level, far::Boundary boundary, Rules rules);
+    /// Returns true if the shape around an entity determines the rows inside it. It does not under
+    /// RATS, which uses vertices one step farther away, nor under MLCA on lattices, which uses all
+    /// parts of the cells around, while a shape names only those that touch the entity.
+    static bool shapesDetermineRows(const far::Level& level, const far::RefinerOptions& options);
 
-    /// The number of the shape around an entity; they count from 0 as they are first met. Once very
-    /// many are known, new ones are no longer remembered, and have another number each time.
+    /// Returns the number of the shape around an entity, counted from 0 in the order of first
+    /// occurrence. After several thousand shapes, new ones are not stored, and get a different
+    /// number each time.
     /// \cost O(entries around the entity)
     Index shapeOf(const Entity& entity);
 
-    /// The vertices around the entity that was last asked for, ascending.
+    /// The vertices around the entity of the last call of shapeOf(), ascending.
     const std::vector<Index>& vertices() const { return vertices_.items(); }
 
 private:
@@ -52,7 +52,7 @@ private:
         std::size_t operator()(const std::vector<Index>& numbers) const;
     };
 
-    /// What is read of the complex for each dimension, looked up once: 5 % of the time otherwise.
+    /// The relations that are read for each dimension; looking them up once saves 5 % of the time.
     struct Relations {
         const far::Incidence* ofVertex;
         const far::Incidence* toVertices;
@@ -60,23 +60,24 @@ private:
     };
     const far::Level& level_;
     std::vector<Relations> relations_;
-    std::array<IndexSet, kMaxDimension + 1> around_;  ///< by dimension; 0: of the entity
+    std::array<IndexSet, kMaxDimension + 1> around_;  ///< by dimension; [0]: the entity's own
+                                                      ///< vertices
     IndexSet vertices_;
     std::vector<Index> description_;
     std::unordered_map<std::vector<Index>, Index, Hash> shapes_;
     Index shapeCount_ = 0;
 };
 
-/// Vertices by the shape of their surroundings: rows of vertices of one group have the same
-/// weights, over the vertices around them in ascending order.
+/// Vertices grouped by the shape of their surroundings. Rows of vertices in the same group have the
+/// same weights, over the vertices around them in ascending order.
 struct ShapeGroups {
-    std::vector<Index> firsts;             ///< one vertex of each group
-    std::map<Index, std::size_t> groupOf;  ///< of each vertex
+    std::vector<Index> representatives;    ///< one vertex of each group
+    std::map<Index, std::size_t> groupOf;  ///< for each vertex
 };
 
-/// Where shapes do not decide rows, each vertex is a group of its own.
+/// Groups vertices by shape. If shapes do not determine rows, each vertex is a separate group.
 /// \param vertices of `level`, a level of `refiner`; repeats are allowed
-ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
                          std::span<const Index> vertices);
 
 }  // namespace espalier::stencils

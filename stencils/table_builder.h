@@ -17,19 +17,19 @@
 
 namespace espalier::stencils {
 
-/// Rows under construction, one after the other.
+/// Rows under construction, in order.
 struct RowList {
     Array<Index> columns;
     Array<double> weights;
-    Array<Offset> ends;  ///< one a row
+    Array<Offset> ends;  ///< one per row
 
     void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
 };
 
-/// Builds a table in parallel: fill(first, last, rows) appends the rows order[first] to
-/// order[last − 1], or first to last − 1 where `order` is empty.
+/// Builds a table in parallel: fill(first, last, rows) appends the rows order[first] to order[last
+/// − 1], or first to last − 1 if `order` is empty.
 ///
-/// The result does not depend on the number of threads. It takes twice its memory meanwhile.
+/// The result does not depend on the number of threads. Needs twice the memory of the result.
 ///
 /// \param order a permutation of the rows, or empty
 template <class Fill>
@@ -41,7 +41,7 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
                              : static_cast<std::size_t>(order[position]);
     };
     std::vector<RowList> chunks((Offset{rowCount} + kGrain - 1) / kGrain);
-    // First each row's length, then their running sum.
+    // First the length of each row, then their running sum.
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
     offsets[0] = 0;
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
@@ -77,8 +77,8 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
                                 std::move(weights));
 }
 
-/// A row under construction: weights are added to columns in any order, and come out ascending.
-/// Sums are made in the order of the calls.
+/// A row under construction. Weights may be added to columns in any order; the finished row is
+/// ascending. Weights of the same column are summed in the order of the calls.
 class RowAccumulator {
 public:
     explicit RowAccumulator(Index columnCount)
@@ -93,14 +93,15 @@ public:
         sums_[at] += weight;
     }
 
-    /// Takes the sum of the row from its largest weight, so that the row sums to 0 but for the
+    /// Subtracts the sum of the row from its largest weight. The row then sums to 0, up to the
     /// rounding of that weight.
     ///
-    /// Derivatives shrink with each level that they are carried up, and an error in the sum does
-    /// not: without this, rounding outgrows them.
+    /// Derivatives shrink with each level on the way to the base, but an error of their sum does
+    /// not: without this correction, it would exceed them.
     void makeSumZero() {
         if (touched_.empty()) return;
-        std::sort(touched_.begin(), touched_.end());  // The sum does not depend on the calls.
+        std::sort(touched_.begin(), touched_.end());  // So the sum does not depend on the order of
+                                                      // calls.
         double sum = 0;
         Index largest = touched_.front();
         for (const Index column : touched_) {
@@ -110,7 +111,7 @@ public:
         sums_[largest] -= sum;
     }
 
-    /// Ends the row, and starts a new one. Sums that cancelled to exactly 0 are left out.
+    /// Ends the row, and starts a new one. Omits sums that are exactly 0.
     void flush(RowList& rows) {
         std::sort(touched_.begin(), touched_.end());
         for (const Index column : touched_) {
@@ -131,8 +132,8 @@ private:
     std::vector<Index> touched_;
 };
 
-/// What a thread works with, for the next chunk when it has done one: as many as there are threads
-/// at work.
+/// A pool of working memory for threads. A thread takes an item for a chunk and gives it back, so
+/// there are at most as many items as threads at work.
 template <class T>
 class Pool {
 public:

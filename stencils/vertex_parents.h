@@ -7,7 +7,7 @@
 
 namespace espalier::stencils {
 
-/// Which entity of the level before each vertex of a level is the new point of.
+/// Tells for each vertex of a level which entity of the level before it is the new point of.
 class VertexParents {
 public:
     /// \param level 1 to refiner.maxLevel()
@@ -23,8 +23,8 @@ public:
     Index count() const { return count_; }
 
     Entity operator()(Index vertex) const {
-        // Vertices count through the dimensions of their parents. Without boundary control, and on
-        // a level that is not uniform, some entities have none.
+        // Vertices are numbered by the dimension and number of their parents. Without boundary
+        // control, or on a level that is not uniform, some entities have no new point.
         if (!isWhole_) return refinement_.parentOf({0, vertex}).upper;
         int dimension = 0;
         while (vertex >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;

@@ -25,7 +25,7 @@
 
 namespace espalier::io {
 
-/// The number whose bytes begin at `bytes`, in this order; they need no alignment.
+/// Reads the number at `bytes`, in this byte order. The bytes need no alignment.
 template <class Number>
 Number loadNumber(const char* bytes, std::endian order) {
     static_assert(std::is_arithmetic_v<Number>);
@@ -37,7 +37,7 @@ Number loadNumber(const char* bytes, std::endian order) {
     return number;
 }
 
-/// Puts the bytes of a number at `bytes`, in this order.
+/// Writes a number to `bytes`, in this byte order.
 template <class Number>
 void storeNumber(char* bytes, Number number, std::endian order) {
     static_assert(std::is_arithmetic_v<Number>);
@@ -45,23 +45,24 @@ void storeNumber(char* bytes, Number number, std::endian order) {
     if (order != std::endian::native) std::reverse(bytes, bytes + sizeof number);
 }
 
-/// Coded data that cannot be decoded. what() is the cause only; whoever knows the file and the line
-/// makes a FileError of it.
+/// Thrown for data that cannot be decoded. what() is the cause only; callers that know the file and
+/// the line convert it to a FileError (decodeFile).
 class CodingError : public Error {
 public:
     using Error::Error;
 };
 
-/// Takes numbers in one order of bytes off some bytes. Whatever asks for more than is left gets a
-/// CodingError, before memory is taken for it.
+/// Reads numbers of one byte order from bytes. All functions throw a CodingError if they need more
+/// bytes than are left, before they allocate memory.
 class ByteInput {
 public:
-    /// \param bytes must outlive what is read
+    /// \param bytes must outlive the views that bytes() returns
     ByteInput(std::string_view bytes, std::endian order) : bytes_(bytes), order_(order) {}
 
-    /// Bytes that are left.
+    /// Returns the number of bytes that are left.
     std::size_t left() const { return bytes_.size(); }
 
+    /// Reads `count` bytes.
     std::string_view bytes(std::uint64_t count) {
         if (count > left()) failFor(concat(count, " bytes"));
         const std::string_view taken = bytes_.substr(0, count);
@@ -74,8 +75,8 @@ public:
         return loadNumber<Number>(bytes(sizeof(Number)).data(), order_);
     }
 
-    /// Numbers, each stored as a Stored.
-    /// \throws CodingError naming the first, counted from 0, that is no Number
+    /// Reads numbers that are stored as type Stored.
+    /// \throws CodingError naming the first number, counted from 0, that a Number cannot hold
     template <class Stored, class Number>
     Array<Number> numbersAs(std::uint64_t count) {
         if (count > left() / sizeof(Stored))
@@ -89,7 +90,7 @@ public:
         }
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             const auto number = loadNumber<Stored>(stored.data() + i * sizeof(Stored), order_);
-            if (!isHeldBy<Number>(number))
+            if (!fitsInto<Number>(number))
                 throw CodingError(concat("number ", i, " is ", number, ", which is out of range"));
             numbers[i] = static_cast<Number>(number);
         }
@@ -97,9 +98,10 @@ public:
     }
 
 private:
-    /// Whether a Number can be exactly this. Real numbers are read as reals of no fewer bits.
+    /// Returns true if a Number can hold this value exactly. Real numbers are only read as reals of
+    /// at least as many bits.
     template <class Number, class Stored>
-    static bool isHeldBy(Stored number) {
+    static bool fitsInto(Stored number) {
         if constexpr (std::is_floating_point_v<Stored>) {
             static_assert(std::is_floating_point_v<Number> && sizeof(Number) >= sizeof(Stored));
             return true;
@@ -121,8 +123,8 @@ private:
     std::endian order_;
 };
 
-/// Returns what `decode` does; a CodingError of it becomes a FileError of this file, and a
-/// MemoryError names it.
+/// Returns the result of `decode`. Converts a CodingError to a FileError for this file, and adds
+/// the file to the message of a MemoryError.
 template <class Decode>
 auto decodeFile(const std::filesystem::path& path, Decode decode) {
     try {
@@ -134,7 +136,7 @@ auto decodeFile(const std::filesystem::path& path, Decode decode) {
     }
 }
 
-/// Writes numbers in one order of bytes.
+/// Writes numbers in one byte order.
 class ByteOutput {
 public:
     ByteOutput(std::ostream& out, std::endian order) : out_(out), order_(order) {}
@@ -156,7 +158,7 @@ public:
         (one(numbers), ...);
     }
 
-    /// Numbers, each as a Stored, which holds them.
+    /// Writes numbers as type Stored, which must hold them exactly.
     template <class Stored, class Number>
     void numbersAs(std::span<const Number> numbers) {
         if (std::is_same_v<Stored, Number> && order_ == std::endian::native)
@@ -178,7 +180,7 @@ public:
         numbersAs<Number>(numbers);
     }
 
-    /// Bytes written.
+    /// Returns the number of bytes written.
     std::uint64_t count() const { return count_; }
 
 private:
@@ -187,7 +189,8 @@ private:
     std::uint64_t count_ = 0;
 };
 
-/// The CRC-32 of some bytes that follow those of which `before` is the CRC-32.
+/// Returns the CRC-32 of bytes that follow other bytes.
+/// \param before CRC-32 of the other bytes; 0 if there are none
 inline std::uint32_t crc32Of(std::string_view bytes, std::uint32_t before = 0) {
     // zlib takes a null pointer for the start of a new checksum.
     if (bytes.empty()) return before;
@@ -195,7 +198,7 @@ inline std::uint32_t crc32Of(std::string_view bytes, std::uint32_t before = 0) {
         crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// A ByteOutput with the CRC-32 of all that was written.
+/// A ByteOutput that computes the CRC-32 of all bytes written.
 class ChecksummedOutput : public ByteOutput {
 public:
     using ByteOutput::ByteOutput;

@@ -75,9 +75,9 @@ void Base64Reader::readQuad() {
 }
 
 std::string Base64Reader::read(std::size_t count) {
-    if (count > mostLeft())
+    if (count > maxLeft())
         throw CodingError(concat("the base64 data ends too early: ", count,
-                                 " bytes are claimed, at most ", mostLeft(), " are there"));
+                                 " bytes are claimed, at most ", maxLeft(), " are there"));
     left_.reserve(count + 3);
     while (left_.size() < count) readQuad();
     std::string result = left_.substr(0, count);
@@ -87,7 +87,8 @@ std::string Base64Reader::read(std::size_t count) {
 
 namespace {
 
-/// zlib counts what it is given in fewer bits than a size has: it gets one part after the other.
+/// Removes the next part from a size and returns it. zlib's counters have 32 bits, so large data is
+/// passed in parts.
 uInt takePart(std::size_t& left) {
     const std::size_t part = std::min<std::size_t>(left, std::numeric_limits<uInt>::max());
     left -= part;
@@ -105,9 +106,10 @@ public:
     Inflater& operator=(const Inflater&) = delete;
     ~Inflater() { ::inflateEnd(&state_); }
 
-    /// \return whether the stream came to its end with exactly so many bytes
+    /// Inflates a stream to `to`.
+    /// \return true if the stream ends after exactly `size` bytes
     bool inflate(std::string_view stream, Bytef* to, std::size_t size) {
-        // zlib's interface is older than const.
+        // zlib takes the input without const, and does not change it.
         state_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(stream.data()));
         state_.next_out = to;
         std::size_t inLeft = stream.size(), outLeft = size;
@@ -115,7 +117,7 @@ public:
         while (status == Z_OK) {
             if (state_.avail_in == 0) state_.avail_in = takePart(inLeft);
             if (state_.avail_out == 0) state_.avail_out = takePart(outLeft);
-            // An error, where it has neither anything to read nor room to write to.
+            // zlib reports an error if it has neither input nor room for output.
             status = ::inflate(&state_, Z_NO_FLUSH);
         }
         if (status == Z_MEM_ERROR) throw std::bad_alloc();
@@ -137,7 +139,7 @@ void appendInflated(std::string_view stream, std::uint64_t size, DeflateForm for
     Inflater inflater(form);
     const std::size_t before = bytes.size();
     bytes.resize(before + size);
-    // zlib refuses a null destination, which an empty stream could give it.
+    // zlib refuses a null destination, which an empty result could have.
     Bytef none = 0;
     Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);
     if (!inflater.inflate(stream, to, size))

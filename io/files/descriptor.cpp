@@ -9,8 +9,9 @@
 namespace espalier::io {
 namespace {
 
-/// Keeps the signals away that come with the errors of a write, and would end a program that does
-/// not expect them. They come to the thread that writes.
+/// Blocks the signals SIGPIPE and SIGXFSZ while a write runs. The system sends them with the errors
+/// EPIPE and EFBIG, to the thread that writes, and they would end a program that does not handle
+/// them.
 class WithoutWriteSignals {
 public:
     WithoutWriteSignals() {
@@ -24,7 +25,7 @@ public:
     WithoutWriteSignals(const WithoutWriteSignals&) = delete;
     WithoutWriteSignals& operator=(const WithoutWriteSignals&) = delete;
 
-    /// Takes back what came with this error.
+    /// Discards the signal that came with this error, unless it was pending before.
     void drop(int error) const {
         if (error == EPIPE) drop(SIGPIPE, pendingBefore_);
         if (error == EFBIG) drop(SIGXFSZ, pendingBefore_);
@@ -81,11 +82,11 @@ DescriptorBuffer::int_type DescriptorBuffer::overflow(int_type character) {
 std::streamsize DescriptorBuffer::xsputn(const char* from, std::streamsize count) {
     if (count > epptr() - pptr()) {
         if (sync() != 0) return 0;
-        // No way round for what is large.
+        // Large blocks are written directly.
         if (count >= epptr() - pptr())
             return write(from, static_cast<std::size_t>(count)) ? count : 0;
     }
-    std::copy_n(from, count, pptr());  // It may be nothing, from nowhere.
+    std::copy_n(from, count, pptr());  // `from` may be null if `count` is 0.
     pbump(static_cast<int>(count));
     return count;
 }

@@ -14,7 +14,7 @@
 
 namespace espalier::io {
 
-/// A file that the system has opened, or none; closed at the end.
+/// Owns an open file descriptor, or none, and closes it on destruction.
 class Descriptor {
 public:
     Descriptor() = default;
@@ -36,7 +36,7 @@ private:
     int number_ = -1;
 };
 
-/// Makes a system call until no signal interrupts it.
+/// Repeats a system call while signals interrupt it.
 template <class Call>
 auto uninterrupted(Call call) {
     auto result = call();
@@ -44,19 +44,20 @@ auto uninterrupted(Call call) {
     return result;
 }
 
-/// "No such file or directory".
+/// Returns the system's text for an error number, such as "No such file or directory".
 inline std::string systemMessage(int error) {
     return std::generic_category().message(error);
 }
 
-/// What a stream needs to write to a file that is open. Other than std::filebuf it says why it
-/// failed, and a pipe that nobody reads or a limit on the size of files does not end the program.
+/// A stream buffer that writes to an open file. Unlike std::filebuf it tells why a write failed,
+/// and the signals of a pipe without readers or of a file size limit do not end the program.
 class DescriptorBuffer final : public std::streambuf {
 public:
-    /// \param descriptor stays open longer than this
+    /// \param descriptor must stay open while the buffer is used
     explicit DescriptorBuffer(int descriptor);
 
-    /// The error of the first write that failed; 0 if none has. After it nothing more is written.
+    /// Returns the error of the first write that failed; 0 if none has failed. Nothing is written
+    /// after an error.
     int error() const { return error_; }
 
 protected:

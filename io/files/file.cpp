@@ -45,7 +45,7 @@ bool isSameTime(const ::timespec& a, const ::timespec& b) {
     return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
 }
 
-/// Hands `write` a stream to the file, and sees that all has gone there.
+/// Calls `write` with a stream to the file, and throws unless all of it was written.
 void writeTo(int descriptor, const FileToWrite& toWrite) {
     DescriptorBuffer buffer(descriptor);
     std::ostream out(&buffer);
@@ -55,9 +55,9 @@ void writeTo(int descriptor, const FileToWrite& toWrite) {
     if (!out) throw FileError(toWrite.path, "cannot write: the stream has failed");
 }
 
-/// Errors of the system that a step has name the file.
+/// Calls `step`, and converts a std::system_error to a FileError for this file.
 template <class Step>
-void ofFile(const fs::path& path, const std::string& what, Step step) {
+void withFileErrors(const fs::path& path, const std::string& what, Step step) {
     try {
         step();
     } catch (const std::system_error& error) {
@@ -75,7 +75,7 @@ void writeInPlace(const WriteTarget& to, const FileToWrite& toWrite) {
     writeTo(file.number(), toWrite);
 }
 
-/// A new file, and what it is called.
+/// A file to write, and the new file that will replace it.
 struct Written {
     Written(const FileToWrite& what, const fs::path& target) : toWrite(what), file(target) {}
 
@@ -106,7 +106,7 @@ std::string readFile(const fs::path& path) {
     if (!file) fail(path, "cannot open", errno);
     const struct ::stat before = statusOf(path, file);
     if (S_ISDIR(before.st_mode)) throw FileError(path, "is a directory");
-    // One more than there are, to see the end. Pipes and the files of /proc do not say.
+    // One byte more than the file has, to see its end. Pipes and files of /proc report size 0.
     constexpr std::size_t kBlock = 1 << 16;
     const std::size_t expected = before.st_size;
     requireMemory(expected, shownPath(path) + ":");
@@ -114,7 +114,7 @@ std::string readFile(const fs::path& path) {
     std::size_t size = 0;
     while (true) {
         if (size == bytes.size()) {
-            requireMemory(2 * size, shownPath(path) + ":");  // beside what there is
+            requireMemory(2 * size, shownPath(path) + ":");  // beside the bytes read so far
             bytes.resize(2 * size);
         }
         const ssize_t got = uninterrupted(
@@ -142,27 +142,28 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
 void writeFiles(const std::vector<FileToWrite>& files) {
     std::vector<WriteTarget> destinations;
     for (const FileToWrite& file : files) destinations.push_back(writeTargetOf(file.path));
-    std::optional<SignalsBlocked> blocked;  // until `written` has removed names that failed
+    // Declared before `written`, so that signals stay blocked until failed files are removed.
+    std::optional<SignalsBlocked> blocked;
     std::deque<Written> written;
     for (std::size_t i = 0; i < files.size(); ++i) {
         if (destinations[i].kind != WriteTarget::Kind::File) {
             writeInPlace(destinations[i], files[i]);
             continue;
         }
-        ofFile(files[i].path, "cannot create a file beside it",
-               [&] { written.emplace_back(files[i], destinations[i].path); });
+        withFileErrors(files[i].path, "cannot create a file beside it",
+                       [&] { written.emplace_back(files[i], destinations[i].path); });
         writeTo(written.back().file.descriptor(), files[i]);
     }
     for (Written& each : written)
-        ofFile(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
+        withFileErrors(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
     blocked.emplace();
     for (Written& each : written)
-        ofFile(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
+        withFileErrors(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
     moveToTargets(written);
     blocked.reset();
     for (const Written& each : written)
-        ofFile(each.toWrite.path, "is written, but may be lost if power fails now",
-               [&] { each.file.syncFolder(); });
+        withFileErrors(each.toWrite.path, "is written, but may be lost if power fails now",
+                       [&] { each.file.syncFolder(); });
 }
 
 }  // namespace espalier::io

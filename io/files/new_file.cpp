@@ -29,9 +29,9 @@ bool mayAccess(const fs::path& path, int mode) {
     return ::faccessat(AT_FDCWD, path.c_str(), mode, AT_EACCESS) == 0;
 }
 
-/// Follows links at the end of a path, up to one that stands for a descriptor of this process.
+/// Follows links at the end of a path, but not a link to a descriptor of this process.
 WriteTarget followed(const fs::path& path) {
-    constexpr int kMaxLinks = 40;  // as the system has it
+    constexpr int kMaxLinks = 40;  // the limit of Linux
     std::error_code error;
     const fs::path own = fs::canonical("/proc/self/fd", error);
     fs::path at = path;
@@ -72,7 +72,7 @@ void check(int result) {
     if (result < 0) throw std::system_error(errno, std::generic_category());
 }
 
-/// By which a file without a name can be named.
+/// Returns the path in /proc by which linkat() can name a nameless file.
 std::string procName(int descriptor) {
     return concat("/proc/self/fd/", descriptor);
 }
@@ -93,15 +93,15 @@ NewFile::~NewFile() {
 bool NewFile::openNameless() {
     descriptor_ = Descriptor(uninterrupted(
         [&] { return ::open(folder_.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666); }));
-    // It needs /proc to get a name in the end.
+    // giveName() will need /proc.
     if (descriptor_ && ::access(procName(descriptor()).c_str(), F_OK) != 0)
         descriptor_ = Descriptor();
     return static_cast<bool>(descriptor_);
 }
 
 void NewFile::openNamed() {
-    // Not mkstemp: it makes private files, and a new file's mode should follow the umask. But who
-    // may not read the old one may not read this one either.
+    // mkstemp would make a private file, but a new file's mode should follow the umask. With the
+    // old file's mode, users who may not read the old file cannot read this one either.
     const ::mode_t mode = old_ ? old_->st_mode & 0777 : 0666;
     while (!descriptor_) {
         std::string name = freshName();
@@ -116,24 +116,24 @@ void NewFile::openNamed() {
 
 std::string NewFile::freshName() const {
     static std::atomic<unsigned> count = 0;
-    // Not made from the target's name, which may be as long as names can be.
+    // The target's name is not part of it, because it may have the maximal length already.
     return (folder_ / (concat("espalier.tmp", ::getpid(), "-", count++))).string();
 }
 
 void NewFile::takeModeOfOldFile() const {
     if (!old_) return;
-    // The owner, if this process may give files away, or else the group.
+    // Sets owner and group if this process may give files away, and otherwise the group alone.
     const auto anyone = static_cast<::uid_t>(-1);
     const bool isOwned = ::fchown(descriptor(), old_->st_uid, old_->st_gid) == 0;
     const bool isOfGroup = isOwned || ::fchown(descriptor(), anyone, old_->st_gid) == 0;
-    // Rights of the old ones are not for others.
+    // Rights of the old owner or group are not given to a different one.
     ::mode_t mode = old_->st_mode & 07777;
     if (!isOwned) mode &= ~static_cast<::mode_t>(S_ISUID);
     if (!isOfGroup)
         mode = (mode & ~static_cast<::mode_t>(S_ISGID | S_IRWXG)) | (mode & S_IRWXO) << 3;
     struct ::stat now {};
     check(::fstat(descriptor(), &now));
-    // Not asked for in vain: some file systems have the same mode for all files.
+    // Called only if needed: it fails on file systems that have the same mode for all files.
     if ((now.st_mode & 07777) != mode) check(::fchmod(descriptor(), mode));
 }
 
@@ -156,7 +156,7 @@ void NewFile::giveName() {
         else if (errno != EEXIST)
             check(-1);
     }
-    // Again: Btrfs does not sync all of a file that has no name.
+    // Synced again, because Btrfs does not sync all of a nameless file.
     sync();
 }
 
@@ -168,11 +168,11 @@ void NewFile::moveToTarget() {
 void NewFile::syncFolder() const {
     const Descriptor folder(
         uninterrupted([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }));
-    // Who may write in a folder need not be allowed to read it.
+    // A process may be allowed to write in a folder that it cannot read.
     if (!folder && errno == EACCES) return;
     check(folder.number());
     const int result = uninterrupted([&] { return ::fsync(folder.number()); });
-    // Not every file system syncs folders.
+    // Not every file system can sync folders; these return EINVAL.
     if (result != 0 && errno != EINVAL) check(result);
 }
 

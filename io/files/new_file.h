@@ -12,25 +12,26 @@
 
 namespace espalier::io {
 
-/// What is written to when a path is.
+/// The file, device or descriptor that a path leads to.
 struct WriteTarget {
     enum class Kind {
-        File,       ///< made, or replaced
-        Special,    ///< a device or a pipe: written to as it is
-        Descriptor  ///< of this process (/dev/stdout): goes on where that is
+        File,       ///< a file, to be made or replaced
+        Special,    ///< a device or a pipe, written to directly
+        Descriptor  ///< a descriptor of this process (/dev/stdout), written to from its position
     };
     Kind kind;
-    std::filesystem::path path;  ///< behind all links, those that lead nowhere too
-    int descriptor = 0;          ///< if it is one
+    std::filesystem::path path;  ///< after following all links; the last may lead nowhere
+    int descriptor = 0;          ///< for kind Descriptor
 };
 
-/// \throws FileError if it is a directory, if it must not be written to, or if its folder must not
-///         be or is not there
+/// Follows the links of a path, and checks that it can be written.
+/// \throws FileError if it is a directory or must not be written to, or if its folder does not
+///         exist or must not be written to
 WriteTarget writeTargetOf(const std::filesystem::path& path);
 
-/// A file that is to take the place of another when it is complete, in one step. Until then the
-/// system knows it without a name, and drops it when the process ends, however that comes; where
-/// the file system has no such files it has a name of its own from the start.
+/// A new file that replaces another one atomically when it is complete. Until then it has no name,
+/// so that the system drops it when the process ends in any way. On file systems without nameless
+/// files it has a temporary name from the start.
 ///
 ///     NewFile file(target);
 ///     …                      // write to file.descriptor()
@@ -39,8 +40,8 @@ WriteTarget writeTargetOf(const std::filesystem::path& path);
 ///     file.moveToTarget();   // the old file is gone
 ///     file.syncFolder();     // that is on disk, too
 ///
-/// Whatever fails is a std::system_error, and up to moveToTarget() the old file is as it was. What
-/// has not become the target by the end is removed.
+/// All functions throw std::system_error. Up to moveToTarget() the old file is unchanged. The
+/// destructor removes the new file unless moveToTarget() has succeeded.
 class NewFile {
 public:
     explicit NewFile(const std::filesystem::path& target);
@@ -53,12 +54,12 @@ public:
     /// Puts all on disk, with the mode of the old file.
     void complete();
 
-    /// Gives the file a name, if it has none yet. A process that ends between this and
-    /// moveToTarget() leaves the name behind: see SignalsBlocked.
+    /// Gives the file a temporary name, if it has none yet. If the process ends between this and
+    /// moveToTarget(), the file remains under this name: see SignalsBlocked.
     void giveName();
     void moveToTarget();
 
-    /// An error of this one leaves the new file in its place.
+    /// Puts the folder on disk. After an error here the new file is in its place nevertheless.
     void syncFolder() const;
 
 private:
@@ -71,11 +72,11 @@ private:
     std::filesystem::path target_, folder_;
     std::optional<struct ::stat> old_;
     Descriptor descriptor_;
-    std::optional<std::string> name_;  ///< its own, as long as it has one
+    std::optional<std::string> name_;  ///< its temporary name, as long as it has one
 };
 
-/// Blocks all signals of this thread that can be blocked, while it lives. Signals that arrive
-/// meanwhile are delivered at its end. Other threads of the process are not affected.
+/// Blocks all signals of this thread that can be blocked, until destruction. Signals that arrive
+/// meanwhile are delivered then. Other threads of the process are not affected.
 class SignalsBlocked {
 public:
     SignalsBlocked() {

@@ -34,15 +34,15 @@ constexpr NumberName kLegacyNames[] = {{"char", NumberType::Int8},
                                        {"float", NumberType::Float32},
                                        {"double", NumberType::Float64}};
 
-/// In the order of NumberType.
+/// Names in the order of NumberType.
 constexpr const char* kXmlNames[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
                                      "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
-/// Whether Value can take what is stored: reals are never cut down to integers.
+/// True if Value can be read from Stored. Reals are never converted to integers.
 template <class Value, class Stored>
 constexpr bool kFits = std::is_floating_point_v<Value> || std::is_integral_v<Stored>;
 
-/// The next token as an integer in the range of its type.
+/// Reads the next token as an integer. Throws if it is out of the range of its type.
 std::int64_t readInteger(TextReader& text, NumberType type, const char* what) {
     if (type == NumberType::UInt64)
         return static_cast<std::int64_t>(text.number<std::uint64_t>(what));
@@ -52,7 +52,7 @@ std::int64_t readInteger(TextReader& text, NumberType type, const char* what) {
     return number;
 }
 
-/// Rounds to float; what is beyond the largest becomes infinite, as it does in VTK.
+/// Rounds to float. Values beyond the largest float become infinite, as in VTK.
 float toFloat(double value) {
     constexpr double kLargest = std::numeric_limits<float>::max();
     if (value > kLargest) return std::numeric_limits<float>::infinity();
@@ -161,7 +161,7 @@ template <class Value>
 Value readNumber(TextReader& text, NumberType type, const char* what) {
     if constexpr (std::is_integral_v<Value>) return readInteger(text, type, what);
     if (type != NumberType::Float32) return text.number<Value>(what);
-    // Straight to float where that is in range, so that the text is rounded once.
+    // Parses the text as a float directly, so that it is rounded only once.
     const std::string_view token = text.token(what);
     float number = 0;
     double wide = 0;

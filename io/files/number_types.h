@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-// The number types of file formats, by VTK's names. Whatever a lattice file holds, its numbers are
-// read as one of two types: double, or std::int64_t for what counts or names something.
+// The number types of file formats, by VTK's names. Readers of lattices convert all numbers to one
+// of two types: std::int64_t for counts and indices, double for everything else.
 
 namespace espalier::io {
 
@@ -31,7 +31,7 @@ enum class NumberType {
     Float64
 };
 
-/// Calls f(zero), with a zero of the C++ type that is stored.
+/// Calls f(zero), with a zero of the C++ type that the file stores.
 template <class F>
 auto visitStored(NumberType type, F f) {
     switch (type) {
@@ -59,39 +59,41 @@ auto visitStored(NumberType type, F f) {
     return f(double{});
 }
 
-/// Bytes that one number takes in binary data.
+/// Returns the size of a number in binary data, in bytes.
 std::size_t byteSize(NumberType type);
 
 bool isInteger(NumberType type);
 
-/// The name in XML files: "Float64".
+/// Returns the name of a type in XML files: "Float64".
 const char* xmlName(NumberType type);
 
-/// \return nothing for a name that is not of a number ("String", "Bit")
+/// Returns the type of this name in XML files; nothing if it is not a number ("String", "Bit").
 std::optional<NumberType> numberOfXmlName(std::string_view name);
 
-/// \param name in lower case, as in legacy files: "unsigned_char", "vtkidtype" (which is 32 bits
-///        wide there)
-/// \return nothing for a name that is not of a number ("bit", "string")
+/// Returns the type of this name in legacy files; nothing if it is not a number ("bit", "string").
+/// \param name in lower case: "unsigned_char", "vtkidtype" (which has 32 bits there)
 std::optional<NumberType> numberOfLegacyName(std::string_view name);
 
-/// The name in legacy files: "vtktypeint64".
+/// Returns the name of a type in legacy files: "vtktypeint64".
 const char* legacyName(NumberType type);
 
-/// The number type of integers on vertices, and the inverse, for types of integers.
+/// Converts between the types of Lattice::integers and number types.
 NumberType numberOf(IntegerType type);
+/// \param type an integer type
 IntegerType integerTypeOf(NumberType type);
 
-/// Whether a type of integers can hold a value; UInt64 holds the bits of any.
+/// Returns true if an integer type can hold a value. UInt64 can hold all, since it stores their
+/// bits.
 bool canHold(NumberType type, std::int64_t value);
 
-/// One integer in binary data. \param type one of integers; an UInt64 beyond the result comes out
-/// negative
+/// Reads one integer from binary data. A UInt64 that is too large for the result becomes negative.
+/// \param type an integer type
 std::int64_t loadInteger(const char* bytes, NumberType type, std::endian order);
 
-/// The numbers in binary data. Real numbers can only be read as double.
+/// Reads all numbers of binary data. Real numbers can only be read as double.
 ///
-/// \tparam Value double or std::int64_t; an UInt64 beyond the latter comes out negative
+/// \tparam Value double or std::int64_t; a UInt64 that is too large for std::int64_t becomes
+/// negative
 /// \param bytes a whole number of numbers
 template <class Value>
 std::vector<Value> decodeNumbers(std::string_view bytes, NumberType type, std::endian order);
@@ -100,13 +102,13 @@ std::vector<Value> decodeNumbers(std::string_view bytes, NumberType type, std::e
 template <class Value>
 std::string encodeNumbers(std::span<const Value> values, NumberType type, std::endian order);
 
-/// The next token of a text as a number of this type; Float32 is rounded as VTK would.
-/// \tparam Value as in decodeNumbers(); an UInt64 too large for std::int64_t comes out negative
-/// \throws FileError also if an integer is out of the range of its type
+/// Reads the next token of a text as a number of this type; Float32 is rounded as in VTK.
+/// \tparam Value as in decodeNumbers(), with the same rule for UInt64
+/// \throws FileError as TextReader::number(), and if an integer is out of the range of its type
 template <class Value>
 Value readNumber(TextReader& text, NumberType type, const char* what);
 
-/// a · b, or the largest number if that is more: for sizes that a file claims.
+/// Returns a · b, or the largest number if the product overflows; for sizes that a file claims.
 std::size_t saturatingProduct(std::size_t a, std::size_t b);
 
 }  // namespace espalier::io

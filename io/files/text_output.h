@@ -12,7 +12,7 @@
 
 namespace espalier::io {
 
-/// Gathers text and hands it to a stream in large blocks; the last when it is destroyed.
+/// Collects text and writes it to a stream in large blocks; the last block on destruction.
 class TextOutput {
 public:
     explicit TextOutput(std::ostream& out) : out_(out) { buffer_.reserve(kBlockSize); }
@@ -20,14 +20,14 @@ public:
     TextOutput& operator=(const TextOutput&) = delete;
     ~TextOutput() { flush(); }
 
-    /// Writes the parts one after the other: texts as they are, and of a number the shortest text
-    /// that reads back as the same number.
+    /// Writes texts as they are, and numbers as the shortest text that reads back as the same
+    /// number.
     template <class... Parts>
     void put(const Parts&... parts) {
         (putOne(parts), ...);
     }
 
-    /// Writes numbers, `rowLength` a line.
+    /// Writes numbers, `rowLength` per line.
     template <class Value>
     void rows(const std::vector<Value>& values, std::size_t rowLength) {
         for (std::size_t i = 0; i < values.size(); ++i)
@@ -65,13 +65,13 @@ private:
     std::string buffer_;
 };
 
-/// Writes a text again with some of its numbers replaced, some text added, and all else as it was.
+/// Copies a text to a stream, with some numbers replaced and some text inserted.
 class TextPatch {
 public:
     /// \param text must outlive the patch
     TextPatch(std::ostream& out, std::string_view text) : out_(out), text_(text) {}
 
-    /// Replaces `old`, a part of the text; parts ascend from call to call.
+    /// Replaces `old`, a part of the text. Successive calls must go forward in the text.
     template <class Number>
     void replace(std::string_view old, Number number) {
         const std::size_t begin = old.data() - text_.data();
@@ -80,15 +80,14 @@ public:
         position_ = begin + old.size();
     }
 
-    /// Puts text in between, before the byte at `place`, which is not before what was replaced
-    /// last.
+    /// Inserts text before the byte at `place`, which must not precede the last replaced part.
     void insert(std::size_t place, std::string_view added) {
         out_.put(text_.substr(position_, place - position_));
         out_.put(added);
         position_ = place;
     }
 
-    /// Copies what follows the last change.
+    /// Copies the rest of the text.
     void finish() {
         out_.put(text_.substr(position_));
         position_ = text_.size();

@@ -23,8 +23,8 @@ std::string shortest(Real number) {
     return {text, result.ptr};
 }
 
-/// The number after the "e" of a decimal number, or one that is as good where it is huge: no text
-/// has as many digits as would outweigh it.
+/// Parses the exponent after the "e" of a decimal number. Huge exponents are clamped to ±2^60,
+/// which no number of digits in a text can outweigh.
 std::int64_t exponentIn(std::string_view text) {
     constexpr std::int64_t kHuge = std::int64_t{1} << 60;
     if (text.starts_with('+')) text.remove_prefix(1);
@@ -40,7 +40,7 @@ bool isBelowOne(std::string_view text) {
     const std::string_view mantissa = text.substr(0, end);
     const auto point = static_cast<std::int64_t>(std::min(mantissa.find('.'), end));
     const auto digit = static_cast<std::int64_t>(mantissa.find_first_of("123456789"));
-    // The digit counts for ten to this power.
+    // The power of ten of the first nonzero digit.
     const std::int64_t power = digit < point ? point - digit - 1 : point - digit;
     return power + (end < text.size() ? exponentIn(text.substr(end + 1)) : 0) < 0;
 }
@@ -89,14 +89,14 @@ Number TextReader::number(const char* what) {
     return result;
 }
 
-std::size_t TextReader::count(const char* what, std::size_t leastBytes) {
+std::size_t TextReader::count(const char* what, std::size_t minBytes) {
     const auto result = number<std::uint64_t>(what);
-    checkRoom(result, leastBytes, what);
+    checkRoom(result, minBytes, what);
     return result;
 }
 
-void TextReader::checkRoom(std::size_t count, std::size_t leastBytes, const char* what) const {
-    if (count > (remaining() + 1) / leastBytes)
+void TextReader::checkRoom(std::size_t count, std::size_t minBytes, const char* what) const {
+    if (count > (remaining() + 1) / minBytes)
         fail(concat(what, " is ", count, ", but only ", remaining(), " bytes are left"));
 }
 
@@ -134,7 +134,7 @@ bool parseNumber(std::string_view token, Number& number) {
     const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
     if (end != token.data() + token.size()) return false;
     if constexpr (std::is_floating_point_v<Number>) {
-        // The standard library tells of numbers next to 0 as of numbers that are too large.
+        // std::from_chars reports the same error for numbers near 0 and for numbers too large.
         if (error == std::errc::result_out_of_range && isBelowOne(token)) {
             number = token.starts_with('-') ? -Number(0) : Number(0);
             return true;

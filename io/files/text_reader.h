@@ -12,7 +12,8 @@
 
 namespace espalier::io {
 
-/// Takes the next word, a longest run without white space, off a line; empty when there is none.
+/// Removes the next word from the front of a line and returns it; empty if none is left. A word
+/// ends at white space.
 inline std::string_view takeWord(std::string_view& line) {
     constexpr std::string_view kSpace = " \t\r\v\f";
     line.remove_prefix(std::min(line.find_first_not_of(kSpace), line.size()));
@@ -21,8 +22,8 @@ inline std::string_view takeWord(std::string_view& line) {
     return word;
 }
 
-/// Walks through a text by tokens or by lines, and knows where it is: every error is a FileError
-/// with path and line.
+/// Reads a text by tokens or by lines. Every error is a FileError with path and line. A token ends
+/// at white space.
 class ESPALIER_API TextReader {
 public:
     /// \param path for messages
@@ -30,8 +31,8 @@ public:
     /// \param firstLine number of the first line of `text` in its file
     TextReader(std::filesystem::path path, std::string_view text, std::size_t firstLine = 1);
 
-    /// From now on `mark` opens a comment wherever a token could begin or end. It runs to the end
-    /// of its line, and counts as white space. Lines and bytes are not affected.
+    /// From now on `mark` opens a comment wherever a token could begin or end. The comment ends
+    /// with its line, and counts as white space. restOfLine() and bytes() ignore comments.
     void skipComments(char mark) { commentMark_ = mark; }
 
     /// Line of the last token or line that was read, from 1.
@@ -43,34 +44,37 @@ public:
     /// Number of bytes that are left.
     std::size_t remaining() const { return text_.size() - position_; }
 
-    /// Whether nothing but white space is left.
+    /// Returns true if only white space is left.
     bool atEnd();
 
-    /// The next token: a longest run without white space.
-    /// \throws FileError at the end, which says that `what` was expected
+    /// Reads the next token.
+    /// \throws FileError at the end of the text, saying that `what` was expected
     std::string_view token(const char* what);
 
-    /// The next token as a number; "inf" and "nan" are numbers.
+    /// Reads the next token as a number; "inf" and "nan" are numbers.
     template <class Number>
     Number number(const char* what);
 
-    /// The next token as the number of things that follow, each of at least `leastBytes` bytes.
-    /// \throws FileError if it is not a whole number, or more than the rest of the text can hold:
-    ///         so it is safe to take memory for them
-    std::size_t count(const char* what, std::size_t leastBytes);
+    /// Reads the next token as the number of items that follow, each of at least `minBytes`
+    /// bytes. It is safe to allocate memory for this number of items.
+    /// \throws FileError if the token is not a whole number, or if the rest of the text is too
+    ///         short for the items
+    std::size_t count(const char* what, std::size_t minBytes);
 
-    /// \throws FileError if the rest of the text cannot hold so many things of at least
-    ///         `leastBytes` bytes each; the last one may lack its separator
-    void checkRoom(std::size_t count, std::size_t leastBytes, const char* what) const;
+    /// Throws if the rest of the text is too short for `count` items of at least `minBytes` bytes
+    /// each. The last item may lack its separator.
+    /// \throws FileError saying that `what` claims too much
+    void checkRoom(std::size_t count, std::size_t minBytes, const char* what) const;
 
-    /// Reads to the end of the line, and returns what was left of it, without its end ("\n" or
-    /// "\r\n"). At the end of the text, returns an empty line.
+    /// Reads the rest of the line, and returns it without its end ("\n" or "\r\n"). Returns an
+    /// empty line at the end of the text.
     std::string_view restOfLine();
 
-    /// Moves on by `count` bytes (binary data); they do not count as lines.
-    /// \throws FileError if so many are not left, which says that `what` was expected
+    /// Reads `count` bytes of binary data; line ends in them are not counted.
+    /// \throws FileError if fewer bytes are left, saying that `what` was expected
     std::string_view bytes(std::size_t count, const char* what);
 
+    /// \throws FileError with the path, the current line and the cause
     [[noreturn]] void fail(const std::string& cause) const;
 
 private:
@@ -85,16 +89,17 @@ private:
     std::size_t nextLine_;
 };
 
-/// A whole token as a number. A real number that is too close to 0 for the type reads as 0 or -0.
-/// \return false if it is not one, or too large for the type
+/// Reads a whole token as a number. A real number that is too close to 0 for the type becomes 0 or
+/// -0.
+/// \return false if the token is not a number, or too large for the type
 template <class Number>
 ESPALIER_API bool parseNumber(std::string_view token, Number& number);
 
-/// The shortest text that reads back as the same number.
+/// Returns the shortest text that reads back as the same number.
 ESPALIER_API std::string formatNumber(double number);
 ESPALIER_API std::string formatNumber(float number);
 
-/// A text in lower case (ASCII letters only), for keywords that may be written either way.
+/// Returns a text in lower case (ASCII letters only), to compare keywords without regard to case.
 ESPALIER_API std::string lowerCase(std::string_view text);
 
 }  // namespace espalier::io

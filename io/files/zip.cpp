@@ -18,14 +18,14 @@ ByteInput inputAt(std::string_view bytes) {
     return {bytes, std::endian::little};
 }
 
-/// What follows a place that a file names.
+/// Returns the bytes from offset `place` on. Throws if the archive is shorter.
 std::string_view bytesFrom(std::string_view archive, std::uint64_t place) {
     if (place > archive.size())
         throw CodingError(concat("is damaged: it refers to byte ", place, " of ", archive.size()));
     return archive.substr(place);
 }
 
-/// Where the last record begins. Behind it there is a comment, and nothing else.
+/// Returns the offset of the last record, the end of the directory. Only a comment follows it.
 std::size_t findDirectoryEnd(std::string_view archive) {
     if (archive.size() >= kDirectoryEndSize) {
         const std::size_t last = archive.size() - kDirectoryEndSize;
@@ -45,7 +45,8 @@ struct Directory {
     std::uint64_t count, size, place;
 };
 
-/// The directory by ZIP64's record, which a locator before the other record leads to.
+/// Reads where the directory is from ZIP64's record. A locator before the end of the directory
+/// leads to it; without a locator, returns nothing.
 std::optional<Directory> findZip64Directory(std::string_view archive, std::size_t end) {
     if (end < kZip64LocatorSize) return std::nullopt;
     ByteInput locator = inputAt(archive.substr(end - kZip64LocatorSize));
@@ -54,7 +55,7 @@ std::optional<Directory> findZip64Directory(std::string_view archive, std::size_
     ByteInput in = inputAt(bytesFrom(archive, locator.number<std::uint64_t>()));
     if (in.left() < kZip64DirectoryEndSize || in.number<std::uint32_t>() != kZip64DirectoryEnd)
         throw CodingError("is damaged: ZIP64's end of the directory is not where it should be");
-    // Its size, two versions, two numbers of disks, the number of members on this disk.
+    // Skips the size, two versions, two disk numbers, and the number of members on this disk.
     in.bytes(8 + 2 + 2 + 4 + 4 + 8);
     Directory directory{};
     for (std::uint64_t* number : {&directory.count, &directory.size, &directory.place})
@@ -65,7 +66,8 @@ std::optional<Directory> findZip64Directory(std::string_view archive, std::size_
 Directory findDirectory(std::string_view archive) {
     const std::size_t end = findDirectoryEnd(archive);
     ByteInput in = inputAt(archive.substr(end));
-    in.bytes(4 + 2 + 2 + 2);  // Its sign, two numbers of disks, the number of members on this disk.
+    // Skips the signature, two disk numbers, and the number of members on this disk.
+    in.bytes(4 + 2 + 2 + 2);
     Directory directory{};
     directory.count = in.number<std::uint16_t>();
     directory.size = in.number<std::uint32_t>();
@@ -75,10 +77,10 @@ Directory findDirectory(std::string_view archive) {
     return directory;
 }
 
-/// Replaces the numbers that take more than 32 bits.
+/// Replaces numbers that need more than 32 bits by the numbers in the extra field.
 void widen(std::string_view extra, std::initializer_list<std::uint64_t*> numbers) {
     ByteInput in = inputAt(extra);
-    // Some programs pad what follows to a multiple of 4 bytes.
+    // Fewer than 4 bytes at the end are padding, which some programs write.
     while (in.left() >= 4) {
         const auto kind = in.number<std::uint16_t>();
         ByteInput field = inputAt(in.bytes(in.number<std::uint16_t>()));
@@ -90,7 +92,7 @@ void widen(std::string_view extra, std::initializer_list<std::uint64_t*> numbers
 
 constexpr std::uint16_t kVersion = 20, kZip64Version = 45;
 
-/// 1 January 1980: files do not depend on when they are written.
+/// 1 January 1980, so that the bytes of a file do not depend on when it is written.
 constexpr std::uint16_t kNoTime = 0, kFirstDay = (1 << 5) | 1;
 
 }  // namespace
@@ -98,7 +100,7 @@ constexpr std::uint16_t kNoTime = 0, kFirstDay = (1 << 5) | 1;
 ZipReader::ZipReader(std::string_view archive) : archive_(archive) {
     const Directory directory = findDirectory(archive);
     ByteInput in = inputAt(inputAt(bytesFrom(archive, directory.place)).bytes(directory.size));
-    // Members that lie in each other would have little hold very much.
+    // Overlapping members could make a small archive inflate to a huge size.
     std::uint64_t left = archive.size();
     for (std::uint64_t i = 0; i < directory.count; ++i) {
         std::string name;
@@ -133,7 +135,8 @@ ZipReader::Member ZipReader::readMember(ByteInput& in, std::string& name) {
     return member;
 }
 
-/// They are behind a header of their own, whose numbers may be missing.
+/// Returns the compressed bytes of a member. The member's local header precedes them; its sizes may
+/// be missing, so the directory's are used.
 std::string_view ZipReader::compressedBytes(std::string_view name, const Member& member) const {
     ByteInput in = inputAt(bytesFrom(archive_, member.place));
     if (in.number<std::uint32_t>() != kZipLocalHeader)
@@ -183,8 +186,8 @@ bool ZipWriter::isLarge(std::uint64_t number) const {
     return zip64_ == Zip64::Always || number >= kZipAll32;
 }
 
-/// What a local header and an entry of the directory have in common.
-void ZipWriter::common(const Member& member, bool isZip64, std::uint16_t extraSize) {
+/// Writes the fields that a local header and an entry of the directory share.
+void ZipWriter::writeSharedFields(const Member& member, bool isZip64, std::uint16_t extraSize) {
     constexpr std::uint16_t kFlags = 0;
     const auto size = isLarge(member.size) ? kZipAll32 : static_cast<std::uint32_t>(member.size);
     const auto compressedSize = size;
@@ -201,7 +204,7 @@ void ZipWriter::add(const std::string& name, const std::function<void(ByteOutput
 
     const bool isZip64 = isLarge(member.size);
     out_.number(kZipLocalHeader);
-    common(member, isZip64, isZip64 ? 20 : 0);
+    writeSharedFields(member, isZip64, isZip64 ? 20 : 0);
     out_.bytes(name);
     if (isZip64) out_.number(kZip64Extra, std::uint16_t{16}, member.size, member.size);
     write(out_);
@@ -218,7 +221,7 @@ void ZipWriter::finish() {
         const bool isZip64 = extra > 0;
         const std::uint16_t madeBy = isZip64 ? kZip64Version : kVersion;
         out_.number(kZipDirectoryEntry, madeBy);
-        common(member, isZip64, isZip64 ? static_cast<std::uint16_t>(extra + 4) : 0);
+        writeSharedFields(member, isZip64, isZip64 ? static_cast<std::uint16_t>(extra + 4) : 0);
         out_.number(kNoComment, kDisk, kAttributes, kWideAttributes,
                     hasPlace ? kZipAll32 : static_cast<std::uint32_t>(member.place));
         out_.bytes(member.name);

@@ -12,11 +12,11 @@
 
 #include "bytes.h"
 
-// Numbers of the ZIP format, as PKWARE's application note has them (version 6.3.9).
+// Reads and writes ZIP archives, as PKWARE's application note describes them (version 6.3.9).
 
 namespace espalier::io {
 
-// What the records begin with.
+// Signatures at the beginning of records.
 inline constexpr std::uint32_t kZipLocalHeader = 0x04034b50, kZipDirectoryEntry = 0x02014b50,
                                kZipDirectoryEnd = 0x06054b50, kZip64DirectoryEnd = 0x06064b50,
                                kZip64Locator = 0x07064b50;
@@ -24,33 +24,33 @@ inline constexpr std::uint32_t kZipLocalHeader = 0x04034b50, kZipDirectoryEntry 
 /// The extra field with the numbers that take more than 32 bits.
 inline constexpr std::uint16_t kZip64Extra = 1;
 
-// What stands in place of such a number.
+// Values of 32- and 16-bit fields whose number is in the extra field or in ZIP64's record instead.
 inline constexpr std::uint32_t kZipAll32 = std::numeric_limits<std::uint32_t>::max();
 inline constexpr std::uint16_t kZipAll16 = std::numeric_limits<std::uint16_t>::max();
 
-// How a member is compressed.
+// Compression methods of a member.
 inline constexpr std::uint16_t kZipStored = 0, kZipDeflated = 8;
 
 class ByteInput;
 
-/// Reads a ZIP archive, as PKWARE's application note describes it (version 6.3.9), by its central
-/// directory: members that are stored or deflated, with ZIP64's fields. It is one file, not
-/// encrypted, with nothing before it.
+/// Reads the members of a ZIP archive by its central directory. Members may be stored or deflated,
+/// and ZIP64 is supported. The archive must be a single file, not encrypted, with nothing before
+/// it.
 class ZipReader {
 public:
-    /// \param archive must outlive the reader, and what is read
-    /// \throws CodingError if it is no archive, or if its directory is damaged, has a name twice or
-    ///         claims more compressed bytes than there are
+    /// \param archive must outlive the reader and the bytes that read() returns
+    /// \throws CodingError if it is no archive, or if its directory is damaged, has duplicate names
+    ///         or claims more compressed bytes than the archive has
     explicit ZipReader(std::string_view archive);
 
-    /// The number of bytes of a member that the directory claims; nothing is inflated.
+    /// Returns the size that the directory claims for a member; nothing is inflated.
     /// \throws CodingError if there is no such member
     std::uint64_t size(std::string_view name) const;
 
-    /// The bytes of a member.
-    /// \param room where they are, if they are not as such in the archive
-    /// \throws CodingError if there is no such member, if it is damaged (by its checksum), or coded
-    ///         in another way; before memory is taken, if it claims more than there is
+    /// Returns the bytes of a member.
+    /// \param room receives the bytes if they must be inflated; must outlive the result
+    /// \throws CodingError if there is no such member, its checksum is wrong, or it has another
+    ///         compression; before memory is allocated, if it claims more bytes than it can have
     std::string_view read(std::string_view name, std::string& room) const;
 
 private:
@@ -68,22 +68,22 @@ private:
     std::map<std::string, Member, std::less<>> members_;
 };
 
-/// Writes a ZIP archive of members that are not compressed, as PKWARE's application note describes
-/// (version 6.3.9): with ZIP64's fields where a size or a place takes more than 32 bits.
+/// Writes a ZIP archive of members that are not compressed. ZIP64's fields are written where a size
+/// or an offset needs more than 32 bits.
 class ZipWriter {
 public:
-    /// When ZIP64's fields are written.
+    /// Tells when ZIP64's fields are written.
     enum class Zip64 { AsNeeded, Always };
 
     explicit ZipWriter(std::ostream& out, Zip64 zip64 = Zip64::AsNeeded);
 
     /// Adds a member.
     /// \param name in ASCII
-    /// \param write writes its bytes; called twice, for the checksum goes before them, and must
-    ///        write the same
+    /// \param write writes the bytes of the member; called twice, because the checksum precedes the
+    ///        bytes, and must write the same bytes both times
     void add(const std::string& name, const std::function<void(ByteOutput&)>& write);
 
-    /// Writes the directory; last of all.
+    /// Writes the directory. Must be the last call.
     void finish();
 
 private:
@@ -93,7 +93,7 @@ private:
         std::uint32_t checksum;
     };
     bool isLarge(std::uint64_t number) const;
-    void common(const Member& member, bool isZip64, std::uint16_t extraSize);
+    void writeSharedFields(const Member& member, bool isZip64, std::uint16_t extraSize);
 
     ByteOutput out_;
     Zip64 zip64_;

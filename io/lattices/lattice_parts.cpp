@@ -39,7 +39,7 @@ bool isEdge(const far::CellComplex& complex, Index a, Index b) {
 }
 
 far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks) {
-    far::readMarks(complex, marks);  // Throws what is wrong with them.
+    far::readMarks(complex, marks);  // Throws if the marks are not valid.
     std::map<std::array<Index, 2>, double> edges;
     for (const auto& mark : marks.edges) {
         const auto [a, b] = mark.vertices;
@@ -85,9 +85,10 @@ std::optional<Index> numberWithout(std::span<const Index> dropped, Index vertex)
 
 namespace {
 
-/// The marks with the numbers that vertices have without the `dropped` ones. The mark of a dropped
-/// vertex goes with it.
-/// \throws TopologyError naming an edge, as the file does, that the complex does not have
+/// Returns the marks with the vertex numbers that remain after the `dropped` vertices are removed,
+/// and without the marks of dropped vertices.
+/// \throws TopologyError naming, by the numbers of the file, a marked edge that the complex does
+///         not have
 far::Marks marksWithout(std::span<const Index> dropped, const far::CellComplex& complex,
                         const far::Marks& marks) {
     far::Marks result;
@@ -111,7 +112,7 @@ far::Marks marksWithout(std::span<const Index> dropped, const far::CellComplex& 
 Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder builder, Lattice parts,
                       ReadNotes* notes) {
     const std::vector<Index> dropped = builder.dropUnusedVertices();
-    // Whatever stands there does not matter.
+    // Positions of dropped vertices need not be finite.
     for (const Index vertex : dropped) parts.positions[vertex] = {};
     checkFinite(path, parts.positions);
     for (const VertexAttribute& attribute : parts.attributes)
@@ -121,8 +122,8 @@ Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder bui
                 concat("the attribute ", inQuotes(attribute.name), " has ", attribute.components,
                        " components and is not a known mark; names that begin with ",
                        inQuotes(kReservedNames), " are reserved for marks: rename the attribute"));
-    parts.complex = namingWithout(path, dropped, [&] { return builder.build(); });
-    parts.marks = naming(path, [&] {
+    parts.complex = withPathAndDroppedInErrors(path, dropped, [&] { return builder.build(); });
+    parts.marks = withPathInErrors(path, [&] {
         return canonicalMarks(parts.complex, marksWithout(dropped, parts.complex, parts.marks));
     });
     eraseVertices(dropped, 1, parts.positions);
@@ -168,7 +169,7 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
                                        " has ", value, ", which is out of the range of ",
                                        integerTypeName(integers.type)));
     }
-    return naming(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
+    return withPathInErrors(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
 }
 
 }  // namespace espalier::io

@@ -17,61 +17,64 @@
 #include <utility>
 #include <vector>
 
-// What all lattice formats share: how marks travel, what is checked, and how errors are named.
+// Functions that all lattice formats use: marks in files, checks, and file names in errors.
 
 namespace espalier::io {
 
-// Names of the arrays and properties that hold marks; attributes have none that begin so.
+// Names of the arrays and properties that hold marks. Names of attributes must not begin with
+// kReservedNames.
 inline constexpr std::string_view kReservedNames = "espalier:";
 inline constexpr const char* kVertexSharpness = "espalier:vertex_sharpness";
 inline constexpr const char* kEdgeSharpness = "espalier:edge_sharpness";
 inline constexpr const char* kEdgeVertices = "espalier:edge_vertices";
 
-/// VTK's array of bits that hide points and cells. It is skipped when read: on the vertices of a
-/// refined lattice it would hide those that it has no bits for.
+/// VTK's array of bits that hide points and cells. Readers skip it, because the vertices that
+/// refinement adds would have the value noInteger(), which hides them.
 inline constexpr std::string_view kVtkGhosts = "vtkGhostType";
 
-/// Stands for "no mark" where a file has a sharpness for every vertex or edge, marked or not. Not
-/// NaN: VTK does not read that from text.
+/// The value for "no mark" in a file that has a sharpness for every vertex or edge. It is not NaN,
+/// because VTK does not read NaN from text.
 inline constexpr double kUnmarkedInFile = -1;
 
-/// A sharpness as files hold it: infinity becomes 10, which already counts as infinite
+/// Returns a sharpness as files hold it. Infinity becomes 10, which already counts as infinite
 /// (OpenSubdiv) and which every program can read.
 double sharpnessToFile(double sharpness);
 
-/// A sharpness from a file: 10 and more is infinite. \param value a mark
+/// Returns the sharpness of a mark in a file: 10 and more becomes infinite.
+/// \param value 0 or more
 double sharpnessFromFile(double value);
 
-/// Whether a value of an array of sharpness is a mark. Less than 0 is none.
+/// Returns true if a value in an array of sharpness is a mark, and false if it is below 0.
 /// \throws FileError naming the array and the place if the value is NaN
 bool isMarkInFile(const std::filesystem::path& path, const char* array, std::size_t place,
                   double value);
 
-/// Whether an edge joins two vertices of the complex.
+/// Returns true if an edge of the complex joins the two vertices.
 bool isEdge(const far::CellComplex& complex, Index a, Index b);
 
-/// The marks without those that a later one overrides, ascending, each edge with its smaller vertex
-/// first, and each hole once. What the readers return is in this form, and so what comes back of
-/// marks that are not.
+/// Returns the marks in the canonical form of all readers: ascending, without marks that a later
+/// one overrides, with the smaller vertex of each edge first, and without duplicate holes.
 ///
-/// \throws TopologyError (VertexOutOfRange, BadMark) if a mark names what the complex does not
-///         have (a hole, anything but a face of a mesh), or has a sharpness that is less than 0 or
+/// \throws TopologyError (VertexOutOfRange, BadMark) if a mark names an entity that the complex
+///         does not have, or a hole that is not a face of a mesh, or if a sharpness is below 0 or
 ///         NaN
 far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks);
 
-/// kUnmarkedInFile or a sharpness for every vertex. \param marks canonical
+/// Returns one number per vertex: its sharpness, or kUnmarkedInFile.
+/// \param marks in canonical form
 std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
                                            const far::Marks& marks);
 
-/// The marks in what vertexSharpnessForFile() gives.
+/// Returns the marks of an array that vertexSharpnessForFile() made: its inverse.
 /// \throws FileError as isMarkInFile()
 std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path& path,
                                                     const std::vector<double>& sharpness);
 
-/// Calls f, and puts the path, with the line if there is one, before the message of a TopologyError
-/// that it throws.
+/// Calls f. If it throws a TopologyError, adds the path, and the line if there is one, in front of
+/// the message.
 template <class F>
-auto naming(const std::filesystem::path& path, F f, std::optional<std::size_t> line = {}) {
+auto withPathInErrors(const std::filesystem::path& path, F f,
+                      std::optional<std::size_t> line = {}) {
     try {
         return f();
     } catch (const far::TopologyError& error) {
@@ -81,15 +84,19 @@ auto naming(const std::filesystem::path& path, F f, std::optional<std::size_t> l
     }
 }
 
-/// A number of entities that a file claims, as an Index.
-/// \throws FileError if there are too many; `what` says of what
+/// Converts a number of entities to Index.
+/// \param what the entities in the message, such as "vertices"
+/// \throws FileError if the number is too large
 Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what);
 
-/// The number that a vertex of a file has when the `dropped` ones, ascending, are left out; none if
-/// it is one of them.
+/// Returns the number of a vertex after the `dropped` vertices are removed; nothing if it is one of
+/// them.
+/// \param dropped ascending
 std::optional<Index> numberWithout(std::span<const Index> dropped, Index vertex);
 
-/// Erases the values of the `dropped` vertices, ascending. \param values `components` a vertex
+/// Erases the values of the `dropped` vertices.
+/// \param dropped ascending
+/// \param values `components` values per vertex
 template <class Value>
 void eraseVertices(std::span<const Index> dropped, int components, std::vector<Value>& values) {
     if (dropped.empty()) return;
@@ -107,11 +114,13 @@ void eraseVertices(std::span<const Index> dropped, int components, std::vector<V
     values.resize(kept);
 }
 
-/// Runs f, which makes a complex without the `dropped` vertices, as naming() does. The message of a
-/// TopologyError also says that its numbers of vertices do not count them.
+/// Calls f, which builds a complex without the `dropped` vertices, in the way of
+/// withPathInErrors(). The message of a TopologyError also says that its vertex numbers do not
+/// count the dropped vertices.
 template <class F>
-auto namingWithout(const std::filesystem::path& path, std::span<const Index> dropped, F f) {
-    return naming(path, [&] {
+auto withPathAndDroppedInErrors(const std::filesystem::path& path, std::span<const Index> dropped,
+                                F f) {
+    return withPathInErrors(path, [&] {
         try {
             return f();
         } catch (const far::TopologyError& error) {
@@ -123,20 +132,20 @@ auto namingWithout(const std::filesystem::path& path, std::span<const Index> dro
     });
 }
 
-/// What is done last in reading: drops the vertices that no cell uses, builds the complex, makes
-/// the marks canonical and checks all.
+/// The last step of every reader: drops the vertices that no cell uses, builds the complex, makes
+/// the marks canonical, and checks positions, names and marks.
 ///
-/// \param parts the lattice as the file numbers its vertices, without its complex
-/// \param notes gets the dropped vertices, unless it is null
-/// \throws FileError naming a point that is not finite, or an attribute whose name is kept for
+/// \param parts the lattice without its complex, with the vertex numbers of the file
+/// \param notes receives the dropped vertices; may be null
+/// \throws FileError naming a point that is not finite, or an attribute whose name is reserved for
 ///         marks; TopologyError, with the path in its message
 Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder builder, Lattice parts,
                       ReadNotes* notes);
 
-/// What is done first in writing: checks that a lattice is of this dimension, that its parts fit
-/// together, and that it would be read again. Returns its marks in canonical form.
+/// The first step of every writer: checks that a lattice has this dimension, that its parts fit
+/// together, and that a reader would accept it. Returns its marks in canonical form.
 ///
-/// \throws FileError naming what does not fit; TopologyError as canonicalMarks()
+/// \throws FileError naming the part that does not fit; TopologyError as canonicalMarks()
 far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,
                              int dimension = 3);
 

@@ -21,7 +21,7 @@ namespace {
 
 using Loop = std::vector<Index>;
 
-/// Types of vertex properties that become attributes.
+/// A type of vertex properties that become attributes.
 struct PropertyType {
     std::string_view name;
     int components;
@@ -39,7 +39,7 @@ constexpr PropertyType kPropertyTypes[] = {
 
 constexpr std::string_view kVectorOfDoubles = "vector_double";
 
-/// First word of the line that opens a property.
+/// First words of the line that opens a property.
 constexpr std::string_view kPropertyKinds[] = {"vprop", "eprop",           "heprop",
                                                "fprop", "hfprop",          "cprop",
                                                "mprop", "vertex_property", "edge_property"};
@@ -77,16 +77,16 @@ private:
                 text_.fail("is an OVM file of kind " + inQuotes(word) + "; only ASCII can be read");
             word = lowerCase(text_.token("Vertices"));
         }
-        // OpenVolumeMesh does without the first line, and so do some who write for it.
+        // OpenVolumeMesh does not require the first line, and some programs omit it.
         if (word != "vertices")
             text_.fail("is not an OVM file: expected Vertices, got " + inQuotes(word));
     }
 
-    std::size_t beginSection(const char* name, std::size_t leastBytes) {
+    std::size_t beginSection(const char* name, std::size_t minBytes) {
         const std::string word(text_.token(name));
         if (lowerCase(word) != lowerCase(name))
             text_.fail(std::string("expected ") + name + ", got " + inQuotes(word));
-        const std::size_t count = text_.count("the number of entries", leastBytes);
+        const std::size_t count = text_.count("the number of entries", minBytes);
         checkedIndex(path_, count, name);
         return count;
     }
@@ -99,7 +99,7 @@ private:
             for (double& coordinate : position) coordinate = text_.number<double>("a coordinate");
     }
 
-    /// A number below `count`.
+    /// Reads a number below `count`.
     std::size_t readIndex(std::size_t count, const char* what) {
         const auto index = text_.number<std::uint64_t>(what);
         if (index >= count) text_.fail(concat(what, " is ", index, "; there are ", count));
@@ -154,12 +154,12 @@ private:
                 // Half-faces run anticlockwise from inside; the builder takes loops from outside.
                 if (halfFace % 2 == 0) std::reverse(loop.begin(), loop.end());
             }
-            naming(path_, [&] { return builder.addCell(loops); });
+            withPathInErrors(path_, [&] { return builder.addCell(loops); });
         }
         checkUse(2, isFaceUsed_, "polyhedron");
     }
 
-    /// Nothing that a file holds is dropped in silence.
+    /// Throws if an entity of the file is not used. Edges and faces are never dropped silently.
     void checkUse(int dimension, const std::vector<bool>& isUsed, const char* user) {
         const auto unused = std::find(isUsed.begin(), isUsed.end(), false) - isUsed.begin();
         if (static_cast<std::size_t>(unused) == isUsed.size()) return;
@@ -231,19 +231,20 @@ private:
                 lattice_.marks.edges.push_back({edges_[edge], sharpnessFromFile(sharpness[edge])});
     }
 
-    /// Vectors of any length, each after its length. They are an attribute if all have one length.
+    /// Reads vectors, each preceded by its length. They become an attribute if all lengths are
+    /// equal.
     void readVectors(const std::string& name) {
         std::vector<double> values;
         std::optional<std::size_t> length;
-        bool isEven = true;
+        bool haveOneLength = true;
         for (std::size_t vertex = 0; vertex < lattice_.positions.size(); ++vertex) {
             const std::size_t size = text_.count("the length of a vector", 2);
-            isEven = isEven && size == length.value_or(size);
+            haveOneLength = haveOneLength && size == length.value_or(size);
             length = size;
             for (std::size_t i = 0; i < size; ++i)
                 values.push_back(text_.number<double>("a value of a property"));
         }
-        if (isEven && length.value_or(0) > 0)
+        if (haveOneLength && length.value_or(0) > 0)
             lattice_.attributes.push_back(
                 {name, checkedIndex(path_, *length, "components"), std::move(values)});
     }
@@ -253,7 +254,7 @@ private:
             skipStrings(kind);
             return;
         }
-        // Values of other types never look like the line that opens a property.
+        // Values of other types never look like the first word of a property.
         while (nextProperty_.empty() && !text_.atEnd()) {
             const std::string word = lowerCase(text_.token("a value of a property"));
             if (isPropertyKind(word))
@@ -263,7 +264,8 @@ private:
         }
     }
 
-    /// Each string comes as its length, a colon and its characters, whatever they are.
+    /// Skips strings. Each is written as its length, a colon and that number of arbitrary
+    /// characters.
     void skipStrings(std::string_view kind) {
         for (std::size_t i = 0; i < countOf(kind); ++i) {
             text_.atEnd();
@@ -295,8 +297,8 @@ private:
     std::vector<bool> isEdgeUsed_;
     std::vector<bool> isFaceUsed_;
     std::size_t cellCount_ = 0;
-    std::string nextProperty_;  ///< its first word, if that has been read already
-    Lattice lattice_;           ///< without its complex
+    std::string nextProperty_;  ///< first word of the next property, if it has been read already
+    Lattice lattice_;           ///< the lattice without its complex
 };
 
 }  // namespace

@@ -15,8 +15,9 @@ namespace espalier::io {
 
 namespace {
 
-/// The type of property that holds integers. OpenVolumeMesh writes its own types of one byte as
-/// characters, and has none of UInt16.
+/// Returns the property type for integers. Types of one byte get a wider type, because
+/// OpenVolumeMesh writes them as characters; UInt16 gets one, because OpenVolumeMesh has no such
+/// type.
 const char* propertyType(IntegerType type) {
     switch (type) {
         case IntegerType::UInt32:
@@ -48,8 +49,9 @@ public:
             const auto ends = complex.relation(1, 0)[edge];
             out_.rows(std::vector<Index>(ends.begin(), ends.end()), 2);
         }
-        // A half-edge runs along its edge, or else has the odd number. Half-faces run anticlockwise
-        // from inside, so that here it is the sign +1, outside, that has the odd number.
+        // Odd numbers are reversed edges and faces. In a face, an edge of sign −1 is reversed. In a
+        // polyhedron, a face of sign +1 is, because signs refer to the view from outside, and
+        // half-faces to the view from inside.
         beginSection("Faces", complex.count(2));
         writeHalves(complex.boundary(2), -1);
         beginSection("Polyhedra", complex.count(3));
@@ -85,7 +87,7 @@ private:
             out_.rows(attribute.values, components);
             return;
         }
-        // A vector is its length and its values, each on a line.
+        // A vector is written as its length and its values, each on its own line.
         for (std::size_t i = 0; i < attribute.values.size(); ++i) {
             if (i % components == 0) out_.put(components, "\n");
             out_.put(attribute.values[i], "\n");

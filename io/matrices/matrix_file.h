@@ -12,31 +12,33 @@
 
 namespace espalier::io {
 
+/// Options of writeMatrix().
 struct MatrixFileOptions {
-    std::vector<std::string> comments = {};     ///< of .mtx: see writeMatrixMarket()
-    PetscInt petscIntegers = PetscInt::Bits32;  ///< of .petsc
+    std::vector<std::string> comments = {};     ///< for .mtx: see writeMatrixMarket()
+    PetscInt petscIntegers = PetscInt::Bits32;  ///< for .petsc
 };
 
-/// The extensions of writeMatrix(): .mtx, .npz, .npy and .petsc.
+/// Returns the extensions that writeMatrix() accepts: .mtx, .npz, .npy and .petsc.
 ESPALIER_API std::vector<std::string> matrixExtensions();
 
-/// The files that writeMatrix() writes for a path: itself, or the three of .npy.
+/// Returns the files that writeMatrix() writes for a path: the path itself, or three files for
+/// .npy.
 ESPALIER_API std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path);
 
 /// Writes a table in the format of the path's extension: Matrix Market text (.mtx), SciPy's archive
-/// (.npz), an array a file (.npy), or PETSc's binary (.petsc). What each holds is said in
-/// matrix_market.h, numpy_matrix.h and petsc_binary.h.
+/// (.npz), one file per array (.npy), or PETSc's binary (.petsc). The headers matrix_market.h,
+/// numpy_matrix.h and petsc_binary.h describe the formats.
 ///
-/// \throws FileError for another extension; what the writers throw
+/// \throws FileError for another extension; the errors of the writers
 template <class Real>
 ESPALIER_API void writeMatrix(const std::filesystem::path& path,
                               const stencils::StencilTable<Real>& table,
                               const MatrixFileOptions& options = {});
 
-/// Reads a table in the format of the path's extension: .mtx, .npz or .petsc. Not .npy: none of the
-/// three files has the number of columns (see readNpyArrays).
+/// Reads a table in the format of the path's extension: .mtx, .npz or .petsc. It cannot read .npy,
+/// because none of the three files has the number of columns (see readNpyArrays).
 ///
-/// \throws FileError for another extension, .npy among them; what the readers throw
+/// \throws FileError for another extension, including .npy; the errors of the readers
 ESPALIER_API stencils::StencilTable<double> readMatrix(const std::filesystem::path& path);
 
 /// The same for a file that is in memory already.

@@ -118,13 +118,13 @@ private:
         return count;
     }
 
-    /// Before memory is taken for what a damaged file may claim.
+    /// Checks the claimed sizes before memory is allocated for them.
     void checkClaims() const {
         constexpr std::size_t kFreeRows = 1'000'000;
         if (static_cast<std::size_t>(rowCount_) > kFreeRows + size_)
             reader_.fail(concat("claims ", rowCount_, " rows, which a file of ", size_,
                                 " bytes would leave empty"));
-        // "1 1 1" and a line end.
+        // The shortest entry is "1 1 1" and a line end: 6 bytes.
         reader_.checkRoom(entryCount_, 6, "the number of entries");
     }
 

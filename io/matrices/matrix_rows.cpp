@@ -21,7 +21,7 @@ class RowSorter {
 public:
     explicit RowSorter(Index columnCount) : columnCount_(columnCount) {}
 
-    /// Has the columns of a row ascend, with their weights.
+    /// Sorts the columns of a row, with their weights.
     void sort(std::size_t row, std::span<Index> columns, std::span<double> weights) {
         const auto isAscending = [&] {
             return std::adjacent_find(columns.begin(), columns.end(), std::greater_equal<>()) ==

@@ -10,21 +10,21 @@
 
 namespace espalier::io {
 
-/// A number of rows or columns, as a file claims it.
+/// Converts a number of rows or columns of a file to Index.
 /// \param of "rows" or "columns"
-/// \throws CodingError if a table cannot have so many
+/// \throws CodingError if the number is negative or too large for a table
 Index matrixSize(std::int64_t count, const char* of);
 
-/// A table of the arrays of a matrix in compressed sparse rows, as programs write them: unlike in a
-/// table, the columns of a row may come in any order.
+/// Builds a table from a matrix in compressed sparse rows. Unlike in a table, the columns of a row
+/// may be in any order.
 ///
-/// \throws CodingError if they are not such a matrix, naming the first bad row, counted from 0; if
-///         a column comes twice in a row, or if a weight is not finite
-/// \cost   O(entries); O(entries · log entries) where they are not in order
+/// \throws CodingError if the arrays are not such a matrix, naming the first bad row, counted from
+///         0; if a row has duplicate columns, or a weight is not finite
+/// \cost O(entries); O(entries · log entries) if columns are not in order
 stencils::StencilTable<double> tableOfRows(Index columnCount, Array<Offset> offsets,
                                            Array<Index> columns, Array<double> weights);
 
-/// Refuses a table that solvers would choke on.
+/// Throws if a table cannot be used in a solver.
 /// \throws Error naming the first row with a weight that is not finite
 template <class Real>
 void checkFinite(const stencils::StencilTable<Real>& table) {

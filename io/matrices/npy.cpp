@@ -32,7 +32,7 @@ void writeNpyHead(ByteOutput& out, std::string_view type, std::optional<std::uin
 
 namespace {
 
-/// What the head of a file says.
+/// The head of a file.
 struct Head {
     std::optional<std::string> type;
     std::optional<bool> isFortranOrder;
@@ -53,7 +53,7 @@ public:
             if (key == "descr")
                 set(head.type, std::string(word()));
             else if (key == "fortran_order")
-                set(head.isFortranOrder, truth());
+                set(head.isFortranOrder, readBool());
             else if (key == "shape")
                 set(head.length, length());
             else
@@ -99,7 +99,7 @@ private:
         return take(end + 1).substr(0, end);
     }
 
-    bool truth() {
+    bool readBool() {
         skipSpace();
         const bool value = text_.starts_with("True");
         if (!value && !text_.starts_with("False")) fail("True or False");
@@ -107,7 +107,7 @@ private:
         return value;
     }
 
-    /// A tuple of none or one.
+    /// Reads the shape: a tuple with one number, or an empty tuple.
     std::optional<std::uint64_t> length() {
         expect('(');
         if (accept(')')) return std::nullopt;
@@ -144,7 +144,7 @@ NpyType parseType(std::string name) {
     if (text.size() < kBeforeSize || std::string_view("<>|").find(text[0]) == text.npos ||
         !parseNumber(text.substr(kBeforeSize), type.size) || type.size == 0)
         throw CodingError("is of type " + inQuotes(text) + ", which is not of numbers or text");
-    // '|' is of types for which the order makes no difference.
+    // '|' is used for types without a byte order.
     if (text[0] != '|') type.order = text[0] == '<' ? std::endian::little : std::endian::big;
     type.kind = text[1];
     constexpr std::size_t kCharacterSize = 4;
@@ -160,7 +160,7 @@ NpyType parseType(std::string name) {
     throw CodingError("is of type " + inQuotes(array.type.name) + "; expected " + expected);
 }
 
-/// The type of the numbers of an array; nothing if it is not of integers, or reals of 4 or 8 bytes.
+/// Returns the number type of an array; nothing unless it is an integer, or a real of 4 or 8 bytes.
 std::optional<NumberType> numberTypeOf(const NpyType& type) {
     const std::string_view kind = type.kind == 'i'   ? "Int"
                                   : type.kind == 'u' ? "UInt"
@@ -177,7 +177,7 @@ NpyArray readNpy(std::string_view file) {
     if (!file.starts_with(kNpyMagic)) throw CodingError("is not an array of NumPy");
     in.bytes(kNpyMagic.size());
     const int version = in.number<std::uint8_t>();
-    in.number<std::uint8_t>();  // of no meaning yet
+    in.number<std::uint8_t>();  // minor version, which has no meaning yet
     if (version < 1 || version > 3)
         throw CodingError(concat("has version ", version, "; expected 1 to 3"));
     const std::uint32_t headSize =
@@ -221,7 +221,7 @@ std::string npyText(const NpyArray& array) {
         if (character >= kAsciiEnd) throw CodingError("is not a text in ASCII");
         text += static_cast<char>(character);
     }
-    // What is shorter than its type has zeros behind it.
+    // A text that is shorter than its type is padded with zeros.
     text.resize(text.find_last_not_of('\0') + 1);
     return text;
 }

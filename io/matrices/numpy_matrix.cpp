@@ -24,7 +24,7 @@ using stencils::StencilTable;
 /// SciPy's name for compressed sparse rows.
 constexpr std::string_view kFormat = "csr";
 
-/// An array, by the name that SciPy gives it.
+/// An array with SciPy's name for it.
 struct NamedArray {
     std::string name;
     std::function<void(ByteOutput&)> write;
@@ -45,8 +45,8 @@ std::array<NamedArray, 3> arraysOf(const StencilTable<Real>& table) {
                : arraysWith<std::int64_t>(table);
 }
 
-/// Reads an array of an archive by `use`.
-/// \param maxItems more are refused before anything is inflated
+/// Reads an array of an archive, and returns use(array).
+/// \param maxItems largest allowed number of items; more are refused before anything is inflated
 template <class Use>
 auto readArray(const ZipReader& zip, const std::string& name, std::size_t maxItems, Use use) {
     constexpr std::size_t kMaxItemBytes = 8, kMaxHeadBytes = 1 << 17;

@@ -27,7 +27,7 @@ void write(ByteOutput& out, const StencilTable<Real>& table) {
     out.numbersAs<double>(table.weights());
 }
 
-/// Where rows begin, by the number of entries in each.
+/// Returns the offsets of rows from the number of entries in each row.
 Array<Offset> offsetsOf(const Array<Offset>& lengths, Offset entryCount) {
     Array<Offset> offsets(lengths.size() + 1);
     offsets[0] = 0;
@@ -41,7 +41,7 @@ Array<Offset> offsetsOf(const Array<Offset>& lengths, Offset entryCount) {
     return offsets;
 }
 
-/// What is behind the first number.
+/// Reads the matrix after the first number of the file.
 template <class Integer>
 StencilTable<double> read(ByteInput& in) {
     const Index rowCount = matrixSize(in.number<Integer>(), "rows");
@@ -52,7 +52,7 @@ StencilTable<double> read(ByteInput& in) {
 
     const std::uint64_t left = in.left();
     const std::uint64_t lengthBytes = static_cast<std::uint64_t>(rowCount) * sizeof(Integer);
-    // By division: no claim, however large, overflows.
+    // Compared by division, so that no claimed size can overflow.
     constexpr std::uint64_t kEntrySize = sizeof(Integer) + sizeof(double);
     if (left < lengthBytes || (left - lengthBytes) % kEntrySize != 0 ||
         !std::cmp_equal((left - lengthBytes) / kEntrySize, entryCount))
@@ -90,7 +90,8 @@ template void writePetscBinary(const std::filesystem::path&, const StencilTable<
 
 StencilTable<double> readPetscBinary(const std::filesystem::path& path, std::string_view bytes) {
     return decodeFile(path, [&] {
-        // The number that all matrices begin with is not 0, as the upper half of it is in 64 bits.
+        // As a 64-bit integer, the first number begins with 32 zero bits; so the 32-bit integer at
+        // the same place is 0, and not kMatrix.
         ByteInput narrow(bytes, std::endian::big), wide = narrow;
         if (narrow.number<std::int32_t>() == kMatrix) return read<std::int32_t>(narrow);
         if (wide.number<std::int64_t>() == kMatrix) return read<std::int64_t>(wide);

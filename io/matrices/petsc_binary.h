@@ -9,30 +9,31 @@
 
 namespace espalier::io {
 
-/// The integers of the PETSc that is to read a file: a build has one kind (--with-64-bit-indices).
+/// The size of integers in the PETSc that will read a file. A build of PETSc has one size
+/// (--with-64-bit-indices).
 enum class PetscInt { Bits32, Bits64 };
 
-/// Writes a table as PETSc's MatView writes a sparse matrix to a binary viewer, for MatLoad with
-/// any number of ranks: big-endian, weights in double precision.
+/// Writes a table for PETSc's MatLoad, with any number of ranks, in the way that MatView writes a
+/// sparse matrix to a binary viewer: big-endian, weights in double precision.
 ///
-/// \throws Error if the integers do not hold the number of entries, or if a weight is not finite,
+/// \throws Error if the integers cannot hold the number of entries, or if a weight is not finite,
 ///         naming the row; FileError if the file cannot be written
 template <class Real>
 ESPALIER_API void writePetscBinary(const std::filesystem::path& path,
                                    const stencils::StencilTable<Real>& table,
                                    PetscInt integers = PetscInt::Bits32);
 
-/// Reads a sparse matrix that PETSc's MatView wrote to a binary viewer, with integers of either
-/// kind: the first number of the file, which is the same in all, tells which. The columns of a row
-/// may come in any order; one that comes twice is an error. A file of several objects, of a dense
-/// matrix, or by a PETSc of other scalars than double, is refused.
+/// Reads a sparse matrix that PETSc's MatView wrote to a binary viewer. The integers may have 32 or
+/// 64 bits; the first number of the file tells which, since all files begin with the same number.
+/// The columns of a row may be in any order, and duplicates are an error. Files with several
+/// objects, dense matrices, or scalars other than double are refused.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \throws FileError if the file is malformed or of another kind, if it is not as long as it says
-///         (before memory is taken for what it claims), or if a weight is not finite; it names the
-///         row, counted from 0
-/// \cost   the file and the table in memory
+/// \throws FileError if the file is malformed or of another kind, if its length is not what its
+///         header says (before memory is allocated for the claimed sizes), or if a weight is not
+///         finite; the message names the row, counted from 0
+/// \cost memory for the file and the table
 ESPALIER_API stencils::StencilTable<double> readPetscBinary(const std::filesystem::path& path,
                                                             std::string_view bytes);
 

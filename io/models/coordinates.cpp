@@ -16,14 +16,15 @@
 namespace espalier::io {
 namespace {
 
-/// Infinity is not: floats hold it.
+/// Returns true if a finite value exceeds the largest float. Infinity is not too large, since a
+/// float can hold it.
 bool isTooLarge(Precision precision, double value) {
     return precision == Precision::Float && std::isfinite(value) &&
            std::abs(value) > std::numeric_limits<float>::max();
 }
 
-/// The number that begins at `place`. What was read as a number holds no comment or backslash, so
-/// that one of these ends it.
+/// Returns the text of the number at `place`. It was read as a number before, so white space, a
+/// comment or a backslash ends it.
 std::string_view numberAt(std::string_view text, std::size_t place) {
     const auto ends = [](char c) { return c <= ' ' || c == '#' || c == '\\'; };
     const auto begin = text.begin() + static_cast<std::ptrdiff_t>(place);
@@ -96,7 +97,7 @@ bool isSame(double a, double b) {
 
 std::optional<double> VectorChange::at(std::size_t point, std::size_t axis) const {
     const double old = before[point][axis];
-    // Before it is rounded: what stays need not be a number that can be.
+    // Compared before rounding, because roundTo() would throw for an old value that is too large.
     if (isSame(now[point][axis], old)) return std::nullopt;
     const double value = roundTo(precisions[axis], now[point][axis], point);
     return value == old ? std::nullopt : std::optional(value);
@@ -137,7 +138,7 @@ void writeChanged(std::ostream& out, std::string_view text, std::span<const Vect
 bool isDirection(const Point3& numbers, Precision precision) {
     const double largest = precision == Precision::Float ? std::numeric_limits<float>::max()
                                                          : std::numeric_limits<double>::max();
-    // Half of it, so that rounding takes no component beyond it. False for a length that is NaN.
+    // Half of the largest number, so that rounding cannot exceed it. The result is false for NaN.
     const double size = length(numbers);
     return size > 0 && size <= largest / 2;
 }

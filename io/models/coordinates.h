@@ -15,10 +15,9 @@
 #include <string_view>
 #include <vector>
 
-// What the model formats share about the coordinates in a file: how they are read, and how they are
-// put back.
+// Functions that all model formats use to read coordinates and to write changed ones.
 
-// What the model formats share about the directions in a file.
+// Functions that all model formats use for directions.
 
 namespace espalier::io {
 
@@ -27,64 +26,65 @@ class TextPatch;
 /// How a file holds a coordinate.
 enum class Precision { Float, Double };
 
-/// Where x, y and z of one point begin among the bytes of its file.
+/// Offsets of x, y and z of one point in the bytes of its file.
 using CoordinatePlaces = std::array<std::size_t, 3>;
 
-/// How messages name an axis: "x", "y" or "z".
+/// Returns the name of an axis in messages: "x", "y" or "z".
 const char* axisName(std::size_t axis);
 
-/// The value as a file of this precision holds it.
-/// \throws Error naming the point, if it is beyond the largest float
+/// Rounds a value to the precision of a file.
+/// \param point for messages
+/// \throws Error naming the point, if the value exceeds the largest float
 double roundTo(Precision precision, double value, std::size_t point);
 
-/// The number at `place` in binary data, finite or not.
+/// Reads the number at offset `place` of binary data; it may be infinite or NaN.
 double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order);
 
-/// The coordinate at `place` in binary data.
-/// \param point which point of the file it belongs to, for messages
-/// \throws FileError if it is not finite
+/// Reads the coordinate at offset `place` of binary data.
+/// \param point number of the point, for messages
+/// \throws FileError if the coordinate is not finite
 double loadCoordinate(std::string_view bytes, std::size_t place, Precision precision,
                       std::endian order, std::size_t axis, std::size_t point,
                       const std::filesystem::path& path);
 
-/// Puts a coordinate that roundTo() returned into binary data.
+/// Writes a coordinate into binary data. roundTo() must have returned it.
 void storeCoordinate(std::string& bytes, std::size_t place, double value, Precision precision,
                      std::endian order);
 
-/// The number that a word of text gives; NaN if it gives none that the file can hold.
+/// Parses a word as a number of this precision; NaN if it is no number or too large.
 double parseReal(std::string_view word, Precision precision);
 
-/// The coordinate that a word of text gives.
-/// \param word empty where there is none
-/// \throws FileError if it is not a number, or is not finite
+/// Parses a word as a coordinate.
+/// \param word empty if the line has no more words
+/// \throws FileError if the word is missing, not a number, not finite or too large
 double parseCoordinate(std::string_view word, std::size_t axis, Precision precision,
                        const std::filesystem::path& path, std::size_t line);
 
-/// Whether a number stays what it was; what is none stays so.
+/// Returns true if the numbers are equal, or both NaN.
 bool isSame(double a, double b);
 
-/// Three numbers of each point of a file, its position or a direction there: where they are, what
-/// they were, and what they shall be. All have one entry a point.
+/// A change of one vector at every point of a file: its position, or a direction there. All spans
+/// have one entry per point.
 struct VectorChange {
-    std::span<const CoordinatePlaces> places;
-    std::span<const Point3> before;
-    std::span<const Point3> now;
+    std::span<const CoordinatePlaces> places;  ///< where the file has the vectors
+    std::span<const Point3> before;            ///< the vectors in the file
+    std::span<const Point3> now;               ///< the vectors to be written
     std::array<Precision, 3> precisions = {Precision::Double, Precision::Double, Precision::Double};
 
-    /// The number to be written; none if, rounded, it is the same as before.
+    /// Returns the rounded number to be written; nothing if it does not change.
     /// \throws Error as roundTo()
     std::optional<double> at(std::size_t point, std::size_t axis) const;
 };
 
-/// Changes of a text: those of numbers in it.
+/// Replaces numbers in a text.
 class TextChanges {
 public:
-    /// \param text, changes must outlive this. The places of a point, those of all changes, precede
-    /// those of the next, and are in the same order.
+    /// \param text, changes must outlive this. The text has all numbers of a point, of all changes,
+    ///        before those of the next point, and in the same order for each point.
     TextChanges(std::string_view text, std::span<const VectorChange> changes);
 
-    /// Replaces the numbers of one point that change; the others keep their text.
-    /// \param patch of the text, which has not got beyond them
+    /// Replaces the changed numbers of one point. All other numbers keep their text.
+    /// \param patch patch of the text; it must not have gone past these numbers
     void apply(TextPatch& patch, std::size_t point) const;
 
 private:
@@ -94,21 +94,23 @@ private:
     };
 
     std::string_view text_;
-    std::vector<Number> numbers_;  ///< of a point, in the order of the file
+    std::vector<Number> numbers_;  ///< the numbers of one point, in the order of the file
 };
 
-/// Writes `text` with all changes in it.
+/// Writes `text` with all changes.
 /// \param changes at least one, as for TextChanges
 void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
 
-/// What a direction is, is how it is carried: carryNormal() or carryTangent().
+/// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);
 
-/// Whether three numbers of a file are a direction: not those that are no numbers, that are all 0,
-/// or that are too large to be turned. What is none is kept as it is.
+/// Returns true if three numbers of a file are a direction that can be carried. Returns false if
+/// they are all 0, if one is NaN, or if the vector is too long for `precision`; the file then keeps
+/// them.
 bool isDirection(const Point3& numbers, Precision precision);
 
-/// The directions of points, one each, as F of each makes them.
+/// Carries the direction of each point by the gradient of the point. Vectors that are no direction
+/// stay.
 std::vector<Point3> carried(std::span<const Point3> directions,
                             std::span<const DeformationGradient> gradients, Carry carry,
                             Precision precision);

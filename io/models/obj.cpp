@@ -24,50 +24,53 @@
 #include "coordinates.h"
 #include "obj_statements.h"
 
-// One `vn` may serve corners of several points, which carry it to different normals. So a normal
-// has versions: the first takes the place of the old one, each other gets a line of its own. That
-// line changes what numbers mean, those of later normals and those that count back over it, so that
-// a corner is rewritten if what it says no longer names its version, and only then.
+// Corners of several points may share one `vn`, and the gradients at these points may carry it to
+// different normals. These are the versions of the normal: the first version replaces the old `vn`,
+// each other version gets a new line. A new line shifts the numbers of later normals, and the
+// numbers that count back across it. A corner is rewritten only if its number no longer names its
+// version.
 //
 //     normals_    the `vn` of the file, in its order, with the first version of each
 //     additions_  the other versions, in the order of their first use
-//     targets_    what each corner with a normal names, in the order of the file: n for the first
-//                 version of normal n, and the number of normals + a for addition a
+//     targets_    the version at each corner with a normal, in the order of the file: n for the
+//                 first version of normal n, and the number of normals + a for addition a
 //
-// New lines stand after the last `vn` before the corner that first needs them: among normals, and
-// before their use, as readers want them that resolve a corner when they see it. In a file whose
-// normals precede its faces, the numbers of the old ones stay.
+// New lines follow the last `vn` before the corner that first needs them, because some readers
+// resolve a corner as soon as they see it. In a file whose normals precede its faces, the old
+// normals keep their numbers.
 
 namespace espalier::io {
 
 namespace {
 
-/// The precision of normals: nine digits after the point of a unit normal, finer than floats. With
-/// all digits of a double, corners whose gradients differ by their rounding alone, as in a rigid
-/// motion, would share no normal any more.
+/// Digits after the decimal point of a unit normal: finer than floats. With all digits of a double,
+/// corners whose gradients differ only by rounding, as in a rigid motion, could no longer share a
+/// normal.
 constexpr int kDecimals = 9;
 
-/// What 1 is multiplied by to round a vector of this length to whole numbers; infinite where there
-/// is no such number.
+/// Returns the power of ten by which a vector of this length is multiplied before its components
+/// are rounded to integers; infinite if the length is 0 or too small.
 double decimalScale(double length) {
     return std::pow(10.0, kDecimals - std::floor(std::log10(length)));
 }
 
 Point3 rounded(Point3 direction, double scale) {
     if (!std::isfinite(scale)) return direction;
-    // Adding 0 turns a negative zero into a positive one.
+    // Adding 0 turns −0 into +0.
     for (double& component : direction) component = std::round(component * scale) / scale + 0.0;
     return direction;
 }
 
-/// What a number in a corner names.
+/// A number in a corner, and the point or normal that it names.
 struct Reference {
-    std::int64_t number;  ///< as it is written
-    std::size_t index;    ///< from 0
+    std::int64_t number;  ///< as it is written; negative numbers count back
+    std::size_t index;    ///< number of the point or normal, from 0
 };
 
-/// \param before how many there are before the statement, of `total` in the file
-/// \return nothing if there is none of that number
+/// Resolves a number in a corner.
+/// \param before number of points (or normals) before the statement
+/// \param total number of points (or normals) in the file
+/// \return nothing if the word is no number, or names no point (or normal) of the file
 std::optional<Reference> referenceOf(std::string_view word, std::size_t before, std::size_t total) {
     std::int64_t number = 0;
     if (!parseNumber(word, number)) return std::nullopt;
@@ -82,7 +85,7 @@ struct Corner {
     std::string_view normal;
 };
 
-/// The corner "1//3" or "1/2/3"; nothing for what names no normal.
+/// Splits a corner such as "1//3" or "1/2/3". Returns nothing if it names no normal.
 std::optional<Corner> cornerOf(std::string_view word) {
     const std::size_t first = word.find('/');
     if (first == std::string_view::npos) return std::nullopt;
@@ -91,7 +94,7 @@ std::optional<Corner> cornerOf(std::string_view word) {
     return Corner{word.substr(0, first), word.substr(second + 1)};
 }
 
-/// What precedes a statement.
+/// The numbers of points and normals that precede a statement.
 struct CountsBefore {
     std::size_t points = 0;
     std::size_t normals = 0;
@@ -122,11 +125,11 @@ constexpr auto kPassOver = [](auto&&...) {};
 
 struct Normal {
     Point3 value;
-    double scale;                   ///< of the rounding of its versions
+    double scale;                   ///< decimalScale(), by which its versions are rounded
     std::optional<Point3> carried;  ///< its first version
 };
 
-/// A version of a normal.
+/// A version of a normal: the result of carrying it by the gradient of a point.
 struct Version {
     std::size_t normal;
     Point3 value;
@@ -142,7 +145,7 @@ struct VersionHash {
     }
 };
 
-/// A version with a line of its own.
+/// A version that gets a new line.
 struct Addition {
     Point3 value;
     std::size_t anchor;     ///< the normal whose line it follows
@@ -208,7 +211,7 @@ private:
         if (*normal.carried == carried) return index;
         const std::size_t next = normals_.size() + additions_.size();
         const auto [at, isNew] = added_.try_emplace({index, carried}, next);
-        // Where a corner comes before its normal, the line follows that.
+        // If a corner precedes its normal, the new line follows the normal.
         if (isNew) additions_.push_back({carried, std::max(index + 1, before.normals) - 1});
         return at->second;
     }
@@ -229,7 +232,8 @@ private:
                          additionsBefore_.begin());
     }
 
-    /// The number by which a corner names its version in the new file, counting back if it did.
+    /// Returns the number by which a corner names its version in the new file. It counts back if
+    /// the old number did.
     std::int64_t numberFor(std::size_t target, const Reference& old,
                            const CountsBefore& before) const {
         std::size_t index = 0;
@@ -254,7 +258,7 @@ private:
         }
     }
 
-    /// \param end of the statement, without its line end
+    /// \param end end of the statement, without its line end
     void insertAdditions(TextPatch& patch, const char* end, std::size_t anchor) const {
         const std::size_t first = additionsBefore_[anchor];
         const std::size_t last = additionsBefore_[anchor + 1];
@@ -262,7 +266,7 @@ private:
         const std::size_t place = end - text_.data();
         const std::string_view lineEnd = text_.substr(place).starts_with("\r\n") ? "\r\n" : "\n";
         const auto add = [&](std::string_view text) { patch.insert(place, text); };
-        // A backslash that ends the file must not take the first of them for its own.
+        // If the file ends in a backslash, it must not continue the statement with the new line.
         if (text_[place - 1] == '\\') add(lineEnd);
         for (std::size_t i = first; i < last; ++i) {
             add(lineEnd);
@@ -279,18 +283,18 @@ private:
     std::span<const DeformationGradient> gradients_;
     std::vector<Normal> normals_;
     std::vector<Addition> additions_;
-    std::unordered_map<Version, std::size_t, VersionHash> added_;  ///< their targets
+    std::unordered_map<Version, std::size_t, VersionHash> added_;  ///< target of each addition
     std::vector<std::size_t> targets_;
     std::vector<std::size_t> order_;            ///< the additions in the order of the new file
-    std::vector<std::size_t> additionsBefore_;  ///< how many there are before each normal, and all
+    std::vector<std::size_t> additionsBefore_;  ///< number before each normal; the total at the end
 };
 
-/// Writes an OBJ with its points moved and its normals carried, as readObj() says.
+/// Writes an OBJ with moved points and carried normals. readObj() describes the result and the
+/// cost.
 ///
-/// \param path of the file that was read
-/// \param points of the `v` statements
-/// \param gradients one a point
-/// \cost as readObj() says
+/// \param path path of the file that was read
+/// \param points change of the `v` statements
+/// \param gradients one per point
 void writeWithNormals(std::ostream& out, const std::filesystem::path& path, std::string_view text,
                       const VectorChange& points, std::span<const DeformationGradient> gradients) {
     NormalWriter(path, text, gradients).write(out, points);
@@ -330,7 +334,7 @@ private:
         });
     }
 
-    std::filesystem::path path_;  ///< of the file that was read
+    std::filesystem::path path_;  ///< path of the file that was read
     std::string text_;
     std::vector<Point3> positions_;
     std::vector<CoordinatePlaces> places_;

@@ -26,23 +26,24 @@
 namespace espalier::io {
 namespace {
 
-/// The tags of an OBJ (obj_mesh.h): gathered while it is read, and checked when its mesh is known,
-/// as they may come before the faces that they name.
+/// Collects the tags of an OBJ (obj_mesh.h) while the file is read. They are checked when the mesh
+/// is complete, because a tag may precede the faces that it names.
 class ObjTags {
 public:
     explicit ObjTags(std::filesystem::path path) : path_(std::move(path)) {}
 
-    /// Takes in a `t` statement. One with a name that is not known is passed over.
-    /// \param words those after the `t`
-    /// \throws FileError if its counts do not fit its name or its words, or a word is malformed
+    /// Reads a `t` statement. Tags with unknown names are ignored.
+    /// \param words the words after the `t`
+    /// \throws FileError if the counts do not fit the name or the words, or a word is malformed
     void add(ObjWords& words, std::size_t line);
 
     const RefinementTags& refinement() const { return refinement_; }
 
-    /// The marks, canonical (lattice_parts.h) and without those of sharpness 0. The corner of a
-    /// dropped vertex goes with it.
+    /// Returns the canonical marks (lattice_parts.h), without marks of sharpness 0 and without
+    /// corner marks on dropped vertices.
     /// \param dropped the vertices of the file that the mesh lacks, ascending
-    /// \throws FileError with the line of a tag that names what the mesh does not have
+    /// \throws FileError with the line of a tag that names a vertex, an edge or a face that the
+    ///         mesh lacks
     far::Marks marks(const far::CellComplex& mesh, std::span<const Index> dropped) const;
 
 private:
@@ -74,7 +75,7 @@ private:
     RefinementTags refinement_;
 };
 
-/// How many whole numbers, numbers and strings a tag has.
+/// The numbers of integers, real numbers and strings in a tag.
 struct Counts {
     std::uint64_t ints = 0, floats = 0, strings = 0;
 
@@ -82,19 +83,19 @@ struct Counts {
     friend bool operator==(const Counts&, const Counts&) = default;
 };
 
-/// Whether `marks` marks have one sharpness each, or one for all.
+/// Returns true if the tag has one sharpness for each of its marks, or one for all of them.
 bool fitMarks(const Counts& counts, std::uint64_t marks) {
     return marks > 0 && (counts.floats == 1 || counts.floats == marks) && counts.strings == 0;
 }
 
-// The counts that the kinds of tags may have.
-bool areOfEdges(const Counts& counts) {
+// The counts that each kind of tag may have.
+bool areEdgeCounts(const Counts& counts) {
     return counts.ints % 2 == 0 && fitMarks(counts, counts.ints / 2);
 }
-bool areOfVertices(const Counts& counts) {
+bool areVertexCounts(const Counts& counts) {
     return fitMarks(counts, counts.ints);
 }
-bool areOfFaces(const Counts& counts) {
+bool areFaceCounts(const Counts& counts) {
     return counts.ints > 0 && counts == Counts{counts.ints, 0, 0};
 }
 bool areOneInt(const Counts& counts) {
@@ -104,7 +105,7 @@ bool areOneString(const Counts& counts) {
     return counts == Counts{0, 0, 1};
 }
 
-/// Reads "2/1/0".
+/// Reads counts such as "2/1/0". Returns false if the word is malformed.
 bool parseCounts(std::string_view word, Counts& counts) {
     std::uint32_t parts[3] = {};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -117,38 +118,40 @@ bool parseCounts(std::string_view word, Counts& counts) {
     return true;
 }
 
-/// A sharpness as it is stored, so that what is written reads back the same; 0 if it is negative.
+/// Reads a sharpness and rounds it to its stored precision, so that writing and reading it again
+/// gives the same value. Negative values become 0. Returns false if the word is no number.
 bool parseSharpness(std::string_view word, double& sharpness) {
     if (!parseNumber(word, sharpness) || std::isnan(sharpness)) return false;
-    // By way of a double it could be rounded twice. What is no float is huge.
+    // Parsed as a float, since rounding to double first could round twice. A number that is too
+    // large for a float keeps its double.
     if (float single = 0; parseNumber(word, single)) sharpness = single;
     sharpness = far::storedSharpness(std::max(sharpness, 0.0));
     return true;
 }
 
-/// A tag cut up by its counts.
+/// A tag, split into integers, sharpness values and strings by its counts.
 struct ObjTags::Tag {
     std::size_t line;
     std::vector<std::int64_t> ints;
     std::vector<double> sharpness;
     std::vector<std::string_view> strings;
 
-    /// Of mark i: there is one sharpness for each, or one for all.
+    /// Returns the sharpness of mark i. The tag has one for each mark, or one for all.
     double sharpnessOf(std::size_t i) const { return sharpness[sharpness.size() > 1 ? i : 0]; }
 };
 
 struct ObjTags::Kind {
     std::string_view name;
-    const char* counts;  ///< what they may be, for messages
+    const char* counts;  ///< the expected counts, for messages
     bool (*fits)(const Counts&);
     void (ObjTags::*take)(const Tag&);
 };
 
 void ObjTags::add(ObjWords& words, std::size_t line) {
     static constexpr Kind kKinds[] = {
-        {"crease", "2k/1/0 or 2k/k/0 for k edges", areOfEdges, &ObjTags::addCreases},
-        {"corner", "k/1/0 or k/k/0 for k vertices", areOfVertices, &ObjTags::addCorners},
-        {"hole", "k/0/0 for k faces", areOfFaces, &ObjTags::addHoles},
+        {"crease", "2k/1/0 or 2k/k/0 for k edges", areEdgeCounts, &ObjTags::addCreases},
+        {"corner", "k/1/0 or k/k/0 for k vertices", areVertexCounts, &ObjTags::addCorners},
+        {"hole", "k/0/0 for k faces", areFaceCounts, &ObjTags::addHoles},
         {"interpolateboundary", "1/0/0", areOneInt, &ObjTags::setBoundary},
         {"creasemethod", "0/0/1", areOneString, &ObjTags::setCreasing},
         {"smoothtriangles", "0/0/1", areOneString, &ObjTags::setTriangles}};
@@ -167,7 +170,7 @@ ObjTags::Tag ObjTags::parse(const Kind& kind, ObjWords& words, std::size_t line)
     if (!parseCounts(countsWord, counts) || !kind.fits(counts))
         fail(" has counts " + inQuotes(countsWord) + "; expected " + kind.counts);
 
-    // No memory is taken for what is only claimed.
+    // The vectors grow word by word: the claimed counts may be huge.
     Tag tag{line, {}, {}, {}};
     for (std::uint64_t i = 0; i < counts.sum(); ++i) {
         const std::string_view word = words.next();
@@ -274,7 +277,7 @@ far::Marks ObjTags::marks(const far::CellComplex& mesh, std::span<const Index> d
     for (const auto& hole : holes_)
         marks.holes.push_back(checkedNumber(hole.numbers[0], mesh.count(2), "face", hole.line));
 
-    // After the later of two marks has won: a sharpness of 0 takes an earlier one back.
+    // canonicalMarks() keeps the later of two marks; then a sharpness of 0 cancels an earlier mark.
     marks = canonicalMarks(mesh, marks);
     const auto isSmooth = [](const auto& mark) { return mark.sharpness == far::kSmooth; };
     std::erase_if(marks.edges, isSmooth);
@@ -287,7 +290,8 @@ bool isEmptyOrWhole(std::string_view text) {
     return text.empty() || parseNumber(text, ignored);
 }
 
-/// Reads "1", "1/2", "1//3" or "1/2/3", and keeps the 1.
+/// Reads the vertex, 1, of a corner "1", "1/2", "1//3" or "1/2/3". Returns false if it is
+/// malformed.
 bool parseCorner(std::string_view corner, std::int64_t& vertex) {
     const std::size_t first = corner.find('/');
     if (!parseNumber(corner.substr(0, first), vertex)) return false;
@@ -301,17 +305,17 @@ bool parseCorner(std::string_view corner, std::int64_t& vertex) {
 /// The faces or the lines of a file.
 struct Paths {
     const char* name;                      ///< "face" or "line"
-    std::vector<std::int64_t> corners;     ///< of all, from 0; may be past the last vertex
+    std::vector<std::int64_t> corners;     ///< of all paths, from 0; may exceed the last vertex
     std::vector<std::size_t> ends;         ///< per path: end of its corners
-    std::vector<std::size_t> lineNumbers;  ///< per path
+    std::vector<std::size_t> lineNumbers;  ///< per path: its line in the file
     std::size_t count() const { return ends.size(); }
 };
 
-/// An `l`, to be read when it is known that there is no face.
+/// An `l` statement. It is read only when the end of the file has shown that there is no face.
 struct LineStatement {
     ObjWords words;
     std::size_t line;
-    std::size_t vertexCount;  ///< of the vertices before it
+    std::size_t vertexCount;  ///< number of vertices before the statement
 };
 
 class ObjMeshReader {
@@ -345,7 +349,8 @@ public:
     }
 
 private:
-    /// \param vertexCount of the vertices before it
+    /// Adds a statement to `paths`.
+    /// \param vertexCount number of vertices before the statement
     void readPath(ObjWords& words, std::size_t line, std::size_t vertexCount, Paths& paths) const {
         const auto before = static_cast<std::int64_t>(vertexCount);
         for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
@@ -369,7 +374,8 @@ private:
         paths.lineNumbers.push_back(line);
     }
 
-    /// Calls add(vertices, line) for each path. What it throws of a topology gets path and line.
+    /// Calls add(vertices, line) for each path. A TopologyError that `add` throws gets the path and
+    /// line of the file.
     template <class Add>
     void forEachPath(const Paths& paths, Add add) const {
         std::vector<Index> vertices;
@@ -384,7 +390,7 @@ private:
                                "; the file has ", vertexCount()));
                 vertices.push_back(static_cast<Index>(paths.corners[corner]));
             }
-            naming(
+            withPathInErrors(
                 path_, [&] { add(vertices, paths.lineNumbers[i]); }, paths.lineNumbers[i]);
         }
     }
@@ -393,10 +399,10 @@ private:
         far::ComplexBuilder builder(2, vertexCount());
         forEachPath(faces_,
                     [&](const std::vector<Index>& loop, std::size_t) { builder.addFace(loop); });
-        return naming(path_, [&] { return builder.build(); });
+        return withPathInErrors(path_, [&] { return builder.build(); });
     }
 
-    /// \param dropped gets the vertices that are on no line; the curve lacks them
+    /// \param dropped receives the vertices that are on no line; the curve lacks them
     far::CellComplex buildCurve(std::vector<Index>& dropped) const {
         Paths lines{"line", {}, {}, {}};
         for (LineStatement statement : lineStatements_)
@@ -422,10 +428,10 @@ private:
             }
         });
         dropped = builder.dropUnusedVertices();
-        return namingWithout(path_, dropped, [&] { return builder.build(); });
+        return withPathAndDroppedInErrors(path_, dropped, [&] { return builder.build(); });
     }
 
-    /// "vertex 1" for the first.
+    /// Names a vertex as the file does: vertex 0 is "vertex 1".
     static std::string nameInFile(Index vertex) { return concat("vertex ", vertex + 1); }
 
     Index vertexCount() const { return checkedIndex(path_, mesh_.positions.size(), "vertices"); }

@@ -19,8 +19,8 @@ namespace espalier::io {
 
 namespace {
 
-/// A curve as lines, each as long as it can be: first those that begin at an end or a junction,
-/// then the closed ones, which come back to where they began.
+/// Splits a curve into lines that are as long as possible: first the lines that begin at an end or
+/// a junction, then closed lines, which end at their first vertex.
 std::vector<std::vector<Index>> linesOf(const far::CellComplex& curve) {
     const auto& edgesAt = curve.relation(0, 1);
     const auto& endsOf = curve.relation(1, 0);

@@ -19,7 +19,8 @@ std::string_view ObjWords::next() {
     return word;
 }
 
-/// Length of the white space or the continued line end that begins at `at`.
+/// Returns the length of the white space character or of the continued line end at `at`; 0 if there
+/// is neither.
 std::size_t ObjWords::blankAt(std::size_t at) const {
     if (at == rest_.size()) return 0;
     const char c = rest_[at];
@@ -32,7 +33,7 @@ std::size_t ObjWords::blankAt(std::size_t at) const {
 std::string_view readObjStatement(TextReader& reader) {
     const std::string_view first = reader.restOfLine();
     std::string_view last = first;
-    // Paths in comments may end in a backslash; what follows them is not theirs.
+    // A comment may end in a backslash, as in a path; it does not continue on the next line.
     while (last.ends_with('\\') && last.find('#') == std::string_view::npos)
         last = reader.restOfLine();
     return {first.data(), static_cast<std::size_t>(last.data() + last.size() - first.data())};
@@ -42,10 +43,10 @@ std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& pa
                                 std::size_t line) {
     constexpr std::string_view kKeywords[] = {
         "v", "f", "fo", "vt", "vn", "t", "l", "p", "vp", "g", "s", "o", "mg", "usemtl", "mtllib",
-        // Free-form curves and surfaces.
+        // free-form curves and surfaces
         "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv",
         "sp", "end", "con", "bsp", "bzp", "cdc", "cdp", "res",
-        // Display, and others.
+        // display, and others
         "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech",
         "maplib", "usemap", "call", "csh"};
     const std::string_view word = words.next();

@@ -9,21 +9,21 @@
 #include <filesystem>
 #include <string_view>
 
-// How the text of an OBJ is cut up: into statements, of a line or of several that a backslash
-// joins, and these into words.
+// Splits the text of an OBJ into statements, and statements into words. A statement is one line, or
+// several lines that backslashes join.
 
 namespace espalier::io {
 
 /// The words of a statement, up to a comment.
 class ObjWords {
 public:
-    /// \param statement without its line end, but with those that a backslash continues
+    /// \param statement without its last line end, but with line ends after a backslash
     explicit ObjWords(std::string_view statement) : rest_(statement) {}
 
-    /// The next word; empty when there is none.
+    /// Returns the next word; empty if there is none.
     std::string_view next();
 
-    /// The end of the statement, comment included.
+    /// Returns the end of the statement, behind its comment.
     const char* end() const { return rest_.data() + rest_.size(); }
 
 private:
@@ -32,11 +32,11 @@ private:
     std::string_view rest_;
 };
 
-/// Reads lines to the end of a statement.
+/// Reads a statement, which may go on over several lines.
 std::string_view readObjStatement(TextReader& reader);
 
-/// Calls visit(words, line) for each statement of a file; `line` is that on which it begins. Passes
-/// over a byte order mark.
+/// Calls visit(words, line) for each statement of a file; the statement begins on `line`. Skips a
+/// byte order mark.
 template <class Visit>
 void forEachObjStatement(const std::filesystem::path& path, std::string_view text, Visit visit) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -48,21 +48,22 @@ void forEachObjStatement(const std::filesystem::path& path, std::string_view tex
     }
 }
 
-/// The first word of a statement; empty if there is none.
-/// \param words of the whole statement
-/// \throws FileError if it is no keyword of the OBJ specification (version 3.0, those that it
-///         supersedes included), and not the `t` of OpenSubdiv's tags
+/// Reads the first word of a statement; empty if there is none.
+/// \param words words of the whole statement
+/// \throws FileError if the word is neither a keyword of the OBJ specification (version 3.0,
+///         including superseded ones) nor the `t` of OpenSubdiv's tags
 std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
                                 std::size_t line);
 
 struct ObjPoint {
     Point3 position;
-    std::array<std::string_view, 3> words;  ///< what gave x, y and z
+    std::array<std::string_view, 3> words;  ///< the text of x, y and z
 };
 
-/// The point of a `v`. What follows it, w or a colour, is checked to be numbers and not kept.
-/// \param words those after the `v`
-/// \throws FileError if one is not a number, or a coordinate is missing or not finite
+/// Reads the point of a `v` statement. The words after it, w or a colour, must be numbers and are
+/// not kept.
+/// \param words the words after the `v`
+/// \throws FileError if a word is not a number, or a coordinate is missing or not finite
 ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::size_t line);
 
 }  // namespace espalier::io

@@ -22,7 +22,7 @@
 namespace espalier::io {
 namespace {
 
-/// Three numbers of each vertex, and where in the bytes of the file they are.
+/// A vector of each vertex, and the offsets of its numbers in the file.
 struct PlyVectors {
     std::array<Precision, 3> precisions;
     std::vector<Point3> values;
@@ -31,11 +31,11 @@ struct PlyVectors {
 
 struct PlyPoints {
     PlyVectors positions;
-    /// Of the header's directions, in their order. What cannot be read as a number is NaN.
+    /// One entry for each direction of the header. A word that is no number is NaN.
     std::vector<PlyVectors> directions;
 };
 
-/// Walks through the rows of all elements, and gathers the points among them.
+/// Reads the rows of all elements, and collects the points and directions.
 class RowReader {
 public:
     /// \param path, bytes, header must outlive the reader
@@ -53,7 +53,7 @@ public:
     PlyPoints read() {
         for (const PlyElement& element : header_.elements) {
             isVertex_ = &element == &header_.vertices();
-            // Rows without properties leave no trace in a file.
+            // Rows without properties have no bytes in the file.
             if (element.properties.empty()) continue;
             checkClaim(element);
             if (!isVertex_ && skipRows(element)) continue;
@@ -67,25 +67,25 @@ public:
     }
 
 protected:
-    /// Fails if the bytes that are left cannot hold the rows, however short their lists are.
+    /// Throws if the remaining bytes cannot hold the rows of an element even with empty lists.
     virtual void checkClaim(const PlyElement& element) const = 0;
 
-    /// Steps over all rows of an element, if that is possible without looking at each.
+    /// Skips all rows of an element if they need not be read one by one, and returns true then.
     virtual bool skipRows(const PlyElement& element) = 0;
 
     virtual void readRow(const PlyElement& element) = 0;
 
-    /// Fails if more than blank lines (ASCII) or a line end (binary) follow the last row.
+    /// Throws if anything but blank lines (ASCII) or one line end (binary) follows the last row.
     virtual void checkEnd() = 0;
 
-    /// What a column of the vertices belongs to.
+    /// The vector and axis that a column of the vertices belongs to.
     struct Slot {
-        PlyVectors* vectors = nullptr;  ///< null for what is passed over
+        PlyVectors* vectors = nullptr;  ///< null if the column is skipped
         std::size_t axis = 0;
         Precision precision() const { return vectors->precisions[axis]; }
     };
 
-    /// \return null if a column of the current element is passed over
+    /// \return null if a column of the current element is skipped
     const Slot* slotOf(std::size_t column) const {
         return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
     }
@@ -97,7 +97,7 @@ protected:
         slot.vectors->places[row_][slot.axis] = place;
     }
 
-    /// How a message begins that finds fewer rows than the header claims.
+    /// Returns the beginning of a message about too few rows.
     static std::string claimOf(const PlyElement& element) {
         return concat("the file ends; the header claims ", element.count, " rows of the element ",
                       inQuotes(element.name));
@@ -106,7 +106,7 @@ protected:
     const std::filesystem::path& path_;
     const std::string_view bytes_;
     const PlyHeader& header_;
-    std::size_t row_ = 0;  ///< of the current element
+    std::size_t row_ = 0;  ///< current row of the current element
 
 private:
     void setSlots(const std::array<std::size_t, 3>& columns, PlyVectors& vectors) {
@@ -120,7 +120,7 @@ private:
     }
 
     PlyPoints points_;
-    std::vector<Slot> slots_;  ///< of the columns of the vertices
+    std::vector<Slot> slots_;  ///< one for each column of the vertices
     bool isVertex_ = false;
 };
 
@@ -132,7 +132,7 @@ public:
 
 private:
     void checkClaim(const PlyElement& element) const override {
-        // A number and what parts it from the next are two bytes.
+        // A number and its separator have at least two bytes.
         const std::string rows = "the number of rows of the element " + inQuotes(element.name);
         lines_.checkRoom(element.count, 2 * element.properties.size(), rows.c_str());
     }
@@ -239,8 +239,8 @@ private:
                         rest.size(), " more bytes"));
     }
 
-    /// Moves on by `count` numbers of `size` bytes.
-    /// \return where they begin
+    /// Skips `count` numbers of `size` bytes.
+    /// \return offset of the first of them
     std::size_t take(std::uint64_t count, std::size_t size, const PlyProperty& property) {
         if (count > (bytes_.size() - at_) / size)
             fail(concat("the file ends; expected ", count, " numbers of ", size,
@@ -270,13 +270,13 @@ private:
     std::endian order_;
 };
 
-/// Walks through all rows of a PLY file.
+/// Reads all rows of a PLY file. Memory is allocated only for points that the file has bytes for,
+/// whatever the header claims.
 ///
 /// \param path for messages
 /// \param bytes the whole file
 /// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
-/// than the header claims, if one is malformed, or if a position is not finite
-/// \cost   takes memory for as many points as there are bytes for, whatever the header claims
+///         than the header claims, if a row is malformed, or if a position is not finite
 PlyPoints readPlyRows(const std::filesystem::path& path, std::string_view bytes,
                       const PlyHeader& header) {
     if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header).read();

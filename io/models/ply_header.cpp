@@ -130,7 +130,8 @@ private:
         addDirection(*found, {"tx", "ty", "tz"}, carryTangent);
     }
 
-    /// Nothing, unless each of the names is that of one property, which holds a real number.
+    /// Adds a direction if the vertices have exactly one property of each name, and it holds a real
+    /// number.
     void addDirection(const PlyElement& vertex, const std::array<std::string_view, 3>& names,
                       Carry carry) {
         PlyDirection direction{{}, carry};

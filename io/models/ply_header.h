@@ -21,50 +21,51 @@ enum class PlyFormat { Ascii, BinaryLittleEndian, BinaryBigEndian };
 struct PlyProperty {
     std::string name;
     NumberType type = NumberType::Float32;
-    std::optional<NumberType> lengthType;  ///< of a list: an integer type
+    std::optional<NumberType> lengthType;  ///< integer type of the length, if this is a list
 };
 
-/// A table: `count` rows of the properties.
+/// An element of a PLY file: a table with `count` rows and a column for each property.
 struct PlyElement {
     std::string name;
     std::size_t count = 0;
     std::vector<PlyProperty> properties;
 
-    /// Bytes of a row in the binary formats, when its lists are empty.
+    /// Returns the size of a row in bytes in the binary formats, if its lists are empty.
     std::size_t smallestRow() const;
     bool hasLists() const;
 };
 
-/// Properties of the vertices that together are a direction.
+/// Three properties of the vertices that form a direction.
 struct PlyDirection {
-    std::array<std::size_t, 3> columns;  ///< which properties
+    std::array<std::size_t, 3> columns;  ///< numbers of the properties
     Carry carry;
 };
 
-/// What the rows of a PLY file hold, as its header says; the file may hold less.
+/// The header of a PLY file. The file may have fewer rows than the header claims.
 struct PlyHeader {
     PlyFormat format = PlyFormat::Ascii;
     std::vector<PlyElement> elements;
-    std::size_t vertexElement = 0;         ///< which element has the points
-    std::array<std::size_t, 3> axes = {};  ///< which of its properties are x, y and z
+    std::size_t vertexElement = 0;         ///< number of the element that has the points
+    std::array<std::size_t, 3> axes = {};  ///< numbers of its properties x, y and z
     std::vector<PlyDirection> directions;
     std::size_t size = 0;  ///< bytes of the header
     std::size_t lineCount = 0;
 
     const PlyElement& vertices() const { return elements[vertexElement]; }
 
-    /// How properties of the vertices, of real types, are held.
+    /// Returns the precisions of three properties of the vertices. The properties must be real
+    /// numbers.
     std::array<Precision, 3> precisions(const std::array<std::size_t, 3>& columns) const;
 
-    /// Of the binary formats.
+    /// Returns the byte order of a binary format.
     std::endian byteOrder() const;
 };
 
-/// Reads the header at the begin of `bytes`.
+/// Reads the header at the beginning of `bytes`.
 ///
 /// \param path for messages
-/// \throws FileError with the line, if it is malformed, or if it has not one element `vertex` with
-/// properties x, y and z of type float or double
+/// \throws FileError with the line, if the header is malformed, or does not have exactly one
+///         element `vertex` with properties x, y and z of type float or double
 PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace espalier::io

@@ -28,7 +28,7 @@ constexpr std::size_t kFirstFacet = kHeaderSize + sizeof(std::uint32_t);
 constexpr std::size_t kVectorSize = 3 * sizeof(float);
 constexpr std::size_t kFacetSize = 4 * kVectorSize + 2;
 
-/// b - a, with its largest component scaled to 1; 0 stays 0.
+/// Returns b - a, scaled so that its largest component is 1; 0 stays 0.
 Point3 direction(const Point3& a, const Point3& b) {
     Point3 result{};
     double largest = 0;
@@ -40,7 +40,8 @@ Point3 direction(const Point3& a, const Point3& b) {
     return result;
 }
 
-/// The unit normal of a facet that is seen counterclockwise; 0 if its corners are on a line.
+/// Returns the unit normal on the side from which the corners run counterclockwise; 0 if they lie
+/// on a line.
 Point3 facetNormal(std::span<const Point3, 3> corners) {
     const Point3 u = direction(corners[0], corners[1]);
     const Point3 v = direction(corners[0], corners[2]);
@@ -49,11 +50,11 @@ Point3 facetNormal(std::span<const Point3, 3> corners) {
     const double length = std::hypot(normal[0], normal[1], normal[2]);
     // Both directions have components of at most 1: a product below this is rounding error.
     if (!(length > 4 * std::numeric_limits<double>::epsilon())) return {0, 0, 0};
-    // Adding 0 turns a negative zero into a positive one.
+    // Adding 0 turns −0 into +0.
     return {normal[0] / length + 0.0, normal[1] / length + 0.0, normal[2] / length + 0.0};
 }
 
-/// What the two kinds share: corners, and which facets move.
+/// The base of both kinds of STL: holds the corners, and tells which facets move.
 class StlModel : public Model {
 public:
     std::span<const Point3> positions() const override { return positions_; }
@@ -102,8 +103,8 @@ private:
                     rounded[corner][axis] =
                         roundTo(Precision::Float, corners[corner][axis], 3 * facet + corner);
             if (!isMoved(facet, rounded)) continue;
-            // The normal is that of the corners before they were rounded: rounding may turn a small
-            // facet, and takes three corners off the line that they were on.
+            // The normal is computed from the corners before rounding: rounding may turn a small
+            // facet, or give a direction to one whose corners lie on a line.
             storeVector(bytes, normalPlace(facet), facetNormal(corners));
             for (std::size_t corner = 0; corner < 3; ++corner)
                 storeVector(bytes, placeOf(3 * facet + corner, 0), rounded[corner]);
@@ -120,7 +121,7 @@ private:
     }
 };
 
-/// Some programs write the keywords in capitals.
+/// An ASCII STL. Keywords may be in upper case, as some programs write them.
 class AsciiStl final : public StlModel {
 public:
     AsciiStl(const std::filesystem::path& path, std::string bytes) : StlModel(std::move(bytes)) {
@@ -152,7 +153,7 @@ private:
 
     void readFacet(TextReader& reader, const std::filesystem::path& path) {
         expect(reader, "normal");
-        // Not read as numbers: they are not used, and some programs write what is none.
+        // The words are not parsed: they are not used, and some programs write no numbers here.
         for (std::string_view& word : normals_.emplace_back())
             word = reader.token("a component of a normal");
         expect(reader, "outer");
@@ -196,9 +197,9 @@ private:
         }
     }
 
-    // Words of bytes_, which stays where it is: a model is not copied or moved.
-    std::vector<Place> places_;   ///< one a point
-    std::vector<Place> normals_;  ///< one a facet
+    // Views of bytes_. They stay valid because a model is never copied or moved.
+    std::vector<Place> places_;   ///< one per point
+    std::vector<Place> normals_;  ///< one per facet
 };
 
 bool beginsWithSolid(std::string_view bytes) {
@@ -214,7 +215,7 @@ std::unique_ptr<Model> readStl(const std::filesystem::path& path, std::string by
         binarySize += kFacetSize * std::uint64_t{loadNumber<std::uint32_t>(
                                        bytes.data() + kHeaderSize, std::endian::little)};
     if (bytes.size() == binarySize) return std::make_unique<BinaryStl>(path, std::move(bytes));
-    // No text holds a byte 0, and hardly a binary file does not.
+    // A text has no byte 0, and nearly every binary file has one.
     if (beginsWithSolid(bytes) && bytes.find('\0') == std::string::npos)
         return std::make_unique<AsciiStl>(path, std::move(bytes));
     throw FileError(path,

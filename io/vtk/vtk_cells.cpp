@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kVtkVoxel = 11;
 
-/// Of a standard cell: a hexahedron has the most.
+/// The largest number of edges of a standard cell; a hexahedron has it.
 constexpr std::size_t kMaxEdges = 12;
 
 struct CellType {
@@ -60,22 +60,22 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
     std::vector<Index> checked;
     for (const std::int64_t vertex : vertices) checked.push_back(checkedVertex(vertex));
     if (type == kVtkVoxel && checked.size() == 8) {
-        // A voxel has its vertices in the order of x, y, z.
+        // A voxel orders its vertices by z, then y, then x; a hexahedron goes around its faces.
         std::swap(checked[2], checked[3]);
         std::swap(checked[6], checked[7]);
     }
-    naming(path_, [&] { return builder_.addCell(*kind, checked); });
+    withPathInErrors(path_, [&] { return builder_.addCell(*kind, checked); });
     ++cellCount_;
-    mostEdges_ += kMaxEdges;
+    maxEdges_ += kMaxEdges;
 }
 
 void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops) {
     std::vector<std::vector<Index>> checked(loops.size());
     for (std::size_t i = 0; i < loops.size(); ++i)
         for (const std::int64_t vertex : loops[i]) checked[i].push_back(checkedVertex(vertex));
-    naming(path_, [&] { return builder_.addCell(checked); });
+    withPathInErrors(path_, [&] { return builder_.addCell(checked); });
     ++cellCount_;
-    for (const auto& loop : loops) mostEdges_ += loop.size();
+    for (const auto& loop : loops) maxEdges_ += loop.size();
 }
 
 void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {

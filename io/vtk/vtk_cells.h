@@ -11,23 +11,23 @@
 #include <utility>
 #include <vector>
 
-// What VTK's XML and legacy formats have in common: the cells of an unstructured grid.
+// The cells of an unstructured grid, which VTK's XML and legacy formats write alike.
 
 namespace espalier::io {
 
 inline constexpr std::int64_t kVtkPolyhedron = 42;
 
-/// Makes the cells of a complex from those of a VTK file: types 10 (tetrahedron), 11 (voxel),
-/// 12 (hexahedron), 13 (wedge), 14 (pyramid) and 42 (polyhedron).
+/// Builds a complex from the cells of a VTK file: types 10 (tetrahedron), 11 (voxel), 12
+/// (hexahedron), 13 (wedge), 14 (pyramid) and 42 (polyhedron).
 ///
 /// All functions throw FileError, or TopologyError with the path in its message.
 class VtkCellReader {
 public:
-    /// \param vertexCount of the whole lattice
+    /// \param vertexCount number of vertices of the whole lattice
     VtkCellReader(std::filesystem::path path, Index vertexCount)
         : path_(std::move(path)), builder_(3, vertexCount), pieceVertexCount_(vertexCount) {}
 
-    /// From now on, cells name the vertices of a piece of the lattice, from 0.
+    /// Begins a piece of the lattice. Cells added from now on number its vertices from 0.
     void beginPiece(Index firstVertex, Index vertexCount);
 
     /// Adds a cell of any type but 42.
@@ -36,14 +36,14 @@ public:
     /// Adds a polyhedron by its loops.
     void addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops);
 
-    /// Adds a polyhedron by its face stream: number of faces, then for each the number of its
-    /// vertices and these.
+    /// Adds a polyhedron by its face stream: the number of faces, then for each face the number of
+    /// its vertices and the vertices.
     void addPolyhedron(std::span<const std::int64_t> faceStream);
 
-    /// An upper bound of the number of edges of the cells so far.
-    std::size_t mostEdges() const { return mostEdges_; }
+    /// Returns an upper bound of the number of edges of the cells so far.
+    std::size_t maxEdges() const { return maxEdges_; }
 
-    /// The builder with the cells; this has none from then on.
+    /// Returns the builder with the cells. The reader must not be used afterwards.
     far::ComplexBuilder takeBuilder() { return std::move(builder_); }
 
 private:
@@ -55,23 +55,24 @@ private:
     Index firstVertex_ = 0;
     Index pieceVertexCount_ = 0;
     Index cellCount_ = 0;
-    std::size_t mostEdges_ = 0;
+    std::size_t maxEdges_ = 0;
 };
 
-/// The cells of a lattice as VTK's files name them. Standard cells have types of their own, all
-/// others are polyhedra.
+/// The cells of a lattice as arrays of a VTK file. Standard cells have their own types; all other
+/// cells are polyhedra.
 struct VtkCells {
-    std::vector<std::int64_t> types;         ///< one a cell
+    std::vector<std::int64_t> types;         ///< one per cell
     std::vector<std::int64_t> connectivity;  ///< the vertices of each cell
-    std::vector<std::int64_t> offsets;       ///< one a cell: where its vertices end
+    std::vector<std::int64_t> offsets;       ///< one per cell: end of its vertices
     std::vector<std::int64_t> faces;         ///< the face stream of each polyhedron
-    std::vector<std::int64_t> faceOffsets;   ///< one a cell: where its faces end; −1 where VTK's
-                                             ///< formats want it, for all but polyhedra
+    std::vector<std::int64_t> faceOffsets;   ///< one per cell: end of its face stream; −1 for
+                                             ///< standard cells, as VTK's formats require
 
     bool havePolyhedra() const { return !faces.empty(); }
 };
 
-/// \param complex of dimension 3
+/// Returns the cells of a lattice as arrays of a VTK file.
+/// \param complex complex of dimension 3
 VtkCells vtkCells(const far::CellComplex& complex);
 
 }  // namespace espalier::io

@@ -10,8 +10,9 @@
 #include <string_view>
 
 /// \file
-/// Lattices in VTK's legacy files of unstructured grids (.vtk). Marks and attributes have the names
-/// and conventions of .vtu files (vtu.h); those of edges are in the FIELD of the data set.
+/// Reads and writes lattices in VTK's legacy files of unstructured grids (.vtk). Marks and
+/// attributes have the names and conventions of .vtu files (vtu.h); marks of edges are in the FIELD
+/// of the data set.
 
 namespace espalier::io {
 
@@ -19,14 +20,14 @@ namespace espalier::io {
 /// 12, 13, 14 and 42.
 ///
 /// SCALARS, VECTORS, NORMALS, TEXTURE_COORDINATES, TENSORS and the arrays of FIELD in POINT_DATA
-/// become attributes, or Lattice::integers if their type is one of integers. vtkGhostType, arrays
-/// that are not of numbers, colours, ids, lookup tables, METADATA and all
-/// of CELL_DATA are skipped. Vertices that no cell uses are dropped, and the others numbered
-/// without them; else vertices and cells keep their numbers.
+/// become attributes, or Lattice::integers if they have an integer type. The reader skips
+/// vtkGhostType, arrays without numbers, colours, ids, lookup tables, METADATA and all of
+/// CELL_DATA. Vertices that no cell uses are dropped, and the vertices after them get lower
+/// numbers. Cells keep their numbers.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param notes gets the dropped vertices, unless it is null
+/// \param notes receives the dropped vertices; may be null
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes,
@@ -36,7 +37,7 @@ ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::strin
 /// and integers bit for bit, integers with their type, marks in canonical order.
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
-///         file cannot be written; TopologyError if a mark names what is not there
+///         file cannot be written; TopologyError if a mark names an entity that does not exist
 ESPALIER_API void writeVtkLegacy(const std::filesystem::path& path, const Lattice& lattice);
 
 }  // namespace espalier::io

@@ -22,8 +22,8 @@
 namespace espalier::io {
 namespace {
 
-/// Reads the parts that legacy VTK files are made of: words, and arrays of numbers that are text or
-/// big-endian binary data. Every error is a FileError with path and line.
+/// Reads words and arrays of numbers from a legacy VTK file; the numbers are text or big-endian
+/// binary data. Every error is a FileError with path and line.
 class LegacyData {
 public:
     /// \param text must outlive the reader
@@ -32,17 +32,18 @@ public:
     TextReader& text() { return text_; }
     void setBinary(bool isBinary) { isBinary_ = isBinary; }
 
-    /// The next keyword, in lower case.
+    /// Reads the next keyword, and returns it in lower case.
     std::string keyword(const char* what) { return lowerCase(text_.token(what)); }
 
-    /// \throws FileError if the next word is another one, in upper or lower case
+    /// Reads the next word.
+    /// \throws FileError if the word is not `word`, in upper or lower case
     void expect(const char* word) {
         const std::string got(text_.token(word));
         if (lowerCase(got) != lowerCase(word))
             text_.fail("expected " + std::string(word) + ", got " + inQuotes(got));
     }
 
-    /// A name, with its "%20" and the like resolved.
+    /// Reads a name, and decodes "%20" and the like.
     std::string name() {
         const std::string_view token = text_.token("a name");
         std::string name;
@@ -60,8 +61,9 @@ public:
         return name;
     }
 
-    /// `count` numbers of a type in lower case: "float".
-    /// \throws FileError if the type is unknown, or not of this kind, or so many are not there
+    /// Reads `count` numbers.
+    /// \param type in lower case: "float"
+    /// \throws FileError if the type is unknown or not of this kind, or if fewer numbers are left
     template <class Value>
     std::vector<Value> numbers(const std::string& type, std::size_t count, const char* what) {
         const std::optional<NumberType> number = numberOfLegacyName(type);
@@ -82,7 +84,7 @@ public:
         return values;
     }
 
-    /// `count` numbers of any type; nothing if they are bits or strings, which are skipped.
+    /// Reads `count` numbers of any type. Skips bits and strings, and returns nothing for them.
     std::optional<std::vector<double>> values(const std::string& type, std::size_t count,
                                               const char* what) {
         if (type == "bit")
@@ -99,7 +101,7 @@ public:
         numbers<double>(isBinary_ ? "unsigned_char" : "float", count, "a colour");
     }
 
-    /// Skips METADATA, whose keyword has been read, to the empty line at its end.
+    /// Skips METADATA after its keyword, up to the empty line at its end.
     void skipMetadata() {
         text_.restOfLine();
         while (text_.remaining() > 0 &&
@@ -128,8 +130,8 @@ private:
         }
     }
 
-    /// The two highest bits of the first byte say how many bytes the length takes: 8, 4, 2 or 1.
-    /// The other bits of those are the length.
+    /// Skips a string with its length. The two highest bits of the first byte give the size of the
+    /// length: 8, 4, 2 or 1 bytes. The other bits of these bytes are the length.
     void skipBinaryString() {
         const auto byte = [](std::string_view bytes) {
             return static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[0]));
@@ -164,7 +166,7 @@ public:
     }
 
 private:
-    /// What the arrays that follow belong to.
+    /// The owner of the arrays that follow.
     enum class Owner { DataSet, Points, Cells };
 
     TextReader& text() { return data_.text(); }
@@ -218,7 +220,8 @@ private:
             pointsOf(data_.numbers<double>(type, saturatingProduct(3, count), "a coordinate"));
     }
 
-    /// Before version 5: for each cell the number of its vertices, and these.
+    /// Reads CELLS in the layout before version 5: for each cell, the number of its vertices, then
+    /// the vertices.
     void readCellsBySizes() {
         const std::size_t count = text().count("the number of cells", 1);
         const std::size_t size = text().count("the size of CELLS", 1);
@@ -241,7 +244,8 @@ private:
                 concat("CELLS has ", list.size(), " numbers, of which ", at, " belong to cells"));
     }
 
-    /// Since version 5: offsets, with one more than there are cells, and vertices.
+    /// Reads CELLS in the layout since version 5: one offset per cell and one for the end, then the
+    /// vertices.
     void readCellsByOffsets() {
         const std::size_t offsetCount = text().count("the number of offsets", 1);
         const std::size_t size = text().count("the size of CONNECTIVITY", 1);
@@ -310,7 +314,7 @@ private:
         failAt(keyword);
     }
 
-    /// A number in the rest of the line, if there is one.
+    /// Reads a number from the rest of the line; returns `otherwise` if the line is empty.
     std::size_t optionalCount(std::size_t otherwise) {
         std::string_view rest = text().restOfLine();
         const std::string_view word = takeWord(rest);
@@ -418,13 +422,13 @@ private:
     Owner owner_ = Owner::DataSet;
     std::size_t tupleCount_ = 0;
 
-    std::vector<std::int64_t> cellOffsets_;  ///< cell c is connectivity_[c] to [c + 1]
+    std::vector<std::int64_t> cellOffsets_;  ///< cell c begins in connectivity_ at cellOffsets_[c]
     std::vector<std::int64_t> connectivity_;
     std::vector<std::int64_t> types_;
     std::vector<double> vertexSharpness_;
     std::vector<double> edgeVertices_;
     std::vector<double> edgeSharpness_;
-    Lattice lattice_;  ///< without its complex
+    Lattice lattice_;  ///< the lattice without its complex
 };
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace espalier::io {
 namespace {
 
-/// A name as one word: characters that could end it are written as "%20" and the like.
+/// Returns a name as one word. Characters that could end the word become "%20" and the like.
 std::string encodedName(const std::string& name) {
     constexpr std::string_view kDigits = "0123456789ABCDEF";
     std::string result;
@@ -92,7 +92,7 @@ private:
             array(integers.name, components, type, integers.values);
     }
 
-    /// One line a cell. A polyhedron is given by its face stream.
+    /// Writes one line per cell. A polyhedron is written as its face stream.
     void writeCells(const VtkCells& cells) {
         std::vector<std::span<const std::int64_t>> lines;
         std::size_t numberCount = 0;

@@ -17,7 +17,7 @@
 namespace espalier::io {
 namespace {
 
-/// As VTK's own writer.
+/// Size of an uncompressed block in bytes; VTK's own writer uses the same.
 constexpr std::size_t kBlockSize = 32768;
 
 /// Reads the bytes and header words of one array, raw or in base64.
@@ -28,7 +28,7 @@ public:
         if (form == PayloadForm::Base64) base64_.emplace(text);
     }
 
-    std::size_t mostLeft() const { return base64_ ? base64_->mostLeft() : raw_.left(); }
+    std::size_t maxLeft() const { return base64_ ? base64_->maxLeft() : raw_.left(); }
     std::string read(std::uint64_t count) {
         if (base64_) return base64_->read(count);
         if (count > raw_.left())
@@ -46,7 +46,7 @@ public:
 private:
     VtkCoding coding_;
     ByteInput raw_;
-    std::optional<Base64Reader> base64_;  ///< instead, if there is one
+    std::optional<Base64Reader> base64_;  ///< read instead of raw_, if present
 };
 
 std::string decodeCompressed(PayloadReader& reader) {
@@ -54,13 +54,13 @@ std::string decodeCompressed(PayloadReader& reader) {
     if (blockCount == 0) return {};
     const std::uint64_t blockSize = reader.readWord();
     const std::uint64_t lastSize = reader.readWord();
-    if (blockCount > reader.mostLeft() / reader.wordSize())
+    if (blockCount > reader.maxLeft() / reader.wordSize())
         throw CodingError(concat("the data claims ", blockCount, " compressed blocks; at most ",
-                                 reader.mostLeft(), " bytes are left"));
+                                 reader.maxLeft(), " bytes are left"));
     std::vector<std::uint64_t> compressedSizes(blockCount);
     for (std::uint64_t& size : compressedSizes) size = reader.readWord();
     requireMemory(std::min(saturatingProduct(blockCount, blockSize),
-                           saturatingProduct(kMaxInflation, reader.mostLeft())),
+                           saturatingProduct(kMaxInflation, reader.maxLeft())),
                   "its data");
     std::string bytes;
     for (std::uint64_t block = 0; block < blockCount; ++block) {
@@ -96,7 +96,7 @@ std::string encodeCompressed(std::string_view bytes, const VtkCoding& coding) {
         const std::size_t before = blocks.size();
         uLongf size = ::compressBound(plain.size());
         blocks.resize(before + size);
-        // For want of nothing but memory, as there is room for the worst case.
+        // The output has room for the worst case, so only a lack of memory can make this fail.
         if (::compress(reinterpret_cast<Bytef*>(blocks.data() + before), &size,
                        reinterpret_cast<const Bytef*>(plain.data()), plain.size()) != Z_OK)
             throw std::bad_alloc();

@@ -6,18 +6,19 @@
 #include <string>
 #include <string_view>
 
-// How VTK's XML files code the bytes of an array: a header of 32- or 64-bit words, then the bytes.
+// Encodes and decodes the bytes of an array in VTK's XML files: a header of 32- or 64-bit words,
+// then the bytes.
 //
 //     without compression   [number of bytes]  bytes
 //     with compression      [n blocks] [bytes of a block] [bytes of the last one, 0 if whole]
 //                           [compressed bytes of block 0] ... [of block n − 1]  blocks
 //
-// Both may be in base64. There the header of compressed data is a stream of its own, padded; that
-// of other data is not.
+// Both may be in base64. Then the header of compressed data is a separate, padded base64 stream;
+// uncompressed data is one stream with its header.
 
 namespace espalier::io {
 
-/// The choices that a file makes once, for all its arrays.
+/// The encoding that all arrays of a file share.
 struct VtkCoding {
     std::endian byteOrder = std::endian::little;
     bool has64BitHeader = true;  ///< header_type UInt64, else UInt32
@@ -26,19 +27,19 @@ struct VtkCoding {
 
 enum class PayloadForm { Raw, Base64 };
 
-/// The number of bytes that the header of one array claims. Nothing behind the header is decoded.
+/// Returns the number of bytes that the header of an array claims. Only the header is decoded.
 /// \throws CodingError if the header is malformed
 std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCoding& coding);
 
-/// The bytes of one array.
+/// Returns the bytes of one array.
 ///
 /// \param text begins with the array, and may go on beyond it
-/// \throws CodingError if the array is malformed, or claims more than there is
-/// \cost takes no more memory than zlib can make of `text`
+/// \throws CodingError if the array is malformed, or claims more bytes than `text` can hold
+/// \cost at most the memory that zlib can inflate from `text`
 std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding);
 
-/// The bytes of one array in base64, as decodePayload() takes them.
-/// \throws CodingError if they are too many for a 32-bit header
+/// Encodes the bytes of one array in base64: the inverse of decodePayload().
+/// \throws CodingError if there are too many bytes for a 32-bit header
 std::string encodePayload(std::string_view bytes, const VtkCoding& coding);
 
 }  // namespace espalier::io

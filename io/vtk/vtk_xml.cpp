@@ -66,11 +66,11 @@ std::string VtkXmlFile::payload(const VtkDataArray& array, const Expected& expec
     const std::size_t begin = isAppended ? appendedBegin_ + array.offset : array.contentBegin;
     const std::size_t end = isAppended ? appendedEnd_ : array.contentEnd;
     const std::string_view text = bytes.substr(begin, end - begin);
-    // Writers leave out the header of an array that holds nothing.
+    // Some writers omit the header of an empty array.
     if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return {};
     try {
         const PayloadForm form = isAppended ? appendedForm_ : PayloadForm::Base64;
-        // A small file can claim a large array: the claim is compared before anything is inflated.
+        // A small file can claim a large array, so the claimed size is checked before inflating.
         checkCount(array, claimedSize(text, form, coding_) / byteSize(*array.type), expected);
         return decodePayload(text, form, coding_);
     } catch (const CodingError& error) {
@@ -107,10 +107,10 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array, const Expected&
 void VtkXmlFile::checkCount(const VtkDataArray& array, std::size_t got,
                             const Expected& expected) const {
     const std::size_t tuples = got / expected.components;
-    if (tuples >= expected.leastTuples && tuples <= expected.mostTuples) return;
+    if (tuples >= expected.minTuples && tuples <= expected.maxTuples) return;
     std::string text = concat("has ", got, " numbers; expected ");
-    if (expected.leastTuples < expected.mostTuples) text += "at most ";
-    text += std::to_string(expected.mostTuples);
+    if (expected.minTuples < expected.maxTuples) text += "at most ";
+    text += std::to_string(expected.maxTuples);
     if (expected.components > 1) text += concat(" times ", expected.components);
     if (!expected.reason.empty()) text += ", " + std::string(expected.reason);
     failIn(array, text);
@@ -131,10 +131,9 @@ std::vector<std::int64_t> VtkXmlFile::list(const VtkDataArray& array, std::size_
     return values<std::int64_t>(array, {count, count, 1, reason});
 }
 
-std::vector<std::int64_t> VtkXmlFile::integersUpTo(const VtkDataArray& array,
-                                                   std::size_t mostTuples,
+std::vector<std::int64_t> VtkXmlFile::integersUpTo(const VtkDataArray& array, std::size_t maxTuples,
                                                    std::string_view reason) const {
-    return values<std::int64_t>(array, {0, mostTuples, array.components, reason});
+    return values<std::int64_t>(array, {0, maxTuples, array.components, reason});
 }
 
 void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {
@@ -158,7 +157,8 @@ void append(std::string& text, Number number) {
     text.append(digits, end);
 }
 
-/// One tuple a line, or some more of short ones.
+/// Returns numbers as lines of text, with one tuple per line, or 12 numbers if a tuple is a single
+/// number.
 template <class Value>
 std::string asciiLines(const VtkArrayHead& head, std::span<const Value> values,
                        std::string_view indent) {

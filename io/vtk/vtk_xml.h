@@ -16,7 +16,7 @@
 #include "../files/number_types.h"
 #include "vtk_payload.h"
 
-// VTK's XML files: what arrays there are, where they are, and the numbers in them.
+// Reads VTK's XML files: finds their arrays, and decodes the numbers in them.
 //
 //     VTKFile > UnstructuredGrid > FieldData > DataArray ...
 //                                  Piece ... > PointData, CellData, Points, Cells > DataArray ...
@@ -30,15 +30,15 @@ struct VtkDataArray {
 
     std::string name;
     std::optional<NumberType> type;  ///< none for "String" and "Bit", which cannot be read
-    std::size_t components = 1;      ///< numbers a tuple, at least 1
+    std::size_t components = 1;      ///< numbers per tuple, at least 1
     Format format = Format::Ascii;
-    std::size_t offset = 0;  ///< of an appended array, in the appended data
-    std::size_t line = 1;    ///< where the element begins
+    std::size_t offset = 0;  ///< offset of an appended array in the appended data
+    std::size_t line = 1;    ///< line on which the element begins
 
-    // Places among the bytes of the file.
-    std::size_t begin = 0;         ///< of the element, "<"
-    std::size_t end = 0;           ///< one past its end, ">"
-    std::size_t contentBegin = 0;  ///< of the numbers of an inline array
+    // Offsets in the bytes of the file.
+    std::size_t begin = 0;         ///< the "<" of the element
+    std::size_t end = 0;           ///< one past the ">" at its end
+    std::size_t contentBegin = 0;  ///< begin of the numbers of an inline array
     std::size_t contentEnd = 0;
 };
 
@@ -46,22 +46,21 @@ struct VtkDataArray {
 struct VtkSection {
     std::size_t line = 1;
     std::vector<VtkDataArray> arrays;
-    /// Which arrays are the active ones: of PointData and CellData, names by "Normals" and its
-    /// like.
+    /// Names of the active arrays of PointData and CellData, by "Normals", "Scalars" and so on.
     std::map<std::string, std::string> active;
 
-    /// \return null if there is none of this name
+    /// Returns the array of this name, or null if there is none.
     const VtkDataArray* find(std::string_view name) const;
 };
 
 struct VtkPiece {
     std::size_t line = 1;
-    std::map<std::string, std::size_t> counts;   ///< "NumberOfPoints" and its like
+    std::map<std::string, std::size_t> counts;   ///< by attribute, such as "NumberOfPoints"
     std::map<std::string, VtkSection> sections;  ///< by element name
 };
 
-/// A serial VTK XML file. Its numbers are decoded when they are asked for, and sizes that it claims
-/// are compared with what is there before memory is taken for them.
+/// A serial VTK XML file. Numbers are decoded when they are requested. Claimed sizes are compared
+/// with the size of the file before memory is allocated for them.
 class VtkXmlFile {
 public:
     /// \param path for messages
@@ -73,41 +72,44 @@ public:
 
     const std::filesystem::path& path() const { return path_; }
 
-    /// The whole file.
+    /// Returns the bytes of the whole file.
     std::string_view bytes() const { return bytes_; }
 
-    /// How to code an array so that it can stand in this file.
+    /// Returns the encoding that all arrays of this file have.
     const VtkCoding& coding() const { return coding_; }
 
     const VtkSection& fieldData() const { return fieldData_; }
     const std::vector<VtkPiece>& pieces() const { return pieces_; }
 
-    /// A count of a piece. \throws FileError if the piece has no such attribute
+    /// Returns a count of a piece.
+    /// \throws FileError if the piece has no such attribute
     std::size_t count(const VtkPiece& piece, const std::string& name) const;
 
-    /// A section of a piece. \throws FileError if the piece has none of this name
+    /// Returns a section of a piece.
+    /// \throws FileError if the piece has none of this name
     const VtkSection& section(const VtkPiece& piece, const std::string& name) const;
 
-    /// An array of a section. \throws FileError if it has none of this name
+    /// Returns an array of a section.
+    /// \throws FileError if the section has none of this name
     const VtkDataArray& array(const VtkSection& section, const std::string& name) const;
 
-    /// All numbers of an array. The caller says how many tuples there must be, so that a small file
-    /// that claims a large array is refused before the array is decoded.
+    /// Decodes all numbers of an array. The caller gives the expected number of tuples, so that a
+    /// small file that claims a large array is refused before the array is decoded.
     ///
-    /// \param reason says in the message why this number is expected: "one a cell"
-    /// \throws FileError if the numbers cannot be decoded or are not of this kind, or if there is
-    ///         another number of tuples
+    /// \param reason why this number is expected, for the message: "one a cell"
+    /// \throws FileError if the numbers cannot be decoded or have the wrong kind, or if the number
+    ///         of tuples differs
     std::vector<double> reals(const VtkDataArray& array, std::size_t tuples,
                               std::string_view reason = {}) const;
     std::vector<std::int64_t> integers(const VtkDataArray& array, std::size_t tuples,
                                        std::string_view reason = {}) const;
 
-    /// The same of a list of `count` numbers. The components that its array claims do not count.
+    /// The same for a list of `count` numbers, whatever number of components its array claims.
     std::vector<std::int64_t> list(const VtkDataArray& array, std::size_t count,
                                    std::string_view reason) const;
 
-    /// The same of an array of at most `mostTuples`.
-    std::vector<std::int64_t> integersUpTo(const VtkDataArray& array, std::size_t mostTuples,
+    /// The same for an array of at most `maxTuples` tuples.
+    std::vector<std::int64_t> integersUpTo(const VtkDataArray& array, std::size_t maxTuples,
                                            std::string_view reason) const;
 
     [[noreturn]] void fail(std::size_t line, const std::string& cause) const;
@@ -117,10 +119,10 @@ private:
 
     VtkXmlFile() = default;
 
-    /// How many tuples of this number of components an array must have, and why.
+    /// The size that an array must have, and the reason for it.
     struct Expected {
-        std::size_t leastTuples;
-        std::size_t mostTuples;
+        std::size_t minTuples;
+        std::size_t maxTuples;
         std::size_t components;
         std::string_view reason;
     };
@@ -137,15 +139,15 @@ private:
     std::filesystem::path path_;
     std::string bytes_;
     VtkCoding coding_;
-    std::string unknownCompressor_;  ///< not empty: only ascii arrays can be read
+    std::string unknownCompressor_;  ///< if not empty, only ascii arrays can be read
     VtkSection fieldData_;
     std::vector<VtkPiece> pieces_;
     PayloadForm appendedForm_ = PayloadForm::Raw;
-    std::size_t appendedBegin_ = 0;  ///< after the "_"; no appended data if both are 0
+    std::size_t appendedBegin_ = 0;  ///< after the "_"; without appended data, begin and end are 0
     std::size_t appendedEnd_ = 0;
 };
 
-/// How an inline array is written.
+/// The encoding of an inline array.
 enum class VtkArrayForm { Ascii, Base64 };
 
 /// The attributes of a DataArray element.
@@ -153,40 +155,41 @@ struct VtkArrayHead {
     std::string name;
     NumberType type = NumberType::Float64;
     std::size_t components = 1;
-    bool hasTupleCount = false;  ///< as arrays of FieldData need it
+    bool hasTupleCount = false;  ///< required for arrays of FieldData
 };
 
-/// A DataArray element with its numbers in it, from "<DataArray" to "</DataArray>".
+/// Returns a DataArray element with its numbers, from "<DataArray" to "</DataArray>".
 ///
 /// \tparam Value double for real types, std::int64_t for integers, within the range of the type
-/// \param indent is put before each line but the first
-/// \param coding of the file that the element is for
+/// \param indent text before each line but the first
+/// \param coding encoding of the file that will contain the element
 /// \throws CodingError if the array is too large for the file's header_type
 template <class Value>
 std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> values,
                              VtkArrayForm form, const VtkCoding& coding, std::string_view indent);
 
-/// Whether XML 1.0 can hold a text (section 2.2): UTF-8 without control characters, but for tabs
-/// and line ends, and without U+FFFE and U+FFFF.
+/// Returns true if XML 1.0 can hold a text (section 2.2): UTF-8 without control characters other
+/// than tabs and line ends, and without U+FFFE and U+FFFF.
 bool isXmlText(std::string_view text);
 
-/// A text as the value of an XML attribute. \param text such as isXmlText() accepts
+/// Returns a text as the value of an XML attribute.
+/// \param text a text that isXmlText() accepts
 std::string xmlEscaped(std::string_view text);
 
-/// Points from their coordinates, x y z x y z ...
+/// Returns points from their coordinates, x y z x y z ...
 std::vector<Point3> pointsOf(std::span<const double> coordinates);
 
-/// The coordinates of points, x y z x y z ...
+/// Returns the coordinates of points, x y z x y z ...
 std::vector<double> coordinatesOf(std::span<const Point3> points);
 
 /// \throws FileError naming the first point that is not finite
 void checkFinite(const std::filesystem::path& path, std::span<const Point3> points);
 
-/// The array that holds the points of a piece.
+/// Returns the array that holds the points of a piece.
 /// \throws FileError if Points is missing, or holds anything but one array of 3 components
 const VtkDataArray& pointArray(const VtkXmlFile& file, const VtkPiece& piece);
 
-/// The points of a piece, as many as it claims; none if that is 0.
+/// Returns the points of a piece, as many as the piece claims. A piece of 0 points needs no array.
 /// \throws FileError as pointArray() and VtkXmlFile::reals()
 std::vector<Point3> readPoints(const VtkXmlFile& file, const VtkPiece& piece);
 

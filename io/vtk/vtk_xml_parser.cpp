@@ -13,7 +13,7 @@
 namespace espalier::io {
 namespace {
 
-/// Number of the line that holds a byte, for places that ascend.
+/// Finds the line number of a byte. Successive calls must have ascending places.
 class LineCounter {
 public:
     explicit LineCounter(std::string_view text) : text_(text) {}
@@ -30,7 +30,8 @@ private:
     std::size_t line_ = 1;
 };
 
-/// One past the ">" of the tag that begins at `begin`; the end of the text if there is none.
+/// Returns the place after the ">" of the tag that begins at `begin`; the end of the text if there
+/// is no ">".
 std::size_t endOfTag(std::string_view text, std::size_t begin) {
     char quote = 0;
     for (std::size_t at = begin; at < text.size(); ++at) {
@@ -53,7 +54,7 @@ public:
 
     void parse(const std::string& dataSet) {
         std::string head = cutAppendedData();
-        // pugixml would end there.
+        // pugixml would stop at a byte 0.
         if (const std::size_t zero = head.find('\0'); zero != std::string::npos)
             failAt(placeInFile(zero), "is not well-formed XML: it holds a byte 0");
         pugi::xml_document document;
@@ -77,14 +78,16 @@ public:
     }
 
 private:
-    /// Where an element, or a text without the white space before it, begins in what was parsed.
+    /// Returns the place in the parsed text where an element begins, or a text without its leading
+    /// white space.
     static std::size_t textBegin(pugi::xml_node node) {
         const std::string_view text = node.value();
         return static_cast<std::size_t>(node.offset_debug()) +
                std::min(text.find_first_not_of(" \t\r\n"), text.size());
     }
 
-    /// The file without the appended data, which need not be XML. Remembers where they are.
+    /// Returns the file without its appended data, which need not be XML, and stores where the data
+    /// is.
     std::string cutAppendedData() {
         const std::string_view bytes = file_.bytes_;
         const std::size_t tag = bytes.find("<AppendedData");
@@ -119,7 +122,8 @@ private:
         if (!file_.coding_.isCompressed) file_.unknownCompressor_ = compressor;
     }
 
-    /// Position of an attribute's value among those that it can have; the first is the default.
+    /// Returns the position of an attribute's value in the list of allowed values; 0, the default,
+    /// if the attribute is missing.
     std::size_t choose(pugi::xml_node node, const char* name,
                        std::initializer_list<std::string_view> values) {
         const std::string_view value = node.attribute(name).value();
@@ -212,17 +216,17 @@ private:
         return count;
     }
 
-    /// The place in the file of a byte of what pugixml has read.
+    /// Converts a place in the text that pugixml parsed to a place in the file.
     std::size_t placeInFile(std::size_t place) const {
         return place < cutBegin_ ? place : place + cutSize_;
     }
 
-    /// The place of the "<" of an element.
+    /// Returns the place in the file of the "<" of an element.
     std::size_t placeOf(pugi::xml_node node) const {
         return placeInFile(static_cast<std::size_t>(node.offset_debug()) - 1);
     }
 
-    /// For nodes in the order of the file.
+    /// Returns the line of an element. Calls must follow the order of the file.
     std::size_t lineOf(pugi::xml_node node) { return lines_.at(placeOf(node)); }
 
     [[noreturn]] void failAt(std::size_t place, const std::string& cause) {

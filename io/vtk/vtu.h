@@ -13,18 +13,18 @@
 #include <string_view>
 
 /// \file
-/// Lattices in VTK's XML files of unstructured grids (.vtu).
+/// Reads and writes lattices in VTK's XML files of unstructured grids (.vtu).
 ///
 ///     Points                             positions
 ///     Cells                              the types 10, 11, 12, 13, 14 and 42
-///     PointData                          attributes, and Lattice::integers; arrays that are
-///                                        not of numbers, and vtkGhostType, are skipped
+///     PointData                          attributes, and Lattice::integers; arrays without
+///                                        numbers, and vtkGhostType, are skipped
 ///     PointData espalier:vertex_sharpness
-///                                        marks: a sharpness a vertex, less than 0 for no mark
-///     FieldData espalier:edge_vertices   marks: two vertices an edge
-///     FieldData espalier:edge_sharpness  marks: a sharpness an edge
+///                                        marks: one sharpness per vertex, below 0 for no mark
+///     FieldData espalier:edge_vertices   marks: two vertices per edge
+///     FieldData espalier:edge_sharpness  marks: one sharpness per edge
 ///
-/// A sharpness of 10 or more is infinite, and infinite ones are written as 10.
+/// A sharpness of 10 or more is infinite, and an infinite sharpness is written as 10.
 
 namespace espalier::io {
 
@@ -35,21 +35,21 @@ enum class VtuEncoding {
     Compressed  ///< zlib in base64
 };
 
-/// Reads a lattice: ascii, inline or appended, raw or base64, zlib or not, any header_type and
-/// byte_order, polyhedra in the layout of VTK 9.4 and in the one before.
+/// Reads a lattice. Arrays may be ascii, inline or appended, raw or base64, zlib or not, with any
+/// header_type and byte_order; polyhedra may have the layout of VTK 9.4 or the older one.
 ///
-/// Several pieces become one lattice; their vertices are numbered through, and those that coincide
-/// are not welded. Vertices that no cell uses are dropped, and the others numbered without them;
-/// else vertices and cells keep their numbers.
+/// Several pieces become one lattice: vertices are numbered piece after piece, and vertices that
+/// coincide are not welded. Vertices that no cell uses are dropped, and the vertices after them get
+/// lower numbers. Cells keep their numbers.
 ///
-/// The number of values of each array follows from counts and arrays that are read before it. An
-/// array whose header claims another number is refused before it is decoded.
+/// Counts and arrays that are read first determine the length of each later array. An array whose
+/// header claims another length is refused before it is decoded.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param notes gets the dropped vertices, unless it is null
+/// \param notes receives the dropped vertices; may be null
 /// \throws FileError with the line, if the file is malformed, holds cells of other types or
-///         a sharpness that is NaN, or has more than comments around its VTKFile element;
+///         a sharpness that is NaN, or has anything but comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view bytes,
                              ReadNotes* notes = nullptr);
@@ -60,25 +60,26 @@ ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, XML
 ///         cannot hold the name of an attribute, or the file cannot be written; TopologyError if a
-///         mark names what is not there
+///         mark names an entity that does not exist
 ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lattice,
                            VtuEncoding encoding = VtuEncoding::Compressed);
 
-/// Reads an unstructured grid as a thing that is deformed: only its points and the directions there
-/// are read, and only they are replaced. All else in the file, whatever cells and arrays it has,
-/// survives byte for byte, raw appended data included.
+/// Reads an unstructured grid as a model. Only its points and their directions are read, and only
+/// they are replaced on writing. Everything else in the file, whatever cells and arrays it has, is
+/// kept byte for byte, raw appended data included.
 ///
-/// Directions are arrays of PointData of 3 components, Float32 or Float64: normals, if the array is
-/// called "Normals" or the active Normals; tangents, if it is so by "Tangents". Any other is kept.
+/// Directions are arrays of PointData with 3 components of Float32 or Float64. An array holds
+/// normals if its name is "Normals" or if it is the active Normals of the piece; tangents likewise
+/// by "Tangents". All other arrays are kept.
 ///
-/// The array of Points is written as an inline one of the same number type (Float64, if that was of
+/// A changed array of Points is written inline, with the same number type (Float64 if it held
 /// integers): ascii if it was ascii, else base64, compressed if the file is. In a piece where no
-/// point has moved it stays as it was. The same goes for arrays of directions.
+/// point has moved, the array stays as it was. The same holds for arrays of directions.
 ///
 /// \param path for messages
 /// \param bytes the whole file
 /// \throws FileError if the file is malformed, has a point that is not finite, or has an array of
-///         directions that are not one a point
+///         directions whose length is not the number of points
 ESPALIER_API std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path,
                                                  std::string bytes);
 

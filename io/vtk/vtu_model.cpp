@@ -15,7 +15,8 @@
 namespace espalier::io {
 namespace {
 
-/// What stands before an element on its line, if that is white space only.
+/// Returns the indentation of an element: the white space before it on its line, or nothing if the
+/// line has other text before it.
 std::string_view indentOf(std::string_view bytes, std::size_t begin) {
     const std::size_t lineBegin = bytes.rfind('\n', begin) + 1;
     const std::string_view before = bytes.substr(lineBegin, begin - lineBegin);
@@ -26,7 +27,7 @@ Precision precisionOf(NumberType type) {
     return type == NumberType::Float32 ? Precision::Float : Precision::Double;
 }
 
-/// What an array of this type holds of the points, or of directions there.
+/// Rounds positions or directions to the precision of an array of this type.
 std::vector<Point3> rounded(std::vector<Point3> values, NumberType type, std::size_t firstPoint) {
     if (precisionOf(type) == Precision::Float)
         for (std::size_t i = 0; i < values.size(); ++i)
@@ -43,7 +44,8 @@ std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, NumberT
                                     file.coding(), indentOf(file.bytes(), array.begin));
 }
 
-/// How an array of PointData is carried; null if it does not hold directions.
+/// Returns the function that carries an array of PointData; null if the array does not hold
+/// directions.
 Carry carryOf(const VtkSection& pointData, const VtkDataArray& array) {
     if (array.components != 3 || !array.type || isInteger(*array.type)) return nullptr;
     const auto is = [&](const std::string& kind) {
@@ -89,7 +91,7 @@ public:
     }
 
 private:
-    /// An array of the points of a piece, or of directions there.
+    /// The array of a piece that holds its points, or directions at them.
     struct PlacedArray {
         VtkDataArray array;
         std::size_t firstPoint = 0;

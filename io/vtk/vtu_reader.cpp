@@ -16,13 +16,14 @@ namespace {
 
 constexpr std::string_view kOneACell = "one a cell";
 
-/// Rows of an array, each of which ends at one of the offsets. The offsets are read first: they say
-/// how many values there must be.
+/// Reads an array of rows and the array of offsets at which the rows end. The offsets are read
+/// first, because they determine the number of values.
 class RowsOfFile {
 public:
-    /// \param values and `offsets` name the arrays
-    /// \param count of the rows, and the reason for it (VtkXmlFile::list())
-    /// \throws FileError if the number of offsets or values is another, or the offsets descend
+    /// \param values, offsets names of the arrays
+    /// \param count number of rows
+    /// \param reason why this number is expected (VtkXmlFile::list())
+    /// \throws FileError if the number of offsets or values differs, or the offsets descend
     RowsOfFile(const VtkXmlFile& file, const VtkSection& section, const char* values,
                const char* offsets, std::size_t count, std::string_view reason)
         : ends_(file.list(file.array(section, offsets), count, reason)) {
@@ -68,13 +69,14 @@ public:
             readCells(piece, cells);
             firstVertex += count;
         }
-        readEdgeMarks(cells.mostEdges());
+        readEdgeMarks(cells.maxEdges());
         lattice_.marks.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
         return finishLattice(file_.path(), cells.takeBuilder(), std::move(lattice_), notes);
     }
 
 private:
-    /// Appends the attributes of a piece to those of the pieces before it, which must be the same.
+    /// Appends the attributes of a piece to the attributes of earlier pieces, which must have the
+    /// same arrays.
     void readPointData(const VtkPiece& piece) {
         const std::size_t count = file_.count(piece, "NumberOfPoints");
         if (count == 0) return;
@@ -126,7 +128,7 @@ private:
         return lattice_.integers[number];
     }
 
-    /// That the array is the one of this number in the first piece.
+    /// Throws unless array `number` of the first piece has the same name and components.
     template <class Attribute>
     void requireSame(const std::vector<Attribute>& attributes, const VtkDataArray& array,
                      std::size_t number) {
@@ -158,7 +160,7 @@ private:
             addWithFaceStreams(section, types, addStandard, cells);
     }
 
-    /// The layout since VTK 9.4: faces are listed once, and polyhedra list faces.
+    /// Reads cells in the layout since VTK 9.4: faces are listed once, and polyhedra list faces.
     template <class AddStandard>
     void addWithFaceLists(const VtkSection& section, const std::vector<std::int64_t>& types,
                           AddStandard addStandard, VtkCellReader& cells) {
@@ -187,7 +189,8 @@ private:
         }
     }
 
-    /// The layout before: a face stream a polyhedron; the offset of any other cell is −1.
+    /// Reads cells in the older layout: each polyhedron has a face stream; the offset of any other
+    /// cell is −1.
     template <class AddStandard>
     void addWithFaceStreams(const VtkSection& section, const std::vector<std::int64_t>& types,
                             AddStandard addStandard, VtkCellReader& cells) {
@@ -216,8 +219,8 @@ private:
         }
     }
 
-    /// \param mostEdges an upper bound of the number of edges that can be marked
-    void readEdgeMarks(std::size_t mostEdges) {
+    /// \param maxEdges an upper bound of the number of edges that can be marked
+    void readEdgeMarks(std::size_t maxEdges) {
         const VtkDataArray* ends = file_.fieldData().find(kEdgeVertices);
         const VtkDataArray* sharpness = file_.fieldData().find(kEdgeSharpness);
         if (!ends && !sharpness) return;
@@ -226,7 +229,7 @@ private:
                                                    kEdgeVertices + " of 2 components and " +
                                                    kEdgeSharpness + " of 1");
         const auto vertices =
-            file_.integersUpTo(*ends, mostEdges, "as the cells have no more edges");
+            file_.integersUpTo(*ends, maxEdges, "as the cells have no more edges");
         const auto values = file_.reals(*sharpness, vertices.size() / 2,
                                         "one an edge of " + inQuotes(kEdgeVertices));
         for (std::size_t mark = 0; mark < values.size(); ++mark) {
@@ -246,7 +249,7 @@ private:
 
     VtkXmlFile file_;
     std::vector<double> vertexSharpness_;
-    Lattice lattice_;  ///< without its complex
+    Lattice lattice_;  ///< the lattice without its complex
     bool isFirstPiece_ = true;
 };
 

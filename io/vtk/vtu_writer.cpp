@@ -12,7 +12,7 @@
 namespace espalier::io {
 namespace {
 
-/// Writes the elements of a .vtu file, each on lines of its own.
+/// Writes the elements of a .vtu file, each on separate lines.
 class VtuWriter {
 public:
     VtuWriter(std::ostream& out, VtuEncoding encoding)

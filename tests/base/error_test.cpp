@@ -4,18 +4,18 @@
 namespace espalier {
 namespace {
 
-TEST(InQuotes, ShowsATextAsItIs) {
+TEST(InQuotes, KeepsOrdinaryText) {
     EXPECT_EQ(inQuotes(""), "''");
     EXPECT_EQ(inQuotes("a b"), "'a b'");
     EXPECT_EQ(inQuotes("größe"), "'größe'");
 }
 
-// A file must not be able to move the cursor, or to forge a second line of a log.
-TEST(InQuotes, SpellsOutWhatATerminalWouldObey) {
+// A text from a file must not move the cursor, or forge a second line in a log.
+TEST(InQuotes, EscapesTerminalControls) {
     EXPECT_EQ(inQuotes(std::string_view("\x1B[2J\r\n\0\x7F", 8)), "'\\x1B[2J\\x0D\\x0A\\x00\\x7F'");
 }
 
-TEST(InQuotes, CutsLongTexts) {
+TEST(InQuotes, ShortensLongTexts) {
     EXPECT_EQ(inQuotes(std::string(40, 'x')), "'" + std::string(40, 'x') + "'");
     const std::string half(20, 'x');
     EXPECT_EQ(inQuotes(half + "y" + half), "'" + half + "..." + half + "'");

@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::uint64_t kGigabyte = 1'000'000'000;
 
-TEST(MemoryLimit, NoneIsNoLimit) {
+TEST(MemoryLimit, WithoutALimitNothingIsRefused) {
     EXPECT_NO_THROW(requireMemory(kGigabyte * kGigabyte, "everything"));
 }
 
-TEST(MemoryLimit, RefusesWhatIsBeyondAndNamesIt) {
+TEST(MemoryLimit, RefusesWorkBeyondTheLimitByName) {
     const MemoryLimit limit(residentMemory() + kGigabyte);
     EXPECT_NO_THROW(requireMemory(kGigabyte / 2, "a part"));
     EXPECT_THAT(
@@ -29,7 +29,7 @@ TEST(MemoryLimit, RefusesWhatIsBeyondAndNamesIt) {
     EXPECT_THROW(requireMemory(~std::uint64_t{0}, "everything"), MemoryError);
 }
 
-TEST(MemoryLimit, OfSeveralTheLowestCounts) {
+TEST(MemoryLimit, LowestOfSeveralApplies) {
     const std::uint64_t held = residentMemory();
     std::optional<MemoryLimit> low(std::in_place, held + kGigabyte);
     const MemoryLimit high(held + 3 * kGigabyte);
@@ -38,11 +38,11 @@ TEST(MemoryLimit, OfSeveralTheLowestCounts) {
     EXPECT_NO_THROW(requireMemory(2 * kGigabyte, "this"));
 }
 
-TEST(MemoryLimit, StopsLoopsOnceThatMuchIsHeld) {
+TEST(MemoryLimit, StopsLoopsThatExceedTheLimit) {
     std::vector<std::vector<char>> taken(200);
     const auto takeMemory = [&](Offset first, Offset) {
         taken[first].assign(1 << 20, 1);
-        // The memory is looked at every few milliseconds.
+        // The memory is checked every few milliseconds.
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     };
     {
@@ -55,7 +55,7 @@ TEST(MemoryLimit, StopsLoopsOnceThatMuchIsHeld) {
     EXPECT_FALSE(taken.back().empty());
 }
 
-TEST(MemoryLimit, RefusesALevelBeforeThoseBelowItAreMade) {
+TEST(MemoryLimit, RefusesALevelBeforeMakingTheLevelsBelow) {
     TopologyRefiner refiner = refined(grid({4, 4, 4}), 1);
     const MemoryLimit limit(residentMemory() + kGigabyte);
     EXPECT_THAT([&] { refiner.refineUniform(7); },
@@ -75,7 +75,7 @@ TEST(TopologyRefiner, RefusesALevelOfTooManyEntities) {
     }
 }
 
-TEST(ResidentMemory, GrowsWithWhatIsHeld) {
+TEST(ResidentMemory, GrowsWithAllocatedMemory) {
     const std::uint64_t before = residentMemory();
     const std::vector<char> block(100'000'000, 1);
     EXPECT_GE(residentMemory(), before + block.size() / 2);

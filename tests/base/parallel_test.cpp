@@ -18,9 +18,9 @@ TEST(ParallelFor, RethrowsTheErrorOfTheLowestRange) {
     expectTheErrorOfTheLowestRange(50);
 }
 
-TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
-    // More threads than the machine has cores: some must be free to help with the inner loop, so
-    // that the one that began it has to wait for them.
+TEST(ParallelFor, WaitingThreadRunsNoOtherRanges) {
+    // There are more threads than cores, so that free threads help with the inner loop and the
+    // thread that began it has to wait for them.
     withThreads(8, [] { expectNoOtherWorkWhileWaiting(300); });
 }
 

@@ -8,13 +8,13 @@
 namespace espalier {
 namespace {
 
-TEST(Printable, ShowsATextAsItIs) {
+TEST(Printable, KeepsOrdinaryText) {
     for (const std::string text :
          {"", "a b.vtu", "größe", "\xE2\x82\xAC", "\xE7\xB6\xB2", "\xF0\x9F\x8C\xB2", R"(C:\x\n)"})
         EXPECT_EQ(printable(text), text);
 }
 
-TEST(Printable, EscapesWhatATerminalObeys) {
+TEST(Printable, EscapesTerminalControls) {
     const std::vector<std::pair<std::string, std::string>> samples = {
         {"\x1B[2J\r\n", R"(\x1B[2J\x0D\x0A)"},
         {std::string("a\0b\x7F", 4), R"(a\x00b\x7F)"},
@@ -45,7 +45,7 @@ TEST(Printable, EscapesBytesThatAreNotUtf8) {
     for (const auto& [text, shown] : samples) EXPECT_EQ(printable(text), shown);
 }
 
-TEST(Printable, KeepsTheEndsOfALongText) {
+TEST(Printable, KeepsBothEndsOfALongText) {
     const std::string path = "/begin" + std::string(12000, 'x') + "/end.vtu";
     const std::string shown = printable(path);
     EXPECT_EQ(shown.size(), kMaxShownBytes + 3);
@@ -62,7 +62,7 @@ TEST(Printable, CutsBetweenCharacters) {
         EXPECT_EQ(printable(text, maxBytes).find('\\'), std::string::npos) << maxBytes;
 }
 
-TEST(Printable, LeavesWhatItHasMade) {
+TEST(Printable, EscapingTwiceChangesNothing) {
     std::string all;
     for (int byte = 0; byte < 256; ++byte) all += char(byte);
     const std::string once = printable(all);

@@ -25,8 +25,8 @@ TEST(Utf8, DecodesTheFirstCodePoint) {
     }
 }
 
-/// Stray and missing continuations, overlong forms, surrogates, and what is beyond Unicode.
-TEST(Utf8, TellsBytesThatAreNotUtf8) {
+/// Tries stray and missing continuations, overlong forms, surrogates, and values beyond Unicode.
+TEST(Utf8, RecognizesBytesThatAreNotUtf8) {
     for (const std::string text : {"\x80", "\xC3", "\xC3!", "\xC0\x80", "\xE0\x80\x80", "\xE2\x82",
                                    "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF"}) {
         const CodePoint point = firstCodePoint(text);

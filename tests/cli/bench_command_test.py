@@ -150,7 +150,7 @@ class Bench(CliTest):
             self.run_program("shape", "box", "--max", scale, scale, scale, "-o", "rest.ovm")
             self.check(self.report("-n", 1, "--threads", 1))
         self.run_program("shape", "box", "--max", 1e100, 1, 1, "-o", "rest.ovm")
-        self.assertIn("rest.ovm: vertex 1 is at 1e+100", self.error_of(*self.command))
+        self.assertIn("rest.ovm: vertex 1 has the coordinate 1e+100", self.error_of(*self.command))
 
     def test_text(self):
         lines = self.run_program(*self.command, "-n", 1).stdout.splitlines()
@@ -170,7 +170,7 @@ class Bench(CliTest):
         self.assertIn(len(triads), [1, 2])
         for case in [[*map(str, case)] for case in CASES + FACTORS_CASES]:
             self.assertEqual(len([row for row in rows if row[:3] == case]), len(triads), case)
-        self.assertEqual(len({len(line) for line in lines[head:-1 - len(triads)]}), 1, "aligned")
+        self.assertEqual(len({len(line) for line in lines[head:-2 - len(triads)]}), 1, "aligned")
 
     def test_quiet_is_silent(self):
         for options in [[], ["--report", "json"]]:

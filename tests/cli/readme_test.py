@@ -1,218 +1,52 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""README.md's table of options: each combination of a command, an option and a value that it promises
-runs, and no command has an option that README.md does not name.
+"""README.md: its commands run, and it stays short. (tests/docs checks its code and its links.)
 
     readme_test.py PATH_OF_ESPALIER
 """
 
-import functools
-import itertools
+import os
 import pathlib
 import re
+import shlex
 import sys
 import unittest
 
 import program
-from program import CliTest
+from program import CliTest, icosphere_points
 
-README = (pathlib.Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
+TOP = pathlib.Path(__file__).resolve().parents[2]
+README = (TOP / "README.md").read_text(encoding="utf-8")
+MAX_WORDS = 1300
 
-# A run of each command that any option can be added to. -n 1, except with --limit and --basis.
-COMMANDS = {
-    "info": ["info", "box.ovm", "-n", 1],
-    "shape": ["shape", "box", "-o", "out.ovm"],
-    "refine": ["refine", "box.ovm", "-n", 1, "-o", "out.ovm"],
-    "stencils": ["stencils", "box.ovm", "-n", 1, "-o", "out%d.petsc"],
-    "deform": ["deform", "model.obj", "--rest", "box.ovm", "--to", "pose.ovm", "-n", 1,
-               "-o", "out.obj"],
-    "bind": ["bind", "model.obj", "--rest", "box.ovm", "-n", 1, "-o", "out.espb"],
-    "apply": ["apply", "bound.espb", "--to", "pose.ovm", "-o", "out.obj"],
-    "fit": ["fit", "model.obj", "--rest", "box.ovm", "--targets", "targets.txt", "-n", 1,
-            "-o", "out.ovm"],
-    "check": ["check", "pose.ovm", "--rest", "box.ovm", "-n", 1],
-    "bench": ["bench", "model.obj", "--rest", "box.ovm", "-n", 1, "--seconds", 0.001],
-    "compare": ["compare", "box.ovm", "-n", 1],
-}
-
-# The same with an input of another kind, for the values that need one.
-SPECIAL = {
-    ("refine", "--rules", "rats"): ["refine", "mesh.obj", "-n", 1, "-o", "out.obj"],
-    ("stencils", "--rules", "rats"): ["stencils", "mesh.obj", "-n", 1, "-o", "out.npz"],
-    ("compare", "--boundary", "open"): ["compare", "mesh.obj", "-n", 1],
-}
-
-# What the table says in its last column of values that are not for all of its commands.
-EXCEPTIONS = {
-    ("--rules", "mlca"): {"compare"},
-    ("--rules", "rats"): set(COMMANDS) - {"refine", "stencils"},
-}
-
-# Values of the options whose rows do not list them; none for flags. An option without an entry here
-# has its values from the table.
-SAMPLES = {
-    "--limit": [[]],
-    "--gradients": [[]],
-    "--level-tables": [[]],
-    "--json": [[]],
-    "--quiet": [[]],
-    "--tolerance": [["1e-6"], ["1e-9"]],
-    "--threads": [["0"], ["2"]],
-    "--max-memory": [["1000MB"], ["4GB"]],  # `bench` measures the memory's speed on some 500 MB
-    "--seconds": [["0.002"]],
-}
-FROM_TABLE = {"--basis", "--boundary", "--creasing", "--triangles", "--sharp-edges", "--rules",
-              "--petsc-indices", "--outside", "--report"}
-
-QUOTED = re.compile(r"`([^`]+)`")
-
-
-def rows_in(text):
-    """The table of options: (option, cell of commands, cell of values) a row."""
-    lines = iter(text.splitlines())
-    head = next(line for line in lines if line.startswith("| option |"))
-    assert [cell.strip() for cell in head.strip("|").split("|")][:3] == \
-        ["option", "commands", "values (default first)"], head
-    next(lines)
-    for line in itertools.takewhile(lambda line: line.startswith("|"), lines):
-        option, commands, values, *_ = (cell.strip() for cell in line.strip("|").split("|"))
-        yield QUOTED.fullmatch(option).group(1), commands, values
-
-
-def commands_in(cell):
-    """The commands of a cell, each with the options that it needs there:
-    {"deform": [], "stencils": ["--points"]}."""
-    named = {words[0]: words[1:] for words in map(str.split, QUOTED.findall(cell))}
-    unknown = set(named) - set(COMMANDS)
-    assert not unknown, f"no commands: {unknown}"
-    if cell == "all":
-        return {command: [] for command in COMMANDS}
-    if cell.startswith("all but "):
-        return {command: [] for command in COMMANDS if command not in named}
-    assert re.sub(r"`[^`]+`|,| ", "", cell) == "", cell
-    return named
-
-
-TABLE = {option: (commands_in(commands), values) for option, commands, values in rows_in(README)}
-
-
-def samples_of(option):
-    """The lists of arguments that an option is tried with."""
-    if option in SAMPLES:
-        return SAMPLES[option]
-    assert option in FROM_TABLE, \
-        f"{option} is in the README's table, but {pathlib.Path(__file__).name} has no sample of it"
-    values = QUOTED.findall(TABLE[option][1])
-    assert values, f"{option} has no values in the README's table"
-    return [[value] for value in values]
-
-
-def without(option, arguments):
-    """Without an option and its value, if they are there."""
-    if option not in arguments:
-        return arguments
-    at = arguments.index(option)
-    return arguments[:at] + arguments[at + 2:]
+# The lines of all blocks of commands, without comments.
+COMMANDS = [shlex.split(line, comments=True)
+            for block in re.findall(r"^```sh\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
+            for line in block.splitlines()]
 
 
 class Readme(CliTest):
-    def setUp(self):
-        super().setUp()
-        self.run_program("shape", "box", "--cells", 3, 3, 3, "--max", 3, 3, 3, "-o", "box.ovm")
-        self.run_program("shape", "box", "--cells", 3, 3, 3, "--max", 3, 3, 4, "-o", "pose.ovm")
-        # In the region of all bases.
-        points = [(1.25, 1.5, 1.75), (1.5, 1.25, 1.25), (1.75, 1.75, 1.5)]
-        self.write_model(points)
+    def test_it_is_short(self):
+        self.assertLessEqual(len(README.split()), MAX_WORDS)
+
+    def test_the_commands_of_the_program_run(self):
+        self.write_model(icosphere_points(20))
         self.write_mesh()
-        self.put("targets.txt", "0 1.25 1.5 1.8\n")
-        self.bind("model.obj", "box.ovm", out="bound.espb")
-        self.has_compare = "without OpenSubdiv" not in self.help("compare")
+        self.run_program("shape", "cylinder", "-o", "lattice.vtu")
+        self.run_program("shape", "box", "--cells", 2, 2, 4, "--max", 1, 1, 5, "-o", "pose.vtu")
+        has_compare = "--html" in self.run_program("compare", "--help").stdout
+        commands = [words[1:] for words in COMMANDS if words[0] == "espalier"]
+        self.assertEqual([words[0] for words in commands], ["shape", "deform", "compare"])
+        for words in commands:
+            if words[0] != "compare" or has_compare:
+                self.run_program(*words)
+        self.assertTrue((self.path / "deformed.obj").is_file())
 
-    @functools.cache
-    def help(self, command):
-        words = ["shape", "box"] if command == "shape" else [command]
-        return self.run_program(*words, "--help").stdout
-
-    def run_of(self, command, needed, option, values):
-        arguments = SPECIAL.get((command, option, *values), COMMANDS[command])
-        arguments = list(without(option, arguments))
-        for other in needed:
-            arguments += [other, "model.obj"] if other == "--points" else [other]
-        arguments += [option, *values]
-        takes_no_level = (("--limit" in arguments and command != "check") or
-                          "bezier" in arguments or "bspline" in arguments)
-        return without("-n", arguments) if takes_no_level else arguments
-
-    def combinations(self):
-        for option, (commands, _) in TABLE.items():
-            for command, needed in commands.items():
-                samples = samples_of(option)
-                if command == "bench":  # Each run measures the memory's speed, in a second or more.
-                    samples = samples[-1:]
-                for values in samples:
-                    yield command, needed, option, values
-
-    def test_each_combination_of_the_table_runs(self):
-        count = 0
-        for command, needed, option, values in self.combinations():
-            if command == "compare" and not self.has_compare:
-                continue
-            arguments = self.run_of(command, needed, option, values)
-            is_exception = command in EXCEPTIONS.get((option, *values), ())
-            with self.subTest(" ".join(map(str, arguments))):
-                self.run_program(*arguments, code=2 if is_exception else 0)
-            count += 1
-        # That there is a table, and that it was read.
-        self.assertGreater(count, 150)
-
-    def test_the_defaults_are_the_first_values(self):
-        for option in FROM_TABLE:
-            commands, values = TABLE[option]
-            first = QUOTED.findall(values)[0]
-            for command in commands:
-                if command == "compare" and not self.has_compare:
-                    continue
-                with self.subTest(f"{command} {option}"):
-                    self.assertRegex(self.help(command), rf"{option} [\w|-]+={first}\b")
-
-    def test_no_command_has_an_option_that_is_not_there(self):
-        named = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", README))
-        for command in COMMANDS:
-            if command == "compare" and not self.has_compare:
-                continue
-            for short, option in re.findall(r"^ +(?:(-\w),)?(--[a-z][a-z-]*)", self.help(command),
-                                            re.MULTILINE):
-                if option == "--help":
-                    continue
-                with self.subTest(f"{command} {option}"):
-                    if option in TABLE:
-                        self.assertIn(command, TABLE[option][0],
-                                      "the table has the option without this command")
-                    elif command == "shape" and not short:
-                        continue  # README.md leaves these to `shape NAME --help`
-                    else:
-                        self.assertTrue({short, option} & named, "README.md does not name it")
-
-
-class ParsingTheTable(unittest.TestCase):
-    """That the tests above fail where they should."""
-
-    def test_cells_of_commands(self):
-        self.assertEqual(set(commands_in("all")), set(COMMANDS))
-        self.assertEqual(set(commands_in("all but `shape`, `apply`")),
-                         set(COMMANDS) - {"shape", "apply"})
-        self.assertEqual(commands_in("`deform`, `stencils --points`"),
-                         {"deform": [], "stencils": ["--points"]})
-        for cell in ["`deforms`", "`deform` and such", "all but `shapes`"]:
-            with self.assertRaises(AssertionError):
-                commands_in(cell)
-
-    def test_options_without_a_sample(self):
-        with self.assertRaisesRegex(AssertionError, "--other is in the README's table, but"):
-            samples_of("--other")
-
-    def test_every_sample_is_of_an_option_of_the_table(self):
-        self.assertEqual(set(SAMPLES) | FROM_TABLE, set(TABLE))
+    def test_the_scripts_are_there(self):
+        scripts = {words[0] for words in COMMANDS} - {"espalier"}
+        self.assertEqual(scripts, {"scripts/demo", "scripts/test", "scripts/agreement"})
+        for script in scripts:
+            self.assertTrue(os.access(TOP / script, os.X_OK), script)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ namespace {
 /// Compares a shape at levels 1 to `level`.
 Agreement agreementOf(const Lattice& shape, int level) {
     const TopologyRefiner refiner = refined(shape, level);
-    return Comparison(refiner).compareAll(stencils::Rules::Siggraph96, shape.positions);
+    return Comparison(refiner).compareAll(shape.positions);
 }
 
 void expectAgreement(const std::string& name, const Lattice& shape, int level) {
@@ -31,8 +31,8 @@ void expectAgreement(const std::string& name, const Lattice& shape, int level) {
     }
 }
 
-/// A vertex of 360 faces makes nearly all rows dense, and OpenSubdiv's tables slow: 5 s at level 3,
-/// minutes at level 5, which is left to AgreementToLevel5.
+/// A vertex with 360 faces makes nearly all rows dense, and OpenSubdiv's tables slow: 5 s at level
+/// 3, minutes at level 5. Only AgreementToLevel5 goes that far.
 bool isPole(const std::string& name) {
     return name.find("360") != std::string::npos;
 }
@@ -84,11 +84,11 @@ TEST(AgreementToLevel5, OfTheRegressionShapes) {
     expectAgreementOfSurfaceFiles(5);
 }
 
-// The comparison can fail.
+// Tests that the comparison can fail.
 
 using stencils::StencilTable;
 
-/// A table with one weight changed, or the entries of two rows exchanged.
+/// Returns a table with one weight changed, or with entries of two rows exchanged.
 StencilTable<double> withWeight(const StencilTable<double>& table, std::size_t entry,
                                 double difference) {
     Array<double> weights(table.weights().begin(), table.weights().end());
@@ -116,8 +116,8 @@ TEST(Comparison, CatchesPlantedErrors) {
          {zoo().front(), NamedLattice{"mesh", meshZoo().front().lattice}}) {
         const TopologyRefiner refiner = refined(lattice, 2);
         const Comparison comparison(refiner);
-        const StencilTable<double> table = stencils::buildStencils(
-            refiner, 2, stencils::Rules::Siggraph96, comparison.vertices(2));
+        const StencilTable<double> table =
+            stencils::buildStencils(refiner, 2, comparison.vertices(2));
         ASSERT_TRUE(comparison.compare(2, table).isWithin({})) << name;
 
         const LevelAgreement weight = comparison.compare(2, withWeight(table, 17, 1e-9));
@@ -136,33 +136,31 @@ TEST(Comparison, RefusesTablesOfAnotherShape) {
     const Lattice lattice = shapes::box();
     const TopologyRefiner refiner = refined(lattice, 2);
     const Comparison comparison(refiner);
-    // Level 1 for level 2; and all vertices, inside too.
-    for (const auto& table :
-         {stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96, comparison.vertices(1)),
-          stencils::buildStencils(refiner, 2)})
+    // A table of level 1 in place of level 2; and one with all vertices, including interior ones.
+    for (const auto& table : {stencils::buildStencils(refiner, 1, comparison.vertices(1)),
+                              stencils::buildStencils(refiner, 2)})
         EXPECT_THROW(comparison.compare(2, table), Error);
     EXPECT_THROW(comparison.openSubdivPoints(1, std::vector<Point3>(7)), Error);
     EXPECT_THROW(comparison.vertices(3), Error);
 }
 
-// Not a number is not agreement.
+// NaN is not agreement.
 TEST(Comparison, NotANumberIsADifference) {
     const TopologyRefiner refiner = refined(shapes::box(), 1);
     const Comparison comparison(refiner);
-    const StencilTable<double> table =
-        stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96, comparison.vertices(1));
+    const StencilTable<double> table = stencils::buildStencils(refiner, 1, comparison.vertices(1));
     EXPECT_FALSE(comparison.compare(1, withWeight(table, 5, kNan)).isWithin({}));
 }
 
-TEST(Comparison, IsNoAgreementWhereNothingIsLeft) {
+TEST(Comparison, NothingToCompareIsNotAgreement) {
     Lattice mesh{gridMesh(2, 2), std::vector<Point3>(9), {}, {}};
     mesh.tags.boundary = Boundary::Open;
     EXPECT_REFUSED(Error, "nothing to compare", agreementOf(mesh, 1));
     EXPECT_FALSE(Agreement().isWithin({}));
 }
 
-// Levels that were made after the comparison are not in it.
-TEST(Comparison, IsOfTheLevelsOfThen) {
+// A comparison does not include levels that are made after it.
+TEST(Comparison, HasTheLevelsOfItsConstruction) {
     const Lattice box = shapes::box();
     TopologyRefiner refiner = refined(box, 1);
     const Comparison comparison(refiner);
@@ -171,10 +169,10 @@ TEST(Comparison, IsOfTheLevelsOfThen) {
     EXPECT_THROW(comparison.openSubdivPoints(2, box.positions), Error);
     EXPECT_THROW(comparison.openSubdivTable(2), Error);
     EXPECT_THROW(comparison.openSubdivTable(0), Error);
-    EXPECT_EQ(comparison.compareAll(stencils::Rules::Siggraph96, box.positions).levels.size(), 1u);
+    EXPECT_EQ(comparison.compareAll(box.positions).levels.size(), 1u);
 }
 
-TEST(Comparison, EveryFigureIsHeldAgainstItsBound) {
+TEST(Comparison, ChecksEveryDifferenceAgainstItsBound) {
     LevelAgreement level{.level = 1, .counts = {8, 12, 6}, .openSubdivCounts = {8, 12, 6}};
     const Bounds bounds;
     EXPECT_TRUE(level.isWithin(bounds));
@@ -207,7 +205,7 @@ TEST(Comparison, PicturesTheErrorInSpace) {
         }
 }
 
-TEST(Comparison, RefusesWhatOpenSubdivCannotRefine) {
+TEST(Comparison, RefusesShapesThatOpenSubdivCannotRefine) {
     const auto refusal = [](const TopologyRefiner& refiner) {
         return messageOf([&] { Comparison comparison(refiner); });
     };
@@ -216,11 +214,11 @@ TEST(Comparison, RefusesWhatOpenSubdivCannotRefine) {
                 HasSubstr("boundary mode 'open'"));
 }
 
-// Where OpenSubdiv differs from release to release, or from its own account.
-
-// Releases before 3.6.1 take a vertex for a non-manifold crease by counting faces and edges alone
-// (pull request 1338). We do as 3.6.1 does, and say so.
-TEST(KnownDifferences, NonManifoldCreasesAreThoseOfRelease361) {
+// OpenSubdiv differs between releases, or from its own comments, in the cases below.
+//
+// Releases before 3.6.1 decide whether a vertex is a non-manifold crease by counting faces and
+// edges only (pull request 1338). We follow 3.6.1, and report it.
+TEST(KnownDifferences, NonManifoldCreasesFollowRelease361) {
     int count = 0;
     for (const auto& [name, mesh] : meshZoo()) {
         const bool isMisjudged = name.starts_with(kCornerSince361);
@@ -229,8 +227,7 @@ TEST(KnownDifferences, NonManifoldCreasesAreThoseOfRelease361) {
         count += isMisjudged;
         if (OPENSUBDIV_VERSION_NUMBER < 30601) {
             EXPECT_EQ(comparison.correctedCorners() > 0, isMisjudged) << name;
-            const std::string note =
-                comparison.compareAll(stencils::Rules::Siggraph96, mesh.positions).note;
+            const std::string note = comparison.compareAll(mesh.positions).note;
             EXPECT_EQ(note.find("3.6.1") != std::string::npos, isMisjudged) << note;
         } else {
             EXPECT_EQ(comparison.correctedCorners(), 0) << name;
@@ -239,9 +236,9 @@ TEST(KnownDifferences, NonManifoldCreasesAreThoseOfRelease361) {
     EXPECT_GT(count, 0);
 }
 
-// Under Chaikin's rule an edge above 1 can fade at one end. OpenSubdiv's comments say that its
-// weight is clamped to 1, and its mask queries without known rules do so; its refiner and stencils
-// do not. We do as the latter, and agree with every release.
+// Under Chaikin's rule a sharpness above 1 can fade at one end of an edge. OpenSubdiv's comments
+// say that the edge's weight is clamped to 1, and its mask queries without known rules clamp it;
+// its refiner and stencils do not. We follow the refiner, and agree with every release.
 TEST(KnownDifferences, ChaikinCreasesAboveOneExtrapolate) {
     Lattice mesh{gridMesh(4, 4), {}, {}, {}};
     for (Index i = 0; i < 25; ++i) mesh.positions.push_back({double(i % 5), double(i / 5), 0});

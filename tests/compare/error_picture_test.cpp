@@ -14,7 +14,7 @@ using compare::ErrorScale;
 using compare::SurfaceError;
 using compare::SurfaceView;
 
-/// Squares of side 1 in planes of constant z, each over the same place.
+/// Returns squares of side 1 in planes of constant z, above each other.
 SurfaceError squares(const std::vector<double>& heights) {
     SurfaceError surface;
     for (const double z : heights) {
@@ -27,7 +27,7 @@ SurfaceError squares(const std::vector<double>& heights) {
     return surface;
 }
 
-/// n by n faces of the graph of a function over the unit square.
+/// Returns n by n faces of the graph of a function over the unit square.
 template <class Height>
 SurfaceError graph(Index n, Height height) {
     SurfaceError surface;
@@ -48,7 +48,7 @@ Colour read(const std::string& hex) {
             std::stoi(hex.substr(5, 2), nullptr, 16)};
 }
 
-/// A picture, read back.
+/// A picture, parsed.
 struct Picture {
     pugi::xml_document document;
     pugi::xml_node svg;
@@ -69,7 +69,7 @@ struct Picture {
         return colours;
     }
 
-    /// The corners of the faces, in px, face by face.
+    /// Returns the corners of all faces, in px.
     std::vector<std::array<double, 2>> corners() const {
         std::vector<std::array<double, 2>> corners;
         for (const auto path : surface().children("path")) {
@@ -79,7 +79,7 @@ struct Picture {
             std::istringstream words(d);
             std::array<double, 2> at = {0, 0};
             std::array<double, 2> step{};
-            // The first pair is a place, the others are steps from there.
+            // The first pair is a position, the others are steps.
             while (words >> step[0] >> step[1]) {
                 at = {at[0] + step[0] / 10, at[1] + step[1] / 10};
                 corners.push_back(at);
@@ -100,8 +100,8 @@ struct Picture {
     std::size_t rings() const { return svg.select_nodes(".//circle").size(); }
 };
 
-/// Whether a colour is another one made darker: its channels are the same part of the other's, each
-/// rounded to a whole number.
+/// True if a colour is a darker shade of another: its channels are the same fraction of the
+/// other's, each rounded to an integer.
 bool isShadeOf(const Colour& shade, const Colour& colour) {
     const double part = double(shade[0]) / colour[0];
     return part <= 1.01 && std::abs(shade[1] - part * colour[1]) < 1.5 &&
@@ -113,20 +113,20 @@ double luminance(const Colour& colour) {
     return 0.2126 * linear(colour[0]) + 0.7152 * linear(colour[1]) + 0.0722 * linear(colour[2]);
 }
 
-TEST(ErrorScale, HasItsTwoPartsOnEitherSideOfTheBound) {
+TEST(ErrorScale, BoundDividesTheScale) {
     const ErrorScale scale(1e-13);
     EXPECT_EQ(scale.place(0), 0);
     EXPECT_EQ(scale.place(1e-18), 0);
     EXPECT_EQ(scale.place(1e-13), ErrorScale::kBoundPlace);
     EXPECT_EQ(scale.place(1e-6), 1);
     EXPECT_EQ(scale.place(1), 1);
-    // Three of the five decades of the first part, three of the seven of the second.
+    // 1e-15 is three of five decades into the first part, 1e-10 three of seven into the second.
     EXPECT_NEAR(scale.place(1e-15), 2.0 / 3 * 3 / 5, 1e-12);
     EXPECT_NEAR(scale.place(1e-10), 2.0 / 3 + 1.0 / 3 * 3 / 7, 1e-12);
     EXPECT_EQ(ErrorScale(1e-10).place(1e-10), ErrorScale::kBoundPlace);
 }
 
-TEST(ErrorScale, PutsWhatIsNotANumberAtTheEnd) {
+TEST(ErrorScale, PutsNanAtTheEnd) {
     const ErrorScale scale(1e-13);
     EXPECT_EQ(scale.place(kNan), 1);
     EXPECT_EQ(scale.place(kInfinity), 1);
@@ -140,8 +140,8 @@ TEST(ErrorScale, KeepsADecadeOfEachPartForAnyBound) {
     EXPECT_NEAR(ErrorScale(1).place(1e-7), ErrorScale::kBoundPlace, 1e-12);
 }
 
-/// The ends and the middles of both parts are anchors of the map: the middle of 1e-18 to 1e-13 is
-/// 10^-15.5, that of 1e-13 to 1e-6 is 10^-9.5.
+/// The ends and the middles of both parts are anchors of the map. The middle of 1e-18 to 1e-13 is
+/// 10^-15.5, the middle of 1e-13 to 1e-6 is 10^-9.5.
 TEST(ErrorScale, HasTheColoursOfTheMap) {
     const ErrorScale scale(1e-13);
     EXPECT_EQ(scale.colour(0), ErrorScale::kExact);
@@ -163,7 +163,7 @@ TEST(ErrorScale, GetsDarkerWithTheError) {
     }
 }
 
-TEST(ErrorScale, LabelsBothEndsAndWhatHasRoomBetween) {
+TEST(ErrorScale, LabelsBothEndsAndTicksWithEnoughRoom) {
     std::vector<std::string> labels;
     double last = -1;
     for (const ErrorScale::Tick& tick : ErrorScale(1e-13).ticks(0.085)) {
@@ -171,20 +171,20 @@ TEST(ErrorScale, LabelsBothEndsAndWhatHasRoomBetween) {
         last = tick.place;
         if (!tick.label.empty()) labels.push_back(tick.label);
     }
-    // Decades are 0.133 apart below the bound and 0.048 above it: every second one there, but
-    // 1e-7, which is too near to the end.
+    // Decades are 0.133 apart below the bound and 0.048 above it, so only every second one there
+    // has a label, except 1e-7, which is too close to the end.
     EXPECT_THAT(labels, ElementsAre("1e-18", "1e-17", "1e-16", "1e-15", "1e-14", "1e-13", "1e-11",
                                     "1e-9", "1e-6"));
 }
 
 TEST(SurfaceView, PutsTheFartherFaceFirst) {
-    // Seen from above: the square at height 1 hides that at 0, whichever is listed first.
+    // Seen from above, the square at height 1 hides the square at 0, in either order.
     EXPECT_EQ(compare::viewOf(squares({0, 1})).faces[0].face, 0);
     EXPECT_EQ(compare::viewOf(squares({1, 0})).faces[0].face, 1);
 }
 
-/// A square of side 1 is seen from 58 degrees above its plane: its area is multiplied by sin 58°.
-/// Edge-on it would be 0. Lengths are in units of the largest coordinate, which is 1.
+/// A square of side 1 is seen from 58 degrees above its plane, so that its area is multiplied by
+/// sin 58°. Edge-on it would be 0. Lengths are in units of the largest coordinate, which is 1.
 TEST(SurfaceView, LooksAtAFlatShapeFromWellAbove) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         SurfaceError surface = squares({0});
@@ -198,14 +198,14 @@ TEST(SurfaceView, LooksAtAFlatShapeFromWellAbove) {
     }
 }
 
-TEST(SurfaceView, HasZUpButForWhatIsTallInY) {
+TEST(SurfaceView, HasZUpUnlessTallInY) {
     const auto isUp = [](const Point3& extent, std::size_t axis) {
         SurfaceError surface;
         surface.positions = {{0, 0, 0}, {extent[0], 0, 0}, {0, extent[1], 0}, {0, 0, extent[2]}};
         surface.faces = {{0, 1, 2, 3}};
         surface.errors.assign(4, 0);
         const SurfaceView view = compare::viewOf(surface);
-        // Up is straight up in the picture, and nothing else is.
+        // Up is vertical in the picture, and no other axis is.
         return std::abs(view.points[axis + 1][0] - view.points[0][0]) < 1e-12 &&
                view.points[axis + 1][1] < view.points[0][1];
     };
@@ -218,7 +218,7 @@ TEST(SurfaceView, HasZUpButForWhatIsTallInY) {
 }
 
 TEST(SurfaceView, IsNotAMirrorImage) {
-    // Of a cube, x runs to the right and y to the back, which is up in the picture.
+    // In a cube, x points right and y backwards, which is up in the picture.
     const SurfaceView view = compare::viewOf(squares({0, 1}));
     EXPECT_GT(view.points[1][0], view.points[0][0]);
     EXPECT_LT(view.points[3][1], view.points[0][1]);
@@ -243,7 +243,7 @@ TEST(ErrorPicture, DrawsEveryFace) {
 
 TEST(ErrorPicture, DrawsBackToFront) {
     SurfaceError surface = squares({1, 0});
-    std::fill_n(surface.errors.begin(), 4, 1e-9);  // of the upper one
+    std::fill_n(surface.errors.begin(), 4, 1e-9);  // The upper square.
     const ErrorScale scale(compare::Bounds{}.position);
     const std::vector<Colour> colours = Picture(surface).colours();
     ASSERT_THAT(colours, SizeIs(2));
@@ -268,8 +268,8 @@ TEST(ErrorPicture, DividesTheColoursAtTheGivenBound) {
     const auto colour = [&](double bound) {
         return Picture(surface, {.position = bound}).colours().at(0);
     };
-    EXPECT_GT(colour(1e-13)[0], colour(1e-13)[2]);  // red
-    EXPECT_LT(colour(1e-12)[0], colour(1e-12)[2]);  // blue
+    EXPECT_GT(colour(1e-13)[0], colour(1e-13)[2]);  // Red.
+    EXPECT_LT(colour(1e-12)[0], colour(1e-12)[2]);  // Blue.
 }
 
 TEST(ErrorPicture, LeavesNoHairlinesBetweenFaces) {
@@ -279,7 +279,7 @@ TEST(ErrorPicture, LeavesNoHairlinesBetweenFaces) {
     EXPECT_GT(picture.surface().attribute("stroke-width").as_double(), 0);
 }
 
-/// 640 by 418 px, with a margin of 16 on every side; the longer way is filled.
+/// The room is 640 by 418 px, with a margin of 16 on every side; the longer dimension is filled.
 TEST(ErrorPicture, FillsTheRoomAboveTheLegend) {
     const auto flat = [](Index, Index) { return 0.0; };
     SurfaceError wide = graph(4, flat);
@@ -317,15 +317,16 @@ TEST(ErrorPicture, PutsARingRoundTheLargestError) {
     surface.errors[6] = 2e-16;
     EXPECT_EQ(compare::largestErrorVertex(surface), 6);
     const Picture picture(surface);
-    EXPECT_EQ(picture.rings(), 2u);  // a dark one on a light one
-    // Vertex 6 is a corner of the upper square, which is drawn last: corner 2 of the second face.
+    EXPECT_EQ(picture.rings(), 2u);  // A dark one on a light one.
+    // Vertex 6 is corner 2 of the upper square, which is drawn second.
     const auto corner = picture.corners().at(6);
     const auto circle = picture.svg.child("circle");
     EXPECT_NEAR(circle.attribute("cx").as_double(), corner[0], 0.01);
     EXPECT_NEAR(circle.attribute("cy").as_double(), corner[1], 0.01);
 }
 
-/// Under a square of side 1 at height 1, the point (0.5, 0.5, 0.9) is hidden; that above it is not.
+/// Under a square of side 1 at height 1, the point (0.5, 0.5, 0.9) is hidden; the point above the
+/// square is not.
 TEST(ErrorPicture, BreaksTheRingOfAHiddenVertex) {
     for (const bool isHidden : {true, false}) {
         const double height = isHidden ? 0.9 : 1.1;
@@ -357,7 +358,7 @@ TEST(LargestErrorVertex, IsTheFirstOfEqualsAndNoneOfZeros) {
     EXPECT_EQ(compare::largestErrorVertex(surface), 2);
 }
 
-TEST(ErrorPicture, OfNothingIsALineOfText) {
+TEST(ErrorPicture, WithoutFacesIsALineOfText) {
     EXPECT_THAT(Picture({}).words(), HasSubstr("no faces"));
     SurfaceError point = squares({0});
     for (Point3& p : point.positions) p = {1, 2, 3};
@@ -367,7 +368,7 @@ TEST(ErrorPicture, OfNothingIsALineOfText) {
     EXPECT_THAT(Picture(lost).words(), HasSubstr("not finite"));
 }
 
-TEST(ErrorPicture, SaysWhatIsNotFinite) {
+TEST(ErrorPicture, ReportsValuesThatAreNotFinite) {
     SurfaceError surface = squares({0, 1});
     surface.positions[1][0] = kInfinity;
     surface.errors[6] = kNan;
@@ -378,11 +379,11 @@ TEST(ErrorPicture, SaysWhatIsNotFinite) {
     ASSERT_THAT(picture.colours(), SizeIs(1));
     EXPECT_TRUE(isShadeOf(picture.colours()[0], scale.colour(1)));
     EXPECT_THAT(compare::errorPicture(surface), testing::Not(HasSubstr("\"nan")));
-    // The lines have room of their own: one of 18 px each.
+    // The lines of text have their own room: 18 px each.
     for (const auto& corner : picture.corners()) EXPECT_GE(corner[1], 2 * 18);
 }
 
-/// The largest double is 1.8e308: the difference of two corners would be infinite.
+/// The largest double is 1.8e308: the difference of two corners would overflow.
 TEST(ErrorPicture, DrawsShapesOfAnySize) {
     const SurfaceError surface = graph(2, [](Index i, Index j) { return i == j ? 1.0 : -1.0; });
     const auto corners = Picture(surface).corners();
@@ -404,7 +405,7 @@ TEST(ErrorPicture, DrawsALine) {
     EXPECT_THAT(Picture(line).corners(), SizeIs(4));
 }
 
-TEST(ErrorPicture, RefusesWhatIsNoSurface) {
+TEST(ErrorPicture, RefusesInvalidSurfaces) {
     const auto refusal = [](const SurfaceError& surface) {
         return messageOf([&] { compare::errorPicture(surface); });
     };

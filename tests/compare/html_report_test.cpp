@@ -14,7 +14,8 @@ using compare::Report;
 using compare::ReportedShape;
 using testing::Not;
 
-/// A level of a cube: 6 · 4^level faces, twice as many edges, and 2 vertices more than faces.
+/// Returns a level of a cube: 6 · 4^level faces, twice as many edges, and 2 more vertices than
+/// faces.
 LevelAgreement cubeLevel(int level) {
     const Index faces = 6 << (2 * level);
     LevelAgreement agreement;
@@ -33,7 +34,7 @@ ReportedShape shape(const std::string& name, int levels) {
     return shape;
 }
 
-/// With a picture of one square, whose last vertex has an error.
+/// Returns a shape with a picture of one square, whose last vertex has an error.
 ReportedShape picturedShape(const std::string& name, int levels) {
     ReportedShape pictured = shape(name, levels);
     pictured.agreement.picture = {.level = levels,
@@ -57,13 +58,13 @@ std::string textOf(const pugi::xml_node& node) {
     return text;
 }
 
-/// A page, read back as XML.
+/// A page, parsed as XML.
 struct Page {
     std::string html;
     pugi::xml_document document;
 
     explicit Page(const Report& report) : html(compare::htmlReport(report)) {
-        // Text of spaces alone counts: it separates words.
+        // Text of spaces only matters: it separates words.
         const auto result = document.load_buffer(html.data(), html.size(),
                                                  pugi::parse_full | pugi::parse_ws_pcdata);
         EXPECT_TRUE(result) << result.description() << " at " << result.offset;
@@ -83,7 +84,7 @@ struct Page {
             .value();
     }
 
-    /// The cells of the row of a level, from the level on.
+    /// Returns the cells of the row of a level, starting with the level.
     std::vector<std::string> row(std::size_t shape, int level) const {
         const std::string path = "//tbody[@id='levels-" + std::to_string(shape) +
                                  "']/tr[th[@scope='row']='" + std::to_string(level) +
@@ -116,7 +117,7 @@ TEST(HtmlReport, SaysHowManyDoNotAgree) {
               "bounds (2 levels); 1 shape could not be compared.");
 }
 
-TEST(HtmlReport, SaysWhatCouldNotBeCompared) {
+TEST(HtmlReport, SaysWhichShapesCouldNotBeCompared) {
     const Page page(reportOf(
         {shape("cube", 3),
          {.name = "lost", .agreement = {}, .failure = "lost.obj:3: not a number: \"x\""}}));
@@ -129,8 +130,9 @@ TEST(HtmlReport, SaysWhatCouldNotBeCompared) {
         ElementsAre("could not be compared: lost.obj:3: not a number: \"x\"", "✗ not compared"));
 }
 
-/// What was compared before a failure is shown as well, and a shape of neither is not passed over.
-TEST(HtmlReport, CountsAShapeOfNoLevelsAsAFailure) {
+/// Levels that were compared before a failure are shown as well, and a shape with neither levels
+/// nor a failure is not ignored.
+TEST(HtmlReport, CountsAShapeWithoutLevelsAsAFailure) {
     Report report = reportOf({shape("none", 0), shape("half", 2)});
     report.shapes[1].failure = "level 3 has too many faces";
     const Page page(report);
@@ -139,7 +141,7 @@ TEST(HtmlReport, CountsAShapeOfNoLevelsAsAFailure) {
     EXPECT_THAT(page.texts("//tbody[@id='levels-2']/tr"), SizeIs(3));
 }
 
-TEST(HtmlReport, OfNothingDoesNotPass) {
+TEST(HtmlReport, WithoutShapesDoesNotPass) {
     const Page page(reportOf({}));
     EXPECT_EQ(page.verdict(), "Nothing was compared. ");
     EXPECT_EQ(page.verdictClass(), "verdict bad");
@@ -156,13 +158,13 @@ TEST(HtmlReport, HasARowForEachShapeAndLevel) {
     // 6 · 4^5 = 6144 faces.
     EXPECT_THAT(page.row(1, 5), ElementsAre("5", "6,146", "12,288", "6,144", "equal", "5.5e-16",
                                             "5.5e-17", "1.2e-07", "✓ agrees"));
-    // As many headers as cells: the shape and the nine.
+    // There are as many headers as cells: the shape and nine more.
     EXPECT_THAT(page.texts("//section[h2='Shapes and levels']//th[@scope='col']"),
                 ElementsAre("Shape", "Level", "Vertices", "Edges", "Faces", "Topology", "Positions",
                             "Weights", "Evaluators", "Verdict"));
 }
 
-TEST(HtmlReport, ShowsWhatIsOverItsBound) {
+TEST(HtmlReport, HighlightsDifferencesOverTheirBounds) {
     Report report = reportOf({shape("cube", 4)});
     report.shapes[0].agreement.levels[0].positionDifference = 2e-13;
     report.shapes[0].agreement.levels[1].weightDifference = 2e-14;
@@ -180,7 +182,7 @@ TEST(HtmlReport, ShowsWhatIsOverItsBound) {
     EXPECT_THAT(bad(4), ElementsAre("not a number", "✗ differs"));
 }
 
-TEST(HtmlReport, ShowsWhatDiffersInTopology) {
+TEST(HtmlReport, ShowsDifferencesOfTopology) {
     Report report = reportOf({shape("cube", 2)});
     report.shapes[0].agreement.levels[0].topologyDifference = "face 3 is a hole, but not there";
     report.shapes[0].agreement.levels[1].openSubdivCounts[1] = 1234;
@@ -217,7 +219,7 @@ TEST(HtmlReport, ShowsNotes) {
 TEST(HtmlReport, HasAFigureForEachPicture) {
     const Page page(reportOf({picturedShape("sheet", 2), shape("cube", 1)}));
     EXPECT_EQ(page.document.select_nodes("//figure/svg[@role='img']").size(), 1u);
-    // The x of the vertex, 1e-17, is what rounding has left of 0.
+    // The x of the vertex, 1e-17, is a rounded 0.
     EXPECT_THAT(page.texts("//figcaption"),
                 ElementsAre("sheetLevel 2, 1 face. Largest error 2.5e-16, at vertex 3, (0, 1.5, "
                             "0). Levels"));
@@ -239,7 +241,7 @@ TEST(HtmlReport, LinksLeadSomewhere) {
         EXPECT_TRUE(ids.count(target.substr(1)) == 1) << target;
         ++links;
     }
-    // From three shapes to their pictures and back, and from three largest differences.
+    // Links go from three shapes to their pictures and back, and from three largest differences.
     EXPECT_EQ(links, 9u);
     EXPECT_THAT(page.texts("//th[@scope='rowgroup']/a"), ElementsAre("a", "c", "c"));
 }
@@ -262,21 +264,21 @@ TEST(HtmlReport, EscapesNames) {
               "Levels of " + name);
 }
 
-TEST(HtmlReport, NeedsNothingFromOutside) {
+TEST(HtmlReport, NeedsNoExternalResources) {
     Page page(reportOf({picturedShape("a", 2)}));
     EXPECT_THAT(page.html, StartsWith("<!DOCTYPE html>\n"));
     EXPECT_EQ(page.document.child("html").attribute("lang").value(), std::string("en"));
     EXPECT_EQ(page.document.select_nodes("//script | //link | //img | //@src").size(), 0u);
     for (const char* word : {"url(", "@import", "<!--"})
         EXPECT_THAT(page.html, Not(HasSubstr(word)));
-    // The one address is the name of the SVG language, which nothing is loaded from.
+    // The only address is the name of the SVG language, from which nothing is loaded.
     page.document.select_node("//svg").node().remove_attribute("xmlns");
     std::ostringstream rest;
     page.document.save(rest);
     EXPECT_THAT(rest.str(), Not(HasSubstr("http")));
 }
 
-TEST(HtmlReport, IsTheSameEveryTime) {
+TEST(HtmlReport, IsDeterministic) {
     const Report report = reportOf({picturedShape("a", 2), shape("b", 1)});
     EXPECT_EQ(compare::htmlReport(report), compare::htmlReport(report));
 }
@@ -287,7 +289,8 @@ TEST(ReportText, IsUtf8WithoutControlCharacters) {
     const std::string replaced = "\uFFFD";
     EXPECT_EQ(compare::escaped(std::string_view("a\0b\x1b\x7f", 5)),
               "a" + replaced + "b" + replaced + replaced);
-    // A lone continuation, an overlong '/', a surrogate, above U+10FFFF, and an end too early.
+    // A lone continuation byte, an overlong '/', a surrogate, a code above U+10FFFF, and a
+    // truncated sequence.
     EXPECT_EQ(compare::escaped("\x80."), replaced + ".");
     EXPECT_EQ(compare::escaped("\xC0\xAF."), replaced + replaced + ".");
     EXPECT_EQ(compare::escaped("\xED\xA0\x80."), replaced + replaced + replaced + ".");
@@ -296,7 +299,7 @@ TEST(ReportText, IsUtf8WithoutControlCharacters) {
     EXPECT_EQ(compare::escaped("\xE7\xAB"), replaced + replaced);
 }
 
-TEST(ReportText, WordsNumbers) {
+TEST(ReportText, FormatsNumbers) {
     EXPECT_EQ(compare::scientific(0), "0");
     EXPECT_EQ(compare::scientific(1.24e-300), "1.2e-300");
     EXPECT_EQ(compare::scientific(kInfinity), "infinite");

@@ -11,23 +11,24 @@ namespace {
 /// A shape and its match with OpenSubdiv on levels 0 and 1.
 struct MatchedShape {
     TopologyRefiner refiner;
-    OpenSubdivRefiner theirs;
+    OpenSubdivRefiner openSubdiv;
     std::vector<LevelMatch> matches;
 
     explicit MatchedShape(const Lattice& shape)
         : refiner(refined(shape, 1)),
-          theirs(makeOpenSubdivRefiner(refiner, surfaceOf(shape.complex))) {
+          openSubdiv(makeOpenSubdivRefiner(refiner, surfaceOf(shape.complex))) {
         matches.push_back(
-            matchBase(shape.complex, surfaceOf(shape.complex), theirs.refiner->GetLevel(0)));
+            matchBase(shape.complex, surfaceOf(shape.complex), openSubdiv.refiner->GetLevel(0)));
         matches.push_back(matchChildren(shape.complex, matches[0], refiner.refinement(1),
-                                        theirs.refiner->GetLevel(0)));
+                                        openSubdiv.refiner->GetLevel(0)));
     }
 
     std::string difference(int level) const {
-        const auto theirLevel = theirs.refiner->GetLevel(level);
+        const auto openSubdivLevel = openSubdiv.refiner->GetLevel(level);
         const LevelMatch& match = matches[level];
-        return describeDifference(refiner, level, comparedRegion(refiner, level, match, theirLevel),
-                                  match, theirLevel);
+        return describeDifference(refiner, level,
+                                  comparedRegion(refiner, level, match, openSubdivLevel), match,
+                                  openSubdivLevel);
     }
 };
 
@@ -36,9 +37,9 @@ TEST(LevelMatch, EverythingOnASurfaceHasOneMatch) {
         const MatchedShape matched(lattice);
         EXPECT_EQ(matched.difference(0), "") << name;
         EXPECT_EQ(matched.difference(1), "") << name;
-        const auto theirs = matched.theirs.refiner->GetLevel(1);
+        const auto openSubdiv = matched.openSubdiv.refiner->GetLevel(1);
         const Surface surface = surfaceOf(matched.refiner.level(1).complex);
-        EXPECT_EQ(countTheirs(Boundary::Sharp, theirs),
+        EXPECT_EQ(countOpenSubdiv(Boundary::Sharp, openSubdiv),
                   (std::array{Index(surface.vertices.size()), Index(surface.edges.size()),
                               Index(surface.faces.size())}))
             << name;
@@ -52,23 +53,23 @@ TEST(LevelMatch, DifferencesAreNamed) {
         plant(matched.matches[1]);
         return matched.difference(1);
     };
-    EXPECT_THAT(planted([](LevelMatch& m) { std::swap(m.theirs[0][0], m.theirs[0][1]); }),
+    EXPECT_THAT(planted([](LevelMatch& m) { std::swap(m.numbers[0][0], m.numbers[0][1]); }),
                 HasSubstr("has other vertices than in OpenSubdiv"));
-    EXPECT_THAT(planted([](LevelMatch& m) { m.theirs[0][1] = m.theirs[0][0]; }),
+    EXPECT_THAT(planted([](LevelMatch& m) { m.numbers[0][1] = m.numbers[0][0]; }),
                 HasSubstr("vertex 1 has the same match"));
-    EXPECT_THAT(planted([](LevelMatch& m) { m.theirs[0][2].reset(); }),
+    EXPECT_THAT(planted([](LevelMatch& m) { m.numbers[0][2].reset(); }),
                 HasSubstr("vertex 2 has no match"));
     EXPECT_THAT(
         planted([](LevelMatch& m) {
-            // The first two faces on the surface.
-            auto& faces = m.theirs[2];
+            // Exchange the first two faces on the surface.
+            auto& faces = m.numbers[2];
             const auto first = std::find_if(faces.begin(), faces.end(), [](auto f) { return !!f; });
             std::swap(*first, *std::find_if(first + 1, faces.end(), [](auto f) { return !!f; }));
         }),
         HasSubstr("has other vertices than in OpenSubdiv"));
 }
 
-// Marks that OpenSubdiv did not get show as differences of features.
+// Marks that OpenSubdiv did not get are reported as differences of features.
 TEST(LevelMatch, FeaturesAreCompared) {
     Lattice mesh = cubeSurface();
     const MatchedShape plain(mesh);
@@ -76,7 +77,7 @@ TEST(LevelMatch, FeaturesAreCompared) {
     mesh.marks.edges = {{{ends[0], ends[1]}, 2.5}};
     const auto against = [&](const Lattice& marked) {
         MatchedShape matched(marked);
-        matched.theirs = makeOpenSubdivRefiner(plain.refiner, surfaceOf(mesh.complex));
+        matched.openSubdiv = makeOpenSubdivRefiner(plain.refiner, surfaceOf(mesh.complex));
         return matched.difference(1);
     };
     EXPECT_THAT(against(mesh), HasSubstr("sharpness 1.5"));
@@ -85,14 +86,14 @@ TEST(LevelMatch, FeaturesAreCompared) {
     mesh.marks = {.holes = {2}};
     EXPECT_THAT(against(mesh), HasSubstr("is a hole; in OpenSubdiv it is not"));
 
-    // Without boundary control too.
+    // The same without boundary control.
     Lattice open{gridMesh(5, 5), {}, {}, {}};
     open.tags.boundary = Boundary::Open;
     const MatchedShape solid(open);
     open.marks.holes = {12};
     MatchedShape pierced(open);
     EXPECT_EQ(pierced.difference(1), "");
-    pierced.theirs = makeOpenSubdivRefiner(solid.refiner, surfaceOf(open.complex));
+    pierced.openSubdiv = makeOpenSubdivRefiner(solid.refiner, surfaceOf(open.complex));
     EXPECT_THAT(pierced.difference(1), HasSubstr("is a hole; in OpenSubdiv it is not"));
 }
 

@@ -19,14 +19,15 @@ namespace {
 
 namespace Far = OpenSubdiv::Far;
 
-/// What OpenSubdiv interpolates.
+/// The value that OpenSubdiv interpolates.
 struct Value {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     void Clear(void* = nullptr) { point.setZero(); }
     void AddWithWeight(const Value& other, double weight) { point += weight * other.point; }
 };
 
-/// OpenSubdiv's limits of the vertices of level 0, through level 2, where faces are quadrilaterals.
+/// OpenSubdiv's limits of the vertices of level 0, computed on level 2, where faces are
+/// quadrilaterals.
 struct Limits {
     std::vector<Value> points, first, second;
 };
@@ -51,13 +52,13 @@ Limits limitsOf(const Far::TopologyRefiner& refiner, std::vector<Value> values) 
     return result;
 }
 
-/// The points of a ring.
+/// Returns the points of a ring.
 Eigen::MatrixXd firstRing(const limit::VertexRing& ring, const Positions& positions) {
     return ring.start * positions(ring.vertices, Eigen::all);
 }
 
-/// The normal of the limit surface at a vertex, by the left eigenvectors of the second and the
-/// third eigenvalue of its ring on the surface.
+/// Returns the normal of the limit surface at a vertex, from the left eigenvectors of the second
+/// and third eigenvalue of its ring on the surface.
 Eigen::Vector3d normalAt(const far::Level& level, const limit::VertexRing& ring,
                          const Positions& positions) {
     std::vector<Eigen::Index> onSurface;
@@ -78,8 +79,8 @@ Eigen::Vector3d normalAt(const far::Level& level, const limit::VertexRing& ring,
     return tangent(1).cross(tangent(2)).normalized();
 }
 
-/// The direction of a crease: its points in the ring lie on either side of the vertex, and come
-/// nearer by half each level, for ever.
+/// Returns the direction of a crease: its two points in the ring are on either side of the vertex,
+/// and each level halves their distance.
 Eigen::Vector3d creaseAt(const far::Level& level, const limit::VertexRing& ring,
                          const Positions& positions) {
     const Eigen::MatrixXd first = firstRing(ring, positions);
@@ -91,8 +92,8 @@ Eigen::Vector3d creaseAt(const far::Level& level, const limit::VertexRing& ring,
     return ends.size() == 2 ? (ends[1] - ends[0]).normalized() : Eigen::Vector3d::Constant(1e9);
 }
 
-/// Whether one sharp edge ends at a smooth vertex. In the limit OpenSubdiv takes that for a smooth
-/// vertex, which changes with the level.
+/// True if one sharp edge ends at a smooth vertex. OpenSubdiv computes the limit of such a vertex
+/// as of a smooth one; this limit changes with the level.
 bool isDart(const far::Level& level, Index vertex) {
     const auto edges = level.complex.relation(0, 1)[vertex];
     const auto sharp = std::count_if(edges.begin(), edges.end(), [&](Index edge) {
@@ -106,14 +107,13 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
     const TopologyRefiner refiner = refined(shape, 2);
     const far::Level& level = refiner.level(0);
     const Surface surface = surfaceOf(level.complex);
-    const auto theirs = makeOpenSubdivRefiner(refiner, surface);
+    const auto openSubdiv = makeOpenSubdivRefiner(refiner, surface);
     const auto pose = shaken(shape.positions, 1);
     std::vector<Value> values;
     for (const Index vertex : surface.vertices)
         values.push_back({Eigen::Vector3d(pose[vertex].data())});
-    const Limits limits = limitsOf(*theirs.refiner, values);
-    const auto ours =
-        times(limit::buildVertexLimits(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
+    const Limits limits = limitsOf(*openSubdiv.refiner, values);
+    const auto ours = times(limit::buildVertexLimits(refiner, 0, surface.vertices), pose);
     const auto positions = asMatrix(pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Index vertex = surface.vertices[i];
@@ -122,15 +122,15 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
         EXPECT_LT((ours.row(Eigen::Index(i)).transpose() - limits.points[i].point).norm(), 1e-12)
             << name << " vertex " << vertex;
         if (stratum == 0) continue;
-        const auto ring = limit::ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
+        const auto ring = limit::ringOf(level, refiner.options(), vertex);
         if (stratum == 1) {
-            // On each of its sides a crease has a plane; along it there is one tangent.
+            // A crease has a plane on each side; along the crease there is one tangent.
             EXPECT_LT(creaseAt(level, ring, positions).cross(limits.first[i].point).norm(), 1e-12)
                 << name << " vertex " << vertex;
         } else {
             const Eigen::Vector3d normal = normalAt(level, ring, positions);
             for (const Value& tangent : {limits.first[i], limits.second[i]})
-                // Eigenvectors of values that are 0.1 apart, of up to 50 points.
+                // Eigenvectors of up to 50 points, with eigenvalues that are 0.1 apart.
                 EXPECT_LT(std::abs(normal.dot(tangent.point.normalized())), 1e-9)
                     << name << " vertex " << vertex;
         }
@@ -138,8 +138,8 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
     }
 }
 
-// Limits everywhere; tangent planes of smooth vertices, tangents of creases.
-TEST(Limits, AreOpenSubdivs) {
+// Compares limits at all vertices, tangent planes at smooth vertices, and tangents of creases.
+TEST(Limits, EqualOpenSubdivsLimits) {
     int smooth = 0, creases = 0;
     for (const auto& [name, lattice] : zoo()) expectSameLimits(name, lattice, smooth, creases);
     for (const auto& [name, mesh] : namedPolyhedra()) expectSameLimits(name, mesh, smooth, creases);
@@ -149,18 +149,18 @@ TEST(Limits, AreOpenSubdivs) {
 }
 
 /// Expects the gradients at smooth boundary vertices to carry OpenSubdiv's tangents at rest to its
-/// tangents of a pose.
+/// tangents in a pose.
 void expectCarriedTangents(const std::string& name, const Lattice& lattice, int& count) {
     const TopologyRefiner refiner = refined(lattice, 2);
     const far::Level& level = refiner.level(0);
     const Surface surface = surfaceOf(level.complex);
-    const auto theirs = makeOpenSubdivRefiner(refiner, surface);
+    const auto openSubdiv = makeOpenSubdivRefiner(refiner, surface);
     const auto pose = shaken(lattice.positions, 1);
     const auto limitsAt = [&](const std::vector<Point3>& positions) {
         std::vector<Value> values;
         for (const Index vertex : surface.vertices)
             values.push_back({Eigen::Vector3d(positions[vertex].data())});
-        return limitsOf(*theirs.refiner, values);
+        return limitsOf(*openSubdiv.refiner, values);
     };
     const Limits rest = limitsAt(lattice.positions), posed = limitsAt(pose);
     std::vector<Point3> points;
@@ -181,8 +181,8 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
             f.col(Eigen::Index(axis)) = columns[axis].row(row).transpose();
         for (const auto& [before, after] : {std::pair(rest.first[i].point, posed.first[i].point),
                                             std::pair(rest.second[i].point, posed.second[i].point)})
-            // Points are rounded to some 1e-16, and beside a vertex F changes as a power of the
-            // distance that is less than 1/2 where eigenvalues are near to each other.
+            // Points are rounded to about 1e-16. Near a vertex F changes as a power of the
+            // distance, which is less than 1/2 where eigenvalues are close to each other.
             EXPECT_LT((f * before - after).norm(), 1e-6 * (1 + after.norm()))
                 << name << " vertex " << vertex.index;
         ++count;

@@ -20,7 +20,7 @@ namespace Osd = OpenSubdiv::Osd;
 struct CreasedMesh {
     Lattice mesh = randomCreases(cubeSurface(), 7, far::Creasing::Uniform);
     TopologyRefiner refiner = refined(mesh, 2);
-    OpenSubdivRefiner theirs = makeOpenSubdivRefiner(refiner, surfaceOf(mesh.complex));
+    OpenSubdivRefiner openSubdiv = makeOpenSubdivRefiner(refiner, surfaceOf(mesh.complex));
 
     template <class Real>
     std::unique_ptr<const Far::StencilTableReal<Real>> table() const {
@@ -28,7 +28,7 @@ struct CreasedMesh {
         options.generateIntermediateLevels = false;
         options.generateOffsets = true;
         return std::unique_ptr<const Far::StencilTableReal<Real>>(
-            Far::StencilTableFactoryReal<Real>::Create(*theirs.refiner, options));
+            Far::StencilTableFactoryReal<Real>::Create(*openSubdiv.refiner, options));
     }
 };
 
@@ -39,8 +39,8 @@ std::vector<float> basePositions(const Lattice& mesh) {
     return values;
 }
 
-std::vector<float> evaluateOurs(const stencils::StencilTable<float>& table,
-                                const std::vector<float>& source) {
+std::vector<float> evaluateWithEspalier(const stencils::StencilTable<float>& table,
+                                        const std::vector<float>& source) {
     std::vector<float> result(3 * std::size_t(table.rowCount()));
     const auto layout = osd::BufferDescriptor::packed(3);
     osd::CpuEvaluator::evaluate<float>(table, source, layout, result, layout,
@@ -48,9 +48,9 @@ std::vector<float> evaluateOurs(const stencils::StencilTable<float>& table,
     return result;
 }
 
-/// By the template that OpenSubdiv's users call, on buffers of its own.
+/// Evaluates with the template and buffers that OpenSubdiv's users use.
 template <class Table>
-std::vector<float> evaluateTheirs(const Table& table, const std::vector<float>& source) {
+std::vector<float> evaluateWithOpenSubdiv(const Table& table, const std::vector<float>& source) {
     const int count = table.GetNumStencils();
     const std::unique_ptr<Osd::CpuVertexBuffer> from(
         Osd::CpuVertexBuffer::Create(3, int(source.size() / 3)));
@@ -61,29 +61,30 @@ std::vector<float> evaluateTheirs(const Table& table, const std::vector<float>& 
     return {to->BindCpuBuffer(), to->BindCpuBuffer() + 3 * count};
 }
 
-/// Rows sum to 1, and coordinates are at most 1: sums of the same products in another order differ
-/// by some units of single precision, 6e-8.
+/// Rows sum to 1, and coordinates are at most 1. Sums of the same products in a different order
+/// differ by a few units of single precision, 6e-8.
 void expectSame(const std::vector<float>& a, const std::vector<float>& b) {
     ASSERT_EQ(a.size(), b.size());
     ASSERT_FALSE(a.empty());
     for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-6) << i;
 }
 
-TEST(OpenSubdivTables, OurTableIsRunByTheirEvaluator) {
+TEST(OpenSubdivTables, OpenSubdivEvaluatesOurTable) {
     const CreasedMesh creased;
     const auto table = stencils::convertTable<float>(stencils::buildStencils(creased.refiner, 2));
     const std::vector<float> source = basePositions(creased.mesh);
-    expectSame(evaluateTheirs(OpenSubdivTable<float>(table), source), evaluateOurs(table, source));
+    expectSame(evaluateWithOpenSubdiv(OpenSubdivTable<float>(table), source),
+               evaluateWithEspalier(table, source));
 }
 
-TEST(OpenSubdivTables, TheirTableIsRunByOurEvaluator) {
+TEST(OpenSubdivTables, OurEvaluatorTakesOpenSubdivTables) {
     const CreasedMesh creased;
-    const auto theirs = creased.table<float>();
+    const auto openSubdiv = creased.table<float>();
     const std::vector<float> source = basePositions(creased.mesh);
-    const auto table = fromOpenSubdiv(*theirs, 0, theirs->GetNumStencils());
+    const auto table = fromOpenSubdiv(*openSubdiv, 0, openSubdiv->GetNumStencils());
     const std::vector<float> expected =
-        evaluateTheirs(static_cast<const Far::StencilTable&>(*theirs), source);
-    expectSame(evaluateOurs(table, source), expected);
+        evaluateWithOpenSubdiv(static_cast<const Far::StencilTable&>(*openSubdiv), source);
+    expectSame(evaluateWithEspalier(table, source), expected);
 }
 
 TEST(OpenSubdivTables, KeepWeightsAndShapes) {
@@ -104,16 +105,16 @@ TEST(OpenSubdivTables, KeepWeightsAndShapes) {
 
 TEST(OpenSubdivTables, TakePartOfATable) {
     const CreasedMesh creased;
-    const auto theirs = creased.table<double>();
-    const auto all = fromOpenSubdiv(*theirs, 0, theirs->GetNumStencils());
-    const auto some = fromOpenSubdiv(*theirs, 5, 3);
+    const auto openSubdiv = creased.table<double>();
+    const auto all = fromOpenSubdiv(*openSubdiv, 0, openSubdiv->GetNumStencils());
+    const auto some = fromOpenSubdiv(*openSubdiv, 5, 3);
     ASSERT_EQ(some.rowCount(), 3);
     for (Index row = 0; row < 3; ++row) {
         EXPECT_TRUE(std::ranges::equal(some.columns(row), all.columns(row + 5)));
         EXPECT_TRUE(std::ranges::equal(some.weights(row), all.weights(row + 5)));
     }
-    EXPECT_THROW(fromOpenSubdiv(*theirs, theirs->GetNumStencils() - 2, 3), Error);
-    EXPECT_THROW(fromOpenSubdiv(*theirs, -1, 1), Error);
+    EXPECT_THROW(fromOpenSubdiv(*openSubdiv, openSubdiv->GetNumStencils() - 2, 3), Error);
+    EXPECT_THROW(fromOpenSubdiv(*openSubdiv, -1, 1), Error);
 }
 
 }  // namespace

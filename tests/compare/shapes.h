@@ -11,18 +11,18 @@
 #include "support/random_lattices.h"
 #include "support/zoo.h"
 
-// What is compared with OpenSubdiv, and how far.
+// Shapes to compare with OpenSubdiv.
 namespace espalier::test {
 
-/// Refined as its tags say.
+/// Refines a shape with the options of its tags.
 inline TopologyRefiner refined(const Lattice& shape, int level) {
     TopologyRefiner refiner(shape.complex, refinerOptions(shape));
     refiner.refineUniform(level);
     return refiner;
 }
 
-/// The lattices of zoo.h and random_lattices.h: all kinds of the inventory, cells of types 3 to 6,
-/// L-shaped, ring-shaped, tripods, darts, semi-sharp.
+/// Returns the lattices of zoo.h and random_lattices.h: all kinds of the inventory, cells of types
+/// 3 to 6, L-shapes, rings, tripods, darts, semi-sharp features.
 inline std::vector<NamedLattice> allLattices() {
     std::vector<NamedLattice> all = zoo();
     for (NamedLattice& lattice : featureLattices()) all.push_back(std::move(lattice));

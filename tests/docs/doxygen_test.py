@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the comments of the public headers: Doxygen has nothing to warn of."""
+"""Checks the comments of the public headers: Doxygen must not warn."""
 
 import pathlib
 import re
@@ -19,7 +19,7 @@ class Headers(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def run_doxygen(self, **settings):
-        """Runs it with some settings changed; the last of a name counts."""
+        """Runs Doxygen with some settings changed; the last setting of a name counts."""
         settings = {"OUTPUT_DIRECTORY": self.folder, **settings}
         text = DOXYFILE.read_text(encoding="utf-8") + "".join(
             f'{name} = "{value}"\n' for name, value in settings.items())
@@ -34,7 +34,7 @@ class Headers(unittest.TestCase):
         self.assertGreater(len(headers), 80)
         for header in headers:
             self.assertIn(header.replace("_", "__") + "_8h.html", pages)
-        # Commands of our own have a heading, as those of Doxygen do.
+        # Our own commands have headings, as Doxygen's commands do.
         page = (self.folder / "html/namespaceespalier_1_1far.html").read_text(encoding="utf-8")
         for heading in ("Cost", "Reference", "Exceptions"):
             self.assertTrue(f"<dt>{heading}</dt>" in page, heading)

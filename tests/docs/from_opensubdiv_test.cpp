@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// docs/from-opensubdiv.md, both columns: a mesh is refined by
-// OpenSubdiv and by Espalier. The page shows parts of this
+// The code of docs/from-opensubdiv.md, both columns: OpenSubdiv
+// and Espalier refine a mesh. The page shows parts of this
 // file; docs_pages checks that.
 
 #include <espalier/compare/open_subdiv_tables.h>
@@ -47,8 +47,8 @@ const std::vector<float> positions = {
     0, 0,    2,   4, 0, 2, 4, 3, 2, 0, 3, 2,  // eaves
     2, 1.5F, 3.5F};                           // top
 
-// Weights and values of single precision, and sums of some
-// hundred of them: the unit is 6e-8.
+// Weights and values in single precision, and sums of about a
+// hundred of them; the unit is 6e-8.
 constexpr float kRounding = 4e-6F;
 
 std::unique_ptr<Far::TopologyRefiner> makeTheirs() {
@@ -116,7 +116,7 @@ std::size_t at(int index) {
     return static_cast<std::size_t>(index);
 }
 
-/// Their vertex of the last level for each of ours.
+/// OpenSubdiv's last-level vertex for each of ours.
 std::vector<int> matchVertices(
     const Far::TopologyRefiner& theirs,
     const far::TopologyRefiner& ours) {
@@ -157,7 +157,7 @@ std::vector<int> matchVertices(
     return match;
 }
 
-/// What both sides say of a level.
+/// Properties of a level, on both sides.
 struct Facts {
     int vertices = 0, borderEdges = 0, corners = 0, holes = 0;
     int ofFirstFace = 0;
@@ -227,7 +227,7 @@ stencils::StencilTable<float> makeOurTable(
     return table;
 }
 
-/// Of one row, by the arrays of the table.
+/// Returns one row, from the arrays of the table.
 std::vector<float> rowOfTheirs(const Far::StencilTable& table,
                                int row) {
     std::vector<float> dense(9);
@@ -283,7 +283,7 @@ std::vector<float> evaluateOurs(
     return values;
 }
 
-/// What PrimvarRefiner wants.
+/// A value for PrimvarRefiner.
 struct Point {
     float x = 0, y = 0, z = 0;
     void Clear() { *this = {}; }
@@ -314,12 +314,12 @@ std::vector<double> refineOurs(
     const far::TopologyRefiner& refiner) {
     const std::vector<double> base(positions.begin(),
                                    positions.end());
-    const auto points = stencils::refineValues(
-        refiner, level, stencils::Rules::Siggraph96, base, 3);
+    const auto points =
+        stencils::refineValues(refiner, level, base, 3);
     return points;
 }
 
-/// Without the base vertices.
+/// Removes the base vertices.
 std::vector<float> refinedPart(
     const std::vector<float>& values) {
     return {values.begin() + 27, values.end()};
@@ -355,8 +355,8 @@ TEST_F(FromOpenSubdiv, TheLevelsAreTheSame) {
 }
 
 TEST_F(FromOpenSubdiv, VerticesComeInOtherOrders) {
-    // Theirs: of vertices, of faces, of edges. Ours: of
-    // vertices, of edges, of faces.
+    // OpenSubdiv's order: new points of vertices, of faces, of
+    // edges. Ours: of vertices, of edges, of faces.
     const auto& base = theirs->GetLevel(0);
     EXPECT_EQ(base.GetVertexChildVertex(0), 0);
     EXPECT_EQ(base.GetFaceChildVertex(0), 9);

@@ -1,17 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the pages of docs/: their code is that of files which are built and run, and their links
-lead somewhere."""
+"""Checks the pages of docs/ and of the top folder: their code is part of files that are built and
+run, and their links exist."""
 
 import pathlib
 import re
+import sys
 import tempfile
 import textwrap
 import unittest
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
+sys.path.insert(0, str(DOCS.parent / "bench"))
 
-# <!-- code: a.cpp b.py -->: whose code a page shows from here on, by extensions.
+import ratios  # noqa: E402
+
+# <!-- code: a.cpp b.py -->: the files whose code a page shows from here on, by extension.
 SOURCES = re.compile(r"<!-- code: (.*?) -->")
 FENCE = re.compile(r"^```(\w*)\s*$")
 EXTENSIONS = {"cpp": ".cpp", "python": ".py"}
@@ -21,7 +25,7 @@ HEADING = re.compile(r"^#+ (.*)")
 
 
 def blocks_in(text):
-    """The fenced blocks, as (line number, language, code, sources so far)."""
+    """Yields the fenced blocks as (line number, language, code, current sources)."""
     sources, start, language, code = [], None, None, []
     for number, line in enumerate(text.splitlines(), 1):
         fence = FENCE.match(line)
@@ -38,7 +42,7 @@ def blocks_in(text):
 
 
 def anchors_in(path):
-    """What links to the headings of a page end with, as GitHub makes it."""
+    """Yields the anchors of the headings of a page, by GitHub's rules."""
     text = path.read_text(encoding="utf-8")
     for line in text.splitlines():
         heading = HEADING.match(line)
@@ -47,7 +51,7 @@ def anchors_in(path):
 
 
 def is_part(code, source):
-    """Whether lines follow each other in a source, wherever they are indented to."""
+    """True if lines of code are consecutive in a source, with any indentation."""
     def lines_of(text):
         return [line.rstrip() for line in text.splitlines()]
     code = lines_of(textwrap.dedent(code))
@@ -60,7 +64,7 @@ def is_part(code, source):
 
 
 def errors_in(page):
-    """What is wrong with a page, a line each."""
+    """Returns the errors of a page, one line each."""
     text = page.read_text(encoding="utf-8")
     errors = []
     for number, language, code, sources in blocks_in(text):
@@ -91,7 +95,7 @@ def errors_in(page):
 
 class Pages(unittest.TestCase):
     def test_code_and_links(self):
-        pages = sorted(DOCS.glob("*.md")) + [DOCS.parent / "README.md"]
+        pages = sorted(DOCS.glob("*.md")) + sorted(DOCS.parent.glob("*.md"))
         self.assertGreater(len(pages), 5)
         for page in pages:
             with self.subTest(page=page.name):
@@ -102,6 +106,11 @@ class Pages(unittest.TestCase):
             blocks = list(blocks_in((DOCS / name).read_text(encoding="utf-8")))
             self.assertGreater(sum(bool(block[3]) for block in blocks), 8, name)
 
+    def test_the_plot_of_performance_shows_the_numbers_of_its_tables(self):
+        page = (DOCS / "performance.md").read_text(encoding="utf-8")
+        self.assertEqual((DOCS / "figures/performance-ratios.svg").read_text(encoding="utf-8"),
+                         ratios.figure(page), "run bench/ratios.py")
+        self.assertGreater(ratios.figure(page).count("<circle"), 20)
 
     def test_the_life_of_a_deform_names_functions_that_exist(self):
         text = (DOCS / "life-of-a-deform.md").read_text(encoding="utf-8")
@@ -110,12 +119,12 @@ class Pages(unittest.TestCase):
         for name, path in steps:
             with self.subTest(name=name):
                 source = (DOCS.parent / path).read_text(encoding="utf-8")
-                # A definition: its head starts at the left margin, and a body follows.
+                # The head of a definition starts at the left margin, and a body follows.
                 self.assertRegex(source, rf"(?m)^\S[^;={{}}]*\b{name}\([^;{{}}]*\)[^;{{}}]*{{")
 
 
 class Checker(unittest.TestCase):
-    """The check itself: each way for a page to be wrong is found."""
+    """Tests the check itself: it finds each kind of error in a page."""
 
     GOOD = ("# The page, in C++\n<!-- code: a.cpp b.py -->\n"
             "```cpp\nif (x)\n    y();\n```\n```python\nprint(1)\n```\n```\nfree\n```\n"

@@ -16,7 +16,7 @@ def has_test_of_its_name(top, source):
 
 
 def errors_in(top):
-    """What is wrong with the table, a line each."""
+    """Returns the errors of the table, one line each."""
     errors, listed = [], set()
     for line in (top / "tests" / "sources.txt").read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):

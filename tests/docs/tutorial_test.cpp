@@ -29,7 +29,7 @@ namespace {
 
 using namespace espalier;
 
-/// A coil inside the box, and a point far away.
+/// Returns a coil inside the box, and a point far away.
 std::vector<Point3> somePoints() {
     std::vector<Point3> points;
     for (int i = 0; i <= 300; ++i) {
@@ -75,14 +75,12 @@ TEST(Tutorial, FromALatticeToAPose) {
     EXPECT_EQ(cells, 16 * 8 * 8);
     EXPECT_EQ(corners, 8);
 
-    const auto rules = stencils::Rules::Siggraph96;
-    const auto table =
-        stencils::buildStencils(refiner, 2, rules);
+    const auto table = stencils::buildStencils(refiner, 2);
     const Index rows = table.rowCount();
     const auto weights = table.weights(rows - 1);
     EXPECT_EQ(rows, complex.count(0));
     EXPECT_EQ(table.columnCount(), 45);
-    // Rounding of some ten weights.
+    // Rounding of about ten weights.
     EXPECT_NEAR(
         std::accumulate(weights.begin(), weights.end(), 0.), 1,
         1e-15);
@@ -90,8 +88,8 @@ TEST(Tutorial, FromALatticeToAPose) {
     const test::TemporaryFolder folder;
     const std::filesystem::path file =
         folder.path() / "level-2.vtu";
-    const auto positions = stencils::refinePositions(
-        refiner, 2, rules, rest.positions);
+    const auto positions =
+        stencils::refinePositions(refiner, 2, rest.positions);
     io::writeLattice(file, levelLattice(refiner, 2, positions));
     EXPECT_EQ(io::readLattice(file).positions, positions);
 
@@ -99,8 +97,8 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const far::TopologyRefiner base(rest.complex,
                                     {.marks = rest.marks});
-    const auto bound = embed::bindPoints(
-        {base, rest.positions, rules}, points, {.level = 3});
+    const auto bound = embed::bindPoints({base, rest.positions},
+                                         points, {.level = 3});
     const auto& deformation = bound.binding.table;  // D
     const auto outside =
         bound.count(embed::PointStatus::Outside);
@@ -117,7 +115,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     EXPECT_GT(moved[300][0], points[300][0] + 1);
     EXPECT_EQ(moved[301], points[301]);
 
-    // What happens for each pose, in an animation.
+    // In an animation, this happens for each pose.
     const osd::CompiledTable<double> compiled(deformation);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const std::span<const double> from(pose[0].data(),
@@ -127,8 +125,8 @@ TEST(Tutorial, FromALatticeToAPose) {
                       {0, deformation.rowCount()});
     for (std::size_t i = 0; i < 301; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
-            // Sums of up to 64 products, of size 4, in another
-            // order.
+            // Sums of up to 64 products of size 4, in a
+            // different order.
             EXPECT_NEAR(to[3 * i + c], moved[i][c], 1e-14);
         }
 
@@ -140,7 +138,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     std::vector<double> byVertices(from.size());
     adjoint.evaluate(byPoints, xyz, byVertices, xyz,
                      {0, adjoint.rowCount()});
-    // ⟨g, D p⟩ = ⟨Dᵀ g, p⟩: sums of some hundred terms of
+    // ⟨g, D p⟩ = ⟨Dᵀ g, p⟩: sums of about a hundred terms of
     // size 10.
     EXPECT_NEAR(std::inner_product(to.begin(), to.end(),
                                    byPoints.begin(), 0.),
@@ -167,7 +165,7 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const solve::ValidityCheck check(complex, positions);
     const auto posed =
-        stencils::refinePositions(refiner, 2, rules, fitted);
+        stencils::refinePositions(refiner, 2, fitted);
     const solve::PoseValidity validity = check.check(posed);
     const bool folds = !validity.inverted.empty();
     const solve::LargestStep step =

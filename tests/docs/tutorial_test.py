@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The Python of docs/tutorial.md. The page shows parts of this file; docs_pages checks that."""
+"""The Python code of docs/tutorial.md. The page shows parts of this file; docs_pages checks that."""
 
 import pathlib
 import tempfile
@@ -51,7 +51,7 @@ class Tutorial(unittest.TestCase):
         weights = S[-1].data
         self.assertEqual(S.shape[1], 45)
         self.assertEqual(rows, refiner.counts(2)[0])
-        self.assertAlmostEqual(weights.sum(), 1, delta=1e-15)  # rounding of some ten weights
+        self.assertAlmostEqual(weights.sum(), 1, delta=1e-15)  # rounding of about ten weights
 
         positions = refiner.positions(2)
         refiner.refine(2).write(file)
@@ -73,12 +73,12 @@ class Tutorial(unittest.TestCase):
         self.assertGreater(moved[300, 0], points[300, 0] + 1)
         self.assertTrue(np.array_equal(moved[301], points[301]))
 
-        # Some poses at once, or one after the other in single
-        # precision and in memory that is there.
+        # Several poses at once; or one by one, in single precision,
+        # into an existing array.
         several = binding.deform(np.stack([rest.positions, pose]))
         result = np.empty((302, 3), np.float32)
         binding.deform(pose.astype(np.float32), out=result)
-        # Sums of up to 64 products, of size 4; and what the rest pose is off by, likewise.
+        # Sums of up to 64 products of size 4, also for the error of the rest pose.
         np.testing.assert_allclose(several[1], moved, rtol=0, atol=1e-14)
         np.testing.assert_allclose(several[0], points, rtol=0, atol=1e-12)
         np.testing.assert_allclose(result, moved, rtol=0, atol=1e-5)  # units of 5e-7
@@ -87,7 +87,7 @@ class Tutorial(unittest.TestCase):
         by_points = np.zeros_like(moved)
         by_points[:, 2] = 2 * moved[:, 2]
         by_vertices = binding.adjoint(by_points)
-        # <g, D p> = <D.T g, p>: sums of some hundred terms of size 10.
+        # <g, D p> = <D.T g, p>: sums of about a hundred terms of size 10.
         self.assertAlmostEqual((by_points * (D @ pose)).sum(), (by_vertices * pose).sum(),
                                delta=1e-9)
 

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The hull of corners that are sums of columns.
+/// Returns the hull of the parallelepiped whose corners are sums of columns.
 AffineHull hullOf(const Matrix3d& axes) {
     AffineHull hull(axes.inverse());
     for (int corner = 0; corner < 8; ++corner)
@@ -19,8 +19,9 @@ AffineHull hullOf(const Matrix3d& axes) {
     return hull;
 }
 
-// A plate of a thousandth along (1, 1, 1): its box holds (0.5, 0, 0), which is 0.29 off its plane.
-TEST(AffineHull, OfAPlateThatLiesAslantIsThePlate) {
+// The plate is a thousandth thick along (1, 1, 1). Its box contains (0.5, 0, 0), which is 0.29 off
+// the plate's plane.
+TEST(AffineHull, ObliquePlateHasATightHull) {
     Matrix3d axes;
     axes.col(0) = Vector3d(1, -1, 0);
     axes.col(1) = Vector3d(0, 1, -1);
@@ -34,8 +35,8 @@ TEST(AffineHull, OfAPlateThatLiesAslantIsThePlate) {
     EXPECT_FALSE(hull.contains(axes * Vector3d(0.3, 0.6, 1.3)));
 }
 
-// The inverse of such axes has infinite entries of both signs: no point may be ruled out by them.
-TEST(AffineHull, WithoutVolumeHoldsEverything) {
+// The inverse of such axes has infinite entries of both signs, which must not exclude any point.
+TEST(AffineHull, FlatHullContainsEveryPoint) {
     Matrix3d flat;
     flat.col(0) = Vector3d(1, -1, 0);
     flat.col(1) = Vector3d(0, 1, -1);

@@ -12,8 +12,8 @@ double sumOf(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// (1 − t, t) at t = 1/4; ((1 − t)², 2t(1 − t), t²) at t = 1/2, with the derivatives
-// (−2(1 − t), 2 − 4t, 2t) by t, which is half the place.
+// (1 − t, t) at t = 1/4; ((1 − t)², 2t(1 − t), t²) at t = 1/2. Its derivatives by t are (−2(1 − t),
+// 2 − 4t, 2t), and t is half the coordinate.
 TEST(BasisFunctions, BernsteinPolynomialsByHand) {
     const AxisFunctions linear = axisFunctions(Basis::Bezier, 1, 0.25);
     EXPECT_EQ(linear.first, 0);
@@ -24,7 +24,7 @@ TEST(BasisFunctions, BernsteinPolynomialsByHand) {
     EXPECT_THAT(quadratic.derivatives, ElementsAre(-0.5, 0, 0.5));
 }
 
-/// C(n, i) tⁱ (1 − t)ⁿ⁻ⁱ as it is written.
+/// Returns C(n, i) tⁱ (1 − t)ⁿ⁻ⁱ by definition.
 long double bernstein(Index degree, Index i, long double t) {
     if (i < 0 || i > degree) return 0;
     long double value = 1;
@@ -34,7 +34,7 @@ long double bernstein(Index degree, Index i, long double t) {
     return value;
 }
 
-TEST(BasisFunctions, BernsteinPolynomialsAreTheDirectOnesAtAnyDegree) {
+TEST(BasisFunctions, BernsteinPolynomialsAgreeWithTheDefinitionAtAnyDegree) {
     for (const Index degree : {1, 2, 3, 7, 20, 100})
         for (const double t : {0.0, 1e-3, 0.25, 0.3, 0.5, 0.77, 0.999, 1.0}) {
             const double at = t * degree;
@@ -44,30 +44,29 @@ TEST(BasisFunctions, BernsteinPolynomialsAreTheDirectOnesAtAnyDegree) {
                 const long double exact = static_cast<long double>(at) / degree;
                 const double value = functions.values[i];
                 const auto expected = double(bernstein(degree, i, exact));
-                // Nothing cancels: each degree rounds two products and their sum, besides t and
-                // 1 − t, by half an epsilon each. Numbers that have no full precision left are
-                // those below 1e-290.
+                // Nothing cancels: each degree rounds two products, their sum, t and 1 − t by half
+                // an epsilon each. Numbers below 1e-290 do not have full precision.
                 EXPECT_NEAR(value, expected, 2.5 * degree * kEpsilon * expected + 1e-290);
                 const auto slope =
                     double(bernstein(degree - 1, i - 1, exact) - bernstein(degree - 1, i, exact));
-                // A difference of two such values, both under 1.
+                // The slope is a difference of two such values, both below 1.
                 EXPECT_NEAR(functions.derivatives[i], slope, 5 * degree * kEpsilon);
             }
-            // t and 1 − t are rounded once a degree.
+            // t and 1 − t are rounded once per degree.
             EXPECT_NEAR(sumOf(functions.values), 1, degree * kEpsilon);
             EXPECT_NEAR(sumOf(functions.derivatives), 0, degree * kEpsilon);
         }
 }
 
-/// 6 M (Joy, bicubic refinement): rows belong to 1, u, u² and u³, columns to control points.
+/// 6 M (Joy, bicubic refinement): rows are for 1, u, u² and u³, columns for control points.
 constexpr std::array<std::array<double, 4>, 4> kSixM = {
     {{1, 4, 1, 0}, {-3, 0, 3, 0}, {3, -6, 3, 0}, {-1, 3, -3, 1}}};
 
-TEST(BasisFunctions, BSplinesAreThoseOfTheMatrixM) {
+TEST(BasisFunctions, BSplinesAgreeWithTheMatrixM) {
     const Index cells = 5;
     for (Index span = 1; span <= 3; ++span)
         for (const double u : {0.0, 0.125, 0.5, 0.9, 1.0}) {
-            // The end of a span is the start of the next, but for the last.
+            // The end of each span but the last is the start of the next.
             if (u == 1 && span < 3) continue;
             const AxisFunctions functions = axisFunctions(Basis::BSpline, cells, span + u);
             EXPECT_EQ(functions.first, span - 1);
@@ -76,7 +75,7 @@ TEST(BasisFunctions, BSplinesAreThoseOfTheMatrixM) {
                 const double value =
                     kSixM[0][i] + u * (kSixM[1][i] + u * (kSixM[2][i] + u * kSixM[3][i]));
                 const double slope = kSixM[1][i] + u * (2 * kSixM[2][i] + u * 3 * kSixM[3][i]);
-                // span + u is rounded by 2e-16, and the terms are under 12.
+                // span + u is rounded by 2e-16, and the terms are below 12.
                 EXPECT_NEAR(functions.values[i], value / 6, 1e-15);
                 EXPECT_NEAR(functions.derivatives[i], slope / 6, 1e-15);
             }
@@ -85,7 +84,7 @@ TEST(BasisFunctions, BSplinesAreThoseOfTheMatrixM) {
         }
 }
 
-TEST(BasisFunctions, RangesAreWhereTheFunctionsAddUp) {
+TEST(BasisFunctions, RangesAreWhereFunctionsSumToOne) {
     EXPECT_EQ(axisRange(Basis::Bezier, 4).low, 0);
     EXPECT_EQ(axisRange(Basis::Bezier, 4).high, 4);
     EXPECT_EQ(axisRange(Basis::BSpline, 4).low, 1);

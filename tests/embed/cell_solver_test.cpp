@@ -11,8 +11,9 @@
 namespace espalier::embed {
 namespace {
 
-// Given the cells whose boxes hold a point, the solver alone finds what the locator does.
-TEST(CellSolver, FindsWhatTheLocatorDoes) {
+// Given the cells whose boxes contain a point, the solver alone finds the same place as the
+// locator.
+TEST(CellSolver, AgreesWithTheLocator) {
     for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
         Eigen::AlignedBox3d box;
@@ -41,7 +42,7 @@ TEST(CellSolver, FindsWhatTheLocatorDoes) {
             inCells += inside.has_value();
             const LocatedPoint expected = locator.locate(point, true);
             const LocatedPoint found =
-                inside ? *inside : solver.locateBeside(vec(point), nearestTo(point), true);
+                inside ? *inside : solver.locateOutsideCells(vec(point), nearestTo(point), true);
             ASSERT_EQ(found.status, expected.status) << name;
             ASSERT_EQ(found.distance, expected.distance) << name;
             ASSERT_EQ(found.residual, expected.residual) << name;

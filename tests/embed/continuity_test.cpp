@@ -13,7 +13,7 @@
 namespace espalier::embed {
 namespace {
 
-/// The faces of a lattice all of whose vertices satisfy a condition.
+/// Returns the faces of a lattice whose vertices all satisfy a condition.
 template <class Condition>
 std::vector<Index> facesWhere(const Lattice& lattice, Condition condition) {
     std::vector<Index> faces;
@@ -34,41 +34,41 @@ std::vector<Index> verticesWhere(const Lattice& lattice, Condition condition) {
     return vertices;
 }
 
-// A box is the tricubic B-spline with a layer 2P₀ − P₁ around it, whose first derivative on a side
-// is P₁ − P₀, and whose second is 0.
-TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
+// A box is the tricubic B-spline with a layer 2P₀ − P₁ around it: the first derivative on a side is
+// P₁ − P₀, and the second is 0.
+TEST(Continuity, SideOfABoxFreezesOneOrTwoLayers) {
     const Lattice box = shapes::box({.cells = {4, 3, 3}, .max = {4, 3, 3}});
     const TopologyRefiner base(box.complex);
     const auto side = facesWhere(box, [](const Point3& p) { return p[0] == 0; });
     ASSERT_EQ(side.size(), 9U);
-    EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, Continuity::C0),
+    EXPECT_EQ(verticesHoldingFaces(base, side, Continuity::C0),
               verticesWhere(box, [](const Point3& p) { return p[0] == 0; }));
     for (const auto continuity : {Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, side, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] <= 1; }));
 }
 
-// Inside, the place of a knot of the cubic B-spline is made by (1, 4, 1)/6, its first derivative by
-// (−1, 0, 1)/2, its second by (1, −2, 1): the same three layers.
-TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
+// Inside, the cubic B-spline at a knot is (1, 4, 1)/6, its first derivative (−1, 0, 1)/2, and its
+// second (1, −2, 1): all three depend on the same three layers.
+TEST(Continuity, PlaneInsideABoxFreezesThreeLayers) {
     const Lattice box = shapes::box({.cells = {6, 2, 2}, .max = {6, 2, 2}});
     const TopologyRefiner base(box.complex);
     const auto plane = facesWhere(box, [](const Point3& p) { return p[0] == 3; });
     ASSERT_EQ(plane.size(), 4U);
     for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, plane, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, plane, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] >= 2 && p[0] <= 4; }));
 }
 
-/// The slow way: a whole level, the vertices of it that lie on the faces, and what they depend on.
+/// The slow way: refines a whole level, and finds the vertices of the level on the faces and the
+/// base vertices that these depend on.
 struct FacesOnLevel {
     TopologyRefiner refiner;
     int level;
-    Rules rules;
     ByEntity<std::uint8_t> isHeld;
 
-    FacesOnLevel(const TopologyRefiner& base, int levels, Rules by, const std::vector<Index>& faces)
-        : refiner(base), level(levels), rules(by) {
+    FacesOnLevel(const TopologyRefiner& base, int levels, const std::vector<Index>& faces)
+        : refiner(base), level(levels) {
         refiner.refineUniform(levels);
         const CellComplex& complex = base.level(0).complex;
         for (int d = 0; d <= 3; ++d) isHeld[d].resize(complex.count(d));
@@ -86,7 +86,7 @@ struct FacesOnLevel {
             if (isHeld[0][v]) vertices.insert(Index(v));
         return vertices;
     }
-    /// The vertices of the cells that have one of some vertices.
+    /// Returns the vertices of the cells that contain one of some vertices.
     std::set<Index> around(const std::set<Index>& vertices) const {
         std::set<Index> result;
         for (const Index v : vertices)
@@ -95,7 +95,7 @@ struct FacesOnLevel {
         return result;
     }
     StencilTable<double> rows(const std::set<Index>& vertices) const {
-        return stencils::buildStencils(refiner, level, rules,
+        return stencils::buildStencils(refiner, level,
                                        std::vector<Index>(vertices.begin(), vertices.end()));
     }
     std::vector<Index> columns(const std::set<Index>& vertices) const {
@@ -108,7 +108,8 @@ struct FacesOnLevel {
     }
 };
 
-/// Some faces of a lattice to hold: its boundary, a corner of that, and one face inside.
+/// Returns sets of faces to hold: the boundary of a lattice, the faces at a corner of the boundary,
+/// and one face inside.
 std::vector<std::vector<Index>> partsOf(const CellComplex& complex) {
     std::vector<std::vector<Index>> parts(2);
     std::optional<Index> inside;
@@ -127,42 +128,44 @@ std::vector<std::vector<Index>> partsOf(const CellComplex& complex) {
     return parts;
 }
 
-// In lattices of every kind: whatever level is looked at, from the second on, the faces depend on
-// the same vertices, and so do the cells beside them.
+// In lattices of every kind, the faces depend on the same vertices on all levels from the second
+// on, and so do the cells beside them.
 TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
     for (const auto& [name, lattice] : zoo())
         for (const auto boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
-            const TopologyRefiner base(lattice.complex,
-                                       {.boundary = boundary, .marks = lattice.marks});
             for (const auto& faces : partsOf(lattice.complex))
                 for (const int level : {2, 3})
                     for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
+                        const TopologyRefiner base(
+                            lattice.complex,
+                            {.rules = rules, .boundary = boundary, .marks = lattice.marks});
                         if (level == 3 && lattice.complex.count(3) > 12) continue;
                         SCOPED_TRACE(name + ", level " + std::to_string(level));
-                        const FacesOnLevel whole(base, level, rules, faces);
-                        EXPECT_EQ(verticesHoldingFaces(base, rules, faces, Continuity::C0),
+                        const FacesOnLevel whole(base, level, faces);
+                        EXPECT_EQ(verticesHoldingFaces(base, faces, Continuity::C0),
                                   whole.columns(whole.held()));
                         for (const auto continuity : {Continuity::C1, Continuity::C2})
-                            EXPECT_EQ(verticesHoldingFaces(base, rules, faces, continuity),
+                            EXPECT_EQ(verticesHoldingFaces(base, faces, continuity),
                                       whole.columns(whole.around(whole.held())));
                     }
         }
 }
 
-// With the vertices of C1 frozen, all that moves near the faces does so as h³ or so: from one level
-// to the next, where distances are halved, the vertices just beyond those that stay move less than
-// a quarter as far. So first and second differences vanish.
-TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
+// If the vertices of C1 are frozen, displacements near the faces grow about as h³. Distances halve
+// from one level to the next, and the vertices just beyond the unmoved ones move less than a
+// quarter as far. So first and second differences vanish.
+TEST(Continuity, MovingVerticesKeepSecondDerivatives) {
     for (const auto& [name, lattice] : zoo()) {
         if (lattice.complex.count(3) > 12) continue;
-        const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const auto& faces : partsOf(lattice.complex))
             for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
+                const TopologyRefiner base(lattice.complex,
+                                           {.rules = rules, .marks = lattice.marks});
                 SCOPED_TRACE(name);
-                const auto frozen = verticesHoldingFaces(base, rules, faces, Continuity::C1);
+                const auto frozen = verticesHoldingFaces(base, faces, Continuity::C1);
                 double before = 0;
                 for (const int level : {2, 3}) {
-                    const FacesOnLevel whole(base, level, rules, faces);
+                    const FacesOnLevel whole(base, level, faces);
                     const auto table = whole.rows(whole.around(whole.around(whole.held())));
                     double farthest = 0;
                     for (Index row = 0; row < table.rowCount(); ++row) {
@@ -182,7 +185,7 @@ TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
     }
 }
 
-/// A model in a lattice, and a part of it to hold.
+/// A lattice, and a part of a model to hold.
 struct Held {
     Lattice lattice = shapes::box({.cells = {6, 4, 4}, .max = {6, 4, 4}});
     TopologyRefiner base{lattice.complex};
@@ -197,7 +200,7 @@ struct Held {
         return verticesHoldingPoints({base, lattice.positions}, part, continuity,
                                      {.level = level, .embedding = options});
     }
-    /// Positions with all vertices moved but the frozen ones.
+    /// Returns positions in which all vertices but the frozen ones have moved.
     std::vector<Point3> pose(const std::vector<Index>& frozen) const {
         auto positions = lattice.positions;
         const auto random = randomValues(3 * positions.size(), 7);
@@ -206,7 +209,7 @@ struct Held {
                 positions[i / 3][i % 3] += random[i];
         return positions;
     }
-    /// How far points go when all that is not frozen moves.
+    /// Returns the largest displacement of some points when all vertices but the frozen ones move.
     double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
                        const EmbeddingOptions& options = {}) const {
         const auto table =
@@ -226,7 +229,7 @@ TEST(Continuity, HeldPointsStay) {
     const auto frozen = held.freeze(Continuity::C0);
     // Sums of at most 64 products of numbers below 10, in double.
     EXPECT_LT(held.largestMove(frozen, held.part), 1e-13);
-    // None is frozen in vain.
+    // Every frozen vertex is needed.
     for (std::size_t i = 0; i < frozen.size(); ++i) {
         auto fewer = frozen;
         fewer.erase(fewer.begin() + std::ptrdiff_t(i));
@@ -235,8 +238,8 @@ TEST(Continuity, HeldPointsStay) {
     EXPECT_LT(frozen.size(), held.lattice.positions.size());
 }
 
-// The points beside, by half a cell of the level in each direction, stay as well.
-TEST(Continuity, WhatIsBesideHeldPointsStaysToo) {
+// Points half a cell of the level beside the held points, in each direction, stay too.
+TEST(Continuity, PointsBesideHeldPointsStayToo) {
     const Held held;
     for (const auto continuity : {Continuity::C1, Continuity::C2}) {
         const auto frozen = held.freeze(continuity);
@@ -251,10 +254,11 @@ TEST(Continuity, WhatIsBesideHeldPointsStaysToo) {
     }
 }
 
-// What happens in the middle of a base cell is made by all 4³ vertices around. A point on a corner
-// of the lattice is made by that alone; its cell of level 2 and those around reach as far as 1/2,
-// and the point there, of level 1, depends on that of vertex 1, which depends on 0 to 2.
-TEST(Continuity, OfPointsInTheMiddleAndInACorner) {
+// A point in the middle of a base cell depends on all 4³ vertices around the cell. A point on a
+// corner of the lattice depends on the corner only. For C1, its cell of level 2 and the cells
+// around reach up to 1/2. The point there, of level 1, depends on the level-1 point of vertex 1,
+// which depends on vertices 0 to 2.
+TEST(Continuity, PointsInTheMiddleAndInACorner) {
     Held held;
     const auto block = [&](double low, double high) {
         return verticesWhere(held.lattice, [&](const Point3& p) {
@@ -269,11 +273,11 @@ TEST(Continuity, OfPointsInTheMiddleAndInACorner) {
 }
 
 // With h = 2^-n of a base cell, the vertices of level n beside the cell that starts at 3 are from
-// 3 - h to 3 + 2h. In the last of them vertex 5, whose B-spline is (x - 3)³/6 from there on, weighs
-// h · 2h · 3h / 6 (its blossom at the three knots around): at level 13 that is 2e-12, but 4^13
-// times as much in a second derivative. Vertex 1 weighs 0 in the first, as its own B-spline ends
-// at 3.
-TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
+// 3 − h to 3 + 2h. Vertex 5, whose B-spline from there on is (x − 3)³/6, has the weight
+// h · 2h · 3h / 6 in the last of them (its blossom at the three knots around). At level 13, this is
+// 2e-12, but 4^13 times as much in a second derivative. Vertex 1 has the weight 0 in the first of
+// them, as its own B-spline ends at 3.
+TEST(Continuity, FreezesTheLastLayerAtFineLevels) {
     const int level = 13;
     const double cell = std::ldexp(1, -level);
     const Lattice box = shapes::box({.cells = {6, 6, 6}, .max = {6, 6, 6}});
@@ -290,24 +294,24 @@ TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
             EXPECT_EQ(std::binary_search(frozen.begin(), frozen.end(), vertex[0]), x >= 2 && x <= 5)
                 << x;
         }
-    // What is so little along each of three axes, 6e-36 in all, is nothing.
+    // If the weight is this small along each of three axes, 6e-36 in total, it counts as 0.
     const auto corner = verticesWhere(box, [](const Point3& p) { return p == Point3{5, 5, 5}; });
     ASSERT_EQ(corner.size(), 1U);
     EXPECT_FALSE(std::binary_search(frozen.begin(), frozen.end(), corner[0]));
 }
 
-TEST(Continuity, PointsOutsideAskForNothing) {
+TEST(Continuity, PointsOutsideFreezeNothing) {
     Held held;
     held.part = {{-1, 0, 0}, {1e9, 0, 0}, {-1e-3, 2, 2}};
     for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
         EXPECT_TRUE(held.freeze(continuity).empty());
 }
 
-// Unless the nearest cell carries them: then it is held.
-TEST(Continuity, PointsOutsideThatAreCarriedStay) {
+// Unless the nearest cell carries a point: then the cell is held.
+TEST(Continuity, CarriedPointsOutsideStay) {
     Held held;
     const EmbeddingOptions nearest = {.outside = OutsidePolicy::Nearest};
-    // With a point inside and without one.
+    // One set without a point inside, and one with such a point.
     for (const auto& part :
          {std::vector<Point3>{{-1, 0, 0}, {-1e-3, 2, 2}}, {{-0.5, 1.3, 1.2}, {0.7, 2.2, 2.3}}}) {
         held.part = part;
@@ -317,11 +321,11 @@ TEST(Continuity, PointsOutsideThatAreCarriedStay) {
             const auto frozen = held.freeze(continuity, 2, nearest);
             EXPECT_TRUE(std::includes(frozen.begin(), frozen.end(), least.begin(), least.end()));
             EXPECT_LT(frozen.size(), held.lattice.positions.size());
-            // As in HeldPointsStay.
+            // The same tolerance as in HeldPointsStay.
             EXPECT_LT(held.largestMove(frozen, held.part, nearest), 1e-13);
         }
         EXPECT_GT(held.largestMove({}, held.part, nearest), 1e-3);
-        // What is beside, by less than a cell of the level, stays as well.
+        // Points less than a cell of the level beside stay too.
         auto beside = held.part;
         for (Point3& p : beside) p[1] += 0.2;
         EXPECT_LT(held.largestMove(held.freeze(Continuity::C1, 2, nearest), beside, nearest),
@@ -329,7 +333,7 @@ TEST(Continuity, PointsOutsideThatAreCarriedStay) {
     }
 }
 
-TEST(Continuity, OfPointsThatHaveBeenBound) {
+TEST(Continuity, BoundRowsFreezeTheSameVertices) {
     const Held held;
     const auto bound =
         bindPoints({held.base, held.lattice.positions}, held.part, {.level = 2}).binding;
@@ -344,12 +348,10 @@ TEST(Continuity, DoesNotDependOnThreads) {
         withThreads(threads, [&] { EXPECT_EQ(held.freeze(Continuity::C2), expected); });
 }
 
-TEST(Continuity, RefusesWhatCannotBeHeld) {
+TEST(Continuity, RefusesInvalidFacesAndPoints) {
     Held held;
     const auto hold = [&](const TopologyRefiner& base, std::vector<Index> faces) {
-        return [&base, faces] {
-            verticesHoldingFaces(base, Rules::Siggraph96, faces, Continuity::C0);
-        };
+        return [&base, faces] { verticesHoldingFaces(base, faces, Continuity::C0); };
     };
     EXPECT_THAT(hold(held.base, {}), ThrowsMessage<Error>(HasSubstr("there are no faces to hold")));
     EXPECT_THAT(hold(held.base, {0, 9999}),

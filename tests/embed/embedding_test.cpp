@@ -15,8 +15,8 @@
 namespace espalier::embed {
 namespace {
 
-// D = W · S: the deformed points are those of their places in the refined pose.
-TEST(Embedding, DeformationTableIsPlaceInTheRefinedPose) {
+// D = W · S: the deformed points are at their places in the refined pose.
+TEST(Embedding, DeformationTableGivesPlacesInTheRefinedPose) {
     for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 2);
         const auto points = pointsIn(refined, 50, 2);
@@ -30,8 +30,8 @@ TEST(Embedding, DeformationTableIsPlaceInTheRefinedPose) {
     }
 }
 
-// Every vertex, edge midpoint, face point and centroid of the refined lattice lies in the lattice,
-// and in the lowest cell that it belongs to.
+// Every vertex, edge midpoint and face point of the refined lattice is inside the lattice, and in
+// the lowest cell that it belongs to.
 TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
     for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
@@ -41,8 +41,8 @@ TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
             for (Index i = 0; i < complex.count(d); ++i) {
                 std::vector<Index> vertices = {i};
                 if (d == 1) vertices = {complex.relation(1, 0)[i][0], complex.relation(1, 0)[i][1]};
-                // A face that is not flat is bilinear for a hexahedron, and folded along its cut
-                // for a type-n cell: take the middle of what the lowest cell has.
+                // A face that is not flat is bilinear in a hexahedron, and folded along its cut in
+                // a type-n cell: take the middle as the lowest cell has it.
                 if (d == 2) {
                     const auto loop = complex.relation(2, 0)[i];
                     const CellId lowest(complex.relation(2, 3)[i].front());
@@ -68,7 +68,8 @@ TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
 
 TEST(Embedding, TrilinearPlacesInACube) {
     const Refined refined(shapes::box(), 1);
-    // Eight cells of side 1/2; (0.3, 0.2, 0.1) is in the one at the origin, 3/5, 2/5 and 1/5 along.
+    // Eight cells with sides of 1/2: (0.3, 0.2, 0.1) is in the cell at the origin, at 3/5, 2/5 and
+    // 1/5 of its sides.
     const Embedding embedding = refined.embed({{0.3, 0.2, 0.1}});
     const CellPlace& place = *embedding.points[0].place;
     const auto corners = *far::hexahedronVertices(refined.complex(), place.cell);
@@ -81,7 +82,7 @@ TEST(Embedding, TrilinearPlacesInACube) {
     EXPECT_EQ(place.offset, (std::array<double, 3>{}));
 }
 
-// Figure 6: a type-n cell is cut into 4n tetrahedra about its cell point, which fill it.
+// Figure 6: 4n tetrahedra around the cell point fill a type-n cell.
 TEST(Embedding, TypeNCellIsFilledByFourNTetrahedra) {
     for (const int n : {4, 5, 6}) {
         const Refined refined(shapes::bipyramid({.sides = n}), 1);
@@ -110,7 +111,7 @@ TEST(Embedding, PointsOutside) {
     const Refined refined(shapes::box(), 2);
     const std::vector<Point3> points = {
         {2, 0.5, 0.5}, {0.5, 0.5, 0.5}, {1 + 1e-7, 0.5, 0.5}, {1 + 1e-5, 0.5, 0.5}};
-    // Kept: no place, and an empty row.
+    // Keep: no place, and an empty row.
     const Embedding kept = refined.embed(points);
     const auto statusOf = [&](const Embedding& e, std::size_t i) { return e.points[i].status; };
     EXPECT_EQ(statusOf(kept, 0), PointStatus::Outside);
@@ -119,18 +120,18 @@ TEST(Embedding, PointsOutside) {
     EXPECT_EQ(statusOf(kept, 3), PointStatus::Outside);
     EXPECT_FALSE(kept.points[0].place);
     EXPECT_TRUE(refined.table(kept).columns(0).empty());
-    // Carried by the nearest cell: at distance 1 from the middle of the side x = 1.
+    // Nearest: the nearest cell carries the point, at distance 1 from the middle of the side x = 1.
     const Embedding nearest = refined.embed(points, {.outside = OutsidePolicy::Nearest});
     EXPECT_EQ(statusOf(nearest, 0), PointStatus::Outside);
     EXPECT_NEAR(nearest.points[0].distance, 1, 1e-14);
     ASSERT_TRUE(nearest.points[0].place);
-    // Refused.
+    // Error.
     EXPECT_THAT(messageOf([&] { refined.embed(points, {.outside = OutsidePolicy::Error}); }),
                 AllOf(HasSubstr("point 0 at (2, 0.5, 0.5) "), HasSubstr("outside the lattice")));
 }
 
-/// How far a point lies outside a convex lattice with flat sides: its distance from the planes of
-/// the faces, if it is beyond one.
+/// Returns how far a point is outside a convex lattice with flat sides: its largest distance from
+/// the plane of a face, or 0 inside.
 double distanceOutside(const Lattice& lattice, const Eigen::Vector3d& point) {
     double farthest = 0;
     for (Index face = 0; face < lattice.complex.count(2); ++face) {
@@ -143,8 +144,8 @@ double distanceOutside(const Lattice& lattice, const Eigen::Vector3d& point) {
     return farthest;
 }
 
-// Single cells about the origin with flat sides stay what they are when refined, so half-spaces
-// tell what is outside: near cells of types 3, 4, 5 and 6.
+// Refinement does not change single cells around the origin with flat sides, so half-spaces tell
+// which points are outside, near cells of types 3, 4, 5 and 6.
 TEST(Embedding, HalfSpacesTellWhatIsOutside) {
     for (const Lattice& solid :
          {shapes::cube(), shapes::octahedron(), shapes::icosahedron(), shapes::dodecahedron(),
@@ -156,7 +157,7 @@ TEST(Embedding, HalfSpacesTellWhatIsOutside) {
                 const Embedding embedding = refined.embed(points, {.outside = policy});
                 for (std::size_t i = 0; i < points.size(); ++i) {
                     const double outside = distanceOutside(solid, vec(points[i]));
-                    // Within the tolerance either answer is right.
+                    // Within the tolerance, both answers are correct.
                     if (outside > 0 && outside < 1e-5) continue;
                     ASSERT_EQ(embedding.points[i].status,
                               outside > 0 ? PointStatus::Outside : PointStatus::Inside)
@@ -166,8 +167,8 @@ TEST(Embedding, HalfSpacesTellWhatIsOutside) {
         }
 }
 
-// A corner of the region, and a whole face of it, in a cell of type 5: the tolerance is a distance.
-TEST(Embedding, ToleranceReachesAllRoundTheRegion) {
+// Tests the corners of the region, in cells of type 5: the tolerance is a distance.
+TEST(Embedding, ToleranceAppliesAllAroundTheRegion) {
     const Lattice solid = shapes::icosahedron();
     const Refined refined(solid, 1);
     for (const Point3& corner : solid.positions) {
@@ -179,23 +180,23 @@ TEST(Embedding, ToleranceReachesAllRoundTheRegion) {
     }
 }
 
-// Without boundary control the region is the part of the lattice that is left.
+// Without boundary control, the region is the part of the lattice that remains.
 TEST(Embedding, OpenLattice) {
     const Lattice box = shapes::box({.cells = {4, 4, 4}, .max = {4, 4, 4}});
     TopologyRefiner refiner = test::refined(box.complex, 2, {.boundary = Boundary::Open});
-    const auto positions = stencils::refinePositions(refiner, 2, Rules::Siggraph96, box.positions);
-    // Level 1 reaches from 1/2 to 7/2, level 2 from 3/4 to 13/4.
+    const auto positions = stencils::refinePositions(refiner, 2, box.positions);
+    // Level 1 extends from 1/2 to 7/2, and level 2 from 3/4 to 13/4.
     const std::vector<Point3> points = {{0.8, 2, 3.2}, {0.7, 2, 2}, {2, 2, 3.3}};
     const Embedding embedding = embedPoints(refiner.level(2).complex, positions, points);
     EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
     EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
     EXPECT_EQ(embedding.points[2].status, PointStatus::Outside);
-    const auto table = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+    const auto table = buildDeformationTable(refiner, 2, embedding);
     EXPECT_LT((times(table, box.positions).row(0).transpose() - vec(points[0])).norm(), 4e-12);
 }
 
-// Points of a boundary that is curved, rounded to single precision as files of floats have them,
-// are inside, and come back within that precision.
+// Points of a curved boundary, rounded to single precision as in files of floats, are inside, and D
+// reproduces them within that precision.
 TEST(Embedding, BoundaryPointsInSinglePrecisionAreInside) {
     for (const Lattice& lattice :
          {shapes::torus(), shapes::cylinder({.sectors = 5}), shapes::barbell()}) {
@@ -220,8 +221,8 @@ TEST(Embedding, NearestCellMatchesBruteForce) {
     for (const Point3& point : randomPoints(60, 4, 3)) {
         const Embedding found = refined.embed({point}, {.outside = OutsidePolicy::Nearest});
         if (found.points[0].status == PointStatus::Inside) continue;
-        // The lattice is convex but for rounding, so the nearest point of its boundary, sampled
-        // finely, is hardly nearer and not much farther.
+        // The lattice is convex up to rounding, so the distance to a fine sample of its boundary is
+        // hardly smaller and not much larger.
         double sampled = 1e9;
         for (Index face = 0; face < complex.count(2); ++face) {
             if (complex.relation(2, 3)[face].size() != 1) continue;
@@ -235,14 +236,14 @@ TEST(Embedding, NearestCellMatchesBruteForce) {
                     sampled = std::min(sampled, (q - vec(point)).norm());
                 }
         }
-        // Samples are up to half of a fortieth of a face's diagonal, some 0.03, away from the
-        // nearest point; across that the distance grows by less than the sample's own distance.
+        // A sample is at most half of a fortieth of a face's diagonal, about 0.03, from the nearest
+        // point, and the distance grows by less than that.
         EXPECT_NEAR(found.points[0].distance, sampled, 0.02);
     }
 }
 
-// Where a bilinear face of a hexahedron meets the folded face of a type-n cell there is a gap;
-// points in it are inside, and come back to where they were.
+// Where a bilinear face of a hexahedron meets the folded face of a type-n cell, there is a gap.
+// Points in the gap are inside, and D reproduces them.
 TEST(Embedding, PointsInGapsAreInside) {
     const Refined refined(mixedLattice(), 1);
     const CellComplex& complex = refined.complex();
@@ -253,7 +254,7 @@ TEST(Embedding, PointsInGapsAreInside) {
         const bool first = far::hexahedronVertices(complex, CellId(cells[0])).has_value();
         const bool second = far::hexahedronVertices(complex, CellId(cells[1])).has_value();
         if (first == second) continue;
-        // Halfway between the bilinear centre and the middle of the cut.
+        // Take the point halfway between the bilinear centre and the middle of the cut.
         const auto loop = complex.relation(2, 0)[face];
         Eigen::Vector3d centre = Eigen::Vector3d::Zero();
         for (const Index v : loop) centre += vec(refined.positions[v]) / 4;
@@ -285,7 +286,7 @@ TEST(Embedding, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one, bind(8));
 }
 
-// Points are found in an order of their own; what is found, and which one is refused, does not
+// Points are located in an internal order; the results, and the point that an error names, do not
 // depend on it.
 TEST(Embedding, DoesNotDependOnTheOrderOfThePoints) {
     const Refined refined(shapes::torus(), 2);
@@ -305,7 +306,7 @@ TEST(Embedding, DoesNotDependOnTheOrderOfThePoints) {
                    refined.embed(points, {.outside = OutsidePolicy::Error}));
 }
 
-// Few points in many cells are a way of their own: row by row the same.
+// A few points in many cells take a separate code path, with the same rows.
 TEST(Embedding, RowsDoNotDependOnTheNumberOfPoints) {
     const Refined refined(mixedLattice(), 2);
     const auto points = pointsIn(refined, 2000, 9);
@@ -317,7 +318,7 @@ TEST(Embedding, RowsDoNotDependOnTheNumberOfPoints) {
     }
 }
 
-// W against its definition: the weights of a place, added up.
+// Tests W against its definition: the sums of the weights of a place.
 TEST(Embedding, RowsAreTheWeightsOfThePlaces) {
     for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
@@ -343,7 +344,7 @@ TEST(Embedding, PointsThatAreNotFiniteDoNotConverge) {
     EXPECT_EQ(embedding.count(PointStatus::NotConverged), 2);
 }
 
-// A lattice squashed flat has no volume. A point on it may be given a place, one beside it cannot.
+// A flattened lattice has no volume. A point on it may get a place, but a point beside it cannot.
 TEST(Embedding, FlatLatticeGivesAStatus) {
     Lattice flat = shapes::box();
     for (Point3& p : flat.positions) p[2] = 0;
@@ -357,9 +358,10 @@ TEST(Embedding, FlatLatticeGivesAStatus) {
     }
 }
 
-// All but flat: to go on to a point beside it takes weights of some millions, which would throw the
-// point about in any other pose. Within the tolerance it goes with its nearest place.
-TEST(Embedding, ThinLatticesDoNotThrowPointsAbout) {
+// An almost flat lattice: a place for a point beside it would need weights of several millions,
+// which would move the point wildly in any other pose. Within the tolerance, the point gets the
+// nearest place.
+TEST(Embedding, ThinLatticesKeepWeightsSmall) {
     Lattice thin = shapes::box();
     for (Point3& p : thin.positions) p[2] *= 1e-14;
     const Refined refined(thin, 1);
@@ -382,15 +384,14 @@ TEST(Embedding, NeedsARefinedLattice) {
     EXPECT_THROW(embedPoints(refined.complex(), broken, std::vector<Point3>{}), Error);
     for (const double tolerance : {-1e-6, kNan, kInfinity})
         EXPECT_THROW(refined.embed({}, {.tolerance = tolerance}), Error) << tolerance;
-    // An embedding belongs to one level.
+    // An embedding belongs to a single level.
     TopologyRefiner finer = refined.refiner;
     finer.refineUniform(2);
-    EXPECT_THROW(buildDeformationTable(finer, 2, Rules::Siggraph96, refined.embed({{0, 0, 0}})),
-                 Error);
+    EXPECT_THROW(buildDeformationTable(finer, 2, refined.embed({{0, 0, 0}})), Error);
 }
 
-// Cells folded over by one vertex far away: points come back, or are said not to.
-TEST(Embedding, StatusIsHonestInATangledLattice) {
+// One vertex far away folds the cells: each point is reproduced, or its status says that it is not.
+TEST(Embedding, StatusIsCorrectInATangledLattice) {
     for (const double away : {3.0, 1e6}) {
         Lattice tangled = shapes::box({.cells = {2, 2, 2}});
         tangled.positions[13] = {away, -away, away};
@@ -400,7 +401,7 @@ TEST(Embedding, StatusIsHonestInATangledLattice) {
         const auto table = refined.table(embedding);
         const auto back = times(table, refined.base);
         for (std::size_t i = 0; i < points.size(); ++i)
-            // 1e-12 of the lattice's size, and the tolerance where the nearest place is taken.
+            // 1e-12 of the lattice's size, plus the tolerance if a point got the nearest place.
             if (embedding.points[i].place) {
                 ASSERT_LE((back.row(Eigen::Index(i)).transpose() - vec(points[i])).norm(),
                           2e-6 * (1 + away));

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A unit cube with its corners moved by up to `amount` in each coordinate.
+/// Returns a unit cube with its corners moved by up to `amount` in each coordinate.
 Trilinear::Corners shakenCube(double amount, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> shake(-amount, amount);
@@ -40,8 +40,8 @@ TEST(TrilinearMap, CornersAreAtTheirPlaces) {
     for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(map.position(places[i]), corners[i]);
 }
 
-// MacCracken & Joy 1996, section 6, interpolates the Jacobians of the corners trilinearly; that is
-// the exact derivative, here checked against a difference quotient.
+// MacCracken & Joy 1996, section 6, interpolate the Jacobians of the corners trilinearly. This is
+// the exact derivative; the test compares it with a difference quotient.
 TEST(TrilinearMap, JacobianIsTheDerivative) {
     const Trilinear map(shakenCube(0.3, 2));
     const Vector3d place(0.3, 0.8, 0.4);
@@ -50,7 +50,8 @@ TEST(TrilinearMap, JacobianIsTheDerivative) {
         const Vector3d step = h * Vector3d::Unit(axis);
         const Vector3d quotient =
             (map.position(place + step) - map.position(place - step)) / (2 * h);
-        // Linear in each variable: the central difference is exact but for rounding, 1e-16 / h.
+        // The map is linear in each variable, so the central difference is exact up to rounding,
+        // 1e-16 / h.
         EXPECT_LT((map.jacobian(place).col(axis) - quotient).norm(), 1e-10);
     }
 }
@@ -63,7 +64,7 @@ TEST(TrilinearMap, FindsThePlaceOfAPosition) {
         const Vector3d place(uniform(random), uniform(random), uniform(random));
         const auto found = seenFrom(corners, Trilinear(corners).position(place)).findOrigin();
         ASSERT_TRUE(found);
-        // Rounding of positions, 1e-16, times the condition of a well-shaped cell.
+        // The rounding of positions, 1e-16, times the condition number of a well-shaped cell.
         EXPECT_LT((*found - place).norm(), 1e-14);
     }
 }
@@ -75,8 +76,8 @@ TEST(TrilinearMap, FlatCellIsNotSolved) {
     EXPECT_FALSE(seenFrom(corners, {0.3, 0.4, 0.5}).findOriginInside(1e-10));
 }
 
-// A cell twisted by 100 degrees over its height: Newton from the centre loses its way for some
-// points; the search does not.
+// A cell twisted by 100 degrees over its height: Newton's method from the centre fails for some
+// points, but the search does not.
 TEST(TrilinearMap, SearchFindsPlacesInATwistedCell) {
     Trilinear::Corners corners = shakenCube(0, 0);
     const double angle = 100 * std::acos(-1.0) / 180;
@@ -107,7 +108,7 @@ TEST(TrilinearMap, NearestPlaceOfACubeIsTheClampedPoint) {
     }
 }
 
-TEST(TrilinearMap, NearestPlaceIsNoFartherThanAnySample) {
+TEST(TrilinearMap, NearestPlaceIsNotFartherThanAnySample) {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> uniform(-1, 2);
     for (unsigned seed = 0; seed < 50; ++seed) {
@@ -122,8 +123,8 @@ TEST(TrilinearMap, NearestPlaceIsNoFartherThanAnySample) {
     }
 }
 
-// A convex problem: x is the nearest if, and only if, the distance does not fall along an axis that
-// is free, nor inwards along one at an end. At any size, and however skew the map.
+// The problem is convex: x is the nearest if and only if the distance does not decrease along a
+// free axis, nor inwards along an axis at a bound. Tested for maps of any size and shear.
 TEST(NearestInBox, MeetsTheConditionsOfAMinimum) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
@@ -146,7 +147,7 @@ TEST(NearestInBox, MeetsTheConditionsOfAMinimum) {
                 for (Eigen::Index axis = 0; axis < 3; ++axis) {
                     ASSERT_GE(x[axis], low[axis]);
                     ASSERT_LE(x[axis], high[axis]);
-                    // Rounding of a solve, in parts of what cancels.
+                    // The rounding of a solve, relative to the terms that cancel.
                     const double zero = 1e-12 * map.col(axis).norm() * map.norm() * 10;
                     const bool mayFall = x[axis] > low[axis], mayRise = x[axis] < high[axis];
                     ASSERT_TRUE(!mayFall || slope[axis] < zero) << size << " " << shear;
@@ -177,7 +178,7 @@ TEST(TrilinearMap, NearestPlaceDoesNotDependOnTheSizeOfTheCell) {
         for (const double size : {1e-150, 1e-30, 1e-9, 1e30, 1e150}) {
             auto scaled = corners;
             for (Vector3d& corner : scaled) corner *= size;
-            // The distance has its least value: places this near give it to all digits.
+            // The distance is at its minimum, so places this near give it to all digits.
             EXPECT_LT((seenFrom(scaled, size * point).nearestToOrigin() - expected).norm(), 1e-6)
                 << size;
         }
@@ -194,14 +195,14 @@ TEST(Solve3, AgreesWithAFactorisation) {
                 map.col(2) = map.col(0) - map.col(1) + height * map.col(2);
                 const Vector3d x(normal(random), normal(random), normal(random));
                 const Vector3d found = solve3(size * map, size * (map * x));
-                // Rounding times the condition of the map.
+                // Rounding times the condition number of the map.
                 const double condition = map.norm() * map.inverse().norm();
                 ASSERT_LT((found - x).norm(), 1e-15 * condition * (1 + x.norm())) << size;
             }
         }
 }
 
-TEST(Solve3, SingularMapsGiveNoNumbers) {
+TEST(Solve3, SingularMapsGiveNonFiniteResults) {
     Matrix3d flat = Matrix3d::Identity();
     flat(2, 2) = 0;
     EXPECT_FALSE(solve3(flat, {1, 2, 3}).allFinite());
@@ -210,7 +211,7 @@ TEST(Solve3, SingularMapsGiveNoNumbers) {
 
 TEST(MortonCurve, ByHand) {
     const MortonCurve curve({Vector3d(0, 0, 0), Vector3d(8, 8, 8)});
-    // The highest three bits: which half along each axis; then which quarter.
+    // The highest three bits tell which half along each axis; the next three tell which quarter.
     const auto eighth = [&](double x, double y, double z) {
         return curve.key({x, y, z}) >> (MortonCurve::kBits - 6);
     };
@@ -219,11 +220,11 @@ TEST(MortonCurve, ByHand) {
     EXPECT_EQ(eighth(1, 5, 1), 0b010'000u);
     EXPECT_EQ(eighth(1, 1, 5), 0b100'000u);
     EXPECT_EQ(eighth(7, 3, 5), 0b101'011u);
-    // Outside, and no number.
+    // A point outside, and a NaN.
     EXPECT_EQ(eighth(9, -1, 1e300), 0b101'101u);
     EXPECT_EQ(eighth(kNan, 1, 1), 0u);
     EXPECT_EQ(curve.key({8, 8, 8}), (std::uint64_t{1} << MortonCurve::kBits) - 1);
-    // A box without a length along an axis.
+    // A box that has no length along one axis.
     const MortonCurve flat({Vector3d(0, 0, 1), Vector3d(8, 8, 1)});
     EXPECT_EQ(flat.key({7, 7, 1}) >> (MortonCurve::kBits - 6), 0b011'011u);
 }
@@ -244,14 +245,15 @@ TEST(MortonCurve, SortIsStable) {
 }
 
 TEST(NearestOnTriangle, ByHand) {
-    // In the plane z = 1, the foot of the origin inside, beyond an edge, and beyond a corner.
+    // In the plane z = 1: the foot of the perpendicular from the origin is inside, beyond an edge,
+    // and beyond a corner.
     const auto nearest = [](Vector3d a, Vector3d b, Vector3d c) {
         return nearestToOrigin(Triangle{a, b, c});
     };
     EXPECT_LT((nearest({-1, -1, 1}, {2, -1, 1}, {-1, 2, 1}) - Vector3d(1, 1, 1) / 3).norm(), 1e-15);
     EXPECT_EQ(nearest({1, -1, 1}, {1, 1, 1}, {3, 0, 1}), Vector3d(0.5, 0.5, 0));
     EXPECT_EQ(nearest({1, 1, 1}, {2, 1, 1}, {1, 2, 1}), Vector3d(1, 0, 0));
-    // Without area: a segment, and a point.
+    // Triangles without area: a segment, and a point.
     EXPECT_EQ(nearest({-1, 0, 1}, {3, 0, 1}, {1, 0, 1}), Vector3d(0.75, 0.25, 0));
     EXPECT_EQ(nearest({1, 0, 1}, {1, 0, 1}, {1, 0, 1}).sum(), 1);
 }
@@ -281,7 +283,7 @@ void expectTreeMatchesBruteForce(const std::vector<BoxTree::Box>& boxes, std::mt
         for (Index i = 1; i < Index(count); ++i)
             if (distance(i) < distance(best)) best = i;
         const auto nearest = tree.findNearest(point, distance);
-        ASSERT_EQ(nearest.index, best);  // of several, the lowest
+        ASSERT_EQ(nearest.index, best);  // the lowest of several
         ASSERT_EQ(nearest.distance, distance(best));
     }
 }
@@ -299,8 +301,8 @@ TEST(Boxes, TreeMatchesBruteForce) {
     }
 }
 
-// Boxes that the curve does not tell apart: in the same place, and beside one that is far away.
-TEST(Boxes, TreeOfBoxesInOnePlace) {
+// Boxes that the curve cannot separate: all in the same place, and next to one that is far away.
+TEST(Boxes, TreeOfCoincidentBoxes) {
     std::mt19937 random(12);
     std::vector<BoxTree::Box> boxes(100, {Vector3d(1, 1, 1), Vector3d(9, 9, 9)});
     expectTreeMatchesBruteForce(boxes, random);

@@ -11,7 +11,7 @@
 #include "support/test.h"
 #include "support/zoo.h"
 
-// A lattice in another moves with it, and carries its model along.
+// A lattice inside another lattice moves with it, and carries its own model.
 namespace espalier::embed {
 namespace {
 
@@ -39,7 +39,7 @@ struct Nest {
     }
 };
 
-// Sums of some hundred products of weights and coordinates near 1.
+// Sums of about a hundred products of weights and coordinates near 1.
 constexpr double kRounding = 1e-14;
 
 void expectNear(const std::vector<Point3>& got, const std::vector<Point3>& expected) {
@@ -60,9 +60,9 @@ TEST(NestedLattices, AreOneTable) {
                stencils::applyLevelTable(nest.ofChild, carried));
 }
 
-// A posed child in a parent that turns, stretches and shears: the map of the parent is affine then,
-// so the points must go where it takes what the child makes of them. To add the displacements of
-// the child after the parent's would leave them as they were, in a frame that has turned.
+// A posed child in a parent that rotates, stretches and shears. The map of the parent is affine, so
+// it must map the points as the child deforms them. Adding the displacements of the child to the
+// parent's would be wrong, since the frame has rotated.
 TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
     const Nest nest;
     const auto childPose = shaken(nest.child.positions, 5, 0.1);
@@ -81,8 +81,8 @@ TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
                mapped(stencils::applyLevelTable(nest.ofChild, childPose)));
 }
 
-// In a parent that bends: each vertex of the posed child goes where the parent takes a point there.
-TEST(NestedLattices, PosedVerticesGoAsPointsOfTheParentDo) {
+// In a parent that bends, each vertex of the posed child moves like a point of the parent.
+TEST(NestedLattices, PosedVerticesMoveLikePointsOfTheParent) {
     const Nest nest;
     const auto childPose = shaken(nest.child.positions, 6, 0.1);
     const auto pose = shaken(nest.parent.positions, 7, 0.2);
@@ -91,7 +91,7 @@ TEST(NestedLattices, PosedVerticesGoAsPointsOfTheParentDo) {
                    nest.ofChild, stencils::applyLevelTable(bindTo(nest.parent, childPose), pose)));
 }
 
-TEST(NestedLattices, GoAsDeepAsWanted) {
+TEST(NestedLattices, NestToAnyDepth) {
     const Nest nest;
     const Lattice outermost =
         shapes::box({.cells = {2, 2, 2}, .min = {-2, -2, -1}, .max = {2, 2, 2}});
@@ -105,7 +105,7 @@ TEST(NestedLattices, GoAsDeepAsWanted) {
                stencils::applyLevelTable(nest.nest(nest.child.positions), parentPose));
 }
 
-TEST(NestedLattices, RefuseWhatDoesNotFit) {
+TEST(NestedLattices, RefuseInvalidInput) {
     const Nest nest;
     auto outside = nest.child.positions;
     outside[3] = {5, 0, 0};
@@ -122,7 +122,7 @@ TEST(NestedLattices, RefuseWhatDoesNotFit) {
     for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Nearest})
         EXPECT_REFUSED(Error, "the position of vertex 2 of the child is not finite",
                        nest.nest(nowhere, {.outside = policy}));
-    // A parent without a volume gives no place.
+    // A parent without a volume has no places.
     auto flat = nest.parent;
     for (Point3& p : flat.positions) p[2] = 0;
     EXPECT_THAT(

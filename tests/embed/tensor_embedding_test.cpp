@@ -43,7 +43,7 @@ TEST(TensorEmbedding, PointsOutsideAreKeptCarriedOrRefused) {
     EXPECT_THROW(makeBinding(lattice, kept, std::span(points).first(2)), Error);
 }
 
-// The tolerance is a distance, here of 1e-6 × √48.
+// The tolerance is a distance, here 1e-6 × √48.
 TEST(TensorEmbedding, PointsWithinTheToleranceAreInside) {
     const Cells n = {4, 4, 4};
     const TensorLattice lattice(grid(n), gridPositions(n), Basis::Bezier);
@@ -51,7 +51,7 @@ TEST(TensorEmbedding, PointsWithinTheToleranceAreInside) {
     const auto embedding = embedPoints(lattice, points);
     EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
     EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
-    // √2 times 5e-6 is beyond.
+    // √2 times 5e-6 exceeds the tolerance.
     EXPECT_EQ(embedding.points[2].status, PointStatus::Outside);
     EXPECT_LT(embedding.points[0].residual, 1e-15);
     // Without tolerance, the boundary itself is inside.
@@ -59,7 +59,7 @@ TEST(TensorEmbedding, PointsWithinTheToleranceAreInside) {
     EXPECT_EQ(exact.count(PointStatus::Inside), 1);
 }
 
-// In a skew lattice the nearest place is not where clamping leads.
+// In a skew lattice, clamping does not give the nearest place.
 TEST(TensorEmbedding, NearestPlaceMatchesBruteForce) {
     const Cells n = {2, 1, 1};
     const TensorLattice lattice(grid(n), Skew()(gridPositions(n)), Basis::Bezier);
@@ -76,27 +76,27 @@ TEST(TensorEmbedding, NearestPlaceMatchesBruteForce) {
                         Vector3d(i / 20., j / 20., k / 20.) - Vector3d(local.data());
                     sampled = std::min(sampled, (axes * off).norm());
                 }
-        // Nothing sampled is nearer; and the nearest place is half a step at most from a sample
-        // along each axis, which is 0.025 × √3 of the longest.
+        // No sample is nearer. The nearest place is at most half a step from a sample along each
+        // axis, which is 0.025 × √3 of the longest axis.
         EXPECT_LE(located.distance, sampled + 1e-12);
         EXPECT_GE(located.distance, sampled - 0.025 * axes.colwise().norm().sum());
         EXPECT_LT(located.residual, 1e-13);
     }
 }
 
-/// The message of what a lattice is refused with.
+/// Returns the error message for a lattice that is refused.
 std::string refusalOf(const CellComplex& complex, const std::vector<Point3>& rest, Basis basis) {
     return messageOf([&] { TensorLattice(complex, rest, basis); });
 }
 
-TEST(TensorEmbedding, LatticesThatAreNoParallelepipedsAreRefused) {
+TEST(TensorEmbedding, LatticesOtherThanParallelepipedsAreRefused) {
     const Cells n = {3, 3, 3};
     const CellComplex complex = grid(n);
     const auto rest = gridPositions(n);
     auto moved = rest;
     moved[21][1] += 0.1;
-    // Of a displacement of one vertex, the fit leaves all but a part of 1/64 for its place and one
-    // a direction.
+    // The least-squares fit absorbs only a small part of the displacement of one vertex: 1/64 by
+    // translation, and a part by each of the three axes.
     EXPECT_THAT(refusalOf(complex, moved, Basis::Bezier), HasSubstr("vertex 21 is 0.09"));
     auto broken = rest;
     broken[5][2] = kInfinity;
@@ -104,7 +104,8 @@ TEST(TensorEmbedding, LatticesThatAreNoParallelepipedsAreRefused) {
     auto flat = rest;
     for (Point3& position : flat) position[2] = position[0] + 2 * position[1];
     EXPECT_THAT(refusalOf(complex, flat, Basis::Bezier), HasSubstr("no volume"));
-    // Thin is not flat: that is a matter of angles. This one leans over by all but 1e-10.
+    // Thin is not the same as flat, which depends on angles. This lattice is sheared so that its
+    // volume is almost 0.
     auto leaning = rest;
     for (Point3& position : leaning)
         position = {position[0] + position[2], position[1] + position[2], 1e-10 * position[2]};
@@ -116,7 +117,7 @@ TEST(TensorEmbedding, LatticesThatAreNoParallelepipedsAreRefused) {
     EXPECT_THAT(refusalOf(complex, nowhere, Basis::Bezier), HasSubstr("no volume"));
     EXPECT_THAT(refusalOf(complex, {rest.begin(), rest.end() - 1}, Basis::Bezier),
                 HasSubstr("63 positions for 64 vertices"));
-    // Evenly divided: steps of different length are not.
+    // Steps of different lengths are not an even division.
     auto uneven = rest;
     for (Point3& position : uneven) position[0] *= position[0];
     EXPECT_THAT(refusalOf(complex, uneven, Basis::Bezier), HasSubstr("evenly divided"));
@@ -124,12 +125,12 @@ TEST(TensorEmbedding, LatticesThatAreNoParallelepipedsAreRefused) {
     EXPECT_THROW(TensorLattice(torus.complex, torus.positions, Basis::Bezier), far::TopologyError);
 }
 
-TEST(TensorEmbedding, BSplineLatticesNeedThreeCellsAnAxis) {
+TEST(TensorEmbedding, BSplineLatticesNeedThreeCellsPerAxis) {
     const Cells n = {3, 2, 4};
     EXPECT_THAT(refusalOf(grid(n), gridPositions(n), Basis::BSpline), HasSubstr("3 × 2 × 4"));
 }
 
-TEST(TensorEmbedding, ATableBelongsToItsLattice) {
+TEST(TensorEmbedding, EmbeddingBelongsToItsLattice) {
     const Cells n = {3, 3, 3}, m = {3, 3, 4};
     const TensorLattice lattice(grid(n), gridPositions(n), Basis::Bezier);
     const TensorLattice other(grid(m), gridPositions(m), Basis::Bezier);
@@ -138,7 +139,8 @@ TEST(TensorEmbedding, ATableBelongsToItsLattice) {
     EXPECT_THROW(embedPoints(lattice, std::vector<Point3>{}, {.tolerance = -1}), Error);
 }
 
-// Rest files of floats, and of six digits, are taken, and what they are off is reported.
+// Rest positions from files of floats or of six digits are accepted, and their deviation is
+// reported.
 TEST(TensorEmbedding, RestPositionsMayBeRounded) {
     const Cells n = {7, 3, 6};
     Skew skew;
@@ -148,7 +150,7 @@ TEST(TensorEmbedding, RestPositionsMayBeRounded) {
     for (std::size_t v = 0; v < exact.size(); ++v)
         for (std::size_t axis = 0; axis < 3; ++axis) {
             floats[v][axis] = float(exact[v][axis]);
-            // Coordinates are under 10: six digits have five decimals.
+            // Coordinates are below 10, so six digits have five decimals.
             digits[v][axis] = std::round(exact[v][axis] * 1e5) / 1e5;
         }
     const auto points = skew(randomPoints(n, 1, 100, 16));
@@ -161,7 +163,8 @@ TEST(TensorEmbedding, RestPositionsMayBeRounded) {
     }
 }
 
-// A float of size 1000 is off by 3e-5: more than six digits are of a lattice of size 7.
+// A float of size 1000 is rounded by 3e-5, which exceeds the six-digit tolerance of a lattice of
+// size 7.
 TEST(TensorEmbedding, RestPositionsMayBeFloatsFarFromTheOrigin) {
     const Cells n = {7, 3, 6};
     Skew skew;
@@ -177,7 +180,7 @@ TEST(TensorEmbedding, RestPositionsMayBeFloatsFarFromTheOrigin) {
     EXPECT_THAT(refusalOf(grid(n), rest, Basis::BSpline), HasSubstr("vertex 21 is 0.0"));
 }
 
-// What is inside, outside and nearest is a matter of shape, not of size.
+// Which points are inside, outside and nearest depends on shape, not on size.
 TEST(TensorEmbedding, DoesNotDependOnTheSizeOfTheLattice) {
     const Cells n = {3, 4, 3};
     const auto at = randomPoints(n, -2, 200, 19);
@@ -196,7 +199,7 @@ TEST(TensorEmbedding, DoesNotDependOnTheSizeOfTheLattice) {
             for (std::size_t i = 0; i < at.size(); ++i) {
                 EXPECT_EQ(placedThere.points[i].status, placed.points[i].status);
                 for (std::size_t axis = 0; axis < 3; ++axis)
-                    // Rounding of the solve, in cells.
+                    // The rounding of the solve, in cells.
                     EXPECT_NEAR(placedThere.points[i].place->at[axis],
                                 placed.points[i].place->at[axis], 1e-12);
             }

@@ -10,14 +10,15 @@
 namespace espalier::embed {
 namespace {
 
-/// The row of one point in a unit grid.
+/// Returns the row of one point in a unit grid.
 Row rowOfPoint(const Cells& cells, Basis basis, const Point3& point,
                OutsidePolicy outside = OutsidePolicy::Error) {
     const TensorLattice lattice(test::grid(cells), gridPositions(cells), basis);
     return rowOf(tableOf(lattice, {point}, {.outside = outside}), 0);
 }
 
-// Degree 1 is trilinear: of the eight vertices of a cube, (x or 1 − x) (y or 1 − y) (z or 1 − z).
+// Degree 1 is trilinear: the eight vertices of a cube have the weights (x or 1 − x) (y or 1 − y) (z
+// or 1 − z).
 TEST(TensorProduct, BezierLatticeOfOneCellIsTrilinear) {
     const double x = 0.25, y = 0.5, z = 0.875;
     expectRow(rowOfPoint({1, 1, 1}, Basis::Bezier, {x, y, z}), {{0, (1 - x) * (1 - y) * (1 - z)},
@@ -30,8 +31,8 @@ TEST(TensorProduct, BezierLatticeOfOneCellIsTrilinear) {
                                                                 {7, x * y * z}});
 }
 
-// Degree 2 along x, at its middle: (1/4, 1/2, 1/4), times 1/2 and 1/2. At an end of y and z, those
-// are 1 and 0: outermost edges are curves of their own.
+// Degree 2 in the middle of x gives (1/4, 1/2, 1/4), times 1/2 and 1/2 for y and z. At an end of y
+// and z, these factors are 1 and 0: an outermost edge depends on its own vertices only.
 TEST(TensorProduct, BezierRowsByHand) {
     std::map<Index, double> expected;
     for (Index v = 0; v < 12; ++v) expected[v] = v % 3 == 1 ? 1. / 8 : 1. / 16;
@@ -49,7 +50,7 @@ TEST(TensorProduct, BezierLatticesInterpolateTheirCorners) {
                           {{gridVertex(n, i, j, k), 1}});
 }
 
-// At a knot a cubic B-spline weighs its neighbours 1/6, 4/6, 1/6.
+// At a knot, the weights of a cubic B-spline are 1/6, 4/6, 1/6.
 TEST(TensorProduct, BSplineRowsByHand) {
     const Cells n = {4, 4, 4};
     const std::array<double, 3> knot = {1. / 6, 4. / 6, 1. / 6};
@@ -61,7 +62,7 @@ TEST(TensorProduct, BSplineRowsByHand) {
     expectRow(rowOfPoint(n, Basis::BSpline, {2, 2, 1}), expected);
 }
 
-// Rows are the products of the rows of the axes, which have tests of their own.
+// Rows are products of the rows of the axes, which have their own tests.
 TEST(TensorProduct, RowsAreProductsOfTheAxes) {
     const Cells n = {3, 4, 5};
     for (const Basis basis : {Basis::Bezier, Basis::BSpline})
@@ -84,7 +85,7 @@ TEST(TensorProduct, RowsSumToOne) {
     const Cells n = {4, 3, 6};
     for (const Basis basis : {Basis::Bezier, Basis::BSpline}) {
         const TensorLattice lattice(test::grid(n), Skew()(gridPositions(n)), basis);
-        // Points up to 3 cells outside, too.
+        // Includes points up to 3 cells outside.
         const auto points = Skew()(randomPoints(n, -3, 300, 5));
         const auto table = tableOf(lattice, points, {.outside = OutsidePolicy::Nearest});
         expectRowsSumToOne(table);
@@ -94,8 +95,8 @@ TEST(TensorProduct, RowsSumToOne) {
     }
 }
 
-// Both bases have linear precision, and the tangent goes on with it: at rest every point stays.
-TEST(TensorProduct, TheRestPoseGivesEveryPointBack) {
+// Both bases have linear precision, and so has the tangent outside: at rest, every point stays.
+TEST(TensorProduct, RestPoseReproducesEveryPoint) {
     for (const Cells& n : {Cells{3, 3, 3}, {4, 3, 7}, {12, 3, 3}})
         for (const Basis basis : {Basis::Bezier, Basis::BSpline}) {
             const auto rest = Skew()(gridPositions(n));
@@ -107,14 +108,14 @@ TEST(TensorProduct, TheRestPoseGivesEveryPointBack) {
             EXPECT_GT(embedding.count(PointStatus::Outside), 0);
             const auto table = buildDeformationTable(lattice, embedding);
             const double off = largestDistance(times(table, rest), asMatrix(points));
-            // 1e-12 of the size of the lattice is what the project promises; it is 4 and more.
+            // The project promises 1e-12 of the size of the lattice, which is at least 4.
             EXPECT_LT(off, 4e-12);
             EXPECT_NEAR(embedding.largestResidual(), off, 1e-13);
         }
 }
 
-// A polynomial of the lattice's degrees in x, y and z is reproduced by its Bézier coefficients:
-// those of xᵃ, for x from 0 to 1 and degree n, are C(i, a) / C(n, a).
+// Bézier coefficients reproduce a polynomial of the lattice's degrees in x, y and z. For xᵃ, with x
+// from 0 to 1 and degree n, they are C(i, a) / C(n, a).
 TEST(TensorProduct, BezierLatticesHaveThePrecisionOfTheirDegrees) {
     const Cells n = {3, 2, 4};
     const auto choose = [](Index from, Index count) {
@@ -145,12 +146,12 @@ TEST(TensorProduct, BezierLatticesHaveThePrecisionOfTheirDegrees) {
             }
     const Positions got = times(tableOf(lattice, points), pose);
     for (std::size_t p = 0; p < points.size(); ++p)
-        // Sums of sixty terms up to 1.
+        // Sums of sixty terms of at most 1.
         EXPECT_NEAR(got(Eigen::Index(p), 0), expected[p], 1e-14);
 }
 
-// A product of cubics is reproduced by its B-spline coefficients: its polar forms at
-// (x − 1, x, x + 1), which for 1, x, x² and x³ are 1, x, x² − 1/3 and x³ − x.
+// B-spline coefficients reproduce a product of cubics. They are polar forms at (x − 1, x, x + 1),
+// which for 1, x, x² and x³ are 1, x, x² − 1/3 and x³ − x.
 TEST(TensorProduct, BSplineLatticesHaveCubicPrecision) {
     const Cells n = {4, 3, 5};
     const std::array<std::array<double, 4>, 3> cubics = {
@@ -172,11 +173,11 @@ TEST(TensorProduct, BSplineLatticesHaveCubicPrecision) {
     const TensorLattice lattice(test::grid(n), rest, Basis::BSpline);
     const Positions got = times(tableOf(lattice, points), pose);
     for (std::size_t p = 0; p < points.size(); ++p)
-        // 64 products of numbers that reach some 2000 at the far corner.
+        // 64 products of numbers that reach about 2000 at the far corner.
         EXPECT_NEAR(got(Eigen::Index(p), 0), product(points[p], false), 1e-11);
 }
 
-// The numbering of vertices and cells does not count: columns are renamed with the vertices.
+// The numbering of vertices and cells does not matter: columns are renumbered with the vertices.
 TEST(TensorProduct, RelabellingRenamesTheColumns) {
     const Cells n = {3, 5, 4};
     const auto rest = Skew()(gridPositions(n));
@@ -193,19 +194,20 @@ TEST(TensorProduct, RelabellingRenamesTheColumns) {
         const EmbeddingOptions options = {.outside = OutsidePolicy::Nearest};
         const auto here = tableOf(TensorLattice(test::grid(n), rest, basis), points, options);
         const auto other = tableOf(TensorLattice(there, restThere, basis), points, options);
-        // The fit adds up in another order; the map of the pose is a few times steeper than that
-        // of the rest pose, outside too.
+        // The fit sums in a different order. The map of the pose is a few times steeper than the
+        // rest map, outside too.
         EXPECT_LT(largestDistance(times(here, pose), times(other, poseThere)), 1e-12);
     }
 }
 
-// The row goes on along the tangent. Degree 2 in x at its end: values (0, 0, 1), and derivatives
-// by the place (0, −1, 1), so half a cell beyond (0, −1/2, 3/2); y and z at 0.
-TEST(TensorProduct, PointsOutsideGoOnAlongTheTangent) {
+// The row continues along the tangent. Degree 2 at the end of x has the values (0, 0, 1) and the
+// derivatives (0, −1, 1) by the coordinate, so half a cell outside they are (0, −1/2, 3/2); y and z
+// are 0.
+TEST(TensorProduct, PointsOutsideFollowTheTangent) {
     expectRow(rowOfPoint({2, 1, 1}, Basis::Bezier, {2.5, 0, 0}, OutsidePolicy::Nearest),
               {{1, -0.5}, {2, 1.5}});
-    // By 1/2 along x, where (0, 1) has the derivatives (−1, 1), and by −1 along y likewise: the
-    // tangent has no product of the two.
+    // 1/2 outside along x, where (0, 1) has the derivatives (−1, 1), and 1 outside along y
+    // likewise: the tangent has no product of the two.
     expectRow(rowOfPoint({1, 1, 1}, Basis::Bezier, {1.5, -1, 0}, OutsidePolicy::Nearest),
               {{0, -0.5}, {1, 1 + 0.5 + 1}, {3, -1}});
 }

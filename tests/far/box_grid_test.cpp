@@ -7,7 +7,7 @@
 namespace espalier::far {
 namespace {
 
-/// What is wrong with a complex that is no box.
+/// Returns the error for a complex that is not a box.
 TopologyError refusalOf(const CellComplex& complex) {
     try {
         asBoxGrid(complex);
@@ -18,8 +18,8 @@ TopologyError refusalOf(const CellComplex& complex) {
     return {TopologyCause::NotABox, {}, ""};
 }
 
-/// Cells of a grid, with vertices renamed by `name(vertex, i, j, k)` of the cell that names them,
-/// and numbered in the order of their first appearance.
+/// Builds cells of a grid. name(vertex, i, j, k) renames a vertex of cell (i, j, k); the new names
+/// are then numbered in the order of their first appearance.
 template <class IsThere, class Name>
 CellComplex cellsOfGrid(const std::array<Index, 3>& n, IsThere isThere, Name name) {
     ComplexBuilder builder(3);
@@ -45,7 +45,7 @@ const auto kSame = [](Index vertex, Index, Index, Index) { return vertex; };
 const std::vector<std::array<Index, 3>> kSizes = {
     {1, 1, 1}, {4, 1, 1}, {1, 3, 2}, {2, 2, 2}, {3, 4, 5}};
 
-TEST(BoxGrid, AGridThatIsNumberedAsSuchIsFoundAsItIs) {
+TEST(BoxGrid, NumberedGridKeepsItsNumbering) {
     for (const auto& n : kSizes) {
         const BoxGrid grid = asBoxGrid(test::grid(n));
         EXPECT_EQ(grid.cells, n);
@@ -56,15 +56,15 @@ TEST(BoxGrid, AGridThatIsNumberedAsSuchIsFoundAsItIs) {
     }
 }
 
-/// Whether an edge of the complex joins two vertices.
+/// Returns true if an edge of the complex joins two vertices.
 bool isEdge(const CellComplex& complex, Index a, Index b) {
     for (const Index edge : complex.relation(0, 1)[a])
         if (contains(complex.relation(1, 0)[edge], b)) return true;
     return false;
 }
 
-// Whatever its numbering, neighbours in the grid are neighbours in the lattice, and the corner and
-// the axes are those that the contract names.
+// For any numbering, neighbours in the grid are neighbours in the lattice, and the first corner and
+// the axes are as asBoxGrid() documents.
 TEST(BoxGrid, RelabelledGridsAreFoundFromTheLowestCorner) {
     for (const auto& n : kSizes)
         for (const unsigned seed : {1u, 2u, 3u}) {
@@ -114,28 +114,29 @@ TEST(BoxGrid, OnlyLatticesAreBoxes) {
     EXPECT_EQ(refusalOf(CellComplex()).cause(), TopologyCause::WrongDimension);
 }
 
-TEST(BoxGrid, TheFirstCellThatIsNoHexahedronIsNamed) {
+TEST(BoxGrid, ErrorNamesTheFirstCellThatIsNotAHexahedron) {
     const TopologyError tetrahedron = refusalOf(singleCell(StandardCell::Tetrahedron));
     EXPECT_EQ(tetrahedron.cause(), TopologyCause::NotABox);
     EXPECT_EQ(tetrahedron.entity(), Entity(CellId(0)));
-    // A hexahedron comes first in it, then a pyramid and a wedge.
+    // Its first cell is a hexahedron, followed by a pyramid and a wedge.
     const TopologyError mixed = refusalOf(mixedCells());
     EXPECT_EQ(mixed.entity(), Entity(CellId(1)));
     EXPECT_THAT(mixed.what(), HasSubstr("cell 1 is not a hexahedron"));
-    // Six quadrilaterals are not enough: two vertices of valence 4 and the cell is another.
+    // Six quadrilaterals are not enough: with two vertices of valence 4, the cell is not a
+    // hexahedron.
     EXPECT_EQ(refusalOf(bipyramid(4)).entity(), Entity(CellId(0)));
 }
 
-// Eight hexahedra in a ring: no corner.
+// A ring of eight hexahedra, and a ring of four, which has no corner.
 TEST(BoxGrid, ARingIsRefused) {
     const std::array<Index, 3> n = {3, 3, 1};
     const auto isRing = [](Index i, Index j, Index) { return i != 1 || j != 1; };
-    // Four corners of the square ring are in one cell each, so going straight on from one of them
-    // finds 3 × 3 × 1 cells, and then the hole.
+    // Four cells of the square ring have a corner of their own, so walking straight from one of
+    // them finds 3 × 3 × 1 cells, and then the hole.
     const TopologyError square = refusalOf(cellsOfGrid(n, isRing, kSame));
     EXPECT_EQ(square.cause(), TopologyCause::NotABox);
     EXPECT_THAT(square.what(), HasSubstr("a box of 3 × 3 × 1 cells goes on there"));
-    // Four cells, the last of which ends where the first begins.
+    // Four cells; the last one ends where the first begins.
     const std::array<Index, 3> bar = {4, 1, 1};
     const auto closed = [&](Index vertex, Index, Index, Index) {
         return vertex % 5 == 4 ? vertex - 4 : vertex;
@@ -157,8 +158,8 @@ TEST(BoxGrid, AMissingCellIsRefused) {
             kSame));
         EXPECT_EQ(error.cause(), TopologyCause::NotABox) << error.what();
     }
-    // The face before the hole in the middle: of the cell (0, 1, 1), or (1, 1, 0) and its like;
-    // rows come first.
+    // With a hole in the middle, the error names a face at the hole: of cell (0, 1, 1), since rows
+    // are walked along axis 0 first.
     const CellComplex hollow = cellsOfGrid(
         n, [](Index i, Index j, Index k) { return i != 1 || j != 1 || k != 1; }, kSame);
     const TopologyError error = refusalOf(hollow);
@@ -168,8 +169,9 @@ TEST(BoxGrid, AMissingCellIsRefused) {
     EXPECT_TRUE(contains(hollow.relation(3, 2)[12], error.entity().index));
 }
 
-// Cells that are not reached from the corner: another box, or a row that goes on.
-TEST(BoxGrid, CellsBesideTheBoxAreRefused) {
+// Cells that the walk from the corner does not reach: another box, or one row longer than the
+// others.
+TEST(BoxGrid, CellsOutsideTheBoxAreRefused) {
     std::vector<Loops> cells = cellLoops(test::grid({2, 1, 1}));
     for (auto loops : cellLoops(test::grid({1, 1, 1}))) {
         for (auto& loop : loops)
@@ -186,8 +188,8 @@ TEST(BoxGrid, CellsBesideTheBoxAreRefused) {
     EXPECT_EQ(refusalOf(hook).cause(), TopologyCause::NotABox);
 }
 
-// A slit: the upper two cells of 2 × 2 meet, and the lower two, but of the pairs across only the
-// left one does. The vertices on the right of the slit are there twice.
+// A slit: in a grid of 2 × 2 cells, the two cells on the left share a face across the slit, and the
+// two cells on the right do not. The vertices on the right of the slit are there twice.
 TEST(BoxGrid, ASlitBetweenVerticesIsRefused) {
     const std::array<Index, 3> n = {2, 2, 1};
     const auto split = [](Index vertex, Index i, Index j, Index) {
@@ -198,8 +200,8 @@ TEST(BoxGrid, ASlitBetweenVerticesIsRefused) {
     EXPECT_THAT(error.what(), HasSubstr("would have the same place in the box, (2, 1, 0)"));
 }
 
-// Two cells on the same twelve vertices, but each with a face of its own between them: only files
-// that list faces can say that.
+// Two cells have four vertices in common, but each has a separate face between them. Only files
+// that list faces can describe this.
 TEST(BoxGrid, ASlitBetweenFacesIsRefused) {
     const CellComplex box = test::grid({2, 2, 1});
     Rows<Signed> faces, cells;
@@ -208,7 +210,8 @@ TEST(BoxGrid, ASlitBetweenFacesIsRefused) {
             to.values.push_back({from[row][i], from.signs(row)[i]});
         to.offsets.push_back(Offset(to.values.size()));
     };
-    // Between cells 1 and 3: where cells 0 and 2 meet too, the way goes through these.
+    // The slit is between cells 1 and 3. Between cells 0 and 2, which the walk crosses, it would be
+    // found earlier.
     Index shared = 0;
     while (!contains(box.relation(2, 3)[shared], 1) || !contains(box.relation(2, 3)[shared], 3))
         ++shared;
@@ -228,9 +231,10 @@ TEST(BoxGrid, ASlitBetweenFacesIsRefused) {
     EXPECT_THAT(error.what(), HasSubstr("is inside the box, but lies in one cell only"));
 }
 
-// A hexagonal prism cut into three hexahedra round its axis: along both axes from a corner there
-// are two cells, but the way on from the second comes to the third, as the other way did.
-TEST(BoxGrid, ACellThatComesTwiceIsRefused) {
+// A hexagonal prism, cut into three hexahedra around its axis. Along both axes from a corner there
+// are two cells, but the second step leads to the third cell, which the other axis has already
+// reached.
+TEST(BoxGrid, CellReachedTwiceIsRefused) {
     ComplexBuilder builder(3, 14);
     for (const auto& [a, b, c] : {std::array{1, 2, 3}, {3, 4, 5}, {5, 6, 1}})
         builder.addCell(StandardCell::Hexahedron, {0, a, b, c, 7, a + 7, b + 7, c + 7});

@@ -32,8 +32,8 @@ TEST(ComplexBuilder, GridSharesFacesAndEdges) {
                                                  3 * 3 * 4 + 2 * 4 * 4 + 2 * 3 * 5, 2 * 3 * 4}));
 }
 
-// Any winding and starting point of each loop gives the same faces and a coherent orientation.
-TEST(ComplexBuilder, OrientsAndSharesWhateverTheWinding) {
+// Any direction and starting point of each loop gives the same faces and a coherent orientation.
+TEST(ComplexBuilder, LoopStartsAndDirectionsDoNotMatter) {
     const CellComplex original = grid({2, 2, 2});
     std::vector<Index> names(27);
     for (Index i = 0; i < 27; ++i) names[i] = i;
@@ -46,7 +46,7 @@ TEST(ComplexBuilder, OrientsAndSharesWhateverTheWinding) {
     }
 }
 
-// A cell wound inside out among cells wound outwards is turned: the larger number decides.
+// A cell directed inwards among cells directed outwards is reversed: the majority decides.
 TEST(ComplexBuilder, MajorityOfLoopsDecidesTheOutside) {
     ComplexBuilder builder(3, 12);
     const auto first = gridCell({2, 1, 1}, 0, 0, 0), second = gridCell({2, 1, 1}, 1, 0, 0);
@@ -57,7 +57,7 @@ TEST(ComplexBuilder, MajorityOfLoopsDecidesTheOutside) {
         if (f < 5) std::reverse(loops[f].begin(), loops[f].end());
     }
     builder.addCell(loops);
-    // 6 + 1 loops say one thing, 5 the other.
+    // 6 + 1 loops agree, and 5 are opposite.
     const auto oriented = cellLoops(builder.build());
     const auto expected = cellLoops(grid({2, 1, 1}));
     const auto contains = [](const Loops& all, std::vector<Index> loop) {
@@ -82,7 +82,7 @@ TEST(ComplexBuilder, RelationsOfAHexahedron) {
     EXPECT_EQ(cube.eulerCharacteristic(), 1);
 }
 
-TEST(ComplexBuilder, SeparatePiecesAreFine) {
+TEST(ComplexBuilder, SeparatePiecesAreAllowed) {
     ComplexBuilder builder(3, 16);
     builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
     builder.addCell(StandardCell::Hexahedron, {8, 9, 10, 11, 12, 13, 14, 15});
@@ -109,7 +109,7 @@ void expectRefused(TopologyCause cause, Entity entity, const std::string& text, 
     EXPECT_THAT(error.what(), HasSubstr(text));
 }
 
-/// The loops of a standard cell, on its own vertices.
+/// Returns the loops of a hexahedron on vertices 0 to 7.
 Loops cube() {
     return faceLoops(StandardCell::Hexahedron);
 }
@@ -158,7 +158,7 @@ TEST(ComplexBuilderRefuses, BadLoops) {
     expectRefused(TopologyCause::TooFewVertices, {3, 0}, "7 vertices; expected 8", [&] {
         builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6});
     });
-    // Nothing of the refused cells was kept.
+    // The builder kept nothing of the refused cells.
     builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
     EXPECT_EQ(builder.build().count(3), 1);
 }
@@ -175,7 +175,8 @@ TEST(ComplexBuilderRefuses, CellInTwoPieces) {
 }
 
 TEST(ComplexBuilderRefuses, CellWithTwoFansAtAVertex) {
-    // A prism over the hexagon 0 to 5, bent so that the top vertex above 3 is vertex 0 as well.
+    // A prism over the hexagon 0 to 5, bent so that the top vertex above 3 coincides with
+    // vertex 0.
     const std::vector<Index> bottom = {0, 1, 2, 3, 4, 5}, top = {6, 7, 8, 0, 9, 10};
     Loops prism = {{bottom.rbegin(), bottom.rend()}, top};
     for (std::size_t i = 0; i < 6; ++i) {
@@ -220,8 +221,8 @@ TEST(ComplexBuilderRefuses, PartsOfAnotherDimension) {
     });
 }
 
-// validate() is for complexes of any origin: made of relations, too.
-TEST(ComplexBuilderRefuses, RelationsThatNameWhatIsNotThere) {
+// validate() works on complexes of any origin, including those made from relations.
+TEST(ComplexBuilderRefuses, RelationsToMissingEntities) {
     const CellComplex good = singleCell(StandardCell::Tetrahedron);
     const auto damaged = [&](int dimension, Index row, Index index) {
         CellComplex::Boundaries boundaries = {good.boundary(1), good.boundary(2), good.boundary(3)};
@@ -245,7 +246,7 @@ TEST(ComplexBuilderRefuses, RelationsThatNameWhatIsNotThere) {
                   [&] { validate(damaged(2, 0, 5)); });
 }
 
-// Found by fuzzing: a loop of such edges looked like one, and its children did not.
+// Found by fuzzing: edges with two heads passed as a loop, but their children did not form one.
 TEST(ComplexBuilderRefuses, EdgesWithTwoHeads) {
     CellComplex::Boundaries boundaries;
     boundaries[0] = SignedIncidence(
@@ -256,16 +257,16 @@ TEST(ComplexBuilderRefuses, EdgesWithTwoHeads) {
                   [&] { validate(CellComplex(2, 3, boundaries)); });
 }
 
-TEST(ComplexBuilder, DropsVerticesThatNothingNames) {
+TEST(ComplexBuilder, DropsUnusedVertices) {
     ComplexBuilder builder(3, 7);
     builder.addCell(StandardCell::Tetrahedron, {6, 1, 4, 2});
     EXPECT_EQ(builder.dropUnusedVertices(), (std::vector<Index>{0, 3, 5}));
     EXPECT_TRUE(builder.dropUnusedVertices().empty());
-    // 6, 1, 4 and 2 are 3, 0, 2 and 1.
+    // Vertices 6, 1, 4 and 2 become 3, 0, 2 and 1.
     ComplexBuilder expected(3, 4);
     expected.addCell(StandardCell::Tetrahedron, {3, 0, 2, 1});
     EXPECT_EQ(topologyDifference(builder.build(), expected.build()), std::nullopt);
-    // A vertex that comes later is a new one.
+    // A vertex that is added later is a new one.
     EXPECT_EQ(builder.addVertex(), 4);
     EXPECT_EQ(builder.dropUnusedVertices(), (std::vector<Index>{4}));
 
@@ -296,7 +297,7 @@ TEST(ComplexBuilderRefuses, RepeatedCellsAndFaces) {
 // Three cubes in a row whose ends are glued with a reflection: a solid Klein bottle.
 TEST(ComplexBuilderRefuses, LatticeThatCannotBeOriented) {
     const auto slice = [](Index i) {
-        // Four vertices a slice; slice 3 is slice 0 mirrored.
+        // Four vertices per slice; slice 3 is slice 0 mirrored.
         return i < 3 ? std::array<Index, 4>{4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}
                      : std::array<Index, 4>{1, 0, 3, 2};
     };
@@ -308,7 +309,7 @@ TEST(ComplexBuilderRefuses, LatticeThatCannotBeOriented) {
     EXPECT_EQ(causeOf([&] { builder.build(); }), TopologyCause::NotOrientable);
 }
 
-TEST(ComplexBuilder, CubesThatMeetInAnEdgeOrAVertexOnlyAreFine) {
+TEST(ComplexBuilder, CubesThatMeetInAnEdgeOrAVertexOnlyAreAllowed) {
     const std::array<Index, 3> n = {2, 2, 1};
     ComplexBuilder edge(3, 18 - 4);
     std::vector<Index> names(18, -1);

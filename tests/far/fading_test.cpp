@@ -8,8 +8,8 @@
 namespace espalier::far {
 namespace {
 
-/// A plane of 4 × 4 quadrilaterals, of which vertex 12 is the middle, with the four edges at the
-/// middle marked: to the west (11), east (13), south (7) and north (17).
+/// A plane of 4 × 4 quadrilaterals. The four edges at its middle, vertex 12, are marked: to the
+/// west (11), east (13), south (7) and north (17).
 struct Cross {
     CellComplex complex = gridMesh(4, 4);
     Creasing creasing = Creasing::Uniform;
@@ -39,7 +39,7 @@ struct Cross {
     std::optional<Fading> ofEdge(Index neighbour) const {
         return fadingOf(complex, strata(), creasing, {1, edge(neighbour)});
     }
-    /// Stratum of the middle, level by level.
+    /// Returns the stratum of the middle on each level.
     std::vector<int> middleStrata() const {
         std::vector<int> strata;
         for (int level = 0; level <= 3; ++level)
@@ -50,7 +50,7 @@ struct Cross {
 
 constexpr double kInfinite = kInfinitelySharp;
 
-TEST(Fading, StrataFollowTheSharpnessThatIsLeft) {
+TEST(Fading, StrataFollowTheRemainingSharpness) {
     // Two edges of 2.5: a crease on levels 0 to 2, smooth on level 3.
     EXPECT_EQ(Cross({2.5, 2.5, 0, 0}).middleStrata(), (std::vector{1, 1, 1, 2}));
     // A third edge of 1: a corner that is a crease from level 1 on.
@@ -72,12 +72,12 @@ TEST(Fading, SharpnessIsInheritedByTheHalvesOfAnEdge) {
     EXPECT_EQ(next.sharpness(child({0, 11}, west)), 1.5F);
     EXPECT_EQ(next.of(child(west, west)), 1);
     EXPECT_EQ(next.sharpness(child({0, 12}, {0, 12})), 0);
-    // What begins inside a face is smooth.
+    // An edge that begins inside a face is smooth.
     const Index face = cross.complex.relation(1, 2)[west.index].front();
     EXPECT_EQ(next.sharpness(child(west, {2, face})), 0);
 }
 
-TEST(Fading, OfAnEdgeIsItsSharpness) {
+TEST(Fading, WeightOfAnEdgeIsItsSharpness) {
     EXPECT_FALSE(Cross({1.25, 0, 0, 0}).ofEdge(11)) << "0.25 is left of it";
     EXPECT_FALSE(Cross({kInfinite, 0, 0, 0}).ofEdge(11));
     EXPECT_FALSE(Cross({0.5, 0, 0, 0}).ofEdge(13)) << "smooth";
@@ -85,18 +85,18 @@ TEST(Fading, OfAnEdgeIsItsSharpness) {
     ASSERT_TRUE(fading);
     EXPECT_EQ(fading->next, 2);
     EXPECT_EQ(fading->weight, 0.75);
-    // With Chaikin's rule, 0.75 is averaged with 3 at the middle, to 1.3125, and with nothing at
-    // its other end: one of its halves is smooth.
+    // With Chaikin's rule, 0.75 is averaged with 3 at the middle, which gives 1.3125, and with
+    // nothing at its other end: one of its halves is smooth.
     const auto half = Cross({0.75, 3, 0, 0}, 0, Creasing::Chaikin).ofEdge(11);
     ASSERT_TRUE(half);
     EXPECT_EQ(half->weight, 0.75);
-    // 1.25 at one end, averaged with 0.25 at the other: 0.75 · 1.25 + 0.25 · 0.25 = 1 is used up.
+    // 1.25 is averaged with 0.25 at one end: 0.75 · 1.25 + 0.25 · 0.25 = 1 is used up.
     const auto above = Cross({1.25, 0.25, 0, 0}, 0, Creasing::Chaikin).ofEdge(11);
     ASSERT_TRUE(above);
     EXPECT_EQ(above->weight, 1.25) << "the rules are extrapolated, as in OpenSubdiv";
 }
 
-TEST(Fading, OfAVertexIsTheMeanOfWhatFades) {
+TEST(Fading, WeightOfAVertexIsTheMeanOfFadingSharpness) {
     EXPECT_FALSE(Cross({2, 2, 0, 0}).ofMiddle()) << "still a crease";
     EXPECT_FALSE(Cross({0.5, 0, 0, 0}).ofMiddle()) << "a dart is smooth already";
     EXPECT_FALSE(Cross({2, 2, 2, 0.5}).ofMiddle()) << "a corner by the three others";
@@ -106,13 +106,13 @@ TEST(Fading, OfAVertexIsTheMeanOfWhatFades) {
     EXPECT_EQ(crease->next, 2);
     EXPECT_EQ(crease->weight, 0.5);
 
-    // One end fades, one stays: a dart is left.
+    // One edge fades and one stays: a dart remains.
     const auto dart = Cross({0.75, 3, 0, 0}).ofMiddle();
     ASSERT_TRUE(dart);
     EXPECT_EQ(dart->next, 2);
     EXPECT_EQ(dart->weight, 0.75);
 
-    // A corner of four edges, of which those to the east and the north stay.
+    // A corner of four edges; the edges to the east and to the north stay.
     const Cross cross({0.25, 3, 0.5, 2});
     const auto corner = cross.ofMiddle();
     ASSERT_TRUE(corner);
@@ -124,7 +124,7 @@ TEST(Fading, OfAVertexIsTheMeanOfWhatFades) {
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(staySharp, expected);
 
-    // The vertex's own sharpness counts like that of an edge: (1 + 0.5) / 2.
+    // The vertex's own sharpness counts like the sharpness of an edge: (1 + 0.5) / 2.
     const auto own = Cross({0.5, kInfinite, 0, 0}, 1).ofMiddle();
     ASSERT_TRUE(own);
     EXPECT_EQ(own->next, 2);

@@ -27,7 +27,7 @@ void expectSizesOfLevels(const CellComplex& base, int levels) {
     }
 }
 
-TEST(LevelSize, IsThatOfTheLevelsThatAreMade) {
+TEST(LevelSize, EqualsTheSizeOfRefinedLevels) {
     expectSizesOfLevels(mixedCells(), 3);
     expectSizesOfLevels(bipyramid(7), 3);
     expectSizesOfLevels(grid({3, 2, 1}), 3);
@@ -35,15 +35,15 @@ TEST(LevelSize, IsThatOfTheLevelsThatAreMade) {
     expectSizesOfLevels(buildCurve(5, true), 3);
 }
 
-// Of a level that no machine can hold: a cube has 8ⁿ cells.
-TEST(LevelSize, IsKnownOfLevelsThatCannotBe) {
+// No machine can hold this level: a cube has 8ⁿ cells on level n.
+TEST(LevelSize, IsComputedForLevelsTooLargeToBuild) {
     const LevelSize size = levelSize(singleCell(StandardCell::Hexahedron), 30);
     EXPECT_EQ(size.counts[3], std::ldexp(1, 90));
     EXPECT_GT(size.bytes(), 10 * std::ldexp(1, 90));
 }
 
-// In no time: CTest's limit ends a test that goes through 2³¹ levels a thousand times.
-TEST(LevelSize, OfTheHighestLevelCostsNoMoreThanOfOthers) {
+// Takes no time: a loop through 2³¹ levels, a thousand times, would exceed CTest's time limit.
+TEST(LevelSize, HighestLevelTakesNoLonger) {
     const CellComplex cube = singleCell(StandardCell::Hexahedron);
     for (int i = 0; i < 1000; ++i)
         for (const double count : levelSize(cube, std::numeric_limits<int>::max()).counts)

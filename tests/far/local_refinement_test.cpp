@@ -7,7 +7,7 @@
 namespace espalier::far {
 namespace {
 
-/// For each entity of each level of a part, the same one in the whole level.
+/// Maps each entity of each level of a part to the same entity in the whole level.
 class Correspondence {
 public:
     Correspondence(const TopologyRefiner& part, const TopologyRefiner& whole) {
@@ -49,7 +49,7 @@ std::vector<Index> copyOf(std::span<const Index> row) {
     return {row.begin(), row.end()};
 }
 
-/// Children of `cells` in the finest level.
+/// Returns the children of `cells` in the finest level.
 std::vector<Index> childrenOf(const TopologyRefiner& refiner, const std::vector<Index>& cells) {
     std::vector<Index> children;
     const int d = refiner.dimension();
@@ -61,7 +61,8 @@ std::vector<Index> childrenOf(const TopologyRefiner& refiner, const std::vector<
     return children;
 }
 
-/// What the header promises of the finest level, which was refined around `cells`.
+/// Checks that the finest level, which was refined around `cells`, agrees with the whole level as
+/// far as refineAround() documents.
 void expectLikeWhole(const TopologyRefiner& part, const TopologyRefiner& whole,
                      const std::vector<Index>& cells) {
     const int k = part.maxLevel(), d = part.dimension();
@@ -74,20 +75,20 @@ void expectLikeWhole(const TopologyRefiner& part, const TopologyRefiner& whole,
     for (const Index child : childrenOf(part, cells))
         for (const Index vertex : ours.complex.relation(d, 0)[child])
             for (int dimension = 0; dimension <= d; ++dimension) {
-                // Everything around the vertex is there,
+                // Everything around the vertex exists,
                 const auto around = ours.complex.relation(0, dimension)[vertex];
                 const Index itself = same.of(k, {0, vertex}).index;
                 EXPECT_EQ(mapped(same, k, dimension, around),
                           copyOf(theirs.complex.relation(0, dimension)[itself]));
                 for (const Index index : around) {
-                    // bounded as in the whole,
+                    // has the same boundary as in the whole level,
                     const Entity entity{dimension, index}, other = same.of(k, entity);
                     if (dimension > 0) {
                         EXPECT_EQ(
                             mapped(same, k, dimension - 1, ours.complex.boundary(dimension)[index]),
                             copyOf(theirs.complex.boundary(dimension)[other.index]));
                     }
-                    // on its stratum, open or not, and as sharp.
+                    // and has the same stratum, openness and sharpness.
                     EXPECT_EQ(ours.strata.of(entity), theirs.strata.of(other));
                     EXPECT_EQ(ours.strata.smoothStratum(entity),
                               theirs.strata.smoothStratum(other));
@@ -99,7 +100,7 @@ void expectLikeWhole(const TopologyRefiner& part, const TopologyRefiner& whole,
             }
 }
 
-/// Some marks of each kind.
+/// Returns marks of each kind.
 Marks marksOf(const CellComplex& complex) {
     Marks marks;
     for (Index edge = 0; edge < complex.count(1); edge += 7) {
@@ -120,13 +121,13 @@ TEST(LocalRefinement, IsAPartOfTheWholeLevel) {
                 try {
                     whole.refineUniform(3);
                 } catch (const TopologyError&) {
-                    continue;  // Nothing is left without boundary control.
+                    continue;  // Without boundary control, no cell is left.
                 }
                 std::vector<Index> cells = {base.count(base.dimension()) / 2};
                 for (int level = 1; level <= 3; ++level) {
                     part.refineAround(cells);
                     expectLikeWhole(part, whole, cells);
-                    // Now all of the children, now every third.
+                    // Continue around all children, or around every third.
                     const auto children = childrenOf(part, cells);
                     cells.clear();
                     for (std::size_t i = 0; i < children.size(); i += level == 2 ? 3 : 1)
@@ -136,7 +137,7 @@ TEST(LocalRefinement, IsAPartOfTheWholeLevel) {
             }
 }
 
-TEST(LocalRefinement, HoldsNoMoreThanIsNeeded) {
+TEST(LocalRefinement, RefinesOnlyWhatIsNeeded) {
     TopologyRefiner refiner(grid({9, 9, 9}));
     const std::vector<Index> middle = {4 * 81 + 4 * 9 + 4};
     refiner.refineAround(middle);
@@ -148,7 +149,7 @@ TEST(LocalRefinement, HoldsNoMoreThanIsNeeded) {
     EXPECT_EQ(refiner.level(2).complex.count(3), 4 * 4 * 4);
 }
 
-TEST(LocalRefinement, ChildrenAloneAreThoseOfTheCells) {
+TEST(LocalRefinement, ExtentCellsRefinesOnlyTheChildren) {
     TopologyRefiner refiner(grid({5, 5, 5}));
     refiner.refineAround(std::vector<Index>{62, 63}, TopologyRefiner::Extent::Cells);
     const CellComplex& children = refiner.level(1).complex;

@@ -4,13 +4,13 @@
 #include "support/complexes.h"
 #include "support/test.h"
 
-// The boundaries of children against the definition, slowly:
+// Tests the boundaries of children against the definition, computed slowly:
 //
 //     ∂[a,b] = Σ σ(b,b') [a,b']  +  (−1)^d Σ σ(a',a) [a',b],   d = dim b − dim a
 namespace espalier::far {
 namespace {
 
-/// σ(whole, part), or 0 where the part does not bound it.
+/// Returns σ(whole, part), or 0 if the part does not bound the whole.
 int signOf(const CellComplex& complex, Entity whole, Index part) {
     const auto row = complex.boundary(whole.dimension)[whole.index];
     const auto at = std::find(row.begin(), row.end(), part) - row.begin();
@@ -57,14 +57,14 @@ std::vector<CellComplex> bases() {
     return {singleCell(StandardCell::Tetrahedron),
             singleCell(StandardCell::Pyramid),
             bipyramid(5),
-            bipyramid(20),  // with more vertices than placeIn() counts through
+            bipyramid(20),  // with more vertices than placeInRow() scans
             grid({3, 2, 2}),
             mixedCells(),
             gridMesh(3, 2),
             buildCurve(4, true)};
 }
 
-TEST(RefinementBoundary, IsThatOfTheDefinition) {
+TEST(RefinementBoundary, AgreesWithTheDefinition) {
     for (const CellComplex& base : bases()) {
         const Refinement first(base);
         expectDefinition(base, first);
@@ -72,8 +72,8 @@ TEST(RefinementBoundary, IsThatOfTheDefinition) {
     }
 }
 
-/// The intervals whose lower ends contain one of the chosen vertices; of them all, or those in the
-/// first cells alone.
+/// Returns the intervals whose lower ends contain one of the chosen vertices: all of them, or only
+/// those in the first two cells.
 Refinement::Kept around(const CellComplex& complex, const std::vector<Index>& vertices,
                         bool inFirstCellsAlone) {
     Refinement::Kept kept;
@@ -92,7 +92,7 @@ Refinement::Kept around(const CellComplex& complex, const std::vector<Index>& ve
     return kept;
 }
 
-TEST(RefinementBoundary, IsThatOfTheDefinitionWherePartIsKept) {
+TEST(RefinementBoundary, AgreesWithTheDefinitionForPartialRefinement) {
     for (const CellComplex& base : bases())
         for (const std::vector<Index>& vertices :
              {std::vector<Index>{0}, std::vector<Index>{0, 1, 3}})
@@ -102,7 +102,7 @@ TEST(RefinementBoundary, IsThatOfTheDefinitionWherePartIsKept) {
             }
 }
 
-// What is kept has the numbers of the whole refinement, closed up.
+// The kept children have the numbers of the whole refinement without gaps.
 TEST(RefinementBoundary, KeptChildrenStayInOrder) {
     for (const CellComplex& base : bases()) {
         const auto kept = around(base, {0, 1, 2}, true);

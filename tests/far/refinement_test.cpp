@@ -7,7 +7,7 @@
 namespace espalier::far {
 namespace {
 
-/// Entities of a complex, and how many incident pairs of each two dimensions.
+/// The number of incident pairs for each two dimensions of a complex.
 struct Incidences {
     Offset pairs[4][4];
     explicit Incidences(const CellComplex& complex) {
@@ -19,7 +19,7 @@ struct Incidences {
     }
 };
 
-/// What refinement makes of any complex under boundary control: the children are the intervals.
+/// Checks the number of children under boundary control: the children are the intervals.
 void expectCountsOfIntervals(const TopologyRefiner& refiner) {
     for (int level = 1; level <= refiner.maxLevel(); ++level) {
         const Incidences parent(refiner.level(level - 1).complex);
@@ -50,8 +50,8 @@ TEST(Refinement, CountsEulerCharacteristicAndValidityAtEveryLevel) {
 }
 
 // Curves: n segments become 2n. Meshes: a face of n edges becomes n quadrilaterals. Lattices: a
-// hexahedron becomes 8. The lattice grows about eightfold a level (erratum to 004 section 6, which
-// says that it "nearly triples").
+// hexahedron becomes 8. The number of cells of a lattice grows about eightfold per level
+// (MacCracken & Joy, section 6, say that it "nearly triples").
 TEST(Refinement, GrowthPerLevel) {
     TopologyRefiner curve(buildCurve(5, false)), mesh(gridMesh(2, 3)), lattice(grid({2, 1, 3}));
     curve.refineUniform(3);
@@ -72,7 +72,7 @@ Index valenceIn(const CellComplex& complex, Index cell, Index vertex) {
     return valence;
 }
 
-/// Number of cells of each type n, where 2n is the number of faces.
+/// Returns the number of cells of each type n, where 2n is the number of faces.
 std::map<Index, Index> typesOf(const CellComplex& complex) {
     std::map<Index, Index> types;
     for (Index cell = 0; cell < complex.count(3); ++cell)
@@ -121,7 +121,7 @@ TEST(Refinement, TypeNCellsDoubleAtEachLevel) {
                 EXPECT_EQ(types[n], 2 * doubled);
             }
             if (level == 1) continue;
-            // Hexahedra: 8 of each, and 2m of each type-m cell of the level before.
+            // Hexahedra: 8 from each hexahedron, and 2m from each type-m cell of the level before.
             auto before = typesOf(refiner.level(level - 1).complex);
             Index hexahedra = 8 * before[3];
             for (const auto& [m, count] : before)
@@ -154,7 +154,7 @@ TEST(Refinement, ParentAndChildMapsAreInverse) {
     EXPECT_FALSE(refiner.refinement(1).childOf({{3, 0}, {0, 0}}));
 }
 
-// The order that the header promises: vertex points, edge points, face points, cell points.
+// The order that the header documents: vertex points, edge points, face points, cell points.
 TEST(Refinement, VerticesAreNumberedByTheDimensionOfTheirParent) {
     TopologyRefiner refiner = refined(bipyramid(4), 1);
     const CellComplex& base = refiner.level(0).complex;
@@ -164,7 +164,8 @@ TEST(Refinement, VerticesAreNumberedByTheDimensionOfTheirParent) {
             EXPECT_EQ(refiner.refinement(1).parentOf({0, child}), (Interval{{d, i}, {d, i}}));
 }
 
-// The boundary of a child cell is that of its interval: [v,c] holds the points between v and c.
+// A child cell [v,c] contains the points of its interval: the points of the entities between v and
+// c.
 TEST(Refinement, ChildCellHoldsThePointsOfItsInterval) {
     TopologyRefiner refiner = refined(bipyramid(5), 1);
     const CellComplex& base = refiner.level(0).complex;
@@ -183,7 +184,7 @@ TEST(Refinement, ChildCellHoldsThePointsOfItsInterval) {
     }
 }
 
-// An i×j×k lattice keeps 2(i−1) × 2(j−1) × 2(k−1) cells without boundary control.
+// Without boundary control, an i×j×k lattice keeps 2(i−1) × 2(j−1) × 2(k−1) cells.
 TEST(Refinement, OpenKeepsTheIntervalsAboveInteriorVertices) {
     TopologyRefiner refiner = refined(grid({3, 4, 2}), 3, {.boundary = Boundary::Open});
     std::array<Index, 3> n = {3, 4, 2};
@@ -202,7 +203,7 @@ TEST(Refinement, OpenRefusesALatticeWithoutInteriorVertex) {
     EXPECT_EQ(refiner.maxLevel(), 0);
 }
 
-TEST(Refinement, LevelsThatAreNotThereAreRefused) {
+TEST(Refinement, MissingLevelsAreRefused) {
     TopologyRefiner refiner = refined(bipyramid(3), 2);
     EXPECT_THROW(refiner.level(3), espalier::Error);
     EXPECT_THROW(refiner.level(-1), espalier::Error);
@@ -212,8 +213,8 @@ TEST(Refinement, LevelsThatAreNotThereAreRefused) {
     EXPECT_EQ(refiner.maxLevel(), 2) << "levels that are there stay";
 }
 
-// Face loops start at the point of the lower end: the diagonal from there to the upper end is the
-// same whatever the numbering, which the tetrahedra of type-n cells rely on.
+// Face loops start at the point of the lower end. So the diagonal from there to the upper end does
+// not depend on the numbering. The tetrahedra of type-n cells rely on this.
 TEST(Refinement, LoopsRunFromTheLowerToTheUpperEnd) {
     TopologyRefiner refiner = refined(bipyramid(5), 2);
     for (int level = 1; level <= 2; ++level) {

@@ -26,25 +26,25 @@ TEST(Sharpness, LosesOneALevel) {
     EXPECT_EQ(subdivideSharpness(kInfinitelySharp), kInfinitelySharp);
 }
 
-// Chaikin's rule: 3/4 of the edge's own sharpness, 1/4 of the mean of the other semi-sharp edges at
-// that end, less 1.
+// Chaikin's rule: 3/4 of the edge's own sharpness, plus 1/4 of the mean of the other semi-sharp
+// edges at that end, minus 1.
 TEST(Sharpness, IsAveragedAroundAVertexByChaikinsRule) {
     const std::vector<float> around = {4, 2, 0, kInfinitelySharp, 1};
     const auto child = [&](float sharpness) {
         return subdivideEdgeSharpness(Creasing::Chaikin, sharpness, around);
     };
-    EXPECT_EQ(child(4), 0.75F * 4 + 0.25F * 1.5F - 1);  // the others: 2 and 1
+    EXPECT_EQ(child(4), 0.75F * 4 + 0.25F * 1.5F - 1);  // the other edges: 2 and 1
     EXPECT_EQ(child(2), 0.75F * 2 + 0.25F * 2.5F - 1);  // 4 and 1
     EXPECT_EQ(child(1), 0.75F * 1 + 0.25F * 3.0F - 1);  // 4 and 2
     EXPECT_EQ(child(0), 0);
     EXPECT_EQ(child(kInfinitelySharp), kInfinitelySharp);
-    // Alone among smooth and infinitely sharp edges, an edge has nothing to be averaged with.
+    // An edge alone among smooth and infinitely sharp edges is not averaged.
     const std::vector<float> alone = {1.5F, 0, kInfinitelySharp};
     EXPECT_EQ(subdivideEdgeSharpness(Creasing::Chaikin, 1.5F, alone), 0.5F);
-    // 0.75 · 0.5 + 0.25 · 1 − 1 is below 0, and sharpness is not.
+    // 0.75 · 0.5 + 0.25 · 1 − 1 is negative, and sharpness is at least 0.
     const std::vector<float> low = {0.5F, 1.0F};
     EXPECT_EQ(subdivideEdgeSharpness(Creasing::Chaikin, 0.5F, low), 0);
-    // Uniform creasing does not look around.
+    // Uniform creasing ignores the other edges.
     EXPECT_EQ(subdivideEdgeSharpness(Creasing::Uniform, 4, around), 3);
 }
 

@@ -11,7 +11,7 @@ CellComplex cellOf(const Loops& loops, Index vertexCount) {
     return lattice(vertexCount, {loops});
 }
 
-/// The same loops, each from its smallest vertex on, in order.
+/// Rotates each loop to start at its smallest vertex, and sorts the loops.
 Loops canonical(Loops loops) {
     for (auto& loop : loops)
         std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
@@ -19,7 +19,7 @@ Loops canonical(Loops loops) {
     return loops;
 }
 
-/// The faces of the standard cell that is found.
+/// Returns the faces of a recognised standard cell.
 Loops facesOf(const StandardCellVertices& cell) {
     Loops loops = faceLoops(cell.kind);
     for (auto& loop : loops)
@@ -31,8 +31,8 @@ Loops facesOf(const CellComplex& complex, Index cell) {
     return canonical(outwardLoops(complex, CellId(cell)));
 }
 
-/// However the faces come – in another order, from another vertex on, vertices renumbered – the
-/// cell is recognised, and its faces are those of the complex with their orientation.
+/// A cell is recognised for any order of its faces, any start of its loops and any numbering of its
+/// vertices, and its faces are those of the complex with their orientation.
 TEST(StandardCells, AreRecognisedByTheirFaces) {
     for (const StandardCell kind : {StandardCell::Tetrahedron, StandardCell::Pyramid,
                                     StandardCell::Wedge, StandardCell::Hexahedron}) {
@@ -64,7 +64,7 @@ TEST(StandardCells, FollowTheOrientationOfTheComplex) {
     EXPECT_EQ(facesOf(*cell), facesOf(complex, 0));
 }
 
-/// Both cells of a shared face see it from their own side.
+/// Two cells that share a face see it from opposite sides.
 TEST(StandardCells, AreRecognisedOnBothSidesOfAFace) {
     const CellComplex complex = mixedCells();
     const StandardCell kinds[] = {StandardCell::Hexahedron, StandardCell::Pyramid,
@@ -77,15 +77,15 @@ TEST(StandardCells, AreRecognisedOnBothSidesOfAFace) {
     }
 }
 
-/// A pyramid whose edge between two triangles has a vertex in it: two triangles and three
-/// quadrilaterals, as a wedge has, and yet no wedge.
+/// A pyramid with a vertex in the middle of an edge between two triangles: it has two triangles and
+/// three quadrilaterals, as a wedge has, but is not a wedge.
 TEST(StandardCells, AreNotRecognisedByTheSizesOfTheirFacesAlone) {
     const CellComplex complex =
         cellOf({{0, 3, 2, 1}, {0, 1, 5, 4}, {1, 2, 4, 5}, {2, 3, 4}, {3, 0, 4}}, 6);
     EXPECT_FALSE(asStandardCell(complex, CellId(0)));
 
-    // Two tetrahedra's worth of triangles over a triangle whose edges have a vertex in them each:
-    // six quadrilaterals and eight vertices, as a hexahedron has.
+    // Two tetrahedra glued along a triangle, with a vertex in each edge of the triangle: six
+    // quadrilaterals and eight vertices, as a hexahedron has.
     const CellComplex six = cellOf(
         {{0, 5, 1, 3}, {1, 6, 2, 3}, {2, 7, 0, 3}, {1, 5, 0, 4}, {2, 6, 1, 4}, {0, 7, 2, 4}}, 8);
     EXPECT_FALSE(asStandardCell(six, CellId(0)));
@@ -110,7 +110,7 @@ TEST(HexahedronVertices, SixQuadrilateralsNeedNotBeAHexahedron) {
     EXPECT_EQ(hexahedronVertices(solid, CellId(0)), std::nullopt);
 }
 
-/// The loops in another order, and each from another vertex on.
+/// Reorders the loops, and starts each from another vertex.
 Loops permuted(const Loops& loops, const std::array<std::size_t, 6>& order) {
     Loops result;
     for (std::size_t i = 0; i < 6; ++i) {
@@ -121,8 +121,9 @@ Loops permuted(const Loops& loops, const std::array<std::size_t, 6>& order) {
     return result;
 }
 
-// The middle one of three cells: a face that it shares with the cell before runs the other way.
-TEST(HexahedronVertices, WhateverTheOrderOfTheFaces) {
+// Tests the middle one of three cells: it sees the face that it shares with the cell before from
+// the other side.
+TEST(HexahedronVertices, DoNotDependOnTheOrderOfFaces) {
     const CellComplex row = grid({3, 1, 1});
     for (const bool insideOut : {false, true}) {
         std::vector<Loops> cells;
@@ -152,7 +153,7 @@ TEST(HexahedronVertices, WhateverTheOrderOfTheFaces) {
 }
 
 // Six quadrilaterals and eight vertices, of valence 2, 3 and 4.
-TEST(HexahedronVertices, RefuseOtherSolidsWhateverTheOrderOfTheFaces) {
+TEST(HexahedronVertices, OtherSolidsAreRefusedForAnyOrderOfFaces) {
     const Loops solids[] = {
         {{0, 2, 1, 3}, {0, 3, 6, 4}, {6, 3, 1, 4}, {0, 4, 1, 5}, {0, 5, 7, 2}, {7, 5, 1, 2}},
         {{0, 5, 1, 3}, {1, 6, 2, 3}, {2, 7, 0, 3}, {1, 5, 0, 4}, {2, 6, 1, 4}, {0, 7, 2, 4}}};
@@ -165,8 +166,8 @@ TEST(HexahedronVertices, RefuseOtherSolidsWhateverTheOrderOfTheFaces) {
     }
 }
 
-// The quick way and the general one find the same cells, though not the same first corner.
-TEST(HexahedronVertices, AreThoseOfTheStandardCell) {
+// The fast function and the general one find the same cells, but may start at different corners.
+TEST(HexahedronVertices, AgreeWithAsStandardCell) {
     for (const CellComplex& complex : {grid({2, 2, 1}), mixedCells()})
         for (Index cell = 0; cell < complex.count(3); ++cell) {
             const auto general = asStandardCell(complex, CellId(cell));

@@ -7,14 +7,14 @@
 namespace espalier::far {
 namespace {
 
-/// Whether two rows of a level and of a star are the same, but for numbers.
+/// Checks that a row of a star and a row of the level are the same, up to numbering.
 void expectSame(std::span<const Index> inStar, std::span<const Index> inLevel,
                 const std::vector<Index>& entities) {
     ASSERT_EQ(inStar.size(), inLevel.size());
     for (std::size_t i = 0; i < inStar.size(); ++i) EXPECT_EQ(entities[inStar[i]], inLevel[i]);
 }
 
-// All that contains the vertex is there, with the same loops, signs and strata.
+// The star has all entities that contain the vertex, with the same loops, signs and strata.
 TEST(Star, IsThePartOfTheLevelAroundAVertex) {
     const Marks marks{.edges = {{{0, 1}, kSmooth}}, .vertices = {{2, kInfinitelySharp}}};
     for (const auto& complex : {grid({2, 2, 3}), grid({3, 1, 1}), mixedCells()}) {
@@ -45,14 +45,14 @@ TEST(Star, IsThePartOfTheLevelAroundAVertex) {
     }
 }
 
-TEST(Star, OfTwoRingsHoldsTheStarsOfItsVertices) {
+TEST(Star, TwoRingsContainTheStarsOfAllVerticesOfTheFirst) {
     const TopologyRefiner refiner(grid({5, 5, 5}));
     const Index middle = gridVertex({5, 5, 5}, 2, 2, 2);
     EXPECT_EQ(starOf(refiner.level(0), middle).level.complex.count(3), 8);
     EXPECT_EQ(starOf(refiner.level(0), middle, 2).level.complex.count(3), 64);
 }
 
-TEST(Star, OfWhatIsNotThereIsRefused) {
+TEST(Star, MissingVertexIsRefused) {
     const TopologyRefiner refiner(grid({1, 1, 1}));
     EXPECT_THROW(starOf(refiner.level(0), -1), Error);
     EXPECT_THROW(starOf(refiner.level(0), 8), Error);

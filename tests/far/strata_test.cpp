@@ -7,7 +7,7 @@
 namespace espalier::far {
 namespace {
 
-/// Number of entities on strata 0, 1, 2, 3.
+/// Number of entities on each of the strata 0, 1, 2, 3.
 using PerStratum = std::array<Index, 4>;
 PerStratum countStrata(const Strata& strata, int dimension) {
     return {strata.count(dimension, 0), strata.count(dimension, 1), strata.count(dimension, 2),
@@ -19,8 +19,8 @@ Strata strataOf(const CellComplex& complex, SharpEdges rule = SharpEdges::Single
     return TopologyRefiner(complex, {.sharpEdges = rule, .marks = marks}).level(0).strata;
 }
 
-/// A prism of `layers` layers over a disk of n sectors round a centre: Figure 1 of the paper. In
-/// each of the layers + 1 discs, vertex 0 is the centre and 1 to n the rim.
+/// Builds a prism of `layers` layers over a disk of n sectors: Figure 1 of the paper. In each of
+/// the layers + 1 disks, vertex 0 is the centre and vertices 1 to n are the rim.
 CellComplex cylinder(Index n, Index layers) {
     ComplexBuilder builder(3, (n + 1) * (layers + 1));
     for (Index layer = 0; layer < layers; ++layer)
@@ -32,8 +32,9 @@ CellComplex cylinder(Index n, Index layers) {
     return builder.build();
 }
 
-// MacCracken & Joy 1996, section 3, on boxes: 8 corners, sharp edges along the 12 edges of the box.
-TEST(Strata, BoxHasTheStrataOfABox) {
+// MacCracken & Joy 1996, section 3, on boxes: 8 corners, and sharp edges along the 12 edges of the
+// box.
+TEST(Strata, BoxHasCornersSharpEdgesAndSides) {
     for (const SharpEdges rule : {SharpEdges::SingleCell, SharpEdges::Literal}) {
         const Strata strata = strataOf(grid({2, 3, 4}), rule);
         EXPECT_EQ(countStrata(strata, 0), (PerStratum{8, 4 * (1 + 2 + 3), 2 * (2 + 3 + 6), 6}));
@@ -43,8 +44,8 @@ TEST(Strata, BoxHasTheStrataOfABox) {
     }
 }
 
-// Read literally, the paper's rule makes the vertical edges of a cylinder sharp when it is one
-// layer thick, against its own Figure 5; the default does not, at any thickness.
+// Taken literally, the paper's rule makes the vertical edges of a cylinder of one layer sharp,
+// which contradicts its Figure 5. The default rule does not, for any number of layers.
 TEST(Strata, SharpEdgesOfACylinder) {
     const Index n = 6;
     for (const Index layers : {1, 2, 3}) {
@@ -60,7 +61,7 @@ TEST(Strata, SharpEdgesOfACylinder) {
 
 TEST(Strata, ChildInheritsTheStratumOfItsUpperEnd) {
     TopologyRefiner refiner = test::refined(grid({1, 1, 1}), 2);
-    // The refined cube is again a box: 8 corners, 12 edges of 4 parts, 6 sides of 16 faces.
+    // The refined cube is a box again: 8 corners, 12 edges of 4 parts, 6 sides of 16 faces.
     const Strata& strata = refiner.level(2).strata;
     EXPECT_EQ(countStrata(strata, 0), (PerStratum{8, 12 * 3, 6 * 9, 27}));
     EXPECT_EQ(countStrata(strata, 1)[1], 12 * 4);
@@ -73,30 +74,30 @@ TEST(Strata, MarksOverrideTheAutomaticOnes) {
     const auto strataWith = [&](const Marks& marks) {
         return strataOf(box, SharpEdges::SingleCell, marks);
     };
-    // One edge smoothed: its corner, freed too, is left with two sharp edges; its other end is a
-    // dart.
+    // One edge is made smooth, and its corner too: the corner then has two sharp edges, and the
+    // other end of the edge is a dart.
     const Strata smoothed =
         strataWith({.edges = {{{corner, onEdge}, kSmooth}}, .vertices = {{corner, kSmooth}}});
     EXPECT_EQ(smoothed.of({0, corner}), 1);
     EXPECT_EQ(smoothed.of({0, onEdge}), 2);
     EXPECT_EQ(smoothed.of({0, end}), 0);
     EXPECT_EQ(countStrata(smoothed, 1)[1], 23);
-    // Smoothed but not freed, it is still the vertex of one cell.
+    // If only the edge is smooth, the corner is still the vertex of one cell.
     EXPECT_EQ(strataWith({.edges = {{{corner, onEdge}, kSmooth}}}).of({0, corner}), 0);
-    // Freed but not smoothed, it still has three sharp edges.
+    // If only the corner is smooth, it still has three sharp edges.
     EXPECT_EQ(strataWith({.vertices = {{corner, kSmooth}}}).of({0, corner}), 0);
-    // Marked corner on a sharp edge, on a side, and inside.
+    // Vertices marked as corners: on a sharp edge, on a side, and inside.
     for (const Index vertex :
          {onEdge, gridVertex({2, 2, 2}, 1, 1, 0), gridVertex({2, 2, 2}, 1, 1, 1)})
         EXPECT_EQ(strataWith({.vertices = {{vertex, kInfinitelySharp}}}).of({0, vertex}), 0);
-    // A sharp edge across a side, between the middles of two edges of the box: a crease through the
-    // middle of the side, and a third sharp edge at its ends.
+    // A sharp edge across a side, between the middles of two edges of the box, makes a crease
+    // through the middle of the side. It is a third sharp edge at each of its ends.
     const Index middle = gridVertex({2, 2, 2}, 1, 1, 0), opposite = gridVertex({2, 2, 2}, 1, 2, 0);
     const Strata creased = strataWith(
         {.edges = {{{onEdge, middle}, kInfinitelySharp}, {{opposite, middle}, kInfinitelySharp}}});
     EXPECT_EQ(creased.of({0, middle}), 1);
     EXPECT_EQ(creased.of({0, onEdge}), 0);
-    // At least 10 is infinite, as in OpenSubdiv; the later of two marks counts.
+    // 10 or more is infinite, as in OpenSubdiv; the later of two marks counts.
     EXPECT_EQ(strataWith({.vertices = {{middle, kSmooth}, {middle, 10}}}).of({0, middle}), 0);
 }
 
@@ -126,7 +127,8 @@ TEST(Strata, BadMarksAreRefused) {
     expectRefused(TopologyCause::BadMark, "sharpness nan", {.vertices = {{0, kNan}}});
 }
 
-/// Two cubes on the same grid of 2 × 2 × 2 that touch only where the grid's middle is.
+/// Builds two cells of the 2 × 2 × 2 grid, which touch only in an edge or vertex at the grid's
+/// middle.
 CellComplex twoCubes(const std::array<Index, 3>& first, const std::array<Index, 3>& second) {
     std::map<Index, Index> names;
     ComplexBuilder builder(3);
@@ -141,8 +143,8 @@ CellComplex twoCubes(const std::array<Index, 3>& first, const std::array<Index, 
     return builder.build();
 }
 
-// DESIGN section 2: a boundary edge in other than two boundary faces is sharp, even where a mark
-// says smooth; a vertex whose boundary faces do not form one fan is a corner.
+// A boundary edge in a number of boundary faces other than two is sharp, and a mark cannot make it
+// smooth. A vertex whose boundary faces do not form one fan is a corner.
 TEST(Strata, CubesThatTouchInAnEdgeOrAVertex) {
     const CellComplex byEdge = twoCubes({0, 0, 0}, {1, 1, 0});
     Index shared = 0;
@@ -163,10 +165,10 @@ TEST(Strata, CubesThatTouchInAnEdgeOrAVertex) {
                  TopologyError);
 }
 
-// A tripod: four cells round a vertex of which three sharp edges leave.
+// A tripod: four cells around a vertex from which three sharp edges leave.
 TEST(Strata, ThreeSharpEdgesMakeACorner) {
-    // The 2 × 2 × 2 grid without four of its cubes: what is left are (0,0,0), (1,0,0), (0,1,0) and
-    // (0,0,1). The middle vertex is on the boundary.
+    // The 2 × 2 × 2 grid without four of its cubes; (0,0,0), (1,0,0), (0,1,0) and (0,0,1) remain.
+    // The middle vertex is on the boundary.
     ComplexBuilder builder(3, 27 - 7);
     std::map<Index, Index> names;
     for (const auto& [i, j, k] : {std::array<Index, 3>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
@@ -177,7 +179,8 @@ TEST(Strata, ThreeSharpEdgesMakeACorner) {
     }
     const CellComplex tripod = builder.build();
     const Index middle = names[gridVertex({2, 2, 2}, 1, 1, 1)];
-    // From the middle, the edges to (2,1,1), (1,2,1) and (1,1,2) lie in one cell each: sharp.
+    // The edges from the middle to (2,1,1), (1,2,1) and (1,1,2) are in one cell each, so they are
+    // sharp.
     EXPECT_EQ(tripod.relation(0, 3)[middle].size(), 4u);
     EXPECT_EQ(strataOf(tripod).of({0, middle}), 0);
 }
@@ -192,15 +195,15 @@ TEST(Strata, MeshesAndCurves) {
     EXPECT_THROW(
         strataOf(buildCurve(5, false), SharpEdges::SingleCell, {.vertices = {{0, kSmooth}}}),
         TopologyError);
-    // Three faces at one edge, two faces that touch in a vertex.
+    // Three faces at one edge, and two faces that touch in a vertex.
     const CellComplex fins = buildMesh(5, Loops{{0, 1, 2}, {0, 1, 3}, {1, 0, 4}});
     EXPECT_EQ(countStrata(strataOf(fins), 0)[0], 5);
     const CellComplex bowTie = buildMesh(5, Loops{{0, 1, 2}, {0, 3, 4}});
     EXPECT_EQ(strataOf(bowTie).of({0, 0}), 0);
 }
 
-// Marks on the refined complex keep what its base had by rule or by hand.
-TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
+// Marks on the refined complex reproduce the features that its base had by rule or by hand.
+TEST(Strata, MarksForARefinedComplexReproduceItsStrata) {
     const Index middle = gridVertex({2, 2, 2}, 1, 1, 0);
     const auto expectKept = [](const CellComplex& base, SharpEdges rule, const Marks& marks) {
         TopologyRefiner refiner = test::refined(base, 2, {.sharpEdges = rule, .marks = marks});
@@ -223,13 +226,13 @@ TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
                 .vertices = {{0, kSmooth}, {26, kInfinitelySharp}, {middle, kInfinitelySharp}}});
     expectKept(gridMesh(3, 2), SharpEdges::SingleCell,
                {.edges = {{{5, 6}, 1.5}}, .vertices = {{5, 0.5}}});
-    // Semi-sharp marks in place of what is sharp by rule, and on what is not.
+    // Semi-sharp marks on entities that are sharp by rule, and on entities that are not.
     expectKept(grid({2, 2, 2}), SharpEdges::SingleCell,
                {.edges = {{{0, 1}, 1.5}, {{1, middle}, 0.75}}, .vertices = {{0, 2}, {middle, 9}}});
     expectKept(buildCurve(5, false), SharpEdges::SingleCell, {.vertices = {{2, kInfinitelySharp}}});
 }
 
-// OpenSubdiv's boundary modes on a mesh of 3 × 2 faces, of which 0 and 3 are corners.
+// OpenSubdiv's boundary modes on a mesh of 3 × 2 faces, where vertices 0 and 3 are corners.
 TEST(Strata, EdgeOnlyRoundsTheCornersOfAMesh) {
     const CellComplex mesh = gridMesh(3, 2);
     const auto strataIn = [&](Boundary boundary, const Marks& marks = {}) {
@@ -238,11 +241,11 @@ TEST(Strata, EdgeOnlyRoundsTheCornersOfAMesh) {
     EXPECT_EQ(countStrata(strataIn(Boundary::EdgeOnly), 0), (PerStratum{0, 10, 2, 0}));
     EXPECT_EQ(strataIn(Boundary::EdgeOnly, {.vertices = {{0, 2.5}}}).of({0, 0}), 0);
     EXPECT_EQ(strataIn(Boundary::EdgeOnly, {.vertices = {{0, 2.5}}}).sharpness({0, 0}), 2.5F);
-    // Under Boundary::Sharp a corner is infinitely sharp, whatever a mark adds.
+    // Under Boundary::Sharp a corner is infinitely sharp, whatever its mark says.
     EXPECT_EQ(strataIn(Boundary::Sharp, {.vertices = {{0, 2.5}}}).sharpness({0, 0}),
               kInfinitelySharp);
     EXPECT_THROW(strataIn(Boundary::Sharp, {.vertices = {{0, kSmooth}}}), TopologyError);
-    // On a lattice, a vertex of one cell is rounded as soon as its edges are.
+    // On a lattice, a vertex of one cell is rounded if its edges are smooth.
     const CellComplex cube = grid({1, 1, 1});
     Marks smooth;
     for (Index edge = 0; edge < cube.count(1); ++edge) {
@@ -253,9 +256,9 @@ TEST(Strata, EdgeOnlyRoundsTheCornersOfAMesh) {
     EXPECT_EQ(classify(cube, Boundary::Sharp, SharpEdges::SingleCell, smooth).count(0, 0), 8);
 }
 
-// A sharp edge from the middle of a box to the middle of a side makes no dart of the latter: the
-// surface is refined as if it were alone.
-TEST(Strata, SharpEdgesInsideALatticeLeaveItsSurfaceAsItIs) {
+// A sharp edge from the middle of a box to the middle of a side does not make the latter a dart:
+// the surface is refined as if it were a separate mesh.
+TEST(Strata, SharpEdgesInsideALatticeDoNotAffectItsSurface) {
     const std::array<Index, 3> cells = {2, 2, 2};
     const Index middle = gridVertex(cells, 1, 1, 1), side = gridVertex(cells, 1, 1, 0);
     const Index opposite = gridVertex(cells, 1, 1, 2);
@@ -273,7 +276,7 @@ TEST(Strata, SharpEdgesInsideALatticeLeaveItsSurfaceAsItIs) {
                   !contains(box.relation(1, 0)[edge], middle));
 }
 
-TEST(Strata, HolesHaveHolesForChildren) {
+TEST(Strata, ChildrenOfHolesAreHoles) {
     TopologyRefiner refiner = test::refined(gridMesh(3, 2), 2, {.marks = {.holes = {4, 1, 4}}});
     EXPECT_EQ(refiner.level(0).holes, (std::vector<Index>{1, 4}));
     ASSERT_EQ(refiner.level(1).holes.size(), 8u);
@@ -285,7 +288,7 @@ TEST(Strata, HolesHaveHolesForChildren) {
     EXPECT_THROW(TopologyRefiner(grid({1, 1, 1}), {.marks = {.holes = {0}}}), TopologyError);
 }
 
-TEST(Strata, OpenLeavesTheBoundaryOut) {
+TEST(Strata, OpenMarksTheBoundaryAsOpen) {
     const std::array<Index, 3> cells = {2, 2, 2};
     const Strata strata =
         TopologyRefiner(grid(cells), {.boundary = Boundary::Open}).level(0).strata;
@@ -294,7 +297,7 @@ TEST(Strata, OpenLeavesTheBoundaryOut) {
     EXPECT_EQ(countStrata(strata, 1), (PerStratum{0, 0, 48, 6}));
 }
 
-// An infinitely sharp boundary edge of a mesh stays without boundary control, as in OpenSubdiv's
+// An infinitely sharp boundary edge of a mesh remains without boundary control, as in OpenSubdiv's
 // mode "none"; a semi-sharp one does not.
 TEST(Strata, OpenKeepsBoundaryEdgesThatAreMarkedSharp) {
     const CellComplex mesh = gridMesh(4, 4);
@@ -308,11 +311,11 @@ TEST(Strata, OpenKeepsBoundaryEdgesThatAreMarkedSharp) {
     for (const Index vertex : {1, 2, 3, 6, 12, 18}) EXPECT_FALSE(strata.isOpen({0, vertex}));
     for (const Index vertex : {0, 4, 5, 9, 20, 22, 24}) EXPECT_TRUE(strata.isOpen({0, vertex}));
     EXPECT_EQ(strata.of({0, 2}), 1);
-    // Kept are 3 vertices in each of rows 0 to 3, and of each row of faces the 2 to 4 quarters at
-    // them: (2 · 4 − 2) × (2 · 4 − 1) quadrilaterals.
+    // Three vertices remain in each of rows 0 to 3, and with them 2 to 4 quarters of each face at
+    // these vertices: (2 · 4 − 2) × (2 · 4 − 1) quadrilaterals.
     refiner.refineUniform(2);
     EXPECT_EQ(refiner.level(1).complex.count(2), 6 * 7);
-    // The kept edges keep their mark when the refined mesh is marked anew.
+    // The remaining edges keep their mark when the refined mesh is marked again.
     const auto& [refined, refinedStrata, holes] = refiner.level(1);
     const Marks kept = marksFor(refined, refinedStrata, Boundary::Open);
     const Strata again = classify(refined, Boundary::Open, SharpEdges::SingleCell, kept);

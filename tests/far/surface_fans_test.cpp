@@ -11,7 +11,7 @@ namespace {
 using EdgeKind = SurfaceFans::EdgeKind;
 using VertexKind = SurfaceFans::VertexKind;
 
-/// All faces of a mesh.
+/// A mesh, with all its faces as the surface.
 struct Mesh {
     CellComplex complex;
     SurfaceFans fans;
@@ -35,7 +35,7 @@ TEST(SurfaceFans, EdgesByTheirFaces) {
     EXPECT_EQ(plane.edge(0, 1), EdgeKind::Boundary);
     EXPECT_EQ(plane.fans.vertex(1), VertexKind::Fan);
     EXPECT_EQ(plane.fans.vertex(0), VertexKind::Fan);
-    // The second face wound the other way round.
+    // The second face is wound in the opposite direction.
     EXPECT_EQ(Mesh(6, {{0, 1, 4, 3}, {4, 5, 2, 1}}).edge(1, 4), EdgeKind::NonManifold);
     // A third face.
     EXPECT_EQ(Mesh(7, {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 6, 4}}).edge(1, 4), EdgeKind::NonManifold);
@@ -50,8 +50,8 @@ TEST(SurfaceFans, VerticesByTheirFans) {
     EXPECT_EQ(Mesh(4, {{0, 1, 2}}).fans.vertex(3), VertexKind::None);
 }
 
-/// Half-planes of two triangles each round the edges 1-0 and 0-2, through 3, 4, 5 and so on. All
-/// run from 1 to 2 by way of a vertex of their own.
+/// Builds half-planes of two triangles each around the edges 1-0 and 0-2, through vertices 3, 4, 5
+/// and so on. Each half-plane runs from 1 to 2 through a vertex of its own.
 Loops halfPlanes(Index count) {
     Loops loops;
     for (Index i = 0; i < count; ++i) {
@@ -65,7 +65,7 @@ Loops halfPlanes(Index count) {
 TEST(SurfaceFans, ThreeFansBetweenTheSameTwoEdgesAreACrease) {
     for (const Index count : {3, 4, 7})
         EXPECT_EQ(Mesh(3 + count, halfPlanes(count)).fans.vertex(0), VertexKind::Crease) << count;
-    // Two fans that do not fit together: their edges are non-manifold by winding.
+    // Two fans that do not match: their edges are non-manifold by winding.
     EXPECT_EQ(Mesh(5, halfPlanes(2)).fans.vertex(0), VertexKind::NonManifold);
     // A cone that touches the crease.
     Loops touched = halfPlanes(3);
@@ -75,7 +75,7 @@ TEST(SurfaceFans, ThreeFansBetweenTheSameTwoEdgesAreACrease) {
     Loops fin = halfPlanes(3);
     fin.push_back({0, 1, 6});
     EXPECT_EQ(Mesh(7, fin).fans.vertex(0), VertexKind::NonManifold);
-    // A fan from the first edge back to it: three faces more at one edge than at the other.
+    // A fan from the first edge back to itself: one edge has three faces more than the other.
     Loops folded = halfPlanes(3);
     folded.push_back({0, 1, 6});
     folded.push_back({0, 6, 7});
@@ -83,7 +83,7 @@ TEST(SurfaceFans, ThreeFansBetweenTheSameTwoEdgesAreACrease) {
     EXPECT_EQ(Mesh(8, folded).fans.vertex(0), VertexKind::NonManifold);
 }
 
-// A face that passes a vertex twice: each step is an edge of its own, and non-manifold.
+// A face passes a vertex twice: each step is a separate edge, and non-manifold.
 TEST(SurfaceFans, DegenerateFaces) {
     const Mesh pinched(5, {{0, 1, 2, 2}, {1, 0, 3, 4}});
     EXPECT_EQ(pinched.complex.count(1), 7);

@@ -3,12 +3,12 @@
 
 namespace espalier::test {
 
-// For those who allocate: what stands in for the functions of the C library, or of C++.
+// Called by the functions that replace the allocation functions of the C library or of C++.
 
-/// Counts an allocation; whether it is to fail.
+/// Counts an allocation. Returns true if it must fail.
 bool allocationFails();
 
-/// Counts a block that is there from now on, or is not any more.
+/// Counts a block that has been allocated, or freed.
 void addLiveBlock();
 void removeLiveBlock();
 

@@ -10,7 +10,7 @@ namespace {
 
 std::atomic<long> live = 0;
 std::atomic<bool> isShort = false;
-std::atomic<long> calls = 0;  ///< since it is
+std::atomic<long> calls = 0;  ///< allocations since then
 Failing which = Failing::One;
 long first = 0;
 

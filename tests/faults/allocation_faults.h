@@ -3,16 +3,16 @@
 
 namespace espalier::test {
 
-/// Which allocations of this process fail, by whatever library and thread they are asked for.
+/// The allocations of this process that fail, in any library and on any thread.
 enum class Failing {
-    One,     ///< the n-th: memory is short for a moment
-    AllFrom  ///< the n-th and all that follow: there is no more
+    One,     ///< the n-th only: memory is short for a moment
+    AllFrom  ///< the n-th and all later ones: memory is exhausted
 };
 
-/// While this lives, memory is short. One at a time.
+/// Makes allocations fail until destruction. Only one may exist at a time.
 class AllocationFault {
 public:
-    /// \param n from 1
+    /// \param n number of the first allocation that fails, from 1
     AllocationFault(Failing failing, long n);
     ~AllocationFault();
     AllocationFault(const AllocationFault&) = delete;
@@ -20,11 +20,11 @@ public:
 
     bool hasHappened() const;
 
-    /// Allocations that were asked for since.
+    /// Returns the number of allocations since construction.
     long count() const;
 };
 
-/// Allocations that are not freed yet.
+/// Returns the number of allocated blocks that are not freed yet.
 long liveBlocks();
 
 }  // namespace espalier::test

@@ -12,7 +12,8 @@
 #include "exhaustion.h"
 #include "support/temporary_folder.h"
 
-// Memory that is short under the C API: a status and a message, and no object.
+// When an allocation fails under the C API, calls return a status and a message, and make no
+// object.
 namespace espalier {
 namespace {
 
@@ -124,10 +125,10 @@ TEST_F(CMemory, Scopes) {
     });
 }
 
-/// Errors that need memory to be told, on a thread that has not called before: the status is right
-/// or that of memory, and the message is there.
-void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
-                                  const std::function<espalier_status()>& call) {
+/// Makes allocations fail while a thread that has not called before reports an error. Expects that
+/// the status is the right one or says that memory is exhausted, and that there is a message.
+void expectErrorsReportedOnANewThread(espalier_status expected, const char* message,
+                                      const std::function<espalier_status()>& call) {
     for (long n = 1;; ++n) {
         bool isDone = false, isTold = false, isWhole = false;
         std::thread([&] {
@@ -144,14 +145,14 @@ void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
     }
 }
 
-TEST_F(CMemory, ErrorsAreToldOnThreadsThatHaveNotCalledBefore) {
+TEST_F(CMemory, ErrorsAreReportedOnNewThreads) {
     espalier_lattice* none = nullptr;
     const std::string missing = (folder / "none.vtu").string();
-    expectErrorsToldOnANewThread(ESPALIER_ERROR_FILE,
-                                 (missing + ": cannot open: No such file or directory").c_str(),
-                                 [&] { return espalier_lattice_read(missing.c_str(), &none); });
-    expectErrorsToldOnANewThread(ESPALIER_ERROR_INPUT, "path is null",
-                                 [&] { return espalier_lattice_read(nullptr, &none); });
+    expectErrorsReportedOnANewThread(ESPALIER_ERROR_FILE,
+                                     (missing + ": cannot open: No such file or directory").c_str(),
+                                     [&] { return espalier_lattice_read(missing.c_str(), &none); });
+    expectErrorsReportedOnANewThread(ESPALIER_ERROR_INPUT, "path is null",
+                                     [&] { return espalier_lattice_read(nullptr, &none); });
     EXPECT_EQ(none, nullptr);
 }
 

@@ -10,10 +10,10 @@
 #include <stdexcept>
 #include <vector>
 
-// Objects of the C API, which are destroyed with their owners, and statuses as exceptions.
+// Wraps objects of the C API in owners that destroy them, and converts statuses to exceptions.
 namespace espalier::test {
 
-/// Throws std::bad_alloc for the status that says the same.
+/// Throws std::bad_alloc for the status of exhausted memory.
 inline void check(espalier_status status) {
     if (status == ESPALIER_OK) return;
     if (status == ESPALIER_ERROR_MEMORY &&
@@ -25,7 +25,7 @@ inline void check(espalier_status status) {
 template <class Object>
 using Owned = std::unique_ptr<Object, void (*)(Object*)>;
 
-/// Has a function make an object; where it fails there is none.
+/// Calls a function that makes an object, and expects that it makes none if it fails.
 template <class Object, class Create>
 Owned<Object> make(void (*destroy)(Object*), Create create) {
     Object* object = nullptr;

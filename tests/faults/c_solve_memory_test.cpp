@@ -14,7 +14,7 @@
 #include "exhaustion.h"
 #include "support/temporary_folder.h"
 
-// Memory that is short under the C API: the inventory, tables of every kind, and solvers.
+// Failing allocations under the C API: the inventory, tables of every kind, and solvers.
 namespace espalier {
 namespace {
 
@@ -47,7 +47,7 @@ std::vector<double> positionsOf(const espalier_lattice* lattice) {
     return {positions, positions + 3 * static_cast<std::ptrdiff_t>(count)};
 }
 
-/// Rows and numbers, to compare tables by.
+/// Returns the rows and numbers of a table, for comparison.
 auto numbersOf(const espalier_table* table) {
     espalier_csr csr = {};
     check(espalier_table_csr(table, &csr));
@@ -149,7 +149,7 @@ TEST_F(CSolveMemory, Holding) {
 }
 
 TEST_F(CSolveMemory, Validity) {
-    // The last vertex goes through the cell.
+    // The last vertex moves through the cell.
     std::vector<double> pose = kCorners;
     for (int axis = 0; axis < 3; ++axis) pose[18 + static_cast<std::size_t>(axis)] = -1;
     auto options = espalier_default_validity_options();
@@ -260,7 +260,7 @@ TEST_F(CSolveMemory, MatrixFiles) {
             check(espalier_table_write(deformation.get(), path.c_str()));
             return true;
         });
-        if (std::string_view(extension) == ".npy") continue;  // three files, which are not read
+        if (std::string_view(extension) == ".npy") continue;  // three files, which cannot be read
         test::failEachAllocation([&] {
             return numbersOf(madeTable([&](auto** out) {
                                  return espalier_table_read(path.c_str(), out);

@@ -27,12 +27,11 @@
 #include "exhaustion.h"
 #include "support/test.h"
 
-// Memory that is short while things are made and used. On one thread: what oneTBB does then is not
-// ours to say (parallel_memory_test.cpp).
+// Failing allocations while objects are made and used, on one thread. parallel_memory_test.cpp
+// tests several threads, where oneTBB's behaviour is not ours.
 namespace espalier {
 namespace {
 
-using stencils::Rules;
 using stencils::StencilTable;
 using test::failEachAllocation;
 
@@ -41,7 +40,7 @@ protected:
     SerialExecutor serial;
     const ExecutorScope scope{serial};
 
-    /// With a cell of each sort, so that nothing is regular; and marks.
+    /// A lattice with marks and without regular parts.
     const Lattice lattice = marked(shapes::bipyramid({.sides = 3}));
     const std::vector<Point3> points = {
         {0.1, 0.1, 0.1}, {-0.1, 0.05, -0.2}, {0.01, -0.1, 0.3}, {9, 9, 9}};
@@ -83,7 +82,7 @@ TEST_F(CoreMemory, Lattices) {
     });
 }
 
-TEST_F(CoreMemory, RelationsThatAreDerivedWhenTheyAreAskedFor) {
+TEST_F(CoreMemory, RelationsDerivedOnFirstUse) {
     failEachAllocation([&] {
         const Lattice own = shapes::box({.cells = {2, 1, 1}});
         std::size_t size = 0;
@@ -93,8 +92,9 @@ TEST_F(CoreMemory, RelationsThatAreDerivedWhenTheyAreAskedFor) {
     });
 }
 
-// What is there when memory runs short is as it was, and derives the relation when there is more.
-TEST_F(CoreMemory, AComplexIsAsUsableAsBefore) {
+// If memory is exhausted while a complex derives a relation, the complex is unchanged, and derives
+// the relation later.
+TEST_F(CoreMemory, ComplexStaysUsable) {
     const auto expected = far::topologyHash(shapes::box({.cells = {2, 1, 1}}).complex);
     for (long n = 1;; ++n) {
         const Lattice own = shapes::box({.cells = {2, 1, 1}});
@@ -122,8 +122,8 @@ TEST_F(CoreMemory, Refinement) {
         });
 }
 
-// "The levels made before stay."
-TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
+// refineTo() promises: "The levels made before stay."
+TEST_F(CoreMemory, RefinerKeepsCompleteLevels) {
     const Index expected = refined(2).level(2).complex.count(3);
     for (long n = 1;; n += 5) {
         TopologyRefiner refiner = refined(1);
@@ -142,16 +142,14 @@ TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
 
 TEST_F(CoreMemory, Tables) {
     const auto refiner = refined(2);
-    failEachAllocation([&] { return stencils::buildLevelTables(refiner, 2, Rules::Cse96); });
-    failEachAllocation([&] { return stencils::buildStencils(refiner, 1, Rules::Siggraph96); });
-    const auto table = stencils::buildStencils(refiner, 1, Rules::Siggraph96);
+    failEachAllocation([&] { return stencils::buildLevelTables(refiner, 2); });
+    failEachAllocation([&] { return stencils::buildStencils(refiner, 1); });
+    const auto table = stencils::buildStencils(refiner, 1);
     failEachAllocation([&] { return stencils::transposeTable(table); });
     failEachAllocation([&] { return stencils::convertTable<float>(table); });
     failEachAllocation([&] { return stencils::convertTable<float>(StencilTable<double>(table)); });
     failEachAllocation([&] { return stencils::selectRows(table, std::vector<Index>{3, 1}); });
-    failEachAllocation([&] {
-        return stencils::refinePositions(refiner, 2, Rules::Siggraph96, lattice.positions);
-    });
+    failEachAllocation([&] { return stencils::refinePositions(refiner, 2, lattice.positions); });
 }
 
 TEST_F(CoreMemory, Binding) {
@@ -165,16 +163,15 @@ TEST_F(CoreMemory, Binding) {
         return bound.statuses;
     });
     const auto refiner = refined(1);
-    const auto positions =
-        stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
+    const auto positions = stencils::refinePositions(refiner, 1, lattice.positions);
     failEachAllocation([&] {
         const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points,
                                                   {.outside = embed::OutsidePolicy::Nearest});
-        return embed::buildDeformationTable(refiner, 1, Rules::Siggraph96, embedding);
+        return embed::buildDeformationTable(refiner, 1, embedding);
     });
 }
 
-// A refusal that names its offender takes memory, too.
+// Making the message of an error allocates memory too.
 TEST_F(CoreMemory, Refusals) {
     failEachAllocation([&] {
         try {
@@ -235,7 +232,7 @@ TEST_F(CoreMemory, Solvers) {
                 .displacements;
         });
     const auto refiner = refined(1);
-    const auto rest = stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
+    const auto rest = stencils::refinePositions(refiner, 1, lattice.positions);
     auto pose = rest;
     pose[0][2] += 1.5;
     failEachAllocation([&] {
@@ -250,8 +247,8 @@ TEST_F(CoreMemory, Solvers) {
     });
 }
 
-// What could not be evaluated for want of memory has written nothing.
-TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
+// An evaluation that fails for lack of memory has written nothing.
+TEST_F(CoreMemory, DestinationsAreUnchanged) {
     const osd::CompiledTable<double> compiled(bind().binding.table);
     const osd::ChangeEvaluator<double> changes(compiled);
     const auto pose = flat(lattice.positions);
@@ -279,7 +276,7 @@ TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
     });
 }
 
-TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
+TEST_F(CoreMemory, DestroyingNeedsNoMemory) {
     auto bound = std::optional(bind());
     auto factored =
         std::optional(embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}));
@@ -304,7 +301,7 @@ TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
     EXPECT_FALSE(test::attempt(test::Failing::AllFrom, 1, let).hasHappened);
 }
 
-// Moving what is there takes none either, so that containers of it keep their guarantees.
+// Moving objects allocates nothing either, so that containers keep their exception guarantees.
 template <class... Types>
 constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_v<Types> &&
                                              std::is_nothrow_move_assignable_v<Types>));
@@ -316,7 +313,7 @@ static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoin
                                  osd::CompiledChain<double>, osd::ChangeEvaluator<float>,
                                  osd::Workspace, solve::LatticeFit>);
 
-// A scope that could not be made leaves the thread as it was.
+// If making a scope fails, the thread is unchanged.
 TEST_F(CoreMemory, Scopes) {
     failEachAllocation([] {
         int calls = 0;

@@ -16,13 +16,13 @@
 
 namespace espalier::test {
 
-/// What came of work while memory was short.
+/// The outcome of work while an allocation fails.
 template <class Result>
 struct Attempt {
-    bool hasHappened = false;            ///< that an allocation failed
-    std::optional<Result> result = {};   ///< what was returned
-    bool isOutOfMemory = false;          ///< or that std::bad_alloc was thrown
-    std::array<char, 200> otherError{};  ///< or what another exception says; a string takes memory
+    bool hasHappened = false;            ///< true if an allocation failed
+    std::optional<Result> result = {};   ///< the result, if the work returned
+    bool isOutOfMemory = false;          ///< true if it threw std::bad_alloc
+    std::array<char, 200> otherError{};  ///< message of another exception; a string would allocate
 };
 
 template <class Work>
@@ -40,11 +40,12 @@ auto attempt(Failing failing, long n, Work& work) {
     return attempt;
 }
 
-/// Does work again and again, and each time another allocation in it fails, until it gets through.
-/// Each time it throws std::bad_alloc, or has the right result in spite of it; it leaks nothing,
-/// and `check()` is content.
+/// Repeats work while its first, second, third … allocation fails, until each of them has failed.
+/// Expects each time that the work throws std::bad_alloc or returns the right result, and that it
+/// leaks nothing. Then calls check().
 ///
-/// \param work returns what can be compared; when that is gone, so is all that work has made
+/// \param work returns a value that can be compared; with the value, everything that work has made
+///        must be destroyed
 template <class Work, class Check>
 void failEachAllocation(Work work, Check check) {
     const auto expected = work();

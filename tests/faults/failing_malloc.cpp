@@ -4,8 +4,8 @@
 
 #include "allocation_counter.h"
 
-// The C library lets a program have functions of its own in the place of these, and its allocator
-// has second names for those who do. Operator new gets its memory here, too.
+// Replaces malloc and its relatives. The C library allows this, and offers its own allocator under
+// second names. Operator new uses these functions too.
 
 using namespace espalier::test;
 

@@ -5,8 +5,8 @@
 
 #include "allocation_counter.h"
 
-// In the place of failing_malloc.cpp where a sanitizer has a malloc of its own: then what C asks
-// for does not fail, but whoever uses memory that is gone is found.
+// Replaces operator new instead of malloc, for builds in which a sanitizer has its own malloc.
+// Allocations of C code do not fail then, but the sanitizer finds uses of freed memory.
 
 namespace {
 

@@ -5,11 +5,11 @@
 
 #include "allocation_faults.h"
 
-// For a program that is run with this library before all others (LD_PRELOAD), and without what runs
-// before main() of the C++ library: memory is short there as the environment says.
+// Makes allocations fail in a program that is run with this library preloaded (LD_PRELOAD), as an
+// environment variable says. Allocations of the C++ library before main() are not counted.
 //
 //     ESPALIER_TEST_FAILING=one:7     its seventh allocation fails
-//     ESPALIER_TEST_FAILING=all:7     and so do all that follow
+//     ESPALIER_TEST_FAILING=all:7     its seventh and all later ones fail
 
 namespace {
 

@@ -16,7 +16,7 @@
 #include "support/folder_contents.h"
 #include "support/test.h"
 
-// Memory that is short while files are read and written.
+// Failing allocations while files are read and written.
 namespace espalier {
 namespace {
 
@@ -45,7 +45,7 @@ TEST_F(IoMemory, EveryWriterKeepsTheOldFile) {
                 return true;
             },
             [&] {
-                // Whole, and nothing beside it.
+                // The new file must be complete, and nothing else in the folder.
                 const auto now = test::contentsOf(own.path());
                 if (now == old) return;
                 EXPECT_TRUE(now == written);
@@ -59,7 +59,7 @@ TEST_F(IoMemory, Lattices) {
     std::vector<fs::path> paths;
     for (const char* name : {"a.ovm", "a.vtk"}) paths.push_back(folder / name);
     for (const fs::path& path : paths) io::writeLattice(path, lattice);
-    // Written by VTK.
+    // VTK wrote these files.
     const fs::path data = fs::path(ESPALIER_SOURCE_DIR) / "tests/io/data";
     for (const char* name : {"ascii.vtu", "base64-le-32.vtu", "base64-zlib-be-64.vtu",
                              "raw-zlib-be-32.vtu", "legacy-binary-42.vtk", "legacy-binary-51.vtk"})
@@ -121,7 +121,7 @@ TEST_F(IoMemory, OtherFiles) {
     failEachAllocation([&] { return io::readTargets(folder / "t.txt", 2).size(); });
 }
 
-TEST_F(IoMemory, AllThatAProgramDoes) {
+TEST_F(IoMemory, ReadBindAndWrite) {
     io::writeLattice(folder / "rest.vtu", shapes::box());
     test::putLatticeFile(folder / "model.obj", "v 0.5 0.5 0.5\nv 0.25 0.75 0.1\nv 7 7 7\n");
     failEachAllocation([&] {
@@ -131,7 +131,7 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
         const auto bound =
             embed::bindPoints({refiner, rest.positions}, model->positions(), {.level = 1});
         refiner.refineUniform(1);
-        const auto table = stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96);
+        const auto table = stencils::buildStencils(refiner, 1);
         io::writeMatrix(folder / "S.npy", table);
         model->write(folder / "moved.obj", osd::evaluateBinding(bound.binding, rest.positions));
         return bound.binding;
@@ -139,7 +139,7 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
     EXPECT_EQ(test::contentsOf(folder.path()).size(), 6u) << "no file that is half written";
 }
 
-// A file that is bad is said to be so, or memory is short; never something else.
+// A bad file gives its usual error, or std::bad_alloc, and never another error.
 TEST_F(IoMemory, Refusals) {
     for (const auto& [name, bytes] :
          {std::pair("a.ovm", "OVM ASCII\nVertices\n2\n0 0 0\n1 x 0\n"),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// In the place of the C library's: what outlasts a loss of power is not asked here, and to make
-/// sure of it takes a second or two for a thousand files.
+/// Replaces the C library's fsync. These tests do not need durable files, and syncing a thousand
+/// files takes a second or two.
 extern "C" int fsync(int) {
     return 0;
 }

@@ -13,12 +13,12 @@
 #include "exhaustion.h"
 #include "support/test.h"
 
-// Memory that is short while several threads are at work: oneTBB's, where it is used.
+// Failing allocations while several threads work: oneTBB's threads, if it is used.
 namespace espalier {
 namespace {
 
-/// Does work so many times, with another of its allocations failing, of all threads together. (What
-/// is lost is not counted: oneTBB keeps memory.)
+/// Repeats work `times` times, each time with a different failing allocation, counted over all
+/// threads. (Leaks are not checked, because oneTBB keeps memory.)
 template <class Work>
 void failSome(Work work, int times) {
     const auto expected = work();
@@ -32,15 +32,15 @@ void failSome(Work work, int times) {
         for (int i = 0; i < times; ++i) {
             const long n = 1 + i * count / times;
             const auto it = test::attempt(failing, n, work);
-            // What oneTBB says where a thread of its cannot begin.
+            // oneTBB's message if it cannot start a thread.
             const bool isThread = std::strstr(it.otherError.data(), "pthread_create has failed");
             EXPECT_TRUE(it.result ? *it.result == expected : it.isOutOfMemory || isThread)
                 << "allocation " << n << ": " << it.otherError.data();
         }
 }
 
-// Often an exception for want of memory is what ends it.
-TEST(ParallelMemory, ThreadLimitsEndWithoutAny) {
+// Often the scope of a limit ends by an exception for lack of memory, so its end must not allocate.
+TEST(ParallelMemory, ThreadLimitsEndWithoutMemory) {
     std::optional<ThreadLimit> limit(std::in_place, 1);
     auto end = [&] {
         limit.reset();
@@ -69,7 +69,7 @@ TEST(ParallelMemory, RefiningAndTables) {
         [&] {
             TopologyRefiner refiner(lattice.complex);
             refiner.refineUniform(2);
-            const auto table = stencils::buildStencils(refiner, 2, stencils::Rules::Siggraph96);
+            const auto table = stencils::buildStencils(refiner, 2);
             return std::tuple(table, osd::CompiledTable<double>(table).byteCount());
         },
         15);

@@ -5,15 +5,15 @@
 #include <csignal>
 #include <cstdlib>
 
-// For a program that is run with this library before all others (LD_PRELOAD): a signal comes to the
-// process, for whichever of its threads takes it, before each rename of a file.
+// Sends a signal to a program that is run with this library preloaded (LD_PRELOAD) before each
+// rename of a file. Any thread of the process may take the signal.
 //
 //     ESPALIER_TEST_SIGNAL=15
 
 extern "C" int rename(const char* from, const char* to) noexcept {
     if (const char* const number = std::getenv("ESPALIER_TEST_SIGNAL")) {
         ::kill(::getpid(), std::atoi(number));
-        // A thread that does not block it ends the process meanwhile.
+        // If a thread does not block the signal, the process ends during this time.
         ::usleep(50'000);
     }
     using Rename = int(const char*, const char*);

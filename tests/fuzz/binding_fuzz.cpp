@@ -15,7 +15,7 @@
 namespace espalier::fuzz {
 namespace {
 
-/// A cell of each kind, or two that meet.
+/// Builds a complex of one cell of some kind, or of two cells that meet.
 far::CellComplex takeComplex(Input& input) {
     using far::StandardCell;
     const int kind = input.choice(6);
@@ -36,7 +36,7 @@ far::CellComplex takeComplex(Input& input) {
     return builder.build();
 }
 
-/// Points on a small grid, where they coincide and fold, or anywhere, or no number at all.
+/// Reads points. They are on a small grid, so that they coincide and fold, or anywhere, or NaN.
 class Coordinates {
 public:
     explicit Coordinates(Input& input) : input_(input), kind_(input.choice(4)) {
@@ -66,7 +66,7 @@ double lengthOf(const Point3& point) {
     return std::hypot(point[0], point[1], point[2]);
 }
 
-/// How far the row of a point puts it from where it is, at rest.
+/// Returns the distance between a point and its row times the rest positions.
 double errorAt(const stencils::StencilTable<double>& table, Index row,
                const std::vector<Point3>& rest, const Point3& point) {
     Point3 difference = point;
@@ -82,18 +82,19 @@ std::string formatted(double number) {
     return text.str();
 }
 
-/// That points wherever they lie, in cells however they lie, are bound where they are, or get a
+/// Requires that points at any place, in cells of any shape, are bound at their place, or get a
 /// status that says that they are not.
 ///
-/// \param bind bind(refiner, rest, rules, points, options): a BindingResult
+/// \param bind bind(refiner, rest, points, options) returns a BindingResult
 template <class Bind>
 void runBinding(Input input, std::size_t maxPoints, Bind bind) {
-    const far::TopologyRefiner refiner(takeComplex(input));
-    const auto rules = static_cast<stencils::Rules>(input.choice(2));
+    const far::CellComplex complex = takeComplex(input);
+    const auto rules = static_cast<far::Rules>(input.choice(2));
+    const far::TopologyRefiner refiner(complex, {.rules = rules});
     embed::EmbeddingOptions options;
     options.outside = static_cast<embed::OutsidePolicy>(input.choice(3));
     if (input.flag()) options.tolerance = input.take<float>();
-    // A cell of the finest level may be no larger, and so each of them can have every point.
+    // With a larger tolerance, every cell of the finest level could contain every point.
     if (!(options.tolerance < 0.1)) options.tolerance = 1e-6;
     Coordinates ofVertices(input);
     std::vector<Point3> rest;
@@ -102,7 +103,7 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     std::vector<Point3> points;
     while (input.left() > 0 && points.size() < maxPoints) points.push_back(ofPoints.take());
 
-    const auto bound = resultOf([&] { return bind(refiner, rest, rules, points, options); });
+    const auto bound = resultOf([&] { return bind(refiner, rest, points, options); });
     if (!bound) return;
     double size = 0;
     for (const Point3& vertex : rest) size = std::max(size, lengthOf(vertex));
@@ -125,8 +126,8 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
         }
         if (status != embed::PointStatus::Inside) continue;
         require(std::abs(sum - 1) < 1e-9, "rows sum to 1", std::to_string(sum));
-        // The solve, and the products of the tables: of weights between 0 and 1, but for those of
-        // an offset within the tolerance.
+        // The bound covers the residual of the solve, and the rounding of the products of tables,
+        // whose weights are between 0 and 1 except for points within the tolerance outside.
         const double bound_ = bound->largestResidual + 1e-11 * (size + lengthOf(point));
         const double error = errorAt(table, row, rest, point);
         require(!std::isfinite(bound_) || error <= bound_ + 1e-320, "a bound point is where it was",
@@ -134,26 +135,24 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     }
 }
 
-/// Points bound to level 1.
+/// Binds points to level 1.
 const Target kEmbedding("embedding", [](std::string_view bytes) {
     constexpr std::size_t kMaxPoints = 4;
-    runBinding(Input(bytes), kMaxPoints,
-               [](const auto& refiner, const auto& rest, auto rules, const auto& points,
-                  const auto& options) {
-                   return embed::bindPoints({refiner, rest, rules}, points,
-                                            {.level = 1, .embedding = options});
-               });
+    runBinding(
+        Input(bytes), kMaxPoints,
+        [](const auto& refiner, const auto& rest, const auto& points, const auto& options) {
+            return embed::bindPoints({refiner, rest}, points, {.level = 1, .embedding = options});
+        });
 });
 
-/// The same to the limit, of one point, and not too closely: in a lattice without volume it is
-/// sought in all cells that are there.
+/// Binds one point to the limit, with a coarse tolerance: in a lattice without volume, all cells
+/// are searched for it.
 const Target kLimit("limit", [](std::string_view bytes) {
     constexpr std::size_t kMaxPoints = 1;
     runBinding(Input(bytes), kMaxPoints,
-               [](const auto& refiner, const auto& rest, auto rules, const auto& points,
-                  const auto& options) {
+               [](const auto& refiner, const auto& rest, const auto& points, const auto& options) {
                    auto bound = limit::bindLimit(
-                       {refiner, rest, rules}, points,
+                       {refiner, rest}, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
                    for (const auto& table : bound.binding.table.gradients)
                        for (const double weight : table.weights())

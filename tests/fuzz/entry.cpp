@@ -10,7 +10,7 @@ espalier::fuzz::Target::Run chosen = nullptr;
 }  // namespace
 
 int LLVMFuzzerInitialize(int* argumentCount, char*** arguments) {
-    const std::string_view option = "--target=";  // libFuzzer ignores what begins with "--"
+    const std::string_view option = "--target=";  // libFuzzer ignores options that begin with "--"
     const std::string_view first = *argumentCount > 1 ? (*arguments)[1] : "";
     const auto& targets = espalier::fuzz::Target::all();
     const auto target = first.starts_with(option)

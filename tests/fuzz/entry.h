@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-// The entries of the targets: libFuzzer calls them with what it has made up, replay.cpp with files.
+// The entry functions of the targets. libFuzzer calls them with its inputs, replay.cpp with files.
 
-/// Chooses the target that the first argument names: --target=NAME.
+/// Selects the target that the first argument names: --target=NAME.
 extern "C" int LLVMFuzzerInitialize(int* argumentCount, char*** arguments);
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

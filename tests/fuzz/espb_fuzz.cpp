@@ -10,7 +10,7 @@
 namespace espalier::fuzz {
 namespace {
 
-/// The same bytes with the checksum that they should end with, which no mutation would find.
+/// Replaces the checksum at the end of the bytes by the right one, which no mutation would find.
 std::string withChecksum(std::string_view bytes) {
     std::string result(bytes);
     if (result.size() < sizeof(std::uint32_t)) return result;
@@ -30,7 +30,7 @@ const Target kEspb("espb", [](std::string_view bytes) {
     if (!model) return;
     const std::string once =
         written(name, [&](const auto& path) { io::writeBoundModel(path, *model); });
-    // But for four bytes without meaning, and the checksum.
+    // All bytes are equal except four bytes without meaning, and the checksum.
     require(once.size() == whole.size(), "a bound model is written as it was");
     const io::BoundModel back = io::readBoundModel(name, once);
     const auto again = written(name, [&](const auto& path) { io::writeBoundModel(path, back); });

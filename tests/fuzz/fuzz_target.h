@@ -13,11 +13,11 @@
 #include <string_view>
 #include <utility>
 
-// What the targets share. A target takes bytes, hands them to the library, and dies if that breaks
-// a promise; the sanitizers see to the rest.
+// Functions that all targets use. A target passes bytes to the library, and aborts if the library
+// breaks a promise; the sanitizers find other errors.
 namespace espalier::fuzz {
 
-/// A target, which has the name of its corpus. All are made before main() runs.
+/// A fuzz target. It has the name of its corpus. All targets are made before main() runs.
 class Target {
 public:
     using Run = void (*)(std::string_view bytes);
@@ -30,7 +30,7 @@ public:
     }
 };
 
-/// Dies if a promise is broken.
+/// Aborts if a promise is broken.
 inline void require(bool isKept, const char* promise, const std::string& detail = {}) {
     if (isKept) return;
     std::fprintf(stderr, "broken promise: %s%s%s\n", promise, detail.empty() ? "" : ": ",
@@ -38,7 +38,7 @@ inline void require(bool isKept, const char* promise, const std::string& detail 
     std::abort();
 }
 
-/// That a message is one line that a terminal can show.
+/// Requires that a message is one line that a terminal can show.
 inline void requireOneLine(const std::string& message) {
     for (const char c : message)
         require(static_cast<unsigned char>(c) >= ' ' && c != '\x7f',
@@ -46,8 +46,8 @@ inline void requireOneLine(const std::string& message) {
     require(message.size() < 1000, "a message is short", message);
 }
 
-/// The result of work that may refuse what it is given: nothing, if it threw an Error. Any other
-/// exception ends the program, out of memory among them.
+/// Returns the result of work that may refuse its input; nothing if it threw an Error. Any other
+/// exception ends the program, including std::bad_alloc.
 template <class Work>
 auto resultOf(Work work) -> std::optional<decltype(work())> {
     try {
@@ -58,7 +58,7 @@ auto resultOf(Work work) -> std::optional<decltype(work())> {
     }
 }
 
-/// The same for what is read from a file of this name, which the message must begin with.
+/// The same for work that reads a file of this name. The message must begin with the name.
 template <class Read>
 auto readResult(const std::string& name, Read read) -> std::optional<decltype(read())> {
     try {
@@ -71,7 +71,7 @@ auto readResult(const std::string& name, Read read) -> std::optional<decltype(re
     }
 }
 
-/// Takes numbers off the bytes of an input; 0 where there are no more.
+/// Reads numbers from the bytes of an input; 0 after the end.
 class Input {
 public:
     explicit Input(std::string_view bytes) : bytes_(bytes) {}
@@ -79,7 +79,7 @@ public:
     std::size_t left() const { return bytes_.size(); }
     std::uint8_t byte() { return take<std::uint8_t>(); }
     bool flag() { return byte() % 2 != 0; }
-    /// 0 to count − 1.
+    /// Returns a number from 0 to count − 1.
     int choice(int count) { return byte() % count; }
     template <class Number>
     Number take() {

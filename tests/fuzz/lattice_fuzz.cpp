@@ -12,7 +12,8 @@
 namespace espalier::fuzz {
 namespace {
 
-/// The bits of numbers; those of the least NaN for any, as a text has no more to say of it.
+/// Returns the bits of numbers. All NaNs have the bits of the same NaN, because text does not
+/// distinguish them.
 std::vector<std::uint64_t> bitsInText(std::vector<double> values) {
     for (double& value : values)
         if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
@@ -49,9 +50,9 @@ void requireSame(const Lattice& got, const Lattice& expected) {
     }
 }
 
-/// That a file of a curve, a mesh or a lattice is refused, or gives one that is whole and that
-/// comes back from the file that it is written to.
-/// \param name gives the format
+/// Requires that a file of a curve, a mesh or a lattice is refused, or gives a valid one that is
+/// the same after writing and reading it.
+/// \param name file name, whose extension gives the format
 void runLattice(const std::string& name, std::string_view bytes) {
     const auto lattice = readResult(name, [&] { return io::readRefinable(name, bytes); });
     if (!lattice) return;
@@ -64,7 +65,8 @@ void runLattice(const std::string& name, std::string_view bytes) {
             attribute.values.size() == vertexCount * static_cast<std::size_t>(attribute.components),
             "an attribute has its values for each vertex", attribute.name);
 
-    // An OBJ does not keep positions that are not finite, nor some names of attributes.
+    // Writers refuse some lattices that readers accept: OBJ refuses positions that are not finite,
+    // other formats some names of attributes.
     const auto once = resultOf([&] {
         return written(name, [&](const auto& path) { io::writeRefinable(path, *lattice); });
     });

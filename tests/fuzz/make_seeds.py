@@ -4,8 +4,8 @@
 
     tests/fuzz/make_seeds.py ESPALIER
 
-ESPALIER is the program, which writes the lattices and the bound model. The layout of the inputs of
-topology, embedding, limit, payload and npz is that of the targets' own code. There are more seeds in
+ESPALIER is the program, which writes the lattices and the bound model. The inputs of topology, embedding,
+limit, payload and npz have the layout that the code of these targets reads. There are more seeds in
 tests/io: files that VTK, NumPy and SciPy have written.
 """
 import base64
@@ -199,7 +199,7 @@ def bound_model(espalier, folder):
     subprocess.run([espalier, "bind", model, "--rest", cube, "-n", "1", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
     put("espb", "cube", bound.read_bytes())
-    # With normals, which the gradients of the limit carry.
+    # This model has normals, so the bound model has gradients.
     model.write_text("v 0.1 0.2 0.3\nv 5 5 5\nv 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n")
     subprocess.run([espalier, "bind", model, "--rest", cube, "--limit", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
@@ -213,7 +213,7 @@ def matrices():
 
 
 def arrays():
-    """The arrays of a matrix as in npz_fuzz.cpp, and the same as PETSc writes it."""
+    """Writes the arrays of a matrix as npz_fuzz.cpp reads them, and the matrix as PETSc writes it."""
     matrix = {
         "indptr": np.array([0, 2, 2, 3], dtype="<i4"),
         "indices": np.array([0, 1, 3], dtype="<i4"),

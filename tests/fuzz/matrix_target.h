@@ -9,8 +9,8 @@
 
 namespace espalier::fuzz {
 
-/// That a matrix is refused, or comes back from the file that it is written to.
-/// \param name gives the format
+/// Requires that a matrix is refused, or is the same after writing and reading it.
+/// \param name file name, whose extension gives the format
 inline void runMatrix(const std::string& name, std::string_view bytes) {
     const auto table = readResult(name, [&] { return io::readMatrix(name, bytes); });
     if (!table) return;

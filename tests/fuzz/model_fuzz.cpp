@@ -10,7 +10,8 @@
 namespace espalier::fuzz {
 namespace {
 
-/// Gradients made up of the bytes of an input, of all sizes and signs, singular ones among them.
+/// Makes gradients from the bytes of an input. They have all sizes and signs, and some are
+/// singular.
 std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes, std::size_t count) {
     std::vector<io::DeformationGradient> gradients(count);
     std::size_t next = 0;
@@ -23,9 +24,9 @@ std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes, std::
     return gradients;
 }
 
-/// That a model is refused, or is written as it was read where no point moves and no gradient
-/// turns, and with all its points where they have moved.
-/// \param name gives the format
+/// Requires that a model is refused, or is written unchanged if no point moves and all gradients
+/// are the identity, and otherwise with all its points at their new positions.
+/// \param name file name, whose extension gives the format
 void runModel(const std::string& name, std::string_view bytes) {
     const auto read = readResult(name, [&] { return io::readModel(name, std::string(bytes)); });
     if (!read) return;
@@ -43,7 +44,7 @@ void runModel(const std::string& name, std::string_view bytes) {
     require(writtenWith(model, model.positions(), still) == bytes,
             "a model whose directions have not turned is written byte for byte");
 
-    // Half of it, so that no point leaves the range of its numbers.
+    // Positions are halved, so that no point leaves the range of its numbers.
     std::vector<Point3> moved(model.positions().begin(), model.positions().end());
     for (Point3& point : moved)
         for (double& coordinate : point) coordinate = coordinate / 2 + 1;

@@ -8,8 +8,9 @@
 namespace espalier::fuzz {
 namespace {
 
-/// An archive of the arrays of a matrix, which no mutation would give the checksums that it needs.
-/// \param text the arrays, with a mark between two
+/// Returns an archive of the arrays of a matrix, with the right checksums, which no mutation would
+/// find.
+/// \param text the arrays, separated by marks
 std::string archiveOf(std::string_view text) {
     constexpr std::string_view kMark = "<>";
     std::ostringstream out;

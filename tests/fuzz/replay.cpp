@@ -8,8 +8,8 @@
 
 #include "entry.h"
 
-/// Stands in for libFuzzer where there is none: runs the target that the first argument names on
-/// every file of the folders that the others name.
+/// Replaces libFuzzer in builds without it. Runs the target that the first argument names on every
+/// file of the folders that the other arguments name.
 int main(int argumentCount, char** arguments) {
     namespace fs = std::filesystem;
     LLVMFuzzerInitialize(&argumentCount, &arguments);
@@ -20,7 +20,7 @@ int main(int argumentCount, char** arguments) {
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
         std::printf("%s\n", file.c_str());
-        std::fflush(stdout);  // Shows at which one it died.
+        std::fflush(stdout);  // so that the output shows at which file the target aborted
         const std::string bytes = espalier::io::readFile(file);
         LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     }

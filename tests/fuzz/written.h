@@ -11,7 +11,7 @@
 
 namespace espalier::fuzz {
 
-/// The bytes of the file that `write` makes, in a folder of its own.
+/// Returns the bytes of the file that `write` makes, in a temporary folder.
 inline std::string written(const std::string& name,
                            const std::function<void(const std::filesystem::path&)>& write) {
     static const test::TemporaryFolder folder;

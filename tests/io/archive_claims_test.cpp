@@ -11,7 +11,7 @@
 namespace espalier::test {
 namespace {
 
-/// An archive of a 1 × 1 matrix of one entry, with so many column indices.
+/// Returns an archive of a 1 × 1 matrix of one entry, with `indexCount` column indices.
 std::string archiveWith(std::size_t indexCount) {
     std::ostringstream stream;
     io::ZipWriter zip(stream);
@@ -32,7 +32,7 @@ std::string archiveWith(std::size_t indexCount) {
     return stream.str();
 }
 
-TEST(ArchiveClaims, OfMoreNumbersThanEntriesAreRefusedByTheDirectory) {
+TEST(ArchiveClaims, ArrayLongerThanTheNumberOfEntriesIsRefusedBeforeInflating) {
     EXPECT_EQ(io::readMatrix("m.npz", archiveWith(1)).entryCount(), 1);
     EXPECT_REFUSED(io::FileError, "indices.npy: claims 800128 bytes for at most 1 numbers",
                    io::readMatrix("m.npz", archiveWith(100000)));

@@ -41,7 +41,7 @@ void expectEqual(const BoundModel& a, const BoundModel& b) {
     EXPECT_EQ(a.gradients, b.gradients);
 }
 
-/// The same bytes with the checksum that they should end with.
+/// Replaces the checksum at the end of the bytes by the right one.
 std::string withChecksum(std::string bytes) {
     const std::size_t end = bytes.size() - sizeof(std::uint32_t);
     const auto checksum =
@@ -50,7 +50,7 @@ std::string withChecksum(std::string bytes) {
     return bytes;
 }
 
-TEST(BindingFile, ComesBackToTheLastBit) {
+TEST(BindingFile, RoundTripIsExact) {
     const TemporaryFolder folder;
     writeBoundModel(folder / "a.espb", sample());
     expectEqual(readBoundModel(folder / "a.espb"), sample());
@@ -58,7 +58,7 @@ TEST(BindingFile, ComesBackToTheLastBit) {
     expectEqual(readBoundModel(folder / "g.espb"), sampleWithGradients());
 }
 
-// What has no gradients is written as before there were any, for programs that know version 1 only.
+// A model without gradients is written in version 1, for programs that do not know version 2.
 TEST(BindingFile, OnlyGradientsNeedTheNewVersion) {
     const TemporaryFolder folder;
     writeBoundModel(folder / "a.espb", sample());
@@ -82,8 +82,8 @@ TEST(BindingFile, GradientsOfAnotherShapeAreNotWritten) {
     EXPECT_FALSE(std::filesystem::exists(folder / "a.espb"));
 }
 
-// Parts that are empty: nothing kept, no name, no model.
-TEST(BindingFile, EmptyPartsComeBackToo) {
+// The empty parts are: kept points, name and model.
+TEST(BindingFile, RoundTripKeepsEmptyParts) {
     const TemporaryFolder folder;
     BoundModel model = sample();
     model.binding.kept.clear();
@@ -113,7 +113,7 @@ protected:
     std::string bytes;
 };
 
-TEST_P(DamagedBindingFile, CutAnywhereIsRefused) {
+TEST_P(DamagedBindingFile, TruncatedFileIsRefused) {
     for (std::size_t size = 0; size < bytes.size(); ++size)
         expectRefused(bytes.substr(0, size), size < 8 ? "is not a bound model" : "truncated");
     expectRefused(bytes + "x", "its size is not what its header says");
@@ -127,17 +127,17 @@ TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
     }
 }
 
-TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreNamed) {
+TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
     std::string newer = bytes;
     newer[8] = 3;
     expectRefused(newer, "has version 3; expected 1 or 2");
 }
 
-// A header that claims 10¹⁸ entries is refused before memory is taken for them.
-TEST_P(DamagedBindingFile, HugeClaimsAreRefused) {
+// A header that claims 10¹⁸ entries is refused before memory is allocated for them.
+TEST_P(DamagedBindingFile, HugeClaimedSizesAreRefused) {
     for (std::size_t field = 0; field < (GetParam() ? 9 : 6); ++field) {
-        // The number of columns takes no room in a file without the lattice at rest.
+        // In a file without the lattice at rest, the number of columns needs no bytes.
         if (field == 1 && !GetParam()) continue;
         std::string damaged = bytes;
         damaged[24 + 8 * field + 7] = 0x0d;
@@ -147,8 +147,8 @@ TEST_P(DamagedBindingFile, HugeClaimsAreRefused) {
     }
 }
 
-// The sizes of a version in a file of the other one.
-TEST_P(DamagedBindingFile, TheOtherVersionIsRefused) {
+// Changes the version, so that the sizes belong to the other version.
+TEST_P(DamagedBindingFile, WrongVersionNumberIsRefused) {
     std::string other = bytes;
     other[8] = GetParam() ? 1 : 2;
     expectRefused(withChecksum(other), "its size is not what its header says");

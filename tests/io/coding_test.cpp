@@ -19,17 +19,17 @@ std::string inflated(std::string_view stream, std::uint64_t size, DeflateForm fo
     return bytes.substr(6);
 }
 
-TEST(Inflate, TakesStreamsWithAndWithoutZlibsHead) {
+TEST(Inflate, InflatesStreamsWithAndWithoutZlibHead) {
     EXPECT_EQ(inflated(kZlib, 10, DeflateForm::Zlib), kPlain);
     EXPECT_EQ(inflated(kRaw, 10, DeflateForm::Raw), kPlain);
     EXPECT_EQ(inflated(kRaw + "more", 10, DeflateForm::Raw), kPlain);
-    // A last block of fixed codes, of which the first ends it.
+    // A last block of fixed codes whose first code ends it.
     EXPECT_EQ(inflated(std::string_view("\x03\x00", 2), 0, DeflateForm::Raw), "");
     EXPECT_THROW(inflated(kRaw, 10, DeflateForm::Zlib), CodingError);
     EXPECT_THROW(inflated(kZlib, 10, DeflateForm::Raw), CodingError);
 }
 
-TEST(Inflate, RefusesParts) {
+TEST(Inflate, RefusesTruncatedStreams) {
     for (std::size_t size = 0; size < kZlib.size(); ++size)
         EXPECT_THROW(inflated(kZlib.substr(0, size), 10, DeflateForm::Zlib), CodingError) << size;
     for (std::size_t size = 0; size < kRaw.size(); ++size)
@@ -37,10 +37,10 @@ TEST(Inflate, RefusesParts) {
     EXPECT_THROW(inflated("", 0, DeflateForm::Raw), CodingError);
 }
 
-TEST(Inflate, RefusesAnotherSize) {
+TEST(Inflate, RefusesAWrongSize) {
     for (const std::uint64_t size : {0u, 1u, 9u, 11u, 1000u})
         EXPECT_REFUSED(CodingError, "is damaged", inflated(kRaw, size, DeflateForm::Raw)) << size;
-    // 5 bytes make at most 5160.
+    // 5 bytes can inflate to at most 5160 bytes.
     for (const std::uint64_t size :
          {std::uint64_t{10'000}, std::numeric_limits<std::uint64_t>::max()})
         EXPECT_REFUSED(CodingError, "5 compressed bytes claims to hold " + std::to_string(size),

@@ -8,7 +8,7 @@
 namespace espalier::io {
 namespace {
 
-// What arithmetic on numbers about 1 may be off by.
+// Upper bound of rounding errors in arithmetic on numbers near 1.
 constexpr double kRounding = 1e-14;
 
 void expectNear(const Point3& got, const Point3& expected, double tolerance) {
@@ -21,7 +21,7 @@ Point3 randomVector(std::mt19937& random) {
     return {coordinate(random), coordinate(random), coordinate(random)};
 }
 
-TEST(Directions, ARotationTurnsThem) {
+TEST(Directions, RotationRotatesNormalsAndTangents) {
     const DeformationGradient turn = rotation({1, 2, 3}, 0.7);
     const Point3 direction = {0.3, -0.5, 0.8};
     expectNear(carryNormal(turn, direction), times(turn, direction), kRounding);
@@ -38,9 +38,9 @@ Point3 deformed(const Point3& x) {
     return {c * x[0] - s * x[1], s * x[0] + c * x[1], x[2] * (1 + x[0] * x[1])};
 }
 
-TEST(Directions, AreThoseOfTheDeformedSurface) {
-    // Central differences: an error of h² and a rounding of ε/h, both about 1e-10 times numbers
-    // near 1.
+TEST(Directions, MatchFiniteDifferencesOfTheDeformedSurface) {
+    // Central differences have an error of h² and a rounding error of ε/h, both about 1e-10 times
+    // numbers near 1.
     constexpr double kStep = 1e-5, kTolerance = 1e-8;
     const auto along = [&](const auto& at) {
         return scaled(difference(at(kStep), at(-kStep)), 0.5 / kStep);
@@ -56,7 +56,7 @@ TEST(Directions, AreThoseOfTheDeformedSurface) {
             });
             for (std::size_t i = 0; i < 3; ++i) gradient[3 * i + j] = column[i];
         }
-        const double a = u, b = v;  // Lambdas cannot have the names of a binding.
+        const double a = u, b = v;  // Lambdas cannot capture structured bindings.
         const auto byU = [&](double step) { return surface(a + step, b); };
         const auto byV = [&](double step) { return surface(a, b + step); };
         const Point3 tangentU = normalised(along(byU));
@@ -76,26 +76,26 @@ TEST(Directions, ANormalIsTheCrossProductOfCarriedTangents) {
         const DeformationGradient gradient = randomGradient(random);
         const Point3 a = randomVector(random), b = randomVector(random);
         const Point3 expected = normalised(cross(times(gradient, a), times(gradient, b)));
-        // The condition of both products is at most some hundreds here.
+        // The condition numbers of both products are at most a few hundred here.
         expectNear(carryNormal(gradient, normalised(cross(a, b))), expected, 1000 * kRounding);
     }
 }
 
-TEST(Directions, AMirrorKeepsTheSideFromWhichFacesRunAnticlockwise) {
+TEST(Directions, MirrorKeepsNormalsOnTheAnticlockwiseSide) {
     const DeformationGradient mirror = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
-    // y × z is x, and stays so: neither is mirrored.
+    // y and z are not mirrored, so y × z stays x.
     EXPECT_EQ(carryNormal(mirror, {1, 0, 0}), (Point3{1, 0, 0}));
-    // z × x is y; x is turned round.
+    // x is mirrored to -x, so z × x = y becomes -y.
     EXPECT_EQ(carryNormal(mirror, {0, 1, 0}), (Point3{0, -1, 0}));
     EXPECT_EQ(carryTangent(mirror, {1, 0, 0}), (Point3{-1, 0, 0}));
 }
 
-TEST(Directions, ANormalIsThereWhereSpaceIsFlattenedOntoTheSurface) {
+TEST(Directions, NormalExistsWhereSpaceIsFlattenedOntoTheSurface) {
     const DeformationGradient flat = {1, 0, 0, 0, 1, 0, 0, 0, 0};
     // Tangents (1, 0, -1) and (0, 1, 0) become x and y.
     const Point3 normal = carryNormal(flat, {1, 0, 1});
     expectNear(normal, {0, 0, std::sqrt(2)}, kRounding);
-    // The same in a frame in which nothing is exactly 0.
+    // The same in a frame in which no number is exactly 0.
     const DeformationGradient a = rotation({1, 2, 3}, 0.7), b = rotation({-1, 1, 2}, 1.9);
     const DeformationGradient turned = product(a, product(flat, b));
     const DeformationGradient back = rotation({-1, 1, 2}, -1.9);
@@ -103,13 +103,13 @@ TEST(Directions, ANormalIsThereWhereSpaceIsFlattenedOntoTheSurface) {
                kRounding);
 }
 
-TEST(Directions, AreZeroWhereNothingIsLeftOfThem) {
+TEST(Directions, AreZeroWhereTheGradientMapsThemToZero) {
     const DeformationGradient flat = {1, 0, 0, 0, 1, 0, 0, 0, 0};
-    EXPECT_EQ(carryNormal(flat, {1, 0, 0}), Point3{});  // of a surface that becomes a line
+    EXPECT_EQ(carryNormal(flat, {1, 0, 0}), Point3{});  // The surface becomes a line.
     EXPECT_EQ(carryTangent(flat, {0, 0, 1}), Point3{});
     EXPECT_EQ(carryNormal(DeformationGradient{}, {1, 2, 3}), Point3{});
     EXPECT_EQ(carryTangent(DeformationGradient{}, {1, 2, 3}), Point3{});
-    // Space shrinks to a line, but for rounding: no cofactor is exactly 0.
+    // Space shrinks to a line up to rounding: no cofactor is exactly 0.
     DeformationGradient line{};
     const Point3 to = {0.1, 0.7, -0.3}, from = {0.3, 1.1, 0.9};
     for (std::size_t i = 0; i < 3; ++i)
@@ -118,7 +118,7 @@ TEST(Directions, AreZeroWhereNothingIsLeftOfThem) {
     expectNear(carryTangent(line, {0.6, 0, 0.8}), normalised(to), kRounding);
 }
 
-TEST(Directions, OfStrongStretchesAreNotTakenForRounding) {
+TEST(Directions, StrongStretchesAreNotMistakenForRounding) {
     const DeformationGradient thread = {1, 0, 0, 0, 1e-12, 0, 0, 0, 1e-12};
     EXPECT_EQ(carryNormal(thread, {1, 0, 0}), (Point3{1, 0, 0}));
     EXPECT_EQ(carryTangent(thread, {0, 0, 1}), (Point3{0, 0, 1}));

@@ -13,16 +13,16 @@
 #include <string>
 #include <vector>
 
-// One writer of each format, for the tests of what they have in common.
+// One writer of each format, for tests of behaviour that all writers share.
 
 namespace espalier::test {
 
 struct Writer {
-    std::string name;  ///< of the file
+    std::string name;  ///< name of the file
     std::function<void(const std::filesystem::path&)> write;
 };
 
-/// A band matrix of so many rows.
+/// Returns a band matrix of `rowCount` rows.
 inline stencils::StencilTable<double> bandTable(Index rowCount) {
     Array<Offset> offsets = {0};
     Array<Index> columns;
@@ -37,7 +37,7 @@ inline stencils::StencilTable<double> bandTable(Index rowCount) {
     return {rowCount + 2, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
-/// A row of so many hexahedra, with marks and attributes.
+/// Returns a row of `count` hexahedra, with marks and attributes.
 inline Lattice rowOfCells(Index count) {
     far::ComplexBuilder builder(3, 4 * (count + 1));
     for (Index i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ inline Lattice rowOfCells(Index count) {
     return withMarksAndAttributes(withAwkwardPositions(builder.build()));
 }
 
-/// A model of so many points, as the text of a file.
+/// Returns a model of `pointCount` points, as the text of a file.
 inline std::string modelText(const std::string& extension, int pointCount) {
     std::string points, facets;
     for (int i = 0; i < pointCount; ++i) {
@@ -72,7 +72,7 @@ inline std::string modelText(const std::string& extension, int pointCount) {
            points + "</DataArray></Points><Cells/></Piece></UnstructuredGrid></VTKFile>\n";
 }
 
-/// \param size of what they write: of rows, cells and points; a multiple of 3
+/// \param size number of rows, cells and points that they write; a multiple of 3
 inline std::vector<Writer> everyWriter(int size) {
     std::vector<Writer> writers;
     const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));

@@ -13,7 +13,7 @@
 #include "support/temporary_folder.h"
 #include "support/test.h"
 
-// What the system refuses in the middle, call by call.
+// Makes single system calls fail, one after the other, while files are read and written.
 namespace espalier::io {
 namespace {
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using testing::Not;
 using Contents = std::map<std::string, std::string>;
 
-/// More than goes to the system at once.
+/// A text that is longer than one block written to the system.
 const std::string kText(200'000, 'x');
 
 void writeText(std::ostream& out) {
@@ -40,7 +40,8 @@ protected:
         return contentsOf(folder.path()) == Contents{{"a.txt", text}};
     }
 
-    /// What happens if the n-th such call fails so; nothing if there is no n-th.
+    /// Makes the n-th such call fail with this error, and returns the message of the exception;
+    /// nothing if there is no n-th call.
     std::optional<std::string> errorOf(SystemCall call, int n, int error) {
         const SystemFault fault(call, n, error);
         try {
@@ -67,12 +68,12 @@ TEST_F(WriteFaults, WriteErrorsLeaveTheOldFileAndAreNamed) {
     EXPECT_TRUE(holdsOnly(kText));
 }
 
-TEST_F(WriteFaults, ErrorsOfTheLastStepsLeaveTheOldFileToo) {
+TEST_F(WriteFaults, ErrorsOfLinkAndRenameLeaveTheOldFile) {
     for (const SystemCall call : {SystemCall::Link, SystemCall::Rename}) {
         EXPECT_EQ(errorOf(call, 1, EIO), path.string() + ": cannot write: Input/output error");
         EXPECT_TRUE(holdsOnly("old"));
     }
-    // The last one is of the folder, when the new file is in its place.
+    // The last sync is that of the folder, after the new file is in its place.
     int syncs = 0;
     while (holdsOnly("old")) {
         const auto error = errorOf(SystemCall::Sync, ++syncs, EIO);
@@ -83,19 +84,19 @@ TEST_F(WriteFaults, ErrorsOfTheLastStepsLeaveTheOldFileToo) {
     EXPECT_TRUE(holdsOnly(kText));
 }
 
-TEST_F(WriteFaults, AFolderThatCannotBeSyncedIsAnErrorThatSaysWhatIsThere) {
+TEST_F(WriteFaults, FolderThatCannotBeSyncedIsReportedAsWrittenButNotDurable) {
     std::string last;
     for (int n = 1; const auto error = errorOf(SystemCall::Sync, n, EIO); ++n) last = *error;
     EXPECT_EQ(last, path.string() +
                         ": is written, but may be lost if power fails now: Input/output error");
-    // Not an error where the file system has no such thing.
+    // EINVAL is ignored: the file system cannot sync folders.
     int ignored = 0;
     for (int n = 1; const auto error = errorOf(SystemCall::Sync, n, EINVAL); ++n)
         if (error->empty()) ++ignored;
     EXPECT_EQ(ignored, 1);
 }
 
-TEST_F(WriteFaults, CallsThatASignalInterruptsAreMadeAgain) {
+TEST_F(WriteFaults, InterruptedCallsAreRepeated) {
     for (const SystemCall call : {SystemCall::Open, SystemCall::Write, SystemCall::Sync}) {
         int n = 1;
         for (; const auto error = errorOf(call, n, EINTR); ++n) {
@@ -107,8 +108,8 @@ TEST_F(WriteFaults, CallsThatASignalInterruptsAreMadeAgain) {
     }
 }
 
-// NFS, for one, has no files without names.
-TEST_F(WriteFaults, FileSystemsWithoutNamelessFilesDoAsWell) {
+// NFS, for example, has no nameless files.
+TEST_F(WriteFaults, FileSystemsWithoutNamelessFilesWork) {
     const SystemFault fault(SystemCall::Open, 1, EOPNOTSUPP);
     writeFile(path, [&](std::ostream& out) {
         EXPECT_EQ(contentsOf(folder.path()).size(), 2u) << "the new one has a name";
@@ -118,7 +119,7 @@ TEST_F(WriteFaults, FileSystemsWithoutNamelessFilesDoAsWell) {
     EXPECT_TRUE(holdsOnly(kText));
 }
 
-TEST_F(WriteFaults, FileSystemsWithoutNamelessFilesKeepTheOldFileToo) {
+TEST_F(WriteFaults, FileSystemsWithoutNamelessFilesKeepTheOldFileOnError) {
     for (const SystemCall call : {SystemCall::Write, SystemCall::Sync, SystemCall::Rename}) {
         std::optional<SystemFault> second;
         const SystemFault first(SystemCall::Open, 1, [&] {
@@ -131,8 +132,8 @@ TEST_F(WriteFaults, FileSystemsWithoutNamelessFilesKeepTheOldFileToo) {
     }
 }
 
-// Whoever may not read the old file may not read the new one either while it is written.
-TEST_F(WriteFaults, ANewFileWithANameIsAsPrivateAsTheOldOne) {
+// Users who may not read the old file cannot read the new one while it is written.
+TEST_F(WriteFaults, NamedNewFileHasTheModeOfTheOldFile) {
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
     const SystemFault fault(SystemCall::Open, 1, EOPNOTSUPP);
     writeFile(path, [&](std::ostream&) {
@@ -141,7 +142,7 @@ TEST_F(WriteFaults, ANewFileWithANameIsAsPrivateAsTheOldOne) {
     });
 }
 
-TEST_F(WriteFaults, OfSeveralFilesItIsSaidWhichAreReplaced) {
+TEST_F(WriteFaults, ErrorNamesTheFilesThatAreAlreadyReplaced) {
     std::vector<FileToWrite> files;
     for (const std::string name : {"b", "c", "d"}) {
         put(folder / name, "old");
@@ -162,7 +163,7 @@ TEST_F(WriteFaults, OfSeveralFilesItIsSaidWhichAreReplaced) {
     put(folder / "b", "old");
     expectError(3,
                 name("d") + ": " + cause + "; replaced before it: " + name("b") + ", " + name("c"));
-    // Before the first one is renamed nothing is replaced.
+    // Nothing is replaced before the first rename.
     for (const SystemCall call : {SystemCall::Write, SystemCall::Link}) {
         for (const std::string old : {"b", "c", "d"}) put(folder / old, "old");
         const SystemFault fault(call, 3, EIO);
@@ -172,7 +173,7 @@ TEST_F(WriteFaults, OfSeveralFilesItIsSaidWhichAreReplaced) {
     }
 }
 
-TEST_F(WriteFaults, AFolderThatIsRemovedMeanwhileIsAnError) {
+TEST_F(WriteFaults, FolderRemovedWhileWritingIsAnError) {
     const fs::path lost = folder / "sub" / "a.txt";
     fs::create_directory(folder / "sub");
     EXPECT_THAT(
@@ -186,7 +187,7 @@ TEST_F(WriteFaults, AFolderThatIsRemovedMeanwhileIsAnError) {
     EXPECT_TRUE(holdsOnly("old"));
 }
 
-/// Runs `work` in a process of its own, which `signal` ends.
+/// Runs `work` in a child process, and expects that `signal` ends it.
 template <class Work>
 void expectKilled(int signal, Work work) {
     const pid_t child = ::fork();
@@ -201,7 +202,7 @@ void expectKilled(int signal, Work work) {
     EXPECT_EQ(WTERMSIG(status), signal);
 }
 
-TEST_F(WriteFaults, ASignalInTheMiddleLeavesTheOldFileAndNothingElse) {
+TEST_F(WriteFaults, SignalWhileWritingLeavesOnlyTheOldFile) {
     for (const int signal : {SIGINT, SIGTERM, SIGKILL, SIGHUP}) {
         expectKilled(signal, [&] {
             writeFile(path, [&](std::ostream& out) {
@@ -213,7 +214,7 @@ TEST_F(WriteFaults, ASignalInTheMiddleLeavesTheOldFileAndNothingElse) {
     }
 }
 
-TEST_F(WriteFaults, ASignalWhileAllIsPutOnDiskLeavesTheOldFileAndNothingElse) {
+TEST_F(WriteFaults, SignalWhileSyncingLeavesOnlyTheOldFile) {
     expectKilled(SIGKILL, [&] {
         const SystemFault fault(SystemCall::Sync, 1, [] { return ::raise(SIGKILL); });
         writeFile(path, writeText);
@@ -221,9 +222,9 @@ TEST_F(WriteFaults, ASignalWhileAllIsPutOnDiskLeavesTheOldFileAndNothingElse) {
     EXPECT_TRUE(holdsOnly("old"));
 }
 
-// The new file has a name then; a signal that can be blocked comes when it has the name of the old
-// one.
-TEST_F(WriteFaults, ASignalWhileFilesAreNamedAndRenamedComesWhenAllAreInTheirPlaces) {
+// While the new file has a temporary name, signals are blocked; they are delivered after the
+// rename.
+TEST_F(WriteFaults, SignalsAreDelayedUntilAllFilesAreRenamed) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
         for (const SystemCall call : {SystemCall::Link, SystemCall::Sync, SystemCall::Rename})
             for (const int n : {1, 2, 3, 4}) {
@@ -243,8 +244,8 @@ TEST_F(WriteFaults, ASignalWhileFilesAreNamedAndRenamedComesWhenAllAreInTheirPla
             }
 }
 
-// A host may go on where a file could not be put in its place.
-TEST_F(WriteFaults, SignalsThatCameAreNotLostWhereAFileIsNotPutInItsPlace) {
+// A host may go on after a file could not be renamed.
+TEST_F(WriteFaults, SignalsAreDeliveredAfterAFailedRename) {
     expectKilled(SIGTERM, [&] {
         const SystemFault fault(SystemCall::Rename, 1, [&] {
             ::raise(SIGTERM);
@@ -258,8 +259,8 @@ TEST_F(WriteFaults, SignalsThatCameAreNotLostWhereAFileIsNotPutInItsPlace) {
     EXPECT_TRUE(holdsOnly("old"));
 }
 
-// SIGPIPE would end the program.
-TEST_F(WriteFaults, APipeThatNobodyReadsIsAnError) {
+// Without protection, SIGPIPE would end the program.
+TEST_F(WriteFaults, PipeWithoutReaderIsAnError) {
     int ends[2] = {};
     ASSERT_EQ(::pipe(ends), 0);
     ::close(ends[0]);
@@ -288,7 +289,7 @@ TEST_F(ReadFaults, ErrorsAreNamedWithTheirCause) {
                 ThrowsMessage<FileError>(path.string() + ": cannot open: Too many open files"));
 }
 
-TEST_F(ReadFaults, CallsThatASignalInterruptsAreMadeAgain) {
+TEST_F(ReadFaults, InterruptedCallsAreRepeated) {
     for (const SystemCall call : {SystemCall::Open, SystemCall::Read}) {
         const SystemFault fault(call, 1, EINTR);
         EXPECT_EQ(readFile(path), kText);
@@ -296,7 +297,7 @@ TEST_F(ReadFaults, CallsThatASignalInterruptsAreMadeAgain) {
     }
 }
 
-TEST_F(ReadFaults, AFileThatChangesMeanwhileIsRefused) {
+TEST_F(ReadFaults, FileThatChangesWhileItIsReadIsRefused) {
     const auto expectRefused = [&](auto change) {
         put(path, kText);
         const SystemFault fault(SystemCall::Read, 2, [&] {
@@ -311,7 +312,7 @@ TEST_F(ReadFaults, AFileThatChangesMeanwhileIsRefused) {
     expectRefused([&] { std::ofstream(path, std::ios::app) << "more"; });
 }
 
-TEST_F(ReadFaults, AFileThatIsRemovedOrReplacedMeanwhileIsReadToItsEnd) {
+TEST_F(ReadFaults, FileRemovedOrReplacedWhileItIsReadIsReadToItsEnd) {
     const SystemFault fault(SystemCall::Read, 1, [&] { return ::unlink(path.c_str()); });
     EXPECT_EQ(readFile(path), kText);
     EXPECT_FALSE(fs::exists(path));

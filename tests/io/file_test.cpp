@@ -22,7 +22,7 @@ std::size_t fileCount(const fs::path& folder) {
     return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-TEST(WriteFile, ReplacesTheFileWhenAllIsWritten) {
+TEST(WriteFile, ReplacesTheFileAfterWritingEverything) {
     const TemporaryFolder folder;
     const fs::path path = folder / "a.txt";
     writeFile(path, [](std::ostream& out) { out << "old"; });
@@ -64,7 +64,7 @@ TEST(WriteFile, KeepsLinksAndModes) {
               fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST(WriteFile, LinksThatLeadNowhereLeadToTheNewFile) {
+TEST(WriteFile, DanglingLinksLeadToTheNewFile) {
     const TemporaryFolder folder;
     fs::create_directory(folder / "sub");
     fs::create_symlink("sub/second", folder / "first");
@@ -79,7 +79,7 @@ TEST(WriteFile, LinksThatLeadNowhereLeadToTheNewFile) {
                    writeFile(folder / "loop", [](std::ostream&) {}));
 }
 
-TEST(WriteFile, NewFilesHaveTheModeOfTheProcess) {
+TEST(WriteFile, NewFilesFollowTheUmask) {
     const TemporaryFolder folder;
     const ::mode_t old = ::umask(027);
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "new"; });
@@ -87,14 +87,14 @@ TEST(WriteFile, NewFilesHaveTheModeOfTheProcess) {
     EXPECT_EQ(int(fs::status(folder / "a.txt").permissions()), 0640);
 }
 
-TEST(WriteFile, NamesMayBeAsLongAsTheFileSystemHasThem) {
+TEST(WriteFile, AcceptsNamesOfMaximalLength) {
     const TemporaryFolder folder;
     const fs::path path = folder / std::string(255, 'n');
     writeFile(path, [](std::ostream& out) { out << "new"; });
     EXPECT_EQ(readFile(path), "new");
 }
 
-/// Is somebody who may not do all, if this process may, while it lives.
+/// While it lives, a process that runs as root acts as an unprivileged user.
 class AsNobody {
 public:
     AsNobody() {
@@ -111,7 +111,7 @@ public:
     AsNobody& operator=(const AsNobody&) = delete;
 };
 
-TEST(WriteFile, KeepsTheOwnerWhereTheProcessMay) {
+TEST(WriteFile, KeepsTheOwnerIfPermitted) {
     if (::getuid() != 0) GTEST_SKIP() << "only root may give files away";
     const TemporaryFolder folder;
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
@@ -126,8 +126,8 @@ TEST(WriteFile, KeepsTheOwnerWhereTheProcessMay) {
     EXPECT_EQ(readFile(folder / "a.txt"), "new");
 }
 
-// What runs with the rights of its owner must not do so for another.
-TEST(WriteFile, RightsOfAnOwnerAreNotGivenToAnother) {
+// A setuid file must not get another owner.
+TEST(WriteFile, RightsOfTheOldOwnerAreNotGivenToAnother) {
     if (::getuid() != 0) GTEST_SKIP() << "only root has files of others";
     const TemporaryFolder folder;
     fs::permissions(folder.path(), fs::perms::all);
@@ -142,7 +142,7 @@ TEST(WriteFile, RightsOfAnOwnerAreNotGivenToAnother) {
     EXPECT_EQ(status.st_mode & 07777, 0766u) << "to the group what is for all";
 }
 
-TEST(WriteFile, ReadOnlyFilesAndFoldersAreRefusedBeforeAnythingIsDone) {
+TEST(WriteFile, ReadOnlyFilesAndFoldersAreRefusedFirst) {
     const TemporaryFolder folder;
     fs::permissions(folder.path(), fs::perms::all);
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
@@ -173,7 +173,7 @@ TEST(WriteFile, ReadOnlyFilesAndFoldersAreRefusedBeforeAnythingIsDone) {
     EXPECT_EQ(int(fs::status(folder / "a.txt").permissions()), 0444);
 }
 
-TEST(WriteFile, OpenDescriptorsAreContinued) {
+TEST(WriteFile, WritesAtThePositionOfOpenDescriptors) {
     const TemporaryFolder folder;
     const fs::path path = folder / "log.txt";
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
@@ -197,7 +197,7 @@ TEST(WriteFile, DevicesStayDevices) {
                 HasSubstr("/dev/full: cannot write: No space left"));
 }
 
-TEST(WriteFile, PlacesThatCannotBeWrittenAreNamed) {
+TEST(WriteFile, ErrorsNameThePath) {
     const TemporaryFolder folder;
     const auto expectRefused = [](const fs::path& path, const std::string& why) {
         EXPECT_REFUSED(FileError, path.string() + ": " + why,
@@ -208,7 +208,7 @@ TEST(WriteFile, PlacesThatCannotBeWrittenAreNamed) {
     expectRefused(folder.path(), "is a directory");
 }
 
-TEST(ReadFile, NamesWhatCannotBeRead) {
+TEST(ReadFile, ErrorsNameThePath) {
     const TemporaryFolder folder;
     EXPECT_THROW(readFile(folder / "none"), FileError);
     EXPECT_THROW(readFile(folder.path()), FileError);
@@ -216,7 +216,7 @@ TEST(ReadFile, NamesWhatCannotBeRead) {
     EXPECT_EQ(readFile(folder / "zero"), std::string(100000, '\0'));
 }
 
-TEST(ReadFile, SaysWhyItCannot) {
+TEST(ReadFile, ErrorsGiveTheSystemsReason) {
     const TemporaryFolder folder;
     const auto expectRefused = [](const fs::path& path, const std::string& cause) {
         EXPECT_THAT([&] { readFile(path); },
@@ -233,12 +233,12 @@ TEST(ReadFile, SaysWhyItCannot) {
     expectRefused(folder / "a.txt", "cannot open: Permission denied");
 }
 
-TEST(ReadFile, ReadsWhatDoesNotSayHowLongItIs) {
+TEST(ReadFile, ReadsPipesAndFilesOfUnknownSize) {
     EXPECT_THAT(readFile("/proc/self/status"), HasSubstr("VmPeak"));
     const TemporaryFolder folder;
     const fs::path pipe = folder / "pipe";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-    // Parts that come one by one, and more than a pipe holds.
+    // Writes step by step, and more than a pipe can hold.
     std::thread writer([&] {
         writeFile(pipe, [](std::ostream& out) {
             for (int i = 0; i < 100; ++i) out << std::string(3000, 'p') << std::flush;

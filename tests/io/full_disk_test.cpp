@@ -6,13 +6,13 @@
 
 #include "support/folder_contents.h"
 
-// A disk that is full, played by a limit on the size of files.
+// Simulates a full disk by a limit on the size of files.
 namespace espalier::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// No file grows beyond so many bytes while this lives.
+/// Limits the size of files until destruction.
 class SizeLimit {
 public:
     explicit SizeLimit(std::size_t bytes) {
@@ -34,13 +34,13 @@ std::size_t largestFile(const fs::path& folder) {
     return largest;
 }
 
-/// Fills the disk so many times, after ever more bytes of what a writer writes.
+/// Lets the disk become full `times` times, each time after more bytes of the writer's output.
 void expectNothingLost(const Writer& writer, std::size_t times) {
     const TemporaryFolder folder;
     const fs::path path = folder / writer.name;
     writer.write(path);
     const std::size_t size = largestFile(folder.path());
-    // Old files that are not what is written now.
+    // Old files whose content differs from the new one.
     for (const auto& entry : fs::directory_iterator(folder.path()))
         putLatticeFile(entry.path(), "old");
     const auto before = contentsOf(folder.path());
@@ -58,9 +58,9 @@ void expectNothingLost(const Writer& writer, std::size_t times) {
     EXPECT_NE(contentsOf(folder.path()), before);
 }
 
-// The signal that comes with the error would end the program: the library keeps it away. It is as
-// it was in the end.
-TEST(FullDisk, LeavesTheOldFilesOfEveryFormat) {
+// The signal that comes with the error would end the program. The library blocks it, and restores
+// its action.
+TEST(FullDisk, KeepsTheOldFilesOfEveryFormat) {
     for (const Writer& writer : everyWriter(3)) expectNothingLost(writer, 40);
     struct sigaction action {};
     ::sigaction(SIGXFSZ, nullptr, &action);
@@ -72,15 +72,15 @@ TEST(FullDisk, LeavesTheOldFilesOfEveryFormat) {
     EXPECT_EQ(sigismember(&blocked, SIGXFSZ), 0);
 }
 
-// More than goes to the system at once.
-TEST(FullDisk, LeavesTheOldFilesOfEveryFormatInTheMiddle) {
+// The files are longer than one block written to the system.
+TEST(FullDisk, KeepsTheOldFilesIfItFillsUpLater) {
     for (const Writer& writer : everyWriter(2100)) expectNothingLost(writer, 5);
 }
 
-TEST(FullDisk, IsNamedAsTheCause) {
+TEST(FullDisk, IsReportedAsTheCause) {
     for (const Writer& writer : everyWriter(3000)) {
         if (writer.name == "D.npy") continue;  // three files
-        // A format goes by the extension.
+        // The link needs the extension, which gives the format.
         const TemporaryFolder folder;
         fs::create_symlink("/dev/full", folder / writer.name);
         EXPECT_THAT([&] { writer.write(folder / writer.name); },

@@ -7,13 +7,13 @@
 #include <cstddef>
 #include <random>
 
-// Gradients for the tests of directions, and their products, the plain way.
+// Gradients for the tests of directions, and their products by plain loops.
 
 namespace espalier::test {
 
 inline constexpr io::DeformationGradient kIdentity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-/// x becomes y, y becomes -x: of a normal (1, 2, 3) it makes (-2, 1, 3), exactly.
+/// Maps x to y and y to -x: a normal (1, 2, 3) becomes (-2, 1, 3), exactly.
 inline constexpr io::DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
 
 inline Point3 times(const io::DeformationGradient& f, const Point3& vector) {
@@ -32,8 +32,8 @@ inline io::DeformationGradient product(const io::DeformationGradient& f,
     return result;
 }
 
-/// By Rodrigues' formula.
-/// \param axis of any length
+/// Returns a rotation, by Rodrigues' formula.
+/// \param axis vector of any length
 inline io::DeformationGradient rotation(const Point3& axis, double angle) {
     const double size = std::hypot(axis[0], axis[1], axis[2]);
     const Point3 k = {axis[0] / size, axis[1] / size, axis[2] / size};
@@ -45,7 +45,7 @@ inline io::DeformationGradient rotation(const Point3& axis, double angle) {
     return result;
 }
 
-/// Entries from -1 to 1.
+/// Returns a gradient with random entries from -1 to 1.
 inline io::DeformationGradient randomGradient(std::mt19937& random) {
     std::uniform_real_distribution<double> entry(-1, 1);
     io::DeformationGradient result{};

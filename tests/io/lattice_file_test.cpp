@@ -32,12 +32,12 @@ INSTANTIATE_TEST_SUITE_P(Forms, LatticeFile,
                                          Form{"a.vtu", io::VtuEncoding::Binary},
                                          Form{"a.vtu", io::VtuEncoding::Compressed}));
 
-TEST_P(LatticeFile, ComesBackAsItWas) {
+TEST_P(LatticeFile, RoundTripIsExact) {
     for (const Lattice& lattice : sampleLattices())
         expectSameLattice(latticeOf(GetParam().file, write(lattice)), lattice);
 }
 
-TEST_P(LatticeFile, IsTheSameWhenItIsWrittenAgain) {
+TEST_P(LatticeFile, SecondRoundTripIsExact) {
     for (const Lattice& lattice : sampleLattices()) {
         const Lattice once = latticeOf(GetParam().file, write(lattice));
         const Lattice twice = latticeOf(GetParam().file, write(once));
@@ -47,7 +47,7 @@ TEST_P(LatticeFile, IsTheSameWhenItIsWrittenAgain) {
 
 TEST_P(LatticeFile, MarksComeBackInCanonicalForm) {
     Lattice lattice = boxLattice();
-    // 0–1 is marked twice, and once the other way round; the later mark counts.
+    // Edge 0–1 is marked twice, the second time as 1–0; the later mark wins.
     lattice.marks.edges = {{{7, 8}, 0}, {{0, 1}, 0}, {{1, 0}, 12}};
     lattice.marks.vertices = {{5, 0}, {3, far::kInfinitelySharp}, {5, 1}};
     const Lattice got = latticeOf(GetParam().file, write(lattice));
@@ -58,8 +58,8 @@ TEST_P(LatticeFile, MarksComeBackInCanonicalForm) {
               (std::vector<far::Marks::Vertex>{{3, far::kInfinitelySharp}, {5, 1}}));
 }
 
-/// Twenty parts of each file, from nothing to all but the last twentieth.
-TEST_P(LatticeFile, IsRefusedWhenItIsCutShort) {
+/// Tries twenty parts of each file, from nothing to all but the last twentieth.
+TEST_P(LatticeFile, TruncatedFileIsRefused) {
     for (const Lattice& lattice : sampleLattices()) {
         const std::string bytes = write(lattice);
         for (std::size_t part = 0; part < 20; ++part)
@@ -68,7 +68,7 @@ TEST_P(LatticeFile, IsRefusedWhenItIsCutShort) {
     }
 }
 
-/// A byte changed anywhere either does no harm or is refused with an Error; it never crashes.
+/// A file with one byte changed is read or refused with an Error; reading never crashes.
 TEST_P(LatticeFile, SurvivesDamage) {
     const std::string bytes = write(withMarksAndAttributes(polyhedralLattice()));
     for (std::size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 80)
@@ -79,7 +79,7 @@ TEST_P(LatticeFile, SurvivesDamage) {
         }
 }
 
-TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
+TEST_P(LatticeFile, RefusesToWriteInconsistentLattices) {
     const auto refusal = [&](const Lattice& lattice) { return messageOf([&] { write(lattice); }); };
     Lattice lattice = boxLattice();
     lattice.positions.pop_back();
@@ -93,7 +93,7 @@ TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
     lattice.attributes.push_back({"", 1, std::vector<double>(12)});
     EXPECT_THAT(refusal(lattice), HasSubstr("an attribute has no name"));
 
-    // It would come back as marks.
+    // This name would be read as marks.
     lattice = boxLattice();
     lattice.attributes.push_back({"espalier:vertex_sharpness", 1, std::vector<double>(12)});
     EXPECT_THAT(refusal(lattice),
@@ -119,7 +119,7 @@ TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
     EXPECT_THAT(refusal(lattice), HasSubstr("of dimension 1, not 3"));
 }
 
-TEST(LatticeFiles, AreChosenByTheirExtension) {
+TEST(LatticeFiles, ExtensionChoosesTheFormat) {
     const TemporaryFolder folder;
     for (const char* name : {"a.OVM", "a.Vtu", "a.VTK"}) {
         io::writeLattice(folder / name, mixedLattice());
@@ -131,7 +131,7 @@ TEST(LatticeFiles, AreChosenByTheirExtension) {
     EXPECT_THAT(io::readFile(folder / "a.VTK"), StartsWith("# vtk DataFile Version 3.0\n"));
 }
 
-TEST(LatticeFiles, OfUnknownFormatsAreRefused) {
+TEST(LatticeFiles, UnknownExtensionsAreRefused) {
     for (const char* name : {"a.stl", "a", "vtu", "a.vtu.gz"}) {
         const auto expectRefusal = [&](auto call) {
             EXPECT_EQ(messageOf<io::FileError>([&] { call(); }),
@@ -145,8 +145,8 @@ TEST(LatticeFiles, OfUnknownFormatsAreRefused) {
     }
 }
 
-/// Files that VTK 9.1 wrote: see tests/io/data/README.md.
-TEST(LatticeFiles, OfVtkAreRead) {
+/// VTK 9.1 wrote these files: see tests/io/data/README.md.
+TEST(LatticeFiles, ReadsFilesWrittenByVtk) {
     const std::filesystem::path folder =
         std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/io/data";
     far::ComplexBuilder builder(3, 11);
@@ -173,9 +173,9 @@ TEST(LatticeFiles, OfVtkAreRead) {
     EXPECT_EQ(count, 11);
 }
 
-/// Parts of every file that VTK wrote are refused, raw data included. Only a legacy file that is
-/// cut between two of its sections cannot be told from a whole one.
-TEST(LatticeFiles, OfVtkAreRefusedWhenTheyAreCutShort) {
+/// Truncated files are refused, also with raw data. The only exception is a legacy file that is cut
+/// between two sections, which looks like a whole file.
+TEST(LatticeFiles, TruncatedFilesWrittenByVtkAreRefused) {
     const std::filesystem::path folder =
         std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/io/data";
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -194,8 +194,8 @@ TEST(LatticeFiles, OfVtkAreRefusedWhenTheyAreCutShort) {
     }
 }
 
-/// The folder of files that are shared between projects, which may be absent.
-TEST(LatticeFiles, OfTheSharedFolderAreRead) {
+/// The folder of files shared between projects may be missing.
+TEST(LatticeFiles, ReadsTheLatticesInTheSharedFolder) {
     const std::filesystem::path root = sharedData();
     if (!std::filesystem::exists(root / "lattices"))
         GTEST_SKIP() << "no shared data in " << root

@@ -14,7 +14,7 @@
 
 #include "support/test.h"
 
-// Lattices to write and to read, and what it means that two are the same.
+// Lattices to write and to read, and their comparison.
 
 namespace espalier::test {
 
@@ -22,14 +22,15 @@ inline void putLatticeFile(const std::filesystem::path& path, const std::string&
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
-/// Reads these bytes as a lattice; `name` gives the format.
+/// Reads bytes as a lattice; the extension of `name` gives the format.
 inline Lattice latticeOf(const std::string& name, const std::string& bytes) {
     const TemporaryFolder folder;
     putLatticeFile(folder / name, bytes);
     return io::readLattice(folder / name);
 }
 
-/// The message with which read(path) refuses these bytes, after the path; empty if it does not.
+/// Returns the message, after the path, with which read(path) refuses these bytes; empty if it
+/// accepts them.
 template <class Read>
 std::string refusalOf(const std::string& name, const std::string& bytes, Read read) {
     const TemporaryFolder folder;
@@ -50,7 +51,7 @@ inline std::string refusalOf(const std::string& name, const std::string& bytes) 
     return refusalOf(name, bytes, [](const std::string& path) { io::readLattice(path); });
 }
 
-/// The bytes of the file that a lattice is written to.
+/// Returns the bytes of the file to which a lattice is written.
 inline std::string writtenLattice(const std::string& name, const Lattice& lattice,
                                   const io::WriteLatticeOptions& options = {}) {
     const TemporaryFolder folder;
@@ -58,7 +59,7 @@ inline std::string writtenLattice(const std::string& name, const Lattice& lattic
     return io::readFile(folder / name);
 }
 
-/// Numbers that do not survive careless formatting.
+/// Returns a number that does not survive careless formatting.
 inline double awkwardNumber(std::size_t i) {
     constexpr double kNumbers[] = {0.1, -1.0 / 3,          5e-324, -0.0, 1e300, 1e-17, 16777217,
                                    2.5, 1.0000000000000002};
@@ -88,7 +89,8 @@ inline Lattice mixedLattice() {
     return withAwkwardPositions(mixedCells());
 }
 
-/// A prism over a pentagon (no standard cell) and a hexahedron beside it, each face wound anyhow.
+/// A prism over a pentagon (not a standard cell) and a hexahedron beside it, with faces wound
+/// either way.
 inline Lattice polyhedralLattice() {
     far::ComplexBuilder builder(3, 14);
     const std::vector<std::vector<Index>> prism = {{4, 3, 2, 1, 0}, {5, 6, 7, 8, 9}, {0, 1, 6, 5},
@@ -99,7 +101,7 @@ inline Lattice polyhedralLattice() {
     return withAwkwardPositions(builder.build());
 }
 
-/// Puts marks and attributes of all kinds on a lattice.
+/// Adds marks and attributes of all kinds to a lattice.
 inline Lattice withMarksAndAttributes(Lattice lattice) {
     const auto edge = [&](Index e) {
         const auto ends = lattice.complex.relation(1, 0)[e];

@@ -9,14 +9,14 @@
 #include "io/files/zip.h"
 #include "io/matrices/npy.h"
 
-// What the formats are byte by byte. That NumPy, SciPy and PETSc read them is tested in
-// tests/cli/export_test.py.
+// Tests the formats byte by byte. tests/cli/export_test.py tests that NumPy, SciPy and PETSc read
+// the files.
 namespace espalier::io {
 namespace {
 
 using stencils::StencilTable;
 
-/// Rows of 2, 0 and 1 entries over 3 columns.
+/// Returns a table with rows of 2, 0 and 1 entries and 3 columns.
 template <class Real>
 StencilTable<Real> sample() {
     return {3, {0, 2, 2, 3}, {0, 2, 1}, {Real(0.5), Real(1) / 3, Real(-2)}};
@@ -36,25 +36,25 @@ std::string petscBytes() {
     return bytes;
 }
 
-TEST(MatrixFile, PetscBinaryIsBigEndianWithTheLengthsOfRows) {
+TEST(MatrixFile, PetscBinaryIsBigEndianWithRowLengths) {
     const TemporaryFolder folder;
     writeMatrix(folder / "a.petsc", sample<double>());
     EXPECT_EQ(readFile(folder / "a.petsc"), petscBytes<std::int32_t>());
     writeMatrix(folder / "a.petsc", sample<double>(), {.petscIntegers = PetscInt::Bits64});
     EXPECT_EQ(readFile(folder / "a.petsc"), petscBytes<std::int64_t>());
-    // Weights in double precision, whatever the table's.
+    // Weights are written in double precision, whatever the precision of the table.
     const StencilTable<float> single(3, {0, 1}, {0}, {0.1F});
     writeMatrix(folder / "b.petsc", single);
     EXPECT_TRUE(readFile(folder / "b.petsc").ends_with(bytesOf(double{0.1F}, std::endian::big)));
 }
 
-TEST(MatrixFile, NpyIsAHeadOfMultiplesOf64BytesAndTheNumbers) {
+TEST(MatrixFile, NpyHeadIsPaddedTo64Bytes) {
     std::ostringstream stream;
     ByteOutput out(stream, std::endian::little);
     const std::vector<float> numbers = {1.5F, -2};
     writeNpy<double>(out, std::span<const float>(numbers));
     const std::string bytes = stream.str();
-    // NumPy's npy-format: magic, version 1.0, the length of what follows, a dictionary, spaces.
+    // NumPy's npy format: magic, version 1.0, the length of the rest, a dictionary, spaces.
     const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
     EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));
     EXPECT_EQ(bytes.substr(10, 118), head + std::string(117 - head.size(), ' ') + "\n");
@@ -62,7 +62,7 @@ TEST(MatrixFile, NpyIsAHeadOfMultiplesOf64BytesAndTheNumbers) {
               bytesOf(1.5, std::endian::little) + bytesOf(-2.0, std::endian::little));
 }
 
-/// An archive of a matrix in rows, of these arrays.
+/// Returns an archive of a matrix with these arrays.
 std::string npzOf(const std::vector<std::int64_t>& shape, const std::vector<std::int64_t>& offsets,
                   const std::string& format = "csr") {
     std::ostringstream stream;
@@ -84,7 +84,7 @@ std::string npzOf(const std::vector<std::int64_t>& shape, const std::vector<std:
     return stream.str();
 }
 
-TEST(MatrixFile, NpzSaysWhatOfItDoesNotFit) {
+TEST(MatrixFile, NpzErrorsNameTheArrayThatDoesNotFit) {
     EXPECT_EQ(readMatrix("a.npz", npzOf({2, 2}, {0, 2, 2})),
               StencilTable<double>(2, {0, 2, 2}, {0, 1}, {7, 8}));
     const auto refused = [](const std::string& bytes, const std::string& why) {
@@ -100,8 +100,8 @@ TEST(MatrixFile, NpzSaysWhatOfItDoesNotFit) {
     refused(npzOf({2, 1}, {0, 2, 2}), "row 0 names column 1; there are 1");
 }
 
-TEST(MatrixFile, ArraysOfAnyLengthComeInBlocks) {
-    // More numbers than are turned round at once.
+TEST(MatrixFile, LongArraysAreConvertedInBlocks) {
+    // More numbers than one block has when their byte order is reversed.
     std::vector<std::int32_t> numbers(10'000);
     for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int32_t>(i);
     std::ostringstream stream;
@@ -114,7 +114,7 @@ TEST(MatrixFile, ArraysOfAnyLengthComeInBlocks) {
     EXPECT_EQ(out.count(), expected.size());
 }
 
-TEST(MatrixFile, FormatsGoByTheExtension) {
+TEST(MatrixFile, ExtensionChoosesTheFormat) {
     const TemporaryFolder folder;
     for (const std::string& extension : matrixExtensions()) {
         const auto path = folder / ("a" + extension);
@@ -127,20 +127,20 @@ TEST(MatrixFile, FormatsGoByTheExtension) {
                    writeMatrix(folder / "a.mat", sample<float>()));
 }
 
-TEST(MatrixFile, WhatIsWrittenIsReadByTheExtension) {
+TEST(MatrixFile, ReadsBackByTheExtension) {
     const TemporaryFolder folder;
     const auto table = sampleTable<double>();
     for (const std::string extension : {".mtx", ".npz", ".petsc"}) {
         const auto path = folder / ("a" + extension);
         writeMatrix(path, table);
         EXPECT_EQ(readMatrix(path), table) << extension;
-        // A name that is no file: the bytes are what is read.
+        // No file has this name, so the bytes must have been read.
         EXPECT_EQ(readMatrix("none" + extension, readFile(path)), table) << extension;
         EXPECT_THAT([&] { readMatrix("none" + extension, "no matrix"); },
                     ThrowsMessage<FileError>(StartsWith("none" + extension + ":")));
         EXPECT_REFUSED(FileError, "cannot open", readMatrix("none" + extension));
     }
-    // Whatever integers PETSc has.
+    // PETSc's integers may have either size.
     writeMatrix(folder / "b.petsc", table, {.petscIntegers = PetscInt::Bits64});
     EXPECT_EQ(readMatrix(folder / "b.petsc"), table);
     const auto refused = [](const std::string& name, const std::string& why) {

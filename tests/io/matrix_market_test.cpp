@@ -18,7 +18,7 @@ std::string textOf(const StencilTable<Real>& table, std::span<const std::string>
     return readFile(folder / "a.mtx");
 }
 
-TEST(MatrixMarket, WritesCoordinatesFromOneInTheOrderOfTheTable) {
+TEST(MatrixMarket, WritesOneBasedCoordinatesInTableOrder) {
     const StencilTable<double> table(3, {0, 2, 2, 3}, {0, 2, 1}, {0.5, 1.0 / 3, 1e-20});
     const std::vector<std::string> comments = {"espalier stencils", "two\nlines", ""};
     EXPECT_EQ(textOf(table, comments),
@@ -33,7 +33,7 @@ TEST(MatrixMarket, WritesCoordinatesFromOneInTheOrderOfTheTable) {
               "3 2 1e-20\n");
 }
 
-TEST(MatrixMarket, EigenReadsItToTheLastBit) {
+TEST(MatrixMarket, EigenReadsItExactly) {
     const StencilTable<double> table(4, {0, 3, 3, 5}, {0, 1, 3, 2, 3},
                                      {0.25, 1.0 / 3, -1e-300, 1, 0.1});
     const TemporaryFolder folder;
@@ -43,19 +43,19 @@ TEST(MatrixMarket, EigenReadsItToTheLastBit) {
     EXPECT_EQ(stencils::fromEigen(read), table);
 }
 
-TEST(MatrixMarket, ComesBackToTheLastBit) {
+TEST(MatrixMarket, RoundTripIsExact) {
     EXPECT_EQ(readMatrixMarket("a.mtx", textOf(sampleTable<double>())), sampleTable<double>());
     const std::vector<std::string> comments = {"a", "1 1 1"};
     EXPECT_EQ(readMatrixMarket("a.mtx", textOf(sampleTable<double>(), comments)),
               sampleTable<double>());
 }
 
-TEST(MatrixMarket, FloatsComeBackAsTheSameDoubles) {
+TEST(MatrixMarket, RoundTripOfFloatsGivesTheSameDoubles) {
     EXPECT_EQ(readMatrixMarket("a.mtx", textOf(sampleTable<float>())),
               stencils::convertTable<double>(sampleTable<float>()));
 }
 
-TEST(MatrixMarket, ComesBackWithoutEntriesOrRows) {
+TEST(MatrixMarket, RoundTripKeepsEmptyMatrices) {
     const StencilTable<double> empty;
     EXPECT_EQ(textOf(empty), "%%MatrixMarket matrix coordinate real general\n0 0 0\n");
     EXPECT_EQ(readMatrixMarket("a.mtx", textOf(empty)), empty);
@@ -63,7 +63,7 @@ TEST(MatrixMarket, ComesBackWithoutEntriesOrRows) {
     EXPECT_EQ(readMatrixMarket("a.mtx", textOf(rows)), rows);
 }
 
-TEST(MatrixMarket, ReadsEntriesInAnyOrderAndTheLooserLayouts) {
+TEST(MatrixMarket, ReadsUnsortedEntriesAndLooseLayouts) {
     const StencilTable<double> expected(3, {0, 2, 3}, {0, 2, 1}, {4, -2, 7});
     EXPECT_EQ(readMatrixMarket("a.mtx",
                                "%%MatrixMarket MATRIX Coordinate Real General\r\n"
@@ -81,7 +81,7 @@ TEST(MatrixMarket, ReadsEntriesInAnyOrderAndTheLooserLayouts) {
               expected);
 }
 
-TEST(MatrixMarket, RefusesAnotherKind) {
+TEST(MatrixMarket, RefusesOtherKindsOfMatrices) {
     const auto refused = [](const std::string& banner, const std::string& why) {
         EXPECT_THAT([&] { readMatrixMarket("a.mtx", banner + "\n1 1 1\n1 1 1\n"); },
                     ThrowsMessage<FileError>(AllOf(HasSubstr("a.mtx:1: "), HasSubstr(why))));
@@ -119,11 +119,11 @@ TEST(MatrixMarket, RefusesMalformedEntriesWithTheirLine) {
     refused("2 2 1\n1 1 9007199254740993\n", "3", "more than a double holds", "integer");
     refused("2 2 1\n1 1 1\n2 2 1\n", "4", "expected the end after 1 entries, got '2'");
     refused("2 2 2\n1 1 1            \n\n\n", "6", "the file ends");
-    // Given on lines 3 and 5.
+    // The entry is on lines 3 and 5.
     refused("2 2 3\n2 1 1\n1 1 1\n2 1 5\n", "5", "row 2 column 1 has an entry already, on line 3");
 }
 
-TEST(MatrixMarket, ChecksClaimedSizesBeforeTakingMemory) {
+TEST(MatrixMarket, ChecksClaimedSizesBeforeAllocating) {
     const std::string banner = "%%MatrixMarket matrix coordinate real general\n";
     EXPECT_REFUSED(FileError, "the number of entries is 18446744073709551615",
                    readMatrixMarket("a.mtx", banner + "2 2 18446744073709551615\n1 1 1\n"));
@@ -131,9 +131,9 @@ TEST(MatrixMarket, ChecksClaimedSizesBeforeTakingMemory) {
                    readMatrixMarket("a.mtx", banner + "2147483647 2 1\n1 1 1\n"));
 }
 
-TEST(MatrixMarket, RefusesEveryPart) {
+TEST(MatrixMarket, RefusesTruncatedFiles) {
     const std::string text = textOf(sampleTable<double>());
-    // A cut within the last weight leaves a matrix.
+    // A file that is cut within the last weight is still a matrix.
     for (std::size_t size = 0; size <= text.rfind(' '); ++size)
         EXPECT_THROW(readMatrixMarket("a.mtx", text.substr(0, size)), FileError) << size;
 }

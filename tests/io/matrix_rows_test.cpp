@@ -12,7 +12,7 @@ TEST(MatrixRows, AreSorted) {
     EXPECT_EQ(tableOfRows(0, {0}, {}, {}), Table());
 }
 
-TEST(MatrixRows, NameTheRowThatIsWrong) {
+TEST(MatrixRows, ErrorsNameTheRow) {
     const auto refused = [](Array<Offset> offsets, Array<Index> columns, Array<double> weights,
                             const std::string& why) {
         EXPECT_REFUSED(CodingError, why, tableOfRows(3, offsets, columns, weights));
@@ -31,7 +31,7 @@ TEST(MatrixRows, NameTheRowThatIsWrong) {
     refused({0, 1}, {0}, {kInfinity}, "row 0 has the weight inf");
 }
 
-TEST(MatrixRows, AreNoMoreThanAnIndexCounts) {
+TEST(MatrixRows, TooManyRowsAreRefused) {
     EXPECT_EQ(matrixSize(0, "rows"), 0);
     EXPECT_EQ(matrixSize(kMaxIndex, "rows"), kMaxIndex);
     for (const std::int64_t count : {std::int64_t{-1}, std::int64_t{kMaxIndex} + 1})

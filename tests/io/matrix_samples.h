@@ -13,7 +13,8 @@ namespace espalier::test {
 
 using Table = stencils::StencilTable<double>;
 
-/// Rows of 3, 0 and 2 entries, in numbers that a text or a float would change.
+/// Returns a table with rows of 3, 0 and 2 entries. Its numbers would change in a careless text or
+/// in a float.
 template <class Real>
 stencils::StencilTable<Real> sampleTable() {
     const Real third = Real{1} / 3;
@@ -24,7 +25,7 @@ stencils::StencilTable<Real> sampleTable() {
              std::numeric_limits<Real>::max(), third / 1024}};
 }
 
-/// No rows, no columns, no entries; and as many columns as there can be.
+/// Returns tables without rows, columns or entries, and one with the largest number of columns.
 inline std::vector<Table> edgeTables() {
     std::vector<Table> tables;
     tables.emplace_back();
@@ -35,33 +36,35 @@ inline std::vector<Table> edgeTables() {
     return tables;
 }
 
-/// The folder of what NumPy and SciPy wrote.
+/// Returns the folder of files that NumPy and SciPy wrote.
 inline std::filesystem::path matrixFolder() {
     return std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/io/matrices";
 }
 
-/// What those files have in them.
-inline Table othersTable() {
+/// Returns the table that these files contain.
+inline Table tableOfOtherPrograms() {
     return {100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {0.25, -1.5, std::ldexp(1.0, -100), 7, 1}};
 }
 
-/// That a table is one, as the constructor that checks has it, of finite weights.
-inline void expectWhole(const Table& table) {
+/// Expects that a table is valid, by the constructor that checks it, and that its weights are
+/// finite.
+inline void expectValidTable(const Table& table) {
     EXPECT_NO_THROW(Table(table.columnCount(), {table.offsets().begin(), table.offsets().end()},
                           {table.columns().begin(), table.columns().end()},
                           {table.weights().begin(), table.weights().end()}));
     for (const double weight : table.weights()) EXPECT_TRUE(std::isfinite(weight));
 }
 
-/// That a file which is cut off at any byte is refused.
-/// \param read takes bytes
+/// Expects that a file that is truncated at any byte is refused.
+/// \param read function that reads the bytes
 template <class Read>
 void expectPartsOfMatrixRefused(const std::string& bytes, Read read) {
     for (std::size_t size = 0; size < bytes.size(); ++size)
         EXPECT_THROW(read(bytes.substr(0, size)), io::FileError) << "cut after byte " << size;
 }
 
-/// That a file with any one byte changed is refused, or gives a table that `check` finds right.
+/// Expects that a file with any single byte changed is refused, or gives a table that `check`
+/// accepts.
 template <class Read, class Check>
 void expectFlipsRefusedOr(const std::string& bytes, Read read, Check check) {
     for (std::size_t at = 0; at < bytes.size(); ++at)

@@ -19,7 +19,7 @@ inline void putFile(const std::filesystem::path& path, const std::string& bytes)
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
-/// What a model writes.
+/// Returns the bytes that a model writes.
 /// \param arguments positions, or positions and gradients
 template <class... Arguments>
 std::string written(const io::Model& model, const Arguments&... arguments) {
@@ -29,7 +29,7 @@ std::string written(const io::Model& model, const Arguments&... arguments) {
     return io::readFile(path);
 }
 
-/// What a model writes whose points stay, each with this gradient.
+/// Returns the bytes that a model writes if its points stay and all have this gradient.
 inline std::string turned(const io::Model& model, const io::DeformationGradient& gradient) {
     return written(model, model.positions(),
                    std::vector<io::DeformationGradient>(model.positions().size(), gradient));
@@ -45,7 +45,7 @@ inline std::string withLineEnds(const std::string& text, const std::string& end)
     return result;
 }
 
-/// The bytes of a number, made here and not by what is tested.
+/// Returns the bytes of a number. This is independent of the code under test.
 template <class Number>
 std::string bytesOf(Number number, std::endian order) {
     std::string bytes(sizeof number, '\0');
@@ -54,7 +54,8 @@ std::string bytesOf(Number number, std::endian order) {
     return bytes;
 }
 
-/// Cuts the file at every byte before `end`: each part is refused with a FileError.
+/// Truncates the file at every byte before `end`, and expects that each part is refused with a
+/// FileError.
 inline void expectPartsRefused(const std::string& name, const std::string& bytes, std::size_t end) {
     for (std::size_t size = 0; size < end; ++size)
         EXPECT_THROW(io::readModel(name, bytes.substr(0, size)), io::FileError)

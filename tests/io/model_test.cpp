@@ -10,13 +10,13 @@ namespace {
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-TEST(Model, KnowsItsFormatWhateverTheCaseOfTheExtension) {
+TEST(Model, ExtensionMayBeInUpperOrLowerCase) {
     EXPECT_EQ(readModel("a.obj", kTriangle)->extension(), ".obj");
     EXPECT_EQ(readModel("a.OBJ", kTriangle)->extension(), ".obj");
     EXPECT_EQ(readModel("a.b.Obj", kTriangle)->positions().size(), 3u);
 }
 
-TEST(Model, RefusesAnExtensionThatItDoesNotKnowAndListsThoseItDoes) {
+TEST(Model, RefusesUnknownExtensionsAndListsKnownOnes) {
     for (const char* name : {"model.fbx", "model", "obj", ".obj"})
         EXPECT_REFUSED(FileError, ".obj, .ply, .stl, .vtu", readModel(name, kTriangle)) << name;
 }
@@ -45,12 +45,12 @@ TEST(Model, IsReadFromAFileAsFromMemory) {
     EXPECT_EQ(written(*model, model->positions()), kTriangle);
 }
 
-TEST(Model, RefusesAFileThatIsNotThere) {
+TEST(Model, RefusesAMissingFile) {
     const TemporaryFolder folder;
     EXPECT_REFUSED(FileError, "none.obj: cannot open", readModel(folder / "none.obj"));
 }
 
-TEST(Model, RefusesAModelOfNoPoints) {
+TEST(Model, RefusesAModelWithoutPoints) {
     const std::string header =
         "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\n"
         "property float y\nproperty float z\nend_header\n";
@@ -59,14 +59,14 @@ TEST(Model, RefusesAModelOfNoPoints) {
     EXPECT_REFUSED(FileError, "no points", readModel("a.stl", "solid\nendsolid\n"));
 }
 
-TEST(Model, RefusesAnotherNumberOfPositionsAndNamesBoth) {
+TEST(Model, WrongNumberOfPositionsIsRefusedWithBothNumbers) {
     const auto model = readModel("a.obj", kTriangle);
     const std::vector<Point3> two(2);
     EXPECT_THAT([&] { written(*model, two); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("2 positions"), HasSubstr("3 points"))));
 }
 
-TEST(Model, RefusesAPositionThatIsNotFiniteAndLeavesTheOldFile) {
+TEST(Model, NonFinitePositionIsRefusedAndKeepsTheOldFile) {
     const TemporaryFolder folder;
     putFile(folder / "out.obj", "old");
     const auto model = readModel("a.obj", kTriangle);
@@ -76,7 +76,7 @@ TEST(Model, RefusesAPositionThatIsNotFiniteAndLeavesTheOldFile) {
     EXPECT_EQ(readFile(folder / "out.obj"), "old");
 }
 
-TEST(Model, RefusesGradientsThatItCannotUse) {
+TEST(Model, RefusesGradientsOfWrongNumberOrNotFinite) {
     const auto model = readModel("a.obj", kTriangle);
     std::vector<DeformationGradient> gradients(2, kIdentity);
     const auto write = [&] { written(*model, model->positions(), gradients); };
@@ -100,17 +100,17 @@ TEST(Model, IsNotWrittenUnderTheExtensionOfAnotherFormat) {
     EXPECT_NO_THROW(model->checkTarget(folder / "out.backup"));
 }
 
-TEST(Model, PublicModelsComeBackByteForByte) {
+TEST(Model, SharedModelsRoundTripByteForByte) {
     const auto folder = sharedData() / "models";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
-    // Their numbers of `v` lines, as grep -c '^v ' counts them.
+    // The number of `v` lines in each file, counted by grep -c '^v '.
     const std::pair<const char*, std::size_t> expected[] = {
         {"rocker-arm.obj", 10044}, {"spot.obj", 2930}, {"stanford-bunny.obj", 35947}};
     for (const auto& [name, count] : expected) {
         const auto model = readModel(folder / name);
         EXPECT_EQ(model->positions().size(), count) << name;
-        // Not EXPECT_EQ: on failure it would print megabytes.
+        // On failure, EXPECT_EQ would print megabytes.
         EXPECT_TRUE(written(*model, model->positions()) == readFile(folder / name)) << name;
     }
 }

@@ -13,13 +13,13 @@ namespace {
 constexpr auto kLittle = std::endian::little;
 constexpr auto kBig = std::endian::big;
 
-/// A file of version 1 with this head.
+/// Returns a file of version 1 with this head.
 std::string npyFile(const std::string& head, const std::string& data) {
     return std::string("\x93NUMPY\x01\x00", 8) +
            bytesOf(static_cast<std::uint16_t>(head.size()), kLittle) + head + data;
 }
 
-/// An array with this type and shape.
+/// Returns a file with this type and shape.
 std::string npyArray(const std::string& type, const std::string& shape, const std::string& data) {
     return npyFile("{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }\n",
                    data);
@@ -46,7 +46,7 @@ void expectCodingError(Call call, const std::string& why) {
     EXPECT_THAT(call, ThrowsMessage<CodingError>(HasSubstr(why)));
 }
 
-TEST(NpyReader, ReadsNumbersOfEveryTypeAndOrder) {
+TEST(NpyReader, ReadsAllNumberTypesAndByteOrders) {
     const auto check = [](auto zero, const std::string& name) {
         using Number = decltype(zero);
         for (const auto& [order, sign] : {std::pair(kLittle, "<"), std::pair(kBig, ">")}) {
@@ -74,14 +74,14 @@ TEST(NpyReader, ReadsNumbersOfEveryTypeAndOrder) {
     EXPECT_THAT(numbersIn<Offset>(npyArray("<i8", "(0,)", "")), ElementsAre());
 }
 
-TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
+TEST(NpyReader, AcceptsOtherSpellingsOfTheHead) {
     const std::string data = bytesOfAll<std::int32_t>({3, 5}, kLittle);
     for (const std::string head :
          {"{'descr':'<i4','fortran_order':False,'shape':(2,)}",
           "{\"shape\" : ( 2 , ), \"fortran_order\" : True , \"descr\" : \"<i4\" , }  \n",
           "{'descr': '<i4', 'fortran_order': False, 'shape': (2L,), }\n"}) {
         EXPECT_THAT(numbersIn<Index>(npyFile(head, data)), ElementsAre(3, 5)) << head;
-        // Versions 2 and 3 have room for longer ones.
+        // Versions 2 and 3 allow longer heads.
         for (const char version : {'\2', '\3'}) {
             const std::string longer = std::string("\x93NUMPY") + version + '\0' +
                                        bytesOf(std::uint32_t(head.size()), kLittle) + head + data;
@@ -90,7 +90,7 @@ TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
     }
 }
 
-TEST(NpyReader, RefusesNumbersThatCannotBeHeld) {
+TEST(NpyReader, RefusesNumbersOutOfRange) {
     constexpr std::int64_t kLargest = std::int64_t{1} << 53;
     const auto wide = [](std::int64_t number) {
         return npyArray("<i8", "(2,)", bytesOfAll<std::int64_t>({0, number}, kLittle));
@@ -109,12 +109,12 @@ TEST(NpyReader, RefusesNumbersThatCannotBeHeld) {
     expectCodingError([&] { numbersIn<Index>(wide(std::int64_t{1} << 31)); },
                       "is 2147483648, which is out of range");
     expectCodingError([&] { numbersIn<Index>(wide(-(std::int64_t{1} << 31) - 1)); }, "-2147483649");
-    // Which number is not finite is for others to say.
+    // npyNumbers() does not check that numbers are finite; its callers do.
     const auto infinite = npyArray("<f4", "(1,)", bytesOfAll<float>({INFINITY}, kLittle));
     EXPECT_THAT(numbersIn<double>(infinite), ElementsAre(INFINITY));
 }
 
-TEST(NpyReader, ReadsATextOfBytesOrUnicode) {
+TEST(NpyReader, ReadsTextsOfBytesAndUnicode) {
     EXPECT_EQ(textIn(npyArray("|S3", "()", "csr")), "csr");
     EXPECT_EQ(textIn(npyArray("|S5", "()", std::string("csr\0\0", 5))), "csr");
     EXPECT_EQ(textIn(npyArray("<U2", "()", bytesOfAll<std::uint32_t>({'a', 'b'}, kLittle))), "ab");
@@ -125,7 +125,7 @@ TEST(NpyReader, ReadsATextOfBytesOrUnicode) {
     expectCodingError([] { textIn(npyArray("|S1", "(2,)", "ab")); }, "expected a single text");
 }
 
-TEST(NpyReader, RefusesAnotherType) {
+TEST(NpyReader, RefusesOtherTypes) {
     const auto reading = [](const std::string& type, const std::string& data) {
         return [=] { numbersIn<double>(npyArray(type, "(1,)", data)); };
     };
@@ -167,14 +167,14 @@ TEST(NpyReader, RefusesMalformedHeads) {
     refusedHead("{'shape': (1, 1)}", "has several axes");
 }
 
-TEST(NpyReader, ChecksWhatTheHeadClaims) {
+TEST(NpyReader, ChecksClaimedSizes) {
     const auto claims = [](const std::string& type, const std::string& shape, std::size_t there) {
         return [=] { readNpy(npyArray(type, shape, std::string(there, 'x'))); };
     };
     expectCodingError(claims("<i4", "(2,)", 7), "claims 2 items of 4 bytes, but 7 bytes are there");
     expectCodingError(claims("<i4", "(2,)", 9), "claims 2 items of 4 bytes, but 9 bytes are there");
     expectCodingError(claims("<i4", "()", 8), "claims 1 items of 4 bytes");
-    // 2^62 items of 4 bytes are 2^64, which is 0 of 64 bits.
+    // 2^62 items of 4 bytes are 2^64 bytes, which is 0 in 64 bits.
     expectCodingError(claims("<i4", "(4611686018427387904,)", 0),
                       "claims 4611686018427387904 items");
     expectCodingError(claims("|S18446744073709551615", "()", 3), "of 18446744073709551615 bytes");

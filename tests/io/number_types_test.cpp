@@ -49,7 +49,7 @@ TEST(VtkNumbers, AreDecodedInBothByteOrders) {
               (std::vector<double>{1.5}));
 }
 
-TEST(VtkNumbers, ComeBackAsTheyWere) {
+TEST(VtkNumbers, RoundTripIsExact) {
     for (const NumberType type : kAll)
         for (const auto order : {std::endian::little, std::endian::big}) {
             const std::vector<double> reals = {0, 1, 100};
@@ -64,11 +64,11 @@ TEST(VtkNumbers, ComeBackAsTheyWere) {
         }
 }
 
-TEST(VtkNumbers, OfTextAreRoundedAsTheirTypeSays) {
+TEST(VtkNumbers, TextIsRoundedToTheNumberType) {
     io::TextReader text("f", "0.1 0.1 1e-46 1e39 7");
     EXPECT_EQ(io::readNumber<double>(text, NumberType::Float64, "a number"), 0.1);
     EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), double{0.1f});
-    // Below the smallest float and above the largest.
+    // The first number is below the smallest float, the second above the largest.
     EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), 0);
     EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), kInfinity);
     EXPECT_EQ(io::readNumber<std::int64_t>(text, NumberType::UInt8, "a number"), 7);
@@ -78,10 +78,10 @@ TEST(VtkNumbers, OfTextAreRoundedAsTheirTypeSays) {
 }
 
 TEST(SaturatingProduct, StopsAtTheLargestNumber) {
-    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+    constexpr std::size_t kLargest = std::numeric_limits<std::size_t>::max();
     EXPECT_EQ(io::saturatingProduct(3, 5), 15u);
-    EXPECT_EQ(io::saturatingProduct(kMost, 0), 0u);
-    EXPECT_EQ(io::saturatingProduct(kMost / 2, 3), kMost);
+    EXPECT_EQ(io::saturatingProduct(kLargest, 0), 0u);
+    EXPECT_EQ(io::saturatingProduct(kLargest / 2, 3), kLargest);
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 namespace espalier::io {
 namespace {
 
-TEST(NumberedPath, OnePoseHasThePatternItself) {
+TEST(NumberedPath, OnePoseGetsThePatternItself) {
     EXPECT_EQ(numberedPath("out.obj", 0, 1), "out.obj");
     EXPECT_EQ(numberedPath("/a/b.c/out", 0, 1), "/a/b.c/out");
 }
 
-TEST(NumberedPath, SeveralPosesHaveTheNumberBeforeTheExtension) {
+TEST(NumberedPath, SeveralPosesGetTheNumberBeforeTheExtension) {
     EXPECT_EQ(numberedPath("out.obj", 0, 2), "out.0000.obj");
     EXPECT_EQ(numberedPath("out.obj", 12, 20), "out.0012.obj");
     EXPECT_EQ(numberedPath("out.obj", 12345, 20000), "out.12345.obj");
@@ -20,7 +20,7 @@ TEST(NumberedPath, SeveralPosesHaveTheNumberBeforeTheExtension) {
     EXPECT_EQ(numberedPath("../out.ply", 1, 2), "../out.0001.ply");
 }
 
-TEST(NumberedPath, ThePatternMayHoldThePlaceOfTheNumber) {
+TEST(NumberedPath, PercentDGivesTheNumberItsPlace) {
     EXPECT_EQ(numberedPath("out%d.obj", 7, 1), "out7.obj");
     EXPECT_EQ(numberedPath("out%04d.obj", 7, 1), "out0007.obj");
     EXPECT_EQ(numberedPath("out%04d.obj", 7, 100), "out0007.obj");
@@ -29,7 +29,7 @@ TEST(NumberedPath, ThePatternMayHoldThePlaceOfTheNumber) {
     EXPECT_EQ(numberedPath("poses/%03d/out.obj", 7, 100), "poses/007/out.obj");
 }
 
-TEST(NumberedPath, AnyOtherPercentIsRefused) {
+TEST(NumberedPath, OtherPercentSignsAreRefused) {
     for (const char* pattern :
          {"%", "out%", "100%.obj", "%s.obj", "%n.obj", "%4d.obj", "%-4d.obj", "%0d.obj", "%00d.obj",
           "%0100d.obj", "%04", "%04x.obj", "%%.obj", "%ld.obj", "% d.obj"})
@@ -40,7 +40,7 @@ TEST(NumberedPath, AnyOtherPercentIsRefused) {
     EXPECT_REFUSED(Error, "more than one %", numberedPath("%d100%.obj", 0, 2));
 }
 
-TEST(NumberedPath, RefusesWhatCannotBeNumbered) {
+TEST(NumberedPath, RefusesNegativeNumbersAndMissingFileNames) {
     EXPECT_THROW(numberedPath("", 0, 2), Error);
     EXPECT_THROW(numberedPath("folder/", 0, 2), Error);
     EXPECT_THROW(numberedPath("out.obj", -1, 2), Error);

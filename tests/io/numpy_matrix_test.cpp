@@ -4,7 +4,7 @@
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
 
-// Reading; that NumPy and SciPy read what is written is tested in tests/cli/export_test.py.
+// Tests reading. tests/cli/export_test.py tests that NumPy and SciPy read the written files.
 namespace espalier::io {
 namespace {
 
@@ -35,7 +35,7 @@ struct Arrays {
     }
 };
 
-TEST(Npz, ComesBackToTheLastBit) {
+TEST(Npz, RoundTripIsExact) {
     const auto table = sampleTable<double>();
     EXPECT_EQ(tableInNpz(fileBytes(table)), table);
     const auto single = sampleTable<float>();
@@ -48,11 +48,11 @@ TEST(Npz, ComesBackToTheLastBit) {
 }
 
 /// See tests/io/matrices/README.md.
-TEST(Npz, OfScipyAndNumpyIsRead) {
+TEST(Npz, ReadsFilesWrittenByScipyAndNumpy) {
     const auto folder = matrixFolder();
     for (const char* name :
          {"scipy-compressed.npz", "scipy-array-unsorted-stored.npz", "numpy-2-big-endian.npz"})
-        EXPECT_EQ(readMatrix(folder / name), othersTable()) << name;
+        EXPECT_EQ(readMatrix(folder / name), tableOfOtherPrograms()) << name;
     constexpr double kLargest = std::int64_t{1} << 53;
     EXPECT_EQ(readMatrix(folder / "numpy-3-integers.npz"),
               Table(100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {1, -2, kLargest, -kLargest, 0}));
@@ -61,27 +61,27 @@ TEST(Npz, OfScipyAndNumpyIsRead) {
                    readMatrix(folder / "scipy-csc.npz"));
 }
 
-TEST(Npz, IsRefusedInPartsAndWhenChanged) {
+TEST(Npz, TruncatedOrChangedFilesAreRefused) {
     const std::string own = fileBytes(sampleTable<double>());
     expectPartsOfMatrixRefused(own, tableInNpz);
-    // What no checksum covers, such as times, is of no meaning.
+    // Bytes that no checksum covers, such as times, have no meaning.
     expectFlipsRefusedOr(own, tableInNpz,
                          [](const Table& table) { EXPECT_EQ(table, sampleTable<double>()); });
     const std::string others = readFile(matrixFolder() / "scipy-compressed.npz");
     expectPartsOfMatrixRefused(others, tableInNpz);
     expectFlipsRefusedOr(others, tableInNpz,
-                         [](const Table& table) { EXPECT_EQ(table, othersTable()); });
+                         [](const Table& table) { EXPECT_EQ(table, tableOfOtherPrograms()); });
 }
 
-TEST(Npz, NamesTheArrayThatIsWrong) {
+TEST(Npz, ErrorsNameTheArray) {
     std::string bytes = fileBytes(sampleTable<double>());
     EXPECT_REFUSED(FileError, "a.npz: is not a ZIP archive", tableInNpz("PK"));
-    // In the directory, whose entries are last.
+    // Changes the name in the directory, which is the last place that has it.
     bytes[bytes.rfind("data.npy")] = 'D';
     EXPECT_REFUSED(FileError, "a.npz: data.npy: is not in the archive", tableInNpz(bytes));
 }
 
-TEST(NpyArrays, ComeBackToTheLastBit) {
+TEST(NpyArrays, RoundTripIsExact) {
     const auto table = sampleTable<double>();
     EXPECT_EQ(Arrays(table).read(4), table);
     for (const Table& edge : edgeTables()) EXPECT_EQ(Arrays(edge).read(edge.columnCount()), edge);
@@ -92,11 +92,11 @@ TEST(NpyArrays, ComeBackToTheLastBit) {
     EXPECT_REFUSED(FileError, "D.indices.npy: cannot open", readNpyArrays(folder / "D.npy", 4));
 }
 
-TEST(NpyArrays, OfNumpyAreRead) {
-    EXPECT_EQ(readNpyArrays(matrixFolder() / "numpy.npy", 100'000), othersTable());
+TEST(NpyArrays, ReadsFilesWrittenByNumpy) {
+    EXPECT_EQ(readNpyArrays(matrixFolder() / "numpy.npy", 100'000), tableOfOtherPrograms());
 }
 
-TEST(NpyArrays, AreRefusedInPartsAndWholeWhenChanged) {
+TEST(NpyArrays, TruncatedFilesAreRefusedAndChangedOnesGiveValidTablesOrErrors) {
     const Arrays whole(sampleTable<double>());
     for (std::size_t i = 0; i < 3; ++i) {
         const auto read = [&](const std::string& bytes) {
@@ -105,12 +105,12 @@ TEST(NpyArrays, AreRefusedInPartsAndWholeWhenChanged) {
             return arrays.read(4);
         };
         expectPartsOfMatrixRefused(whole.files[i], read);
-        // They have no checksum: another matrix may come out.
-        expectFlipsRefusedOr(whole.files[i], read, expectWhole);
+        // These files have no checksum, so a changed file may give another matrix.
+        expectFlipsRefusedOr(whole.files[i], read, expectValidTable);
     }
 }
 
-TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
+TEST(NpyArrays, ArraysThatDoNotFitTogetherAreRefused) {
     const Arrays whole(sampleTable<double>()), other(Table(4, {0, 1}, {3}, {1}));
     const auto refused = [](const Arrays& arrays, Index columnCount, const std::string& why) {
         EXPECT_REFUSED(FileError, why, arrays.read(columnCount));
@@ -125,7 +125,7 @@ TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
     refused(with(0, other.files[0]), 4, "D.npy: has rows from entry 0 to 1; expected 0 to 5");
     refused(with(1, other.files[1]), 4, "D.npy: has 1 columns and 5 weights");
     refused(with(2, other.files[2]), 4, "D.npy: has 5 columns and 1 weights");
-    // The columns are integers, and could be offsets; weights could not.
+    // Columns are integers, and so could be offsets; weights could not.
     refused(with(0, whole.files[1]), 4, "D.npy: has rows from entry 0 to 3");
     refused(with(1, whole.files[2]), 4, "D.indices.npy: is of type '<f8'; expected integers");
     refused(with(0, Arrays(Table()).files[1]), 4, "D.npy: has no row offsets");

@@ -19,7 +19,7 @@ Edges edgesOf(const Lattice& curve) {
     return edges;
 }
 
-TEST(ObjCurve, LinesWithoutFacesAreACurve) {
+TEST(ObjCurve, LinesWithoutFacesMakeACurve) {
     const Lattice curve = readMesh(kPolygon);
     EXPECT_EQ(curve.complex.dimension(), 1);
     EXPECT_EQ(curve.complex.count(0), 4);
@@ -30,13 +30,13 @@ TEST(ObjCurve, LinesWithoutFacesAreACurve) {
         EXPECT_EQ(edgesOf(readMesh(kPolygonPoints + lines)), edgesOf(curve)) << lines;
 }
 
-TEST(ObjCurve, LinesBesideFacesArePassedOver) {
+TEST(ObjCurve, LinesAreIgnoredIfThereAreFaces) {
     const std::string face = kPolygonPoints + "f 1 2 3 4\n";
     for (const char* lines : {"l 1 2\n", "l 0 9\n", "l\n", "l what\n"})
         expectSameMesh(readMesh(face + lines), readMesh(face));
 }
 
-TEST(ObjCurve, MayBeClosedInPiecesAndBranch) {
+TEST(ObjCurve, MayBeClosedDisconnectedOrBranched) {
     EXPECT_EQ(edgesOf(readMesh(kPolygonPoints + "l 1 2 3 4 1\n")),
               (Edges{{0, 1}, {1, 2}, {2, 3}, {3, 0}}));
     EXPECT_EQ(edgesOf(readMesh(kPolygonPoints + "l 1 2\nl 3 4\n")), (Edges{{0, 1}, {2, 3}}));
@@ -44,14 +44,14 @@ TEST(ObjCurve, MayBeClosedInPiecesAndBranch) {
               (Edges{{0, 1}, {1, 2}, {1, 3}}));
 }
 
-TEST(ObjCurve, TagsAreThoseOfMeshes) {
+TEST(ObjCurve, HasTheTagsOfMeshes) {
     const Lattice curve =
         readMesh("t corner 1/1/0 1 10\n" + kPolygon + "t interpolateboundary 1/0/0 0\n");
     EXPECT_EQ(curve.marks, (far::Marks{.vertices = {{1, far::kInfinitelySharp}}}));
     EXPECT_EQ(curve.tags, RefinementTags{.boundary = Boundary::Open});
 }
 
-TEST(ObjCurve, IsWrittenAsLinesAsLongAsTheyCanBe) {
+TEST(ObjCurve, IsWrittenAsLongestPossibleLines) {
     const auto linesOf = [](const std::string& lines) {
         const std::string written = writtenMesh(readMesh(kPolygonPoints + lines));
         EXPECT_EQ(written.substr(0, kPolygonPoints.size()), kPolygonPoints);
@@ -65,7 +65,7 @@ TEST(ObjCurve, IsWrittenAsLinesAsLongAsTheyCanBe) {
     EXPECT_EQ(linesOf("l 2 3 4 2\nl 1 2\n"), "l 1 2\nl 2 3 4 2\n");
 }
 
-TEST(ObjCurve, ComesBackAsItWas) {
+TEST(ObjCurve, RoundTripIsExact) {
     Lattice curve =
         withAwkwardPositions(readMesh(kPolygonPoints + "v 5 5 5\nl 1 2 3 1\nl 3 4 5\n").complex);
     curve.marks.vertices = {{1, double{0.1F}}, {3, far::kInfinitelySharp}};
@@ -78,7 +78,7 @@ TEST(ObjCurve, ComesBackAsItWas) {
     EXPECT_EQ(back.tags, curve.tags);
 }
 
-TEST(ObjCurve, RefusalsNameTheLine) {
+TEST(ObjCurve, ErrorsNameTheLine) {
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 2 5\n"),
                 StartsWith(":5: a line names vertex 5"));
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 0\n"), StartsWith(":5: a line names vertex 0"));

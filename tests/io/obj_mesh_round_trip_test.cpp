@@ -10,7 +10,7 @@ using far::Creasing;
 using far::kInfinitelySharp;
 using far::TriangleSubdivision;
 
-TEST(ObjMesh, IsWrittenAsItIsDocumented) {
+TEST(ObjMesh, IsWrittenAsDocumented) {
     Lattice mesh = readMesh(kVertices + "f 4 5 2 1\nf 6 5 2 3\n");
     mesh.positions[1] = {0.1, -0.0, 1e300};
     mesh.marks.edges = {{{5, 4}, double{4.7F}}, {{1, 4}, 12}, {{0, 1}, 0}, {{1, 0}, 0.3}};
@@ -33,7 +33,7 @@ TEST(ObjMesh, IsWrittenAsItIsDocumented) {
     EXPECT_EQ(writtenMesh(readMesh(kSquares)), kSquares);
 }
 
-TEST(ObjMesh, ComesBackAsItWas) {
+TEST(ObjMesh, RoundTripIsExact) {
     Lattice mesh = taggedMesh();
     expectSameMesh(readMesh(writtenMesh(mesh)), mesh);
     for (const auto boundary : {Boundary::Open, Boundary::Sharp, Boundary::EdgeOnly}) {
@@ -50,7 +50,7 @@ TEST(ObjMesh, ComesBackAsItWas) {
     }
 }
 
-TEST(ObjMesh, IsNotWrittenWhereItDoesNotFit) {
+TEST(ObjMesh, RefusesToWriteInconsistentMeshes) {
     const auto refused = [](const Lattice& mesh) -> std::string {
         const TemporaryFolder folder;
         try {
@@ -83,8 +83,9 @@ TEST(ObjMesh, IsNotWrittenWhereItDoesNotFit) {
     EXPECT_THAT(refused(mesh), HasSubstr("face 2 is marked as a hole, but there are 2"));
 }
 
-/// What every part and every damaged copy of a file does: it loads, or is refused with an Error.
-const std::string& everything() {
+/// A text with all kinds of statements. Each truncated or damaged copy must be read, or refused
+/// with an Error.
+const std::string& textWithAllStatements() {
     static const std::string text =
         writtenMesh(taggedMesh()) + "t crease 4/2/0 0 1 1 4 0 12\nt corner 2/1/0 1 2 \\\n 3\n" +
         "t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 chaikin\n" +
@@ -92,11 +93,11 @@ const std::string& everything() {
     return text;
 }
 
-TEST(ObjMesh, EveryPartIsReadOrRefused) {
+TEST(ObjMesh, TruncatedFilesAreReadOrRefused) {
     const TemporaryFolder folder;
     std::size_t readCount = 0;
-    for (std::size_t size = 0; size <= everything().size(); ++size) {
-        putLatticeFile(folder / "a.obj", everything().substr(0, size));
+    for (std::size_t size = 0; size <= textWithAllStatements().size(); ++size) {
+        putLatticeFile(folder / "a.obj", textWithAllStatements().substr(0, size));
         try {
             const Lattice mesh = io::readRefinable(folder / "a.obj");
             far::validate(mesh.complex);
@@ -108,15 +109,16 @@ TEST(ObjMesh, EveryPartIsReadOrRefused) {
             ADD_FAILURE() << "another exception for " << size << " bytes";
         }
     }
-    // At the least after each statement from the first face on: 3 faces, 13 tags, a vertex, a face.
+    // A part can be read at least after each statement from the first face on: 3 faces, 13 tags, a
+    // vertex, a face.
     EXPECT_GE(readCount, 18u);
 }
 
 TEST(ObjMesh, SurvivesDamage) {
     const TemporaryFolder folder;
-    for (std::size_t at = 0; at < everything().size(); at += 3)
+    for (std::size_t at = 0; at < textWithAllStatements().size(); at += 3)
         for (const char damage : {'9', '/', '\n'}) {
-            std::string damaged = everything();
+            std::string damaged = textWithAllStatements();
             damaged[at] = damage;
             putLatticeFile(folder / "a.obj", damaged);
             try {
@@ -129,8 +131,8 @@ TEST(ObjMesh, SurvivesDamage) {
         }
 }
 
-/// What is in OpenSubdiv's regression shapes, as counted with grep and awk. `edges` and `vertices`
-/// are the tags crease and corner.
+/// The content of OpenSubdiv's regression shapes, as counted by grep and awk. `edges` and
+/// `vertices` are the numbers of crease and corner tags.
 struct Shape {
     Index vertexCount, faceCount;
     std::size_t edges = 0, vertices = 0;
@@ -183,7 +185,7 @@ TEST(ObjMesh, SharedModelsAreRead) {
     const auto folder = sharedData() / "models";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
-    // As grep -c '^v ' and '^f ' count them.
+    // The numbers are counted by grep -c '^v ' and '^f '.
     const Lattice arm = io::readRefinable(folder / "rocker-arm.obj");
     EXPECT_EQ(arm.complex.count(0), 10044);
     EXPECT_EQ(arm.complex.count(2), 20088);
@@ -191,7 +193,7 @@ TEST(ObjMesh, SharedModelsAreRead) {
     EXPECT_EQ(spot.complex.count(0), 2930);
     EXPECT_EQ(spot.complex.count(2), 5856);
     expectSameMesh(readMesh(writtenMesh(spot)), spot);
-    // 1113 of its points are in no face.
+    // 1113 of the points are in no face.
     const Lattice bunny = io::readRefinable(folder / "stanford-bunny.obj");
     EXPECT_EQ(bunny.complex.count(0), 35947);
     EXPECT_EQ(bunny.complex.count(2), 69451);

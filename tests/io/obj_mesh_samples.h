@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-// Meshes to write and to read as OBJ, and what it means that two are the same.
+// Meshes to write and to read as OBJ, and their comparison.
 
 namespace espalier::test {
 
@@ -29,7 +29,7 @@ inline Lattice readMesh(const std::string& text) {
     return io::readRefinable(folder / "a.obj");
 }
 
-/// The message with which a mesh is refused, after the path; empty if it is not.
+/// Returns the message, after the path, with which a mesh is refused; empty if it is accepted.
 inline std::string refusalOfMesh(const std::string& text) {
     return refusalOf("a.obj", text, [](const std::string& path) { io::readRefinable(path); });
 }

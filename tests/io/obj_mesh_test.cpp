@@ -12,12 +12,12 @@ using far::TriangleSubdivision;
 using EdgeMarks = std::vector<far::Marks::Edge>;
 using VertexMarks = std::vector<far::Marks::Vertex>;
 
-/// Of the two squares with a line 9.
+/// Returns the message with which the two squares are refused, with this line as line 9.
 std::string refusalOfLine(const std::string& line) {
     return refusalOfMesh(kSquares + line + "\n# the end\n");
 }
 
-/// The sharpness that a tag of one crease reads as, if it is a mark.
+/// Returns the sharpness that is read from a tag of one crease; nothing if it is no mark.
 std::optional<double> sharpnessOf(const std::string& text) {
     const auto edges = readMesh(kSquares + "t crease 2/1/0 1 4 " + text + "\n").marks.edges;
     EXPECT_LE(edges.size(), 1u);
@@ -25,7 +25,7 @@ std::optional<double> sharpnessOf(const std::string& text) {
     return edges[0].sharpness;
 }
 
-TEST(ObjMesh, IsReadWithItsFacesAsTheyAre) {
+TEST(ObjMesh, FacesKeepTheirOrderFirstVertexAndWinding) {
     const Lattice mesh = readMesh(kSquares);
     EXPECT_EQ(mesh.complex.dimension(), 2);
     EXPECT_EQ(loopsOf(mesh.complex), kSquareLoops);
@@ -40,14 +40,14 @@ TEST(ObjMesh, IsReadWithItsFacesAsTheyAre) {
               (Loops{{3, 4, 1, 0}, {5, 4, 1, 2}}));
 }
 
-TEST(ObjMesh, FacesMayBeWrittenInEveryWay) {
+TEST(ObjMesh, AcceptsAllSpellingsOfFaces) {
     for (const char* faces :
          {"f 1/1 2/2 5/5 4/4\nf 2//1 3//2 6//3 5//4\n",
           "f 1/1/9 2/2/9 5/-5/9 4/4/-9\nf 2 3/7 6//1 5/1/2\n",
-          // The last vertex so far is number 6.
+          // Negative numbers count back from vertex 6, the last one so far.
           "f -6 -5 -2 -3\nf -5 3 -1/-1/-1 5\n", "f 1 2 \\\n 5 4\nf 2\t3   6 5 # the right one\n",
           "f +1 2 5 4\nf 2/ 3/1/ 6 5\n",
-          // As old files have it.
+          // Old files have the keyword fo.
           "fo 1 2 5 4\nfo 2 3 6 5\n"})
         EXPECT_EQ(loopsOf(readMesh(kVertices + faces).complex), kSquareLoops) << faces;
     EXPECT_EQ(loopsOf(readMesh(kVertices + "f 1 2 3 6 5 4\nf 1 2 5\n").complex),
@@ -61,7 +61,7 @@ TEST(ObjMesh, RelativeNumbersCountFromTheirOwnFace) {
               (Loops{{0, 1, 2}, {3, 4, 5}}));
 }
 
-TEST(ObjMesh, OrderOfTheStatementsDoesNotCount) {
+TEST(ObjMesh, StatementsMayBeInAnyOrder) {
     const std::string text =
         "t crease 2/1/0 1 4 2\nt hole 1/0/0 1\nt corner 1/1/0 0 10\nf 1 2 5 4\n" + kVertices +
         "f 2 3 6 5\n";
@@ -77,7 +77,7 @@ TEST(ObjMesh, RefusesUnknownKeywords) {
             << line;
 }
 
-TEST(ObjMesh, WhatIsNotOfTheMeshIsPassedOver) {
+TEST(ObjMesh, OtherStatementsAreIgnored) {
     const std::string text =
         "\xEF\xBB\xBF# t crease 2/1/0 0 1 1\nmtllib a.mtl\no a\ng b \\\nf 1 2 3\n"
         "v 0 0 0 1.5\nv 1 0 0 0.1 0.2 0.3\nv 2 0 0 # a comment\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
@@ -90,21 +90,22 @@ TEST(ObjMesh, WhatIsNotOfTheMeshIsPassedOver) {
     }
 }
 
-TEST(ObjMesh, NeedsNoManifold) {
-    // Three triangles on one edge, two squares back to back, and two that meet in a vertex only.
+TEST(ObjMesh, MayBeNonManifold) {
+    // Three triangles on one edge, two squares back to back, and two triangles that share only a
+    // vertex.
     const std::string text =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\n"
         "v 7 1 0\nv 7 2 0\n"
         "f 1 2 3\nf 1 2 4\nf 2 1 5\nf 6 7 8 9\nf 9 8 7 6\nf 8 10 11\n";
     const Lattice mesh = readMesh(text);
     EXPECT_EQ(mesh.complex.count(2), 6);
-    // 3 · 3 − 2 around the shared edge, 4 of the squares, 3 of the last triangle.
+    // 3 · 3 − 2 edges around the shared edge, 4 of the squares, 3 of the last triangle.
     EXPECT_EQ(mesh.complex.count(1), 7 + 4 + 3);
     EXPECT_EQ(writtenMesh(mesh), text);
     expectSameMesh(readMesh(writtenMesh(mesh)), mesh);
 }
 
-TEST(ObjMesh, FacesMayBeDegenerateAndVerticesLoose) {
+TEST(ObjMesh, AcceptsDegenerateFacesAndUnusedVertices) {
     const std::string text = kSquares + "v 9 9 9\nf 1 2 2 5\n";
     const Lattice mesh = readMesh(text);
     EXPECT_EQ(loopsOf(mesh.complex)[2], (std::vector<Index>{0, 1, 1, 4}));
@@ -132,13 +133,13 @@ TEST(ObjMesh, CornersAreVertexMarks) {
     EXPECT_EQ(vertices("t corner 3/3/0 5 0 2 1 2 3\n"), (VertexMarks{{0, 2}, {2, 3}, {5, 1}}));
 }
 
-TEST(ObjMesh, HolesAreFaceMarksEachOnce) {
+TEST(ObjMesh, HolesAreFaceMarksWithoutDuplicates) {
     EXPECT_THAT(readMesh(kSquares + "t hole 1/0/0 1\n").marks.holes, ElementsAre(1));
     EXPECT_THAT(readMesh(kSquares + "t hole 3/0/0 1 0 1\nt hole 1/0/0 0\n").marks.holes,
                 ElementsAre(0, 1));
 }
 
-TEST(ObjMesh, TagsSayHowItIsToBeRefined) {
+TEST(ObjMesh, TagsSetRefinementOptions) {
     const auto tags = [](const std::string& text) { return readMesh(kSquares + text).tags; };
     EXPECT_EQ(tags("t interpolateboundary 1/0/0 0\n"), RefinementTags{.boundary = Boundary::Open});
     EXPECT_EQ(tags("t interpolateboundary 1/0/0 1\n"), RefinementTags{.boundary = Boundary::Sharp});
@@ -151,22 +152,23 @@ TEST(ObjMesh, TagsSayHowItIsToBeRefined) {
               RefinementTags{.triangles = TriangleSubdivision::Catmark});
     EXPECT_EQ(tags("t smoothtriangles 0/0/1 smooth\n"),
               RefinementTags{.triangles = TriangleSubdivision::Smooth});
-    // The later one counts.
+    // The later tag wins.
     EXPECT_EQ(tags("t interpolateboundary 1/0/0 1\nt interpolateboundary 1/0/0 2\n"),
               RefinementTags{.boundary = Boundary::EdgeOnly});
 }
 
-TEST(ObjMesh, TagsOfOtherNamesArePassedOver) {
+TEST(ObjMesh, UnknownTagsAreIgnored) {
     expectSameMesh(readMesh(kSquares + "t facevaryinginterpolateboundary 1/0/0 1\n"
                                        "t facevaryingpropagatecorners 1/0/0 1\n"
                                        "t vertexedit 1/0/0\nt creases 2/1/0 0 99 x\nt Crease\n"),
                    readMesh(kSquares));
 }
 
-TEST(ObjMesh, SharpnessIsAsItIsStored) {
+TEST(ObjMesh, SharpnessIsRoundedToStoredPrecision) {
     EXPECT_EQ(sharpnessOf("1.5"), 1.5);
     EXPECT_EQ(sharpnessOf("4.7"), double{4.7F});
-    // Just above the middle between the floats 1 and 1 + 2⁻²³, by less than a double can tell.
+    // This number is above the middle between the floats 1 and 1 + 2⁻²³ by less than the precision
+    // of a double.
     EXPECT_EQ(sharpnessOf("1.00000005960464477539062500001"), 1 + 0x1p-23);
     EXPECT_EQ(sharpnessOf("9.9"), double{9.9F});
     for (const char* infinite : {"10", "10.0", "12", "9.99999999", "1e39", "inf"})
@@ -175,7 +177,7 @@ TEST(ObjMesh, SharpnessIsAsItIsStored) {
         EXPECT_EQ(sharpnessOf(none), std::nullopt) << none;
 }
 
-TEST(ObjMesh, LaterMarksCount) {
+TEST(ObjMesh, LaterMarksWin) {
     const Lattice mesh =
         readMesh(kSquares +
                  "t crease 4/1/0 1 4 0 1 3\nt crease 2/1/0 4 1 1\nt crease 2/1/0 0 1 0\n"
@@ -184,7 +186,7 @@ TEST(ObjMesh, LaterMarksCount) {
     EXPECT_EQ(mesh.marks.vertices, (VertexMarks{{1, kInfinitelySharp}}));
 }
 
-TEST(ObjMesh, RefusalsNameTheLineAndWhatWasExpected) {
+TEST(ObjMesh, ErrorsNameTheLineAndTheExpectation) {
     struct Case {
         const char* line;
         const char* cause;
@@ -252,12 +254,12 @@ TEST(ObjMesh, RefusalsNameTheLineAndWhatWasExpected) {
         EXPECT_THAT(refused, StartsWith(":9: ")) << bad.line;
         EXPECT_THAT(refused, HasSubstr(bad.cause)) << bad.line;
     }
-    // The line is that on which the statement begins, and continued lines count.
+    // Messages give the line on which the statement begins; continued lines count.
     EXPECT_THAT(refusalOfMesh("g a \\\n b\n" + kSquares + "t hole 1/0/0 \\\n 7\n"),
                 StartsWith(":11: "));
 }
 
-TEST(ObjMesh, TopologyErrorsNameThePlaceAndKeepTheirCause) {
+TEST(ObjMesh, TopologyErrorsNameTheLineAndKeepTheirCause) {
     const auto expectRefused = [](far::TopologyCause cause, Entity entity, const std::string& what,
                                   const std::string& text) {
         const TemporaryFolder folder;

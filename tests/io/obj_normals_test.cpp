@@ -11,20 +11,20 @@ namespace {
 
 using Gradients = std::vector<DeformationGradient>;
 
-/// y becomes z, z becomes -y.
+/// Maps y to z and z to -y.
 constexpr DeformationGradient kTilt = {1, 0, 0, 0, 0, -1, 0, 1, 0};
 
-/// What the model of this text writes whose points stay.
+/// Returns the text that the model writes with these gradients if its points stay.
 std::string carriedBy(const Gradients& gradients, const std::string& text) {
     const auto model = readModel("a.obj", text);
     return written(*model, model->positions(), gradients);
 }
 
-/// A corner with a normal, as a reader finds it that goes through the file once.
+/// A corner with a normal, as found by a reader that reads the file once.
 struct Corner {
     std::size_t point = 0;
     std::size_t normal = 0;
-    bool isForward = false;  ///< whether its normal comes later in the file
+    bool isForward = false;  ///< true if its normal comes later in the file
 };
 
 struct Read {
@@ -32,8 +32,8 @@ struct Read {
     std::vector<Corner> corners;
 };
 
-/// Reads a file without comments between the parts of a line, the plain way.
-Read readPlainly(std::string text) {
+/// Reads a file that has no comments within lines, by simple independent code.
+Read readIndependently(std::string text) {
     for (const std::string continued : {"\\\r\n", "\\\n"})
         for (std::size_t at = 0; (at = text.find(continued)) != std::string::npos;)
             text.replace(at, continued.size(), " ");
@@ -66,11 +66,11 @@ Read readPlainly(std::string text) {
     return read;
 }
 
-/// That every corner has the normal that its gradient makes of the old one, and that no corner
-/// comes to stand before its normal.
+/// Expects that every corner has its old normal carried by its gradient, and that a corner precedes
+/// its normal only if it did before.
 void expectCarried(const std::string& text, const Gradients& gradients) {
-    const Read before = readPlainly(text);
-    const Read after = readPlainly(carriedBy(gradients, text));
+    const Read before = readIndependently(text);
+    const Read after = readIndependently(carriedBy(gradients, text));
     SCOPED_TRACE(text.substr(0, 500));
     ASSERT_EQ(after.corners.size(), before.corners.size());
     for (std::size_t i = 0; i < before.corners.size(); ++i) {
@@ -80,22 +80,22 @@ void expectCarried(const std::string& text, const Gradients& gradients) {
         ASSERT_TRUE(was.isForward || !is.isForward) << "corner " << i;
         ASSERT_LT(is.normal, after.normals.size()) << "corner " << i;
         const Point3 expected = carryNormal(gradients[was.point], before.normals[was.normal]);
-        // Nine digits are written.
+        // Normals are written with nine digits.
         for (std::size_t axis = 0; axis < 3; ++axis)
             ASSERT_NEAR(after.normals[is.normal][axis], expected[axis], 1e-9) << "corner " << i;
     }
 }
 
-/// Four points, gradients that differ, and a rest of a file.
+/// Four points, and a different gradient for each.
 const std::string kPoints = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 const Gradients kGradients = {kIdentity, kQuarterTurn, kTilt, rotation({1, 1, 0}, 0.3)};
 
-TEST(ObjNormals, AreDirections) {
+TEST(ObjNormals, CountAsDirections) {
     EXPECT_FALSE(readModel("a.obj", "v 0 0 0\n# vn 0 0 1\n")->hasDirections());
     EXPECT_TRUE(readModel("a.obj", "v 0 0 0\nvn 0 0 1\n")->hasDirections());
 }
 
-TEST(ObjNormals, TurnWithTheModelInTheirPlaces) {
+TEST(ObjNormals, AreRewrittenInPlaceUnderARotation) {
     const std::string before =
         "v 0 0 0\n"
         "vn\t1.000  0 -0.0 # x\r\n"
@@ -108,14 +108,14 @@ TEST(ObjNormals, TurnWithTheModelInTheirPlaces) {
               "f 1//1 1//2 1//1\n");
 }
 
-TEST(ObjNormals, MoveWithThePoints) {
+TEST(ObjNormals, AreCarriedWhilePointsMove) {
     const auto model = readModel("a.obj", "v 0 0 0\nvn 1 0 0\nv 1 0 0\nf 1//1 2//1 1//1\n");
     EXPECT_EQ(written(*model, std::vector<Point3>{{0, 0, 0}, {0, 1, 0}},
                       Gradients{kQuarterTurn, kQuarterTurn}),
               "v 0 0 0\nvn 0 1 0\nv 0 1 0\nf 1//1 2//1 1//1\n");
 }
 
-TEST(ObjNormals, KeepEveryByteWhereNothingTurns) {
+TEST(ObjNormals, KeepEveryByteUnderTheIdentity) {
     const std::string text =
         "\xEF\xBB\xBF# exported\n"
         "v 0 0 0\nv 1 0 0 0.5 0.5 0.5\n"
@@ -126,9 +126,9 @@ TEST(ObjNormals, KeepEveryByteWhereNothingTurns) {
     EXPECT_EQ(carriedBy({kIdentity, kIdentity}, text), text);
 }
 
-TEST(ObjNormals, AreSplitWhereTheirUsersDiffer) {
-    // Points 1 and 4 do not turn: they share. The first user keeps the line; the other lines
-    // follow the last normal before the face.
+TEST(ObjNormals, AreSplitWhereCornersDiffer) {
+    // Points 1 and 4 do not turn, so they share a normal. The first corner keeps the line; new
+    // lines follow the last normal before the face.
     EXPECT_EQ(
         carriedBy({kIdentity, kQuarterTurn, kTilt, kIdentity}, kPoints + "vn 0 1 0\n"
                                                                          "vn 0 0 1 # the last\n"
@@ -148,16 +148,16 @@ TEST(ObjNormals, AreSplitWhereTheirUsersDiffer) {
             "f 3//4 2//3 1//1\n");
 }
 
-TEST(ObjNormals, OfTheFirstUserTakeTheLine) {
+TEST(ObjNormals, FirstCornerKeepsTheLine) {
     EXPECT_EQ(carriedBy({kIdentity, kQuarterTurn},
                         "v 0 0 0\nv 1 0 0\nvn 0 1 0\n"
                         "f 2//1 1//1 2//1\n"),
               "v 0 0 0\nv 1 0 0\nvn -1 0 0\nvn 0 1 0\nf 2//1 1//2 2//1\n");
 }
 
-TEST(ObjNormals, NumbersThatCountBackStaySo) {
-    // The new line comes after the second normal: -2 and -1 become one less where they stand for
-    // what precedes it.
+TEST(ObjNormals, NumbersThatCountBackStillCountBack) {
+    // The new line follows the second normal, so the numbers -2 and -1 decrease by one where they
+    // name a normal before it.
     EXPECT_EQ(carriedBy({kIdentity, kQuarterTurn, kIdentity, kIdentity},
                         kPoints + "vn 0 1 0\n"
                                   "vn 0 0 1\n"
@@ -173,8 +173,8 @@ TEST(ObjNormals, NumbersThatCountBackStaySo) {
                   "f -4//-4 -3//-2 -2//-3 -1//-1\n");
 }
 
-TEST(ObjNormals, OfLaterObjectsAreNumberedAnew) {
-    // Two objects, each with its points, normals and faces; the first gets a line more.
+TEST(ObjNormals, NormalsOfLaterObjectsAreRenumbered) {
+    // Two objects, each with its own points, normals and faces; the first gets a new line.
     EXPECT_EQ(carriedBy({kIdentity, kQuarterTurn, kIdentity},
                         "v 0 0 0\nv 1 0 0\nvn 0 1 0\nf 1//1 2//1 1//1\n"
                         "v 2 0 0\nvn 0 0 1\nf 3//2 3//2 3//2\n"),
@@ -182,7 +182,7 @@ TEST(ObjNormals, OfLaterObjectsAreNumberedAnew) {
               "v 2 0 0\nvn 0 0 1\nf 3//3 3//3 3//3\n");
 }
 
-TEST(ObjNormals, OfEveryCornerAreRight) {
+TEST(ObjNormals, EveryCornerGetsItsCarriedNormal) {
     const std::string faces =
         "f 1//1 2//1 3//1 4//1\n"
         "f 4//2 3//2 2//2\n"
@@ -209,31 +209,32 @@ TEST(ObjNormals, OfEveryCornerAreRight) {
     }
 }
 
-TEST(ObjNormals, NewLinesEndAsTheOneBefore) {
+TEST(ObjNormals, NewLinesCopyTheLineEndBefore) {
     const Gradients gradients = {kIdentity, kQuarterTurn};
     const std::string points = "v 0 0 0\nv 1 0 0\n";
     EXPECT_EQ(carriedBy(gradients, points + "vn 0 1 0\r\nf 1//1 2//1 1//1"),
               points + "vn 0 1 0\r\nvn -1 0 0\r\nf 1//1 2//2 1//1");
-    // Faces before their normals, and no end of the last line; a backslash there takes nothing.
+    // Faces precede their normals, and the last line has no end; a backslash there must not
+    // continue it.
     EXPECT_EQ(carriedBy(gradients, points + "f 1//1 2//1 1//1\nvn 0 1 0"),
               points + "f 1//1 2//2 1//1\nvn 0 1 0\nvn -1 0 0");
     EXPECT_EQ(carriedBy(gradients, points + "f 1//1 2//1 1//1\nvn 0 1 0 \\"),
               points + "f 1//1 2//2 1//1\nvn 0 1 0 \\\n\nvn -1 0 0");
 }
 
-TEST(ObjNormals, ThatCornersPrecedeAreFollowedByTheirNewLines) {
+TEST(ObjNormals, NewLinesFollowANormalThatComesAfterItsCorner) {
     EXPECT_EQ(carriedBy({kIdentity, kQuarterTurn},
                         "v 0 0 0\nv 1 0 0\nvn 0 0 1\nf 1//2 2//2 1//1\nvn 0 1 0\nvn 1 0 0\n"),
               "v 0 0 0\nv 1 0 0\nvn 0 0 1\nf 1//2 2//3 1//1\nvn 0 1 0\nvn -1 0 0\nvn 1 0 0\n");
 }
 
-TEST(ObjNormals, OfARigidMotionStayShared) {
-    // Gradients that differ by rounding, as computed ones do.
+TEST(ObjNormals, StaySharedUnderARigidMotion) {
+    // The gradients differ by rounding, as computed gradients do.
     Gradients gradients(4, rotation({1, 2, 3}, 1));
     for (std::size_t i = 0; i < gradients.size(); ++i)
         for (double& entry : gradients[i]) entry *= 1 + 1e-15 * double(i);
     const std::string text = kPoints + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n";
-    const Read read = readPlainly(carriedBy(gradients, text));
+    const Read read = readIndependently(carriedBy(gradients, text));
     EXPECT_EQ(read.normals.size(), 1u);
     expectCarried(text, gradients);
 }
@@ -245,9 +246,9 @@ TEST(ObjNormals, HaveNoNegativeZeros) {
 }
 
 TEST(ObjNormals, KeepTheirLengths) {
-    const Read read = readPlainly(carriedBy({rotation({1, 2, 3}, 1)},
-                                            "v 0 0 0\nvn 0 0 1\nvn 0 3e-5 4e-5\nvn 2e7 0 0\n"
-                                            "f 1//1 1//2 1//3\n"));
+    const Read read = readIndependently(carriedBy({rotation({1, 2, 3}, 1)},
+                                                  "v 0 0 0\nvn 0 0 1\nvn 0 3e-5 4e-5\nvn 2e7 0 0\n"
+                                                  "f 1//1 1//2 1//3\n"));
     const double expected[] = {1, 5e-5, 2e7};
     for (std::size_t i = 0; i < 3; ++i) {
         const Point3& normal = read.normals[i];
@@ -256,12 +257,12 @@ TEST(ObjNormals, KeepTheirLengths) {
     }
 }
 
-TEST(ObjNormals, ThatNoFaceUsesOrThatAreNoneStay) {
+TEST(ObjNormals, UnusedNormalsAndVectorsThatAreNoDirectionStay) {
     const std::string text =
         "v 0 0 0\nvn 1 0 0\nvn 0 0 0\nvn nan 1 0\nvn 1e308 1e308 1e308\nvn 1 0\nvn x 1 0\n"
         "f 1//2 1//3 1//4 1//5 1//6\nl 1 1\np 1\nusemtl 1//1\n";
     EXPECT_EQ(carriedBy({kQuarterTurn}, text), text);
-    // A corner of a point that there is not does not count, but is numbered anew.
+    // A corner whose point does not exist does not carry its normal, but its number is updated.
     EXPECT_EQ(carriedBy({kIdentity, kQuarterTurn},
                         "v 0 0 0\nv 1 0 0\nvn 0 1 0\nf 1//1 2//1 9//1\nvn 1 0 0\n"
                         "f 9//2 x//2 1//3 1//2/1\n"),
@@ -269,7 +270,7 @@ TEST(ObjNormals, ThatNoFaceUsesOrThatAreNoneStay) {
               "f 9//3 x//3 1//3 1//2/1\n");
 }
 
-TEST(ObjNormals, OfOldFacesAndSurfacesAreCarriedToo) {
+TEST(ObjNormals, CornersOfFoAndSurfAreCarriedToo) {
     EXPECT_EQ(carriedBy({kQuarterTurn, kIdentity},
                         "v 0 0 0\nv 0 0 1\nvn 1 0 0\nvn 0 1 0\nsurf 0 1 0 1 1//1 2//1\n"
                         "fo 1//2 1//2 1//2\n"),
@@ -277,7 +278,7 @@ TEST(ObjNormals, OfOldFacesAndSurfacesAreCarriedToo) {
               "fo 1//2 1//2 1//2\n");
 }
 
-TEST(ObjNormals, OfManyPointsMaySpringFromOne) {
+TEST(ObjNormals, OneNormalMayBeSplitForManyPoints) {
     constexpr int kCount = 20000;
     std::string text = "vn 0 0 1\n";
     Gradients gradients;
@@ -285,7 +286,7 @@ TEST(ObjNormals, OfManyPointsMaySpringFromOne) {
         text += "v " + std::to_string(i) + " 0 0\nf -1//1 -1//-1 -1//1\n";
         gradients.push_back(rotation({1, 0, 0}, 1e-5 * i));
     }
-    const Read read = readPlainly(carriedBy(gradients, text));
+    const Read read = readIndependently(carriedBy(gradients, text));
     EXPECT_EQ(read.normals.size(), std::size_t{kCount});
     expectCarried(text, gradients);
 }

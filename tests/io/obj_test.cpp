@@ -5,7 +5,7 @@
 namespace espalier::io {
 namespace {
 
-/// All that an OBJ may hold around its points, with "\n" as line end.
+/// A text with everything that an OBJ may contain around its points, with "\n" as line end.
 const std::string kFullText =
     "# exported to C:\\models\\\n"
     "mtllib a.mtl\n"
@@ -33,7 +33,7 @@ TEST(Obj, ReadsThePoints) {
     }
 }
 
-TEST(Obj, ComesBackByteForByteWhereNothingMoved) {
+TEST(Obj, IsUnchangedIfNoPointMoves) {
     for (const char* end : {"\n", "\r\n"}) {
         const std::string text = withLineEnds(kFullText, end);
         const auto model = readModel("a.obj", text);
@@ -41,7 +41,7 @@ TEST(Obj, ComesBackByteForByteWhereNothingMoved) {
     }
 }
 
-TEST(Obj, ReplacesTheCoordinatesThatChangedAndNothingElse) {
+TEST(Obj, ReplacesOnlyChangedCoordinates) {
     for (const std::string end : {"\n", "\r\n"}) {
         const auto model = readModel("a.obj", withLineEnds(kFullText, end));
         auto moved = copyOf(model->positions());
@@ -54,7 +54,7 @@ TEST(Obj, ReplacesTheCoordinatesThatChangedAndNothingElse) {
         };
         replace("0.50  -1e-3   +2 ", "0.1  -1e-3   1e-07 ");
         replace("1.0 \\\n 2.0\\\n3.0#", "-1 \\\n -2\\\n-3.5#");
-        // 17 digits are needed for 1/3; to_chars takes the shorter of the two notations.
+        // 1/3 needs 16 digits; to_chars uses the shorter of the two notations.
         replace("1e2 0.5 7", "0.3333333333333333 1e+22 0");
         EXPECT_EQ(written(*model, moved), withLineEnds(expected, end));
     }
@@ -68,14 +68,14 @@ TEST(Obj, WritesTheSameDoubles) {
     EXPECT_EQ(copyOf(again->positions()), moved);
 }
 
-TEST(Obj, PassesOverAByteOrderMark) {
+TEST(Obj, SkipsAByteOrderMark) {
     const std::string text = "\xEF\xBB\xBFv 1 2 3\n";
     const auto model = readModel("a.obj", text);
     EXPECT_THAT(model->positions(), ElementsAre(Point3{1, 2, 3}));
     EXPECT_EQ(written(*model, std::vector<Point3>{{1, 2, 4}}), "\xEF\xBB\xBFv 1 2 4\n");
 }
 
-TEST(Obj, ReadsCoordinatesNextToZeroAsZero) {
+TEST(Obj, ReadsTinyCoordinatesAsZero) {
     const auto model = readModel("a.obj", "v 1e-400 -1e-400 1 1e-999\n");
     EXPECT_THAT(model->positions(), ElementsAre(Point3{0, -0.0, 1}));
 }
@@ -114,7 +114,7 @@ TEST(Obj, CountsTheLinesOfContinuedStatements) {
     EXPECT_REFUSED(FileError, "a.obj:4: ", readModel("a.obj", "g a \\\n b \\\r\n c\nv 1 \\\n 2\n"));
 }
 
-TEST(Obj, EveryPartIsReadOrRefused) {
+TEST(Obj, TruncatedFilesAreReadOrRefused) {
     std::size_t readCount = 0;
     for (std::size_t i = 0; i < 20; ++i) {
         const std::string part = kFullText.substr(0, kFullText.size() * i / 20);
@@ -123,7 +123,7 @@ TEST(Obj, EveryPartIsReadOrRefused) {
             EXPECT_EQ(written(*model, model->positions()), part);
             ++readCount;
         } catch (const FileError&) {
-            // A part that ends within a vertex or a keyword, or before the first vertex.
+            // This part ends within a vertex or a keyword, or before the first vertex.
         }
     }
     EXPECT_GE(readCount, 10u);  // half of the ends are neither within a vertex nor a keyword

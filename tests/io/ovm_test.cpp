@@ -5,7 +5,7 @@
 namespace espalier::test {
 namespace {
 
-/// A tetrahedron as OpenVolumeMesh itself writes it: half-faces have their normals inwards.
+/// A tetrahedron as OpenVolumeMesh itself writes it: normals of half-faces point inwards.
 const std::string kTetrahedron =
     "OVM ASCII\n"
     "Vertices\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
@@ -21,7 +21,7 @@ std::string refusal(const std::string& text) {
     return refusalOf("a.ovm", text);
 }
 
-/// The tetrahedron with one line replaced.
+/// Returns the text of the tetrahedron with one line replaced.
 std::string changed(const std::string& line, const std::string& by) {
     std::string text = kTetrahedron;
     const std::size_t at = text.find("\n" + line + "\n") + 1;
@@ -29,27 +29,27 @@ std::string changed(const std::string& line, const std::string& by) {
     return text.replace(at, line.size(), by);
 }
 
-TEST(Ovm, OfOneTetrahedronIsRead) {
+TEST(Ovm, ReadsATetrahedron) {
     const Lattice lattice = read(kTetrahedron);
     EXPECT_EQ(lattice.complex.count(0), 4);
     EXPECT_EQ(lattice.complex.count(1), 6);
     EXPECT_EQ(lattice.complex.count(2), 4);
     EXPECT_EQ(lattice.positions[3], (Point3{0, 0, 1}));
-    // Face 0 is 0, 1, 2, whose normal points up, into the tetrahedron: seen from outside, it is
-    // 0, 2, 1.
+    // Face 0 has the vertices 0, 1, 2 and its normal points up, into the tetrahedron. Seen from
+    // outside it is 0, 2, 1.
     EXPECT_EQ(orientedCells(lattice.complex)[0][1], (std::vector<Index>{0, 2, 1}));
     EXPECT_EQ(orientedCells(lattice.complex)[0],
               (std::vector<std::vector<Index>>{{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}));
 }
 
-TEST(Ovm, IsWrittenAsItIsRead) {
+TEST(Ovm, WritesWhatItReads) {
     EXPECT_EQ(writtenLattice("a.ovm", read(writtenLattice("a.ovm", read(kTetrahedron)))),
               writtenLattice("a.ovm", read(kTetrahedron)));
     EXPECT_THAT(writtenLattice("a.ovm", read(kTetrahedron)),
                 StartsWith("OVM ASCII\nVertices\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nEdges\n6\n"));
 }
 
-TEST(Ovm, CommentsAndCaseDoNotCount) {
+TEST(Ovm, IgnoresCommentsAndCase) {
     std::string text = "# by hand\n" + kTetrahedron;
     text.replace(text.find("OVM ASCII"), 9, "ovm Ascii   # header");
     text.replace(text.find("Edges"), 5, "EDGES # 6 of them\n#\n");
@@ -115,7 +115,7 @@ TEST(Ovm, MarksAreProperties) {
               (std::vector<far::Marks::Vertex>{{0, far::kInfinitelySharp}, {3, 0}}));
 }
 
-TEST(Ovm, MarksThatAreNaNAreRefused) {
+TEST(Ovm, NaNMarksAreRefused) {
     EXPECT_THAT(
         refusal(kTetrahedron + "VProp double \"espalier:vertex_sharpness\"\n1e9\n-1\nnan\n0\n"),
         HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN; expected"));
@@ -124,14 +124,14 @@ TEST(Ovm, MarksThatAreNaNAreRefused) {
                 HasSubstr("value 1 of 'espalier:edge_sharpness', counted from 0, is NaN"));
 }
 
-TEST(Ovm, RefusesAttributesWhoseNamesAreKeptForMarks) {
+TEST(Ovm, RefusesAttributesWithReservedNames) {
     EXPECT_THAT(refusal(kTetrahedron + "VProp double \"espalier:colour\"\n1\n2\n3\n4\n"),
                 StartsWith(": the attribute 'espalier:colour' has 1 components and is not a known "
                            "mark; names that begin with 'espalier:' are reserved for marks: rename "
                            "the attribute"));
 }
 
-TEST(Ovm, RefusalsNameTheOffender) {
+TEST(Ovm, ErrorsNameTheOffender) {
     EXPECT_THAT(refusal("OVM BINARY\n"), StartsWith(":1: is an OVM file of kind 'binary'; only"));
     EXPECT_THAT(refusal("solid\n"), StartsWith(":1: is not an OVM file: expected Vertices"));
     EXPECT_THAT(refusal(changed("0 0 1", "0 0 x")), StartsWith(":7: 'x' is not a number"));
@@ -158,7 +158,7 @@ TEST(Ovm, RefusalsNameTheOffender) {
     EXPECT_THAT(refusal(kTetrahedron + "VProp string \"name\"\nabc\n"), HasSubstr("and a colon"));
 }
 
-TEST(Ovm, NothingIsDroppedInSilence) {
+TEST(Ovm, UnusedEdgesAndFacesAreErrors) {
     EXPECT_THAT(refusal(changed("4 0 2 4 6", "3 0 2 4")),
                 HasSubstr("face 3 belongs to no polyhedron"));
     std::string edge = changed("3 2", "3 2\n0 1");
@@ -184,7 +184,7 @@ TEST(Ovm, TopologyErrorsKeepTheirCauseAndNameTheFile) {
     EXPECT_THAT(error.what(), StartsWith((folder / "open.ovm").string() + ": cell 0 is open"));
 }
 
-TEST(Ovm, ClaimsAreCheckedBeforeMemoryIsTaken) {
+TEST(Ovm, ClaimedSizesAreCheckedBeforeAllocating) {
     for (const std::string claim : {"18446744073709551615", "3000000000", "100"}) {
         for (const char* section : {"Vertices\n4", "Edges\n6", "Faces\n4", "Polyhedra\n1"}) {
             std::string text = kTetrahedron;
@@ -200,7 +200,7 @@ TEST(Ovm, ClaimsAreCheckedBeforeMemoryIsTaken) {
     }
 }
 
-TEST(Ovm, NamesOfSeveralLinesAreNotWritten) {
+TEST(Ovm, RefusesToWriteNamesWithLineEnds) {
     Lattice lattice = boxLattice();
     lattice.attributes = {{"a\nb", 1, std::vector<double>(12)}};
     EXPECT_THROW(writtenLattice("a.ovm", lattice), io::FileError);

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-// That PETSc writes such files is tested in tests/petsc/matrix_load_test.cpp.
+// tests/petsc/matrix_load_test.cpp tests that PETSc writes such files.
 namespace espalier::io {
 namespace {
 
@@ -23,7 +23,7 @@ std::string bytesOfTable(const stencils::StencilTable<Real>& table, PetscInt int
     return readFile(folder / "a.petsc");
 }
 
-/// A file of these numbers, in 32 or 64 bits.
+/// Returns a file with these integers, of 32 or 64 bits, and weights.
 template <class Integer>
 std::string file(const std::vector<std::int64_t>& integers, const std::vector<double>& weights) {
     std::string bytes;
@@ -33,7 +33,7 @@ std::string file(const std::vector<std::int64_t>& integers, const std::vector<do
     return bytes;
 }
 
-TEST(PetscBinary, ComesBackToTheLastBit) {
+TEST(PetscBinary, RoundTripIsExact) {
     for (const PetscInt integers : kBoth) {
         const auto table = sampleTable<double>();
         EXPECT_EQ(tableInPetscFile(bytesOfTable(table, integers)), table);
@@ -54,7 +54,7 @@ TEST(PetscBinary, SortsColumns) {
         Table(4, {0, 3, 4}, {0, 1, 3, 2}, {0.5, -1, 3, 2}));
 }
 
-TEST(PetscBinary, RefusesAnotherKind) {
+TEST(PetscBinary, RefusesOtherKindsOfFiles) {
     const auto refused = [](const std::string& bytes, const std::string& why) {
         EXPECT_THAT([&] { tableInPetscFile(bytes); },
                     ThrowsMessage<FileError>(AllOf(HasSubstr("a.petsc: "), HasSubstr(why))));
@@ -66,12 +66,12 @@ TEST(PetscBinary, RefusesAnotherKind) {
     refused(file<std::int64_t>({1211216, 1, 1, -1}, {1}), "dense");
     const std::string whole = file<std::int32_t>({1211216, 1, 1, 1, 1, 0}, {1});
     EXPECT_EQ(tableInPetscFile(whole), Table(1, {0, 1}, {0}, {1}));
-    // Complex weights, or a vector behind the matrix.
+    // The extra bytes could be complex weights, or a vector after the matrix.
     refused(whole + bytesOf(0.0, std::endian::big), "double precision");
     EXPECT_THROW(readMatrix("/no/such/file.petsc"), FileError);
 }
 
-TEST(PetscBinary, RefusesWhatIsNoMatrix) {
+TEST(PetscBinary, RefusesInvalidMatrices) {
     const auto refused = [](const std::vector<std::int64_t>& integers,
                             const std::vector<double>& weights, const std::string& why) {
         for (const std::string& bytes :
@@ -91,7 +91,7 @@ TEST(PetscBinary, RefusesWhatIsNoMatrix) {
     refused({1211216, 2, 1, 1, 0, 1, 0}, {kNan}, "row 1 has the weight nan");
 }
 
-TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
+TEST(PetscBinary, ChecksClaimedSizesBeforeAllocating) {
     constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
     constexpr std::int64_t kRows = kMaxIndex;
     const auto refused = [](const std::vector<std::int64_t>& integers, const std::string& why) {
@@ -99,21 +99,21 @@ TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
     };
     refused({1211216, kRows, 1, 0}, "claims 2147483647 rows and 0 entries, but 0 bytes follow");
     refused({1211216, 0, 1, kLargest}, "9223372036854775807 entries, but 0 bytes");
-    // 2^60 entries of 16 bytes are 2^64, which is 0 of 64 bits.
+    // 2^60 entries of 16 bytes are 2^64 bytes, which is 0 in 64 bits.
     refused({1211216, 0, 1, std::int64_t{1} << 60}, "1152921504606846976 entries, but 0 bytes");
-    // 2^60 − 1 of them are −16 bytes of 64 bits, as two rows too many are.
+    // 2^60 − 1 entries of 16 bytes and two row lengths of 8 bytes are also 2^64 bytes.
     refused({1211216, 2, 1, (std::int64_t{1} << 60) - 1}, "2 rows and 1152921504606846975 entries");
     refused({1211216, kRows + 1, 1, 0}, "claims 2147483648 rows; expected 0 to 2147483647");
     refused({1211216, 0, kLargest, 0}, "claims 9223372036854775807 columns");
     refused({1211216, 1, 1, 1, 1, kRows + 1, 0}, "out of range");
 }
 
-TEST(PetscBinary, IsRefusedInPartsAndWholeWhenChanged) {
+TEST(PetscBinary, TruncatedFilesAreRefusedAndChangedOnesGiveValidTablesOrErrors) {
     for (const PetscInt integers : kBoth) {
         const std::string bytes = bytesOfTable(sampleTable<double>(), integers);
         expectPartsOfMatrixRefused(bytes, tableInPetscFile);
-        // It has no checksum: another matrix may come out.
-        expectFlipsRefusedOr(bytes, tableInPetscFile, expectWhole);
+        // The file has no checksum, so a changed file may give another matrix.
+        expectFlipsRefusedOr(bytes, tableInPetscFile, expectValidTable);
     }
 }
 

@@ -18,7 +18,7 @@ std::string headerOf(const std::string& format, int count) {
            "property float nx\nproperty double tz\nproperty float z\nend_header\n";
 }
 
-/// A row of the vertices, with z as position.
+/// Returns the row of a vertex with this z.
 std::string row(std::endian order, const Point3& normal, const Point3& tangent, float z) {
     const auto number = [&](auto value) { return bytesOf(value, order); };
     const auto real = [&](double value) { return number(float(value)); };
@@ -27,7 +27,7 @@ std::string row(std::endian order, const Point3& normal, const Point3& tangent, 
            number(tangent[2]) + number(z);
 }
 
-TEST(PlyDirections, TurnInBothBinaryOrders) {
+TEST(PlyDirections, AreCarriedInBothByteOrders) {
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string header =
             headerOf(order == std::endian::big ? "binary_big_endian" : "binary_little_endian", 2);
@@ -45,7 +45,7 @@ TEST(PlyDirections, TurnInBothBinaryOrders) {
     }
 }
 
-TEST(PlyDirections, TurnInAscii) {
+TEST(PlyDirections, AreCarriedInAscii) {
     const std::string header = headerOf("ascii", 1);
     const std::string text = header + ".10 7  3.0 2.0\t0.2 1 -3 8 1 0.3 9\r\n";
     const auto model = readModel("a.ply", text);
@@ -57,8 +57,8 @@ TEST(PlyDirections, TurnInAscii) {
               header + "-0.2 7  3.0 1\t0.1 1 -3 8 -2 0.3 4\r\n");
 }
 
-TEST(PlyDirections, NormalsAndTangentsAreCarriedEachInItsWay) {
-    // Stretched to twice along x: a normal leans back from x, a tangent towards it.
+TEST(PlyDirections, NormalsUseCofactorsAndTangentsTheGradient) {
+    // A stretch by 2 along x turns a normal away from x, and a tangent towards x.
     const DeformationGradient stretch = {2, 0, 0, 0, 1, 0, 0, 0, 1};
     const std::string header = headerOf("ascii", 1);
     const auto model = readModel("a.ply", header + "3 7 1 0 0 0 8 2 4 9\n");
@@ -73,12 +73,12 @@ TEST(PlyDirections, NormalsAndTangentsAreCarriedEachInItsWay) {
     ASSERT_EQ(numbers.size(), 10u);
     EXPECT_EQ(number(numbers[2]), side);
     EXPECT_EQ(number(numbers[7]), side);
-    // A few roundings of doubles.
+    // The tolerance is a few rounding errors of doubles.
     EXPECT_NEAR(numbers[0], 30 / std::sqrt(52), 1e-14);
     EXPECT_NEAR(numbers[8], 20 / std::sqrt(52), 1e-14);
 }
 
-TEST(PlyDirections, ThatAreNoneStay) {
+TEST(PlyDirections, VectorsThatAreNoDirectionStay) {
     const std::string header = headerOf("ascii", 4);
     const std::string text = header +
                              "0 7 nan 2 0 0 8 1 0 9\n"
@@ -96,7 +96,7 @@ TEST(PlyDirections, ThatAreNoneStay) {
     }
 }
 
-TEST(PlyDirections, AreThreePropertiesOfRealNumbers) {
+TEST(PlyDirections, NeedThreePropertiesOfRealNumbers) {
     const auto model = [](const std::string& properties) {
         std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
         for (const char* name : {"x", "y", "z"})
@@ -117,7 +117,7 @@ TEST(PlyDirections, AreThreePropertiesOfRealNumbers) {
     EXPECT_TRUE(model(two + "property double nz\nproperty float w\n")->hasDirections());
 }
 
-TEST(PlyDirections, OfMixedTypesKeepTheirBytes) {
+TEST(PlyDirections, MixedTypesKeepTheirBytes) {
     const std::string text =
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
         "property float z\nproperty double nx\nproperty float ny\nproperty double nz\n"

@@ -7,8 +7,8 @@
 namespace espalier::io {
 namespace {
 
-/// The elements of all samples: the vertices stand between two others, their coordinates out of
-/// order among other properties, one of them a list.
+/// Returns the header of all samples. The vertices are between two other elements; their
+/// coordinates are out of order among other properties, one of which is a list.
 std::string headerOf(const std::string& format, const std::string& xType,
                      const std::string& yType) {
     return "ply\n"
@@ -47,7 +47,7 @@ struct Numbers {
     }
 };
 
-/// Header and rows; the points are as given.
+/// Returns a binary file with these numbers in the first point.
 std::string binarySample(std::endian order, double x0, float y0, float z0) {
     const bool isBig = order == std::endian::big;
     Numbers rows{order, {}};
@@ -73,14 +73,14 @@ TEST(Ply, ReadsAndRewritesBothBinaryOrders) {
     }
 }
 
-TEST(Ply, RefusesEveryPartOfABinaryFile) {
+TEST(Ply, RefusesTruncatedBinaryFiles) {
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string bytes = binarySample(order, 1, 2, 3);
         expectPartsRefused("a.ply", bytes, bytes.size());
     }
 }
 
-/// As binarySample(), with "\n" as line end.
+/// The rows of binarySample() as text, with "\n" as line end.
 const std::string kAsciiRows =
     "2 10 -11 0.5\n"
     "0 0.25\n"
@@ -96,7 +96,8 @@ TEST(Ply, ReadsAndRewritesAscii) {
         const auto model = readModel("a.PLY", text);
         EXPECT_THAT(model->positions(), ElementsAre(Point3{1.1, 2.5, 3.5}, Point3{4, 5, 6}));
         EXPECT_EQ(written(*model, model->positions()), text);
-        // The first x stays and keeps its text; of 1/3 a float needs 9 digits, a double 16.
+        // The first x does not change and keeps its text. 1/3 needs 9 digits as a float and 16 as a
+        // double.
         const std::vector<Point3> moved = {{1.1, 1.0 / 3, 0.1}, {1.0 / 3, 5, 1e10}};
         std::string expected = text;
         const auto replace = [&](const std::string& from, const std::string& to) {
@@ -115,13 +116,13 @@ TEST(Ply, AsciiFloatsAreReadAsFloats) {
         "0.1 0.123456789012 1e-60\n";
     const auto model = readModel("a.ply", text);
     EXPECT_THAT(model->positions(), ElementsAre(Point3{0.1f, 0.123456789012f, 0}));
-    // What rounds to the same float is the same, and keeps its text.
+    // A number that rounds to the same float has not changed, and keeps its text.
     EXPECT_EQ(written(*model, std::vector<Point3>{{0.1, 0.123456789, 0}}), text);
 }
 
-TEST(Ply, RefusesEveryPartOfAnAsciiFile) {
+TEST(Ply, RefusesTruncatedAsciiFiles) {
     const std::string text = headerOf("ascii", "double", "float") + kAsciiRows;
-    // A cut within the last number leaves a file.
+    // A file that is cut within the last number is still valid.
     expectPartsRefused("a.ply", text, text.size() - 1);
 }
 
@@ -148,7 +149,7 @@ TEST(Ply, KeepsLineEndsAfterTheLastRow) {
     }
 }
 
-TEST(Ply, RefusesAPositionThatAFloatDoesNotHold) {
+TEST(Ply, RefusesPositionsTooLargeForAFloat) {
     const auto model = readModel("a.ply", binarySample(std::endian::little, 1, 2, 3));
     EXPECT_NO_THROW(written(*model, std::vector<Point3>{{1e300, 2, 3}, {4, 5, 6}}));
     EXPECT_THAT(
@@ -161,8 +162,7 @@ TEST(Ply, RefusesAPositionThatAFloatDoesNotHold) {
 TEST(Ply, RefusesPositionsThatAreNotFinite) {
     const float inf = std::numeric_limits<float>::infinity();
     const std::string bytes = binarySample(std::endian::big, 1, inf, 3);
-    // y is the first number of the point after a byte of colour, and y's bytes are at the place of
-    // those of "inf", which the sample holds nowhere else.
+    // The message must give the place of y. The sample has the bytes of infinity nowhere else.
     const std::size_t place = bytes.find(bytesOf(inf, std::endian::big));
     EXPECT_THAT([&] { readModel("a.ply", bytes); },
                 ThrowsMessage<FileError>(AllOf(HasSubstr("byte " + std::to_string(place) + ":"),
@@ -193,7 +193,7 @@ TEST(Ply, RefusesMalformedRowsWithTheirLine) {
     refused("0 1\n0 1\n0 1 0 1 1 1\n0 1 0 1 1 1\n\n\n", 24, "1 rows of the element 'face', got 0");
 }
 
-TEST(Ply, ChecksClaimedSizesBeforeTakingMemory) {
+TEST(Ply, ChecksClaimedSizesBeforeAllocating) {
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
         for (const char* count : {"1000000000", "18446744073709551615"})
             EXPECT_REFUSED(FileError, count,

@@ -5,7 +5,7 @@
 namespace espalier::test {
 namespace {
 
-TEST(Refinable, MeshesAreObjAndLatticesAreNot) {
+TEST(Refinable, MeshesAreReadFromObjAndLatticesFromOtherFormats) {
     const TemporaryFolder folder;
     const Lattice mesh = taggedMesh();
     io::writeRefinable(folder / "a.OBJ", mesh);
@@ -22,7 +22,7 @@ TEST(Refinable, MeshesAreObjAndLatticesAreNot) {
     EXPECT_THAT(io::readFile(folder / "b.vtu"), HasSubstr("format=\"ascii\""));
 }
 
-TEST(Refinable, FormatsOfTheOtherKindAreRefused) {
+TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
     const TemporaryFolder folder;
     const auto expectRefused = [&](const std::string& name, const Lattice& lattice,
                                    const std::string& cause) {
@@ -56,7 +56,7 @@ TEST(Refinable, FormatsOfTheOtherKindAreRefused) {
               "expected .obj, .ovm, .vtu, .vtk");
 }
 
-/// Lattices have no holes, and a mark that no file can hold is not dropped in silence.
+/// Lattices have no holes, and a mark that the file cannot hold is not dropped silently.
 TEST(Refinable, HolesOfLatticesAreRefused) {
     const TemporaryFolder folder;
     Lattice lattice = boxLattice();

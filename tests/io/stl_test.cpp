@@ -10,7 +10,7 @@ namespace {
 using Facet = std::array<std::array<float, 3>, 4>;  ///< normal and corners
 
 constexpr Facet kFlat = {{{0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-/// Its normal is not that of its corners, as some programs write it.
+/// A facet whose normal is not the normal of its corners, as some programs write it.
 constexpr Facet kOdd = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
 
 std::string binarySample(const std::vector<Facet>& facets, std::string header = "solid sample") {
@@ -32,10 +32,10 @@ TEST(Stl, ReadsABinaryFileWhoseHeaderSaysSolid) {
     EXPECT_EQ(written(*model, model->positions()), bytes);
 }
 
-TEST(Stl, BinaryFacetsThatMoveGetTheirNormal) {
+TEST(Stl, MovedBinaryFacetsGetANewNormal) {
     const auto model = readModel("a.stl", binarySample({kFlat, kOdd}));
     auto moved = copyOf(model->positions());
-    moved[1] = {0, 0, -2};  // x becomes -z: the normal goes from z to x
+    moved[1] = {0, 0, -2};  // x becomes -z, so the normal z becomes x.
     const Facet turned = {{{1, 0, 0}, {0, 0, 0}, {0, 0, -2}, {0, 1, 0}}};
     EXPECT_EQ(written(*model, moved), binarySample({turned, kOdd}));
 
@@ -62,7 +62,7 @@ TEST(Stl, BinaryPositionsRoundToFloats) {
                 ThrowsMessage<Error>(AllOf(HasSubstr("point 1"), HasSubstr("1e+39"))));
 }
 
-TEST(Stl, NormalsOfTinyAndOfHugeFacetsAreUnits) {
+TEST(Stl, NormalsOfTinyAndHugeFacetsAreUnitVectors) {
     for (const float size : {1e-30f, 1e30f}) {
         const auto model = readModel("a.stl", binarySample({kFlat}));
         const std::vector<Point3> moved = {{0, 0, 0}, {0, size, 0}, {0, 0, size}};
@@ -71,7 +71,7 @@ TEST(Stl, NormalsOfTinyAndOfHugeFacetsAreUnits) {
     }
 }
 
-TEST(Stl, RefusesABinaryFileOfAnotherSize) {
+TEST(Stl, RefusesABinaryFileOfWrongSize) {
     // 84 + 50 · 2 bytes.
     for (const char* header : {"solid", "header"}) {
         const std::string bytes = binarySample({kFlat, kOdd}, header);
@@ -85,7 +85,8 @@ TEST(Stl, RefusesABinaryFileOfAnotherSize) {
 TEST(Stl, RefusesABinaryPositionThatIsNotFinite) {
     Facet facet = kFlat;
     facet[2][1] = std::numeric_limits<float>::infinity();
-    // Byte 84 + 50, past the normal and a corner of 12 bytes each and past x of the second corner.
+    // The offset is 84 + 50, plus a normal and a corner of 12 bytes each, plus x of the second
+    // corner.
     EXPECT_THAT(
         [&] {
             readModel("a.stl", binarySample({kFlat, facet}));
@@ -93,7 +94,7 @@ TEST(Stl, RefusesABinaryPositionThatIsNotFinite) {
         ThrowsMessage<FileError>(
             AllOf(HasSubstr("byte 162:"), HasSubstr("y of point 4 is not finite"))));
     facet = kFlat;
-    facet[0][1] = std::numeric_limits<float>::quiet_NaN();  // of a normal it does not matter
+    facet[0][1] = std::numeric_limits<float>::quiet_NaN();  // A NaN in a normal is accepted.
     EXPECT_NO_THROW(readModel("a.stl", binarySample({facet})));
 }
 
@@ -120,7 +121,7 @@ TEST(Stl, ReadsAscii) {
     EXPECT_EQ(written(*model, model->positions()), kAscii);
 }
 
-TEST(Stl, AsciiFacetsThatMoveGetTheirNormal) {
+TEST(Stl, MovedAsciiFacetsGetANewNormal) {
     const auto model = readModel("a.stl", kAscii);
     auto moved = copyOf(model->positions());
     moved[1] = {0, 0, -2};
@@ -139,16 +140,16 @@ TEST(Stl, AsciiFacetsThatMoveGetTheirNormal) {
     EXPECT_EQ(text, replaced(expected, "-1.#IND nan nan", normal));
     Point3 numbers{};
     ASSERT_EQ(std::sscanf(normal.c_str(), "%lf %lf %lf", &numbers[0], &numbers[1], &numbers[2]), 3);
-    // A handful of operations on numbers of at most 1.
+    // The tolerance is a few rounding errors of numbers up to 1.
     EXPECT_NEAR(numbers[0], -1 / std::sqrt(11.0), 1e-15);
     EXPECT_NEAR(numbers[1], -1 / std::sqrt(11.0), 1e-15);
     EXPECT_NEAR(numbers[2], 3 / std::sqrt(11.0), 1e-15);
 }
 
-TEST(Stl, RefusesEveryPartOfAnAsciiFile) {
+TEST(Stl, RefusesTruncatedAsciiFiles) {
     expectPartsRefused("a.stl", kAscii,
                        kAscii.find("\nSOLID") - std::string("two words").size() - 1);
-    // From there the first solid is a file by itself, until the second begins.
+    // From there on, the first solid alone is a valid file, until the second begins.
     for (std::size_t size = kAscii.find("SOLID") + 1; size < kAscii.size(); ++size)
         EXPECT_THROW(readModel("a.stl", kAscii.substr(0, size)), FileError) << size;
 }

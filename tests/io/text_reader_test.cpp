@@ -12,7 +12,7 @@ namespace {
 
 using io::TextReader;
 
-TEST(TextReader, KnowsItsLine) {
+TEST(TextReader, TracksTheLine) {
     TextReader text("f", "one two\n\n three\nrest of it\r\nlast", 10);
     EXPECT_EQ(text.token("a word"), "one");
     EXPECT_EQ(text.line(), 10u);
@@ -44,7 +44,7 @@ TEST(TextReader, WithoutACommentMarkHasNoComments) {
     EXPECT_EQ(text.token("a word"), "#");
 }
 
-TEST(TextReader, RefusesNumbersThatAreNone) {
+TEST(TextReader, RefusesMalformedNumbers) {
     for (const char* word : {"1x", "--1", "1e999", "0x10", "+"}) {
         TextReader text("f", word);
         std::string expected = "f:1: '";
@@ -55,8 +55,9 @@ TEST(TextReader, RefusesNumbersThatAreNone) {
     EXPECT_REFUSED(io::FileError, "'-1'", text.number<std::uint64_t>("a size"));
 }
 
-TEST(TextReader, CountsOnlyWhatCanBeThere) {
-    // Three points of two bytes a number, the last without its separator: "0 0 0" is 5 bytes.
+TEST(TextReader, RefusesCountsThatTheTextCannotHold) {
+    // Three points with two bytes per number; the last one lacks its separator, so "0 0 0" has 5
+    // bytes.
     const std::string points = "3\n0 0 0\n0 0 0\n0 0 0";
     TextReader text("f", points);
     EXPECT_EQ(text.count("the number of points", 6), 3u);
@@ -69,7 +70,7 @@ TEST(TextReader, CountsOnlyWhatCanBeThere) {
     EXPECT_REFUSED(io::FileError, "but only", most.count("the number of points", 1));
 }
 
-TEST(TextReader, HandsOutBytes) {
+TEST(TextReader, ReadsBytes) {
     TextReader text("f", std::string_view("a\n\0\n\xff"
                                           "b",
                                           6));
@@ -81,7 +82,7 @@ TEST(TextReader, HandsOutBytes) {
     EXPECT_EQ(text.token("a word"), "b");
 }
 
-TEST(ParseNumber, ReadsWhatIsNextToZeroAsZero) {
+TEST(ParseNumber, ReadsTinyNumbersAsZero) {
     const std::string zeros(400, '0');
     const std::string ones(400, '1');
     for (const std::string& digits :
@@ -110,7 +111,7 @@ TEST(ParseNumber, ReadsWhatIsNextToZeroAsZero) {
     EXPECT_EQ(number, 1);
 }
 
-TEST(ParseNumber, RefusesWhatIsTooLarge) {
+TEST(ParseNumber, RefusesTooLargeNumbers) {
     const std::string zeros(400, '0');
     for (const std::string& text :
          {std::string("1e400"), std::string("-1E+400"), "1" + zeros, "1" + zeros + ".5",

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-// Vertices that no cell uses: ParaView and others write such files, and one such vertex must not
-// make a lattice unreadable.
+// Tests vertices that no cell uses. ParaView and other programs write such files, and an unused
+// vertex must not make a lattice unreadable.
 
 namespace espalier::test {
 namespace {
 
 using testing::EndsWith;
 
-/// A tetrahedron of the vertices 1, 2, 4 and 5 of six, with values and marks on all of them.
+/// A file with six vertices, values and marks on all of them, and a tetrahedron of vertices 1, 2, 4
+/// and 5.
 struct File {
     const char* name;
     std::string text;
@@ -79,7 +80,7 @@ const File kVtu = {
                          vtuArray("espalier:vertex_sharpness", "Float64", 1, "-1 10 -1 5 0.5 -1"),
                      "9 9 9 0 0 0 1 0 0 8 8 8 0 7 0 0 0 1", "1 2 4 5", 6))};
 
-/// The tetrahedron as it is read: vertices 1, 2, 4 and 5 are 0, 1, 2 and 3.
+/// Returns the lattice that is read: vertices 1, 2, 4 and 5 become 0, 1, 2 and 3.
 Lattice usedTetrahedron() {
     far::ComplexBuilder builder(3, 4);
     builder.addCell(far::StandardCell::Tetrahedron, {0, 1, 2, 3});
@@ -111,7 +112,7 @@ TEST_P(UnusedVertices, AreDroppedWithTheirValuesAndMarks) {
     expectSameLattice(io::readLattice(path), usedTetrahedron());
 }
 
-TEST_P(UnusedVertices, AreNotInTheFileThatIsWritten) {
+TEST_P(UnusedVertices, AreNotWrittenAgain) {
     const Lattice lattice = latticeOf(GetParam().name, GetParam().text);
     io::ReadNotes notes{{7}};
     const std::string written = writtenLattice(GetParam().name, lattice);
@@ -119,14 +120,14 @@ TEST_P(UnusedVertices, AreNotInTheFileThatIsWritten) {
     EXPECT_THAT(notes.droppedVertices, IsEmpty()) << "the notes are of the file read last";
 }
 
-TEST_P(UnusedVertices, MayLieAnywhere) {
+TEST_P(UnusedVertices, MayHaveNonFinitePositions) {
     const std::string text = replaced(GetParam().text, "8 8 8", "8 nan 8");
     expectSameLattice(latticeOf(GetParam().name, text), usedTetrahedron());
     EXPECT_THAT(refusalOf(GetParam().name, replaced(GetParam().text, "0 7 0", "0 nan 0")),
                 HasSubstr("point 4 is not finite"));
 }
 
-TEST_P(UnusedVertices, AloneAreNoLattice) {
+TEST_P(UnusedVertices, AloneMakeNoLattice) {
     std::string text = GetParam().text;
     const std::string name = GetParam().name;
     if (name == "a.ovm")
@@ -151,8 +152,8 @@ TEST(UnusedVerticesOfLattices, CannotHaveMarkedEdges) {
     }
 }
 
-TEST(UnusedVerticesOfLattices, AreNumberedThroughAllPieces) {
-    // Vertices 0 to 4 and 5 to 9, of which 0 and 9 are not used.
+TEST(UnusedVerticesOfLattices, AreNumberedAcrossPieces) {
+    // The pieces have vertices 0 to 4 and 5 to 9; no cell uses 0 and 9.
     const std::string pieces = vtuPiece(vtuArray("ids", "Int64", 1, "0 1 2 3 4"),
                                         "9 9 9 0 0 0 1 0 0 0 1 0 0 0 1", "1 2 3 4", 5) +
                                vtuPiece(vtuArray("ids", "Int64", 1, "5 6 7 8 9"),
@@ -167,8 +168,8 @@ TEST(UnusedVerticesOfLattices, AreNumberedThroughAllPieces) {
     EXPECT_EQ(lattice.marks.edges, (std::vector<far::Marks::Edge>{{{4, 7}, 2}}));
 }
 
-TEST(UnusedVerticesOfLattices, AreLeftOutOfTheNumbersInMessages) {
-    // The tetrahedron without a face, as a polyhedron of the vertices 1 to 4.
+TEST(UnusedVerticesOfLattices, AreNotCountedInMessages) {
+    // A tetrahedron that lacks a face, as a polyhedron of the vertices 1 to 4.
     const std::string text =
         "# vtk DataFile Version 2.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
         "POINTS 5 float\n9 9 9 0 0 0 1 0 0 0 1 0 0 0 1\n"
@@ -198,7 +199,7 @@ TEST(UnusedVerticesOfCurves, AreDroppedAndOfMeshesKept) {
     EXPECT_EQ(mesh.marks.vertices.size(), 2u);
 }
 
-TEST(UnusedVerticesOfCurves, AreNoPlaceForTagsOfEdges) {
+TEST(UnusedVerticesOfCurves, CannotHaveTagsOfEdges) {
     const std::string curve = "v 0 0 0\nv 9 9 9\nv 1 2 0\nl 1 3\n";
     EXPECT_EQ(io::readRefinable("a.obj", curve + "t crease 2/1/0 2 0 3\n").marks.edges,
               (std::vector<far::Marks::Edge>{{{0, 1}, 3}}));

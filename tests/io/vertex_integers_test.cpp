@@ -7,7 +7,8 @@
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/refiner_options.h>
 
-// Integers on vertices: kept with their type by files, and carried, but never averaged.
+// Tests integers on vertices: files keep them with their type, and new lattices copy but never
+// average them.
 
 namespace espalier::test {
 namespace {
@@ -16,7 +17,7 @@ using Integers = std::vector<std::int64_t>;
 
 constexpr std::int64_t kBeyondDouble = (std::int64_t{1} << 53) + 1;
 
-/// Integers of one type with its smallest and its largest number; of UInt64 by their bits.
+/// Returns integers of one type with its smallest and its largest number; UInt64 by their bits.
 VertexIntegers extremes(IntegerType type, int bits, bool isSigned, std::size_t vertexCount,
                         int components = 1) {
     const auto ones = ~std::uint64_t{0} >> (64 - bits);
@@ -38,7 +39,7 @@ Lattice withIntegers(int components) {
     return lattice;
 }
 
-TEST(VertexIntegers, OfAllTypesComeBackFromVtkFiles) {
+TEST(VertexIntegers, VtkFilesKeepAllTypes) {
     for (const int components : {1, 3}) {
         const Lattice lattice = withIntegers(components);
         for (const auto encoding :
@@ -49,7 +50,7 @@ TEST(VertexIntegers, OfAllTypesComeBackFromVtkFiles) {
     }
 }
 
-TEST(VertexIntegers, OfOneComponentComeBackFromOvm) {
+TEST(VertexIntegers, OvmKeepsValuesOfOneComponent) {
     const Lattice lattice = withIntegers(1);
     const Lattice got = latticeOf("a.ovm", writtenLattice("a.ovm", lattice));
     ASSERT_EQ(got.integers.size(), lattice.integers.size());
@@ -62,7 +63,7 @@ TEST(VertexIntegers, OfOneComponentComeBackFromOvm) {
                    writtenLattice("a.ovm", withIntegers(3)));
 }
 
-TEST(VertexIntegers, ThatAreNotSuchAreRefused) {
+TEST(VertexIntegers, MalformedIntegersAreRefused) {
     const std::string text = writtenLattice("a.vtk", withIntegers(1));
     const auto refusalWith = [&](const std::string& number) {
         std::string changed = text;
@@ -78,7 +79,7 @@ TEST(VertexIntegers, ThatAreNotSuchAreRefused) {
     EXPECT_THAT(refusalWith("0.5"), HasSubstr("0.5"));
 }
 
-TEST(VertexIntegers, OutOfTheRangeOfTheirTypeAreNotWritten) {
+TEST(VertexIntegers, OutOfRangeValuesAreNotWritten) {
     Lattice lattice = boxLattice();
     lattice.integers = {{"small", 1, IntegerType::UInt8, Integers(12, 256)}};
     for (const char* name : {"a.vtu", "a.vtk", "a.ovm"}) {
@@ -87,14 +88,14 @@ TEST(VertexIntegers, OutOfTheRangeOfTheirTypeAreNotWritten) {
     }
 }
 
-TEST(VertexIntegers, OfVtkThatHideVerticesAreSkipped) {
+TEST(VertexIntegers, VtkGhostTypeIsSkipped) {
     Lattice lattice = boxLattice();
     lattice.integers = {{"vtkGhostType", 1, IntegerType::UInt8, Integers(12)}};
     for (const char* name : {"a.vtu", "a.vtk"})
         EXPECT_TRUE(latticeOf(name, writtenLattice(name, lattice)).integers.empty()) << name;
 }
 
-TEST(VertexIntegers, AreCarriedToVertexPointsAlone) {
+TEST(VertexIntegers, AreCopiedToVertexPointsOnly) {
     const Lattice lattice = withIntegers(2);
     TopologyRefiner refiner = refined(lattice.complex, 2, refinerOptions(lattice));
     for (const int level : {0, 1, 2}) {
@@ -117,7 +118,7 @@ TEST(VertexIntegers, AreCarriedToVertexPointsAlone) {
     EXPECT_THROW(levelIntegers(refiner, 1, tooFew), Error);
 }
 
-TEST(VertexIntegers, AreMergedIfTheyAreOfOneType) {
+TEST(VertexIntegers, MergeRequiresTheSameType) {
     Lattice left = boxLattice();
     for (std::size_t i = 0; i < 12; ++i)
         left.positions[i] = {double(i % 3), double(i / 3 % 2), double(i / 6)};

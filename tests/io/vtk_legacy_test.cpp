@@ -8,7 +8,7 @@ const std::string kHead = "# vtk DataFile Version 2.0\na title\nASCII\nDATASET U
 const std::string kPoints = "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 0 1\n";
 const std::string kCells = "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
 
-TEST(VtkLegacy, OfOneTetrahedronIsRead) {
+TEST(VtkLegacy, ReadsATetrahedron) {
     const Lattice lattice = latticeOf("a.vtk", kHead + kPoints + kCells);
     EXPECT_EQ(lattice.complex.count(0), 4);
     EXPECT_EQ(lattice.complex.count(2), 4);
@@ -59,7 +59,7 @@ TEST(VtkLegacy, PointArraysBecomeAttributes) {
     EXPECT_THAT(lattice.integers[0].values, ElementsAre(1, 2, 3, 255));
 }
 
-/// Strings of all lengths of a length: 1 byte (up to 63), 2, 4 and 8 bytes.
+/// Tries strings whose length is stored in 1 byte (up to 63), 2, 4 and 8 bytes.
 TEST(VtkLegacy, BinaryStringsAreSkipped) {
     std::string head = kHead;
     head.replace(head.find("ASCII"), 5, "BINARY");
@@ -81,7 +81,7 @@ TEST(VtkLegacy, BinaryStringsAreSkipped) {
     ASSERT_EQ(lattice.integers.size(), 1u);
     EXPECT_EQ(lattice.integers[0].name, "last");
     EXPECT_THAT(lattice.integers[0].values, ElementsAre(1, 2, 3, -1));
-    // A string that claims more than there is.
+    // A string that claims more bytes than the file has.
     data.replace(data.find("\xc3"
                            "abc"),
                  4, "\x3f\xff\xff\xff\xff\xff\xff\xff");
@@ -104,7 +104,7 @@ TEST(VtkLegacy, Version5HasOffsetsAndPolyhedraAsFaceStreams) {
     expectSameLattice(latticeOf("a.vtk", kHead + points + before), lattice);
 }
 
-TEST(VtkLegacy, RefusalsNameTheOffender) {
+TEST(VtkLegacy, ErrorsNameTheOffender) {
     EXPECT_THAT(refusalOf("a.vtk", ""), StartsWith(":1: is not a legacy VTK file"));
     EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 6.0\n"),
                 StartsWith(":1: is of version '6.0'"));
@@ -139,7 +139,7 @@ TEST(VtkLegacy, RefusalsNameTheOffender) {
                 HasSubstr("'1.5' is not a number of components"));
 }
 
-TEST(VtkLegacy, ClaimsAreCheckedBeforeMemoryIsTaken) {
+TEST(VtkLegacy, ClaimedSizesAreCheckedBeforeAllocating) {
     for (const std::string claim : {"18446744073709551615", "6148914691236517206", "4000000000"}) {
         for (const std::string& head : {kHead, std::string(kHead).replace(37, 5, "BINARY")}) {
             EXPECT_NE(refusalOf("a.vtk", head + "POINTS " + claim + " float\n0 0 0"), "");
@@ -154,7 +154,7 @@ TEST(VtkLegacy, ClaimsAreCheckedBeforeMemoryIsTaken) {
     }
 }
 
-TEST(VtkLegacy, MarksThatMakeNoSenseAreRefused) {
+TEST(VtkLegacy, InvalidMarksAreRefused) {
     const auto withField = [](const std::string& vertices, const std::string& sharpness) {
         return kHead + "FIELD FieldData 2\nespalier:edge_vertices 2 " + vertices +
                "\nespalier:edge_sharpness 1 " + sharpness + "\n" + kPoints + kCells;
@@ -174,8 +174,8 @@ TEST(VtkLegacy, MarksThatMakeNoSenseAreRefused) {
                 HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN"));
 }
 
-/// The whole of what is written for a tetrahedron with all kinds of marks.
-TEST(VtkLegacy, IsWrittenInThePlainestForm) {
+/// Compares the whole file for a tetrahedron with all kinds of marks.
+TEST(VtkLegacy, WritesAsciiVersion3) {
     Lattice lattice = latticeOf("a.vtk", kHead + kPoints + kCells);
     lattice.positions[1][0] = 0.1;
     lattice.marks.edges = {{{0, 1}, far::kInfinitelySharp}};

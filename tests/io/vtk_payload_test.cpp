@@ -15,8 +15,8 @@ using io::encodeBase64;
 using io::PayloadForm;
 using io::VtkCoding;
 
-/// The test vectors of RFC 4648, section 10.
-TEST(Base64, AgreesWithTheStandard) {
+/// The test vectors are in RFC 4648, section 10.
+TEST(Base64, MatchesTheTestVectorsOfRfc4648) {
     const std::pair<std::string, std::string> vectors[] = {{"", ""},
                                                            {"f", "Zg=="},
                                                            {"fo", "Zm8="},
@@ -31,7 +31,7 @@ TEST(Base64, AgreesWithTheStandard) {
     EXPECT_EQ(encodeBase64("\xff\xfe\xfd\xfc"), "//79/A==");
 }
 
-TEST(Base64, IsReadPieceByPiece) {
+TEST(Base64, ReadsInSteps) {
     Base64Reader reader("Zm9v\n  Ym\tFy");
     EXPECT_EQ(reader.read(1), "f");
     EXPECT_EQ(reader.read(0), "");
@@ -40,14 +40,14 @@ TEST(Base64, IsReadPieceByPiece) {
     EXPECT_REFUSED(CodingError, "ends too early", reader.read(1));
 }
 
-TEST(Base64, StreamsReadOnAfterPadding) {
+TEST(Base64, ReadsOnAfterPadding) {
     EXPECT_EQ(Base64Reader("Zm8=b2Jhcg==").read(6), "foobar");
 }
 
-TEST(Base64, RefusesWhatIsNotOfIt) {
+TEST(Base64, RefusesOtherCharactersAndReadingBeyondTheEnd) {
     for (const char* text : {"Zm9*", "Z===", "Zm=v", "=AAA", "Zm9", "Zm9vZ"})
         EXPECT_THROW(Base64Reader(text).read(4), CodingError) << text;
-    // More than memory holds is refused before it is taken.
+    // A size beyond the memory is refused before it is allocated.
     EXPECT_THROW(Base64Reader("Zm9v").read(std::numeric_limits<std::size_t>::max()), CodingError);
 }
 
@@ -60,37 +60,37 @@ std::vector<VtkCoding> allCodings() {
     return codings;
 }
 
-TEST(VtkPayload, ComesBackAsItWas) {
+TEST(VtkPayload, RoundTripIsExact) {
     std::string bytes;
     for (const std::size_t size : {0u, 1u, 2u, 3u, 32768u, 32769u, 100000u}) {
         while (bytes.size() < size) bytes += char(bytes.size() * bytes.size() / 7);
         for (const VtkCoding& coding : allCodings()) {
             const std::string text = io::encodePayload(bytes, coding);
             EXPECT_EQ(decodePayload(text, PayloadForm::Base64, coding), bytes) << size;
-            // What follows an array does not count.
+            // Text after an array is ignored.
             EXPECT_EQ(decodePayload(text + "AAAA", PayloadForm::Base64, coding), bytes) << size;
         }
     }
 }
 
 /// VTK wrote these: 7 bytes of bits in a file with 32-bit headers, without compression.
-TEST(VtkPayload, OfVtkIsRead) {
+TEST(VtkPayload, DecodesBytesWrittenByVtk) {
     const VtkCoding coding{std::endian::little, false, false};
     EXPECT_EQ(decodePayload("BwAAAFVVVVVVVUA=", PayloadForm::Base64, coding), "UUUUUU@");
     EXPECT_EQ(io::encodePayload("UUUUUU@", coding), "BwAAAFVVVVVVVUA=");
 }
 
-TEST(VtkPayload, OfRawDataIsRead) {
+TEST(VtkPayload, DecodesRawData) {
     const std::string raw("\0\0\0\3abcdef", 10);
     EXPECT_EQ(decodePayload(raw, PayloadForm::Raw, {std::endian::big, false, false}), "abc");
     EXPECT_THAT(messageOf<CodingError>([&] {
                     decodePayload(raw, PayloadForm::Raw, {std::endian::little, false, false});
                 }),
-                // 3 in the wrong byte order is 3 · 2²⁴.
+                // In the wrong byte order, 3 is 3 · 2²⁴.
                 HasSubstr("50331648 bytes are claimed, 6 are there"));
 }
 
-TEST(VtkPayload, IsRefusedWhenItIsCutShort) {
+TEST(VtkPayload, TruncatedDataIsRefused) {
     for (const VtkCoding& coding : allCodings()) {
         const std::string text = io::encodePayload(std::string(1000, 'x') + "y", coding);
         for (std::size_t size = 0; size < text.size(); size += 1 + text.size() / 50)
@@ -100,7 +100,7 @@ TEST(VtkPayload, IsRefusedWhenItIsCutShort) {
     }
 }
 
-/// Bytes of 64-bit little-endian words.
+/// Returns the bytes of 64-bit little-endian words.
 std::string words(std::initializer_list<std::uint64_t> values) {
     std::string bytes;
     for (const std::uint64_t value : values)
@@ -108,27 +108,28 @@ std::string words(std::initializer_list<std::uint64_t> values) {
     return bytes;
 }
 
-TEST(VtkPayload, ClaimsAreCheckedBeforeMemoryIsTaken) {
-    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+TEST(VtkPayload, ClaimedSizesAreCheckedBeforeAllocating) {
+    constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
     const auto refusal = [](const std::string& raw) {
         return messageOf<CodingError>([&] { decodePayload(raw, PayloadForm::Raw, {}); });
     };
-    EXPECT_THAT(refusal(words({kMost, 1, 0})), HasSubstr("compressed blocks"));
+    EXPECT_THAT(refusal(words({kLargest, 1, 0})), HasSubstr("compressed blocks"));
     EXPECT_THAT(refusal(words({2, 1, 0, 1})), HasSubstr("compressed blocks"));
-    EXPECT_THAT(refusal(words({1, 1, 0, kMost})), HasSubstr("ends too early"));
-    EXPECT_THAT(refusal(words({1, kMost, 0, 8, 0})),
+    EXPECT_THAT(refusal(words({1, 1, 0, kLargest})), HasSubstr("ends too early"));
+    EXPECT_THAT(refusal(words({1, kLargest, 0, 8, 0})),
                 HasSubstr("claims to hold 18446744073709551615"));
     EXPECT_THAT(refusal(words({1, 8, 0, 8, 0})), HasSubstr("is damaged"));
     VtkCoding plain;
     plain.isCompressed = false;
     EXPECT_REFUSED(CodingError, "18446744073709551615 bytes are claimed, 8 are there",
-                   decodePayload(words({kMost, 0}), PayloadForm::Raw, plain));
+                   decodePayload(words({kLargest, 0}), PayloadForm::Raw, plain));
 }
 
-TEST(VtkPayload, OfAnotherSizeThanClaimedIsRefused) {
+TEST(VtkPayload, SizeOtherThanClaimedIsRefused) {
     std::string text = io::encodePayload("abcdefgh", {});
-    // The header is 4 words (44 characters): 1 block, its size, size of the last one (8), and so
-    // on. The third word begins with byte 16, in characters 21 to 23: make it 7 and 9.
+    // The header has 4 words (44 characters): 1 block, its size, the size of the last block (8),
+    // the compressed size. The third word begins with byte 16, in characters 21 to 23; it is
+    // changed to 7 and 9.
     const std::string header = Base64Reader(text).read(32);
     for (const char size : {'\7', '\11'}) {
         std::string changed = header;

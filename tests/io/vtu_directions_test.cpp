@@ -10,10 +10,10 @@
 namespace espalier::io {
 namespace {
 
-/// Twice as long along x; its cofactors are diag(1, 2, 2).
+/// A stretch by 2 along x; its cofactors are diag(1, 2, 2).
 constexpr DeformationGradient kStretch = {2, 0, 0, 0, 1, 0, 0, 0, 1};
 
-/// A piece of two points.
+/// Returns a piece of two points.
 std::string piece(const std::string& pointData, const std::string& points = "0 0 0 1 0 0") {
     return "<Piece NumberOfPoints=\"2\" NumberOfCells=\"0\">\n" + pointData +
            "<Points>\n<DataArray type=\"Float64\" Name=\"p\" NumberOfComponents=\"3\" "
@@ -37,7 +37,7 @@ std::string pointData(const std::string& arrays, const std::string& attributes =
     return "<PointData" + attributes + ">\n" + arrays + "</PointData>\n";
 }
 
-TEST(VtuDirections, TurnInAscii) {
+TEST(VtuDirections, AreCarriedInAscii) {
     const auto text = [](const std::string& normals, const std::string& tangents) {
         return file(piece(pointData(array("uv", "1 2\n  3 4", "Float32", 2) +
                                     array("Normals", normals) + array("Velocity", "1 2 3 4 5 6") +
@@ -55,7 +55,7 @@ TEST(VtuDirections, TurnInAscii) {
     EXPECT_THAT(written(*model, moved), HasSubstr("0.6 0 0.8"));
 }
 
-TEST(VtuDirections, NormalsAndTangentsAreCarriedEachInItsWay) {
+TEST(VtuDirections, NormalsUseCofactorsAndTangentsTheGradient) {
     const auto text = [](const std::string& normals, const std::string& tangents) {
         return file(piece(pointData(array("Tangents", tangents) + array("Normals", normals))));
     };
@@ -65,7 +65,7 @@ TEST(VtuDirections, NormalsAndTangentsAreCarriedEachInItsWay) {
               text("1.5811388 0 1.5811388\n  1 0 0", "1.5811388 0 1.5811388\n  0 0 1"));
 }
 
-TEST(VtuDirections, MayHaveAnyNameIfTheyAreTheActiveOnes) {
+TEST(VtuDirections, MayHaveAnyNameIfActive) {
     const auto text = [](const std::string& numbers) {
         return file(piece(pointData(array("shade", numbers) + array("Normal", "1 0 0\n  1 0 0"),
                                     " Scalars=\"uv\" Normals=\"shade\" Vectors=\"Normal\"")));
@@ -74,7 +74,7 @@ TEST(VtuDirections, MayHaveAnyNameIfTheyAreTheActiveOnes) {
               text("0 1 0\n  -1 0 0"));
 }
 
-TEST(VtuDirections, AreThreeRealNumbersEach) {
+TEST(VtuDirections, NeedThreeRealComponents) {
     for (const std::string& arrays :
          {array("Normals", "1 0 0 1 0 0", "Int8"), array("Normals", "1 0 1 0", "Float32", 2),
           array("normals", "1 0 0 1 0 0"),
@@ -84,13 +84,13 @@ TEST(VtuDirections, AreThreeRealNumbersEach) {
         EXPECT_FALSE(model->hasDirections()) << arrays;
         EXPECT_EQ(turned(*model, kQuarterTurn), text);
     }
-    // Normals of cells are not at points.
+    // Normals of cells are ignored.
     const std::string text =
         file(piece("<CellData Normals=\"n\">" + array("n", "") + "</CellData>\n"));
     EXPECT_FALSE(readModel("a.vtu", text)->hasDirections());
 }
 
-TEST(VtuDirections, OfPiecesTurnWithTheirPoints) {
+TEST(VtuDirections, EachPieceFollowsItsOwnPoints) {
     const auto text = [](const std::string& first, const std::string& last) {
         return file(piece(pointData(array("Normals", first))) + piece(pointData("")) +
                     piece(pointData(array("Normals", last))));
@@ -102,7 +102,7 @@ TEST(VtuDirections, OfPiecesTurnWithTheirPoints) {
     EXPECT_EQ(written(*model, model->positions(), gradients), text(same, "1 0 0\n  0 1 0"));
 }
 
-TEST(VtuDirections, ThatAreNoneStay) {
+TEST(VtuDirections, VectorsThatAreNoDirectionStay) {
     const VtkCoding coding{std::endian::little, true, false};
     const auto text = [&](const std::vector<double>& numbers, NumberType type) {
         return file(piece(pointData(dataArrayElement<double>({"Normals", type, 3}, numbers,
@@ -121,8 +121,8 @@ TEST(VtuDirections, ThatAreNoneStay) {
     }
 }
 
-/// Files as VTK writes them, whose arrays become inline ones.
-TEST(VtuDirections, TurnInEveryEncoding) {
+/// Uses files as VTK writes them; their arrays become inline arrays.
+TEST(VtuDirections, AreCarriedInEveryEncoding) {
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         for (const bool has64BitHeader : {false, true}) {
             for (const bool isCompressed : {false, true}) {
@@ -164,7 +164,7 @@ TEST(VtuDirections, TurnInEveryEncoding) {
     }
 }
 
-TEST(VtuDirections, AreRefusedIfTheyAreNotAsManyAsThePoints) {
+TEST(VtuDirections, WrongNumberOfTuplesIsRefused) {
     EXPECT_THAT([] { readModel("a.vtu", file(piece(pointData(array("Normals", "1 0 0"))))); },
                 ThrowsMessage<FileError>(AllOf(HasSubstr("a.vtu:5: "), HasSubstr("'Normals'"),
                                                HasSubstr("has 3 numbers; expected 2 times 3"))));

@@ -42,15 +42,15 @@ TEST(VtuModel, ReadsThePoints) {
     }
 }
 
-TEST(VtuModel, WritesTheSameBytesWhereNothingHasMoved) {
+TEST(VtuModel, IsUnchangedIfNoPointMoves) {
     for (const auto& file : dataFiles()) {
         const auto model = io::readModel(file);
         EXPECT_EQ(written(*model, model->positions()), io::readFile(file)) << file;
     }
 }
 
-/// The array of points is replaced by an inline one, and all else survives.
-TEST(VtuModel, ReplacesThePointsAndNothingElse) {
+/// The array of points is replaced by an inline array, and everything else stays.
+TEST(VtuModel, ReplacesOnlyThePoints) {
     for (const auto& file : dataFiles()) {
         SCOPED_TRACE(file);
         const auto model = io::readModel(file);
@@ -82,7 +82,7 @@ std::string twoPieces(const std::string& type) {
            piece("4 5 6 7 8 9") + "</UnstructuredGrid></VTKFile>";
 }
 
-TEST(VtuModel, WritesOnlyThePiecesThatHaveMoved) {
+TEST(VtuModel, RewritesOnlyPiecesThatMoved) {
     const std::string text = twoPieces("Float32");
     const auto model = modelOf(text);
     ASSERT_EQ(model->positions().size(), 4u);
@@ -97,7 +97,7 @@ TEST(VtuModel, WritesOnlyThePiecesThatHaveMoved) {
     EXPECT_EQ(modelOf(got)->positions()[3][0], double{0.1f});
 }
 
-TEST(VtuModel, PointsOfIntegersBecomeFloat64) {
+TEST(VtuModel, IntegerPointsBecomeFloat64) {
     const auto model = modelOf(twoPieces("Int16"));
     std::vector<Point3> positions(model->positions().begin(), model->positions().end());
     positions[0][0] = 0.1;
@@ -106,7 +106,7 @@ TEST(VtuModel, PointsOfIntegersBecomeFloat64) {
     EXPECT_EQ(modelOf(got)->positions()[0][0], 0.1);
 }
 
-TEST(VtuModel, RefusesPositionsThatItCannotWrite) {
+TEST(VtuModel, RefusesTooLargeOrTooFewPositions) {
     const auto model = modelOf(twoPieces("Float32"));
     std::vector<Point3> positions(model->positions().begin(), model->positions().end());
     positions[2][1] = 1e300;

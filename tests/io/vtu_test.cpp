@@ -12,7 +12,7 @@ namespace {
 
 using Integers = std::vector<std::int64_t>;
 
-/// A .vtu file in ascii, made here and not by what is tested.
+/// Builds a .vtu file in ascii. This is independent of the code under test.
 class Vtu {
 public:
     std::string fileAttributes = "byte_order=\"LittleEndian\"";
@@ -26,7 +26,7 @@ public:
                std::to_string(components) + "\" format=\"ascii\">\n" + values + "\n</DataArray>\n";
     }
 
-    /// \param counts of points and cells
+    /// \param counts numbers of points and cells
     Vtu& piece(std::array<int, 2> counts, const std::string& points, const std::string& cells,
                const std::string& pointData = "") {
         pieces += "<Piece NumberOfPoints=\"" + std::to_string(counts[0]) + "\" NumberOfCells=\"" +
@@ -62,7 +62,7 @@ Vtu tetrahedron() {
     return Vtu().piece({4, 1}, kTetrahedronPoints, tetrahedronCells());
 }
 
-TEST(Vtu, OfOneTetrahedronIsRead) {
+TEST(Vtu, ReadsATetrahedron) {
     const Lattice lattice = tetrahedron().read();
     EXPECT_EQ(lattice.complex.count(0), 4);
     EXPECT_EQ(lattice.complex.count(2), 4);
@@ -71,7 +71,7 @@ TEST(Vtu, OfOneTetrahedronIsRead) {
     EXPECT_TRUE(lattice.attributes.empty());
 }
 
-TEST(Vtu, VoxelsHaveTheirVerticesInTheOrderOfXyz) {
+TEST(Vtu, VoxelVerticesAreOrderedByZyx) {
     const std::string points = "0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1";
     const Lattice voxel = Vtu().piece({8, 1}, points, cells("0 1 2 3 4 5 6 7", "8", "11")).read();
     const Lattice hexahedron =
@@ -80,11 +80,11 @@ TEST(Vtu, VoxelsHaveTheirVerticesInTheOrderOfXyz) {
 }
 
 /// The layout since VTK 9.4 (its release notes: "VTK XML I/O update to support new vtk Polyhedral
-/// cell storage"): faces are listed once, offsets are those of the ends, and cells that are not
-/// polyhedra have no faces.
-TEST(Vtu, PolyhedraInTheLayoutOfVtk94AreRead) {
-    // A hexahedron (standard) and on its top a pyramid (polyhedron), and a tetrahedron on that,
-    // which shares a face with it.
+/// cell storage"): faces are listed once, offsets are ends, and cells that are not polyhedra have
+/// no faces.
+TEST(Vtu, ReadsPolyhedraInTheLayoutOfVtk94) {
+    // A hexahedron (standard cell), a pyramid on top of it (polyhedron), and a tetrahedron that
+    // shares a face with the pyramid.
     const std::string points = "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1 0.5 0.5 2 2 0.5 2";
     const std::string standard = cells("0 1 2 3 4 5 6 7 4 5 6 7 8 5 6 8 9", "8 13 17", "12 42 42");
     const std::string since94 =
@@ -101,12 +101,12 @@ TEST(Vtu, PolyhedraInTheLayoutOfVtk94AreRead) {
         Vtu::array("faceoffsets", "-1 22 39");
     const Lattice got = Vtu().piece({10, 3}, points, since94).read();
     EXPECT_EQ(got.complex.count(3), 3);
-    // 6 + 5 + 4 faces, of which 2 are shared.
+    // The cells have 6 + 5 + 4 faces, and 2 faces are shared.
     EXPECT_EQ(got.complex.count(2), 13);
     expectSameLattice(got, Vtu().piece({10, 3}, points, before).read());
 }
 
-TEST(Vtu, PiecesAreNumberedThroughAndNotWelded) {
+TEST(Vtu, PiecesAreNumberedConsecutivelyAndNotWelded) {
     Vtu vtu;
     const std::string heat = Vtu::array("heat", "1 2 3 4", "Float32");
     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), heat);
@@ -145,8 +145,8 @@ TEST(Vtu, PiecesMustHaveTheSamePointData) {
                 HasSubstr("'heat' holds Int8; in the first piece it holds Int64"));
 }
 
-/// All codings of one array, by the encoder whose agreement with VTK other tests show.
-TEST(Vtu, ArraysOfAllCodingsAreRead) {
+/// Tries all encodings of one array. Other tests show that the encoder used here agrees with VTK.
+TEST(Vtu, ReadsArraysInAllEncodings) {
     for (const auto order : {std::endian::little, std::endian::big})
         for (const bool isWide : {false, true})
             for (const bool isCompressed : {false, true}) {
@@ -172,7 +172,7 @@ TEST(Vtu, ArraysOfAllCodingsAreRead) {
             }
 }
 
-TEST(Vtu, RefusalsNameTheOffender) {
+TEST(Vtu, ErrorsNameTheOffender) {
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4", "24")).refusal(),
                 HasSubstr("cell 0 is of VTK's type 24; only the types 10, 11, 12, 13, 14 and 42"));
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 4", "4", "10")).refusal(),
@@ -204,7 +204,7 @@ TEST(Vtu, RefusalsNameTheOffender) {
     EXPECT_THAT(Vtu().refusal(), HasSubstr("there is no cell"));
 }
 
-TEST(Vtu, RefusalsOfPolyhedraNameTheOffender) {
+TEST(Vtu, ErrorsOfPolyhedraNameTheOffender) {
     const auto refusal = [](const std::string& faces) {
         return Vtu()
             .piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4", "42") + faces)
@@ -243,7 +243,7 @@ TEST(Vtu, RefusalsOfPolyhedraNameTheOffender) {
                 HasSubstr("'polyhedron_to_faces' has 4 numbers; expected 5, the last of"));
 }
 
-TEST(Vtu, RefusalsOfMarksNameTheOffender) {
+TEST(Vtu, ErrorsOfMarksNameTheOffender) {
     Vtu vtu = tetrahedron();
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1", "Int64", 2);
     EXPECT_THAT(vtu.refusal(), HasSubstr("marks need both arrays"));
@@ -271,7 +271,7 @@ TEST(Vtu, RefusalsOfMarksNameTheOffender) {
                 HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN"));
 }
 
-/// The exception stays what it is, so that programs can ask for the cause.
+/// The exception is still a TopologyError, so that programs can query its cause.
 TEST(Vtu, TopologyErrorsKeepTheirCauseAndNameTheFile) {
     const TemporaryFolder folder;
     putLatticeFile(folder / "open.vtu",
@@ -287,7 +287,7 @@ TEST(Vtu, TopologyErrorsKeepTheirCauseAndNameTheFile) {
     EXPECT_THAT(error.what(), StartsWith((folder / "open.vtu").string() + ": cell 1 is open: "));
 }
 
-TEST(Vtu, ThatIsNotAVtuIsRefused) {
+TEST(Vtu, OtherFilesAreRefused) {
     const auto refusal = [](const std::string& text) { return refusalOf("a.vtu", text); };
     EXPECT_THAT(refusal(""), HasSubstr("it has no VTKFile element"));
     EXPECT_THAT(refusal("<a/>"), HasSubstr("it has no VTKFile element"));
@@ -304,7 +304,7 @@ TEST(Vtu, ThatIsNotAVtuIsRefused) {
     EXPECT_THAT(vtu.refusal(), HasSubstr("header_type is 'UInt16'; expected UInt32 or UInt64"));
 }
 
-TEST(Vtu, NothingButCommentsMayStandOutsideOfTheFileElement) {
+TEST(Vtu, OnlyCommentsMayBeOutsideOfTheFileElement) {
     const std::string text = tetrahedron().text();
     const auto refusal = [](const std::string& file) { return refusalOf("a.vtu", file); };
     EXPECT_EQ(refusal("<?xml version=\"1.0\"?>\n<!-- a -->\n" + text + "\n<!-- b -->\n"), "");
@@ -318,8 +318,8 @@ TEST(Vtu, NothingButCommentsMayStandOutsideOfTheFileElement) {
                 StartsWith(line + "is not well-formed XML: it holds a byte 0"));
 }
 
-/// The names that XML can hold come back; the others would make a file that VTK does not read.
-TEST(Vtu, WritesNamesThatXmlCanHoldOnly) {
+/// Names that XML can hold are read back. Other names would make a file that VTK cannot read.
+TEST(Vtu, WritesOnlyNamesThatXmlCanHold) {
     Lattice lattice = tetrahedron().read();
     const auto withName = [&](const std::string& name) {
         lattice.attributes = {{name, 1, {1, 2, 3, 4}}};
@@ -335,7 +335,7 @@ TEST(Vtu, WritesNamesThatXmlCanHoldOnly) {
                                                        HasSubstr(inQuotes(name)))));
 }
 
-TEST(Vtu, OtherCompressorsAreRefusedWhereTheyAreUsed) {
+TEST(Vtu, OtherCompressorsAreRefusedIfUsed) {
     Vtu vtu = tetrahedron();
     vtu.fileAttributes = "compressor=\"vtkLZ4DataCompressor\"";
     EXPECT_EQ(vtu.refusal(), "");
@@ -345,13 +345,13 @@ TEST(Vtu, OtherCompressorsAreRefusedWhereTheyAreUsed) {
     EXPECT_THAT(vtu.refusal(), HasSubstr("'x' is compressed with 'vtkLZ4DataCompressor'; only"));
 }
 
-TEST(Vtu, AppendedDataAreChecked) {
+TEST(Vtu, AppendedDataIsChecked) {
     Vtu vtu;
     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
               "<DataArray type=\"UInt8\" Name=\"x\" format=\"appended\" offset=\"4\"/>");
     EXPECT_THAT(vtu.refusal(),
                 HasSubstr("'x' begins at offset 4 of the appended data, which have 0"));
-    // A 32-bit header, 4, and four bytes, of which the last two look like the end of the element.
+    // A 32-bit header, 4, and four bytes; the last two look like the end of the element.
     vtu.tail = std::string("<AppendedData encoding=\"raw\">\n _1234\4\0\0\0\1\2</", 45) +
                "\n</AppendedData>\n";
     EXPECT_EQ(vtu.read().integers.at(0).values, (Integers{1, 2, '<', '/'}));
@@ -365,7 +365,7 @@ TEST(Vtu, AppendedDataAreChecked) {
     EXPECT_EQ(vtu.read().integers.at(0).values, (Integers{1, 2, '<', '/'}));
 }
 
-TEST(Vtu, ClaimsAreCheckedBeforeMemoryIsTaken) {
+TEST(Vtu, ClaimedSizesAreCheckedBeforeAllocating) {
     for (const char* claim : {"18446744073709551615", "4000000000", "99999999999999999999", "-1"}) {
         std::string text = tetrahedron().text();
         text.replace(text.find("NumberOfPoints=\"4\"") + 16, 1, claim);
@@ -379,10 +379,11 @@ TEST(Vtu, ClaimsAreCheckedBeforeMemoryIsTaken) {
     }
 }
 
-/// An array whose header claims 3 GB, and nothing behind it: who decodes it gets another error.
+/// Returns an array whose header claims 3 GB, without data: decoding it would give a different
+/// error.
 std::string claimOf3Gigabytes(const std::string& name, const std::string& type = "Int64",
                               int components = 1) {
-    // 3072 blocks of 2^20 bytes, the last one whole.
+    // The header claims 3072 whole blocks of 2^20 bytes.
     std::string header(24, '\0');
     header[1] = 12;
     header[10] = 16;
@@ -391,7 +392,7 @@ std::string claimOf3Gigabytes(const std::string& name, const std::string& type =
            "</DataArray>\n";
 }
 
-TEST(Vtu, ClaimsAreComparedBeforeArraysAreDecoded) {
+TEST(Vtu, ClaimedLengthsAreCheckedBeforeDecoding) {
     const std::string connectivity = Vtu::array("connectivity", "0 1 2 3");
     const std::string offsets = Vtu::array("offsets", "4");
     const std::string types = Vtu::array("types", "42", "UInt8");
@@ -438,8 +439,8 @@ TEST(Vtu, ClaimsAreComparedBeforeArraysAreDecoded) {
     EXPECT_THAT(vtu.refusal(), HasSubstr("'espalier:edge_sharpness'" + count + "2, one an edge"));
 }
 
-/// Some programs write the lists of Cells with several components.
-TEST(Vtu, ComponentsOfListsDoNotCount) {
+/// Some programs write the arrays of Cells with several components.
+TEST(Vtu, ComponentsOfListsAreIgnored) {
     const Lattice lattice =
         Vtu()
             .piece({4, 1}, kTetrahedronPoints,
@@ -447,7 +448,7 @@ TEST(Vtu, ComponentsOfListsDoNotCount) {
                        Vtu::array("types", "10", "UInt8"))
             .read();
     expectSameLattice(lattice, tetrahedron().read());
-    // Types of two components were once two a cell.
+    // An older version of the reader took types of two components as two types per cell.
     EXPECT_THAT(Vtu()
                     .piece({4, 1}, kTetrahedronPoints,
                            Vtu::array("connectivity", "0 1 2 3") + Vtu::array("offsets", "4") +
@@ -458,7 +459,8 @@ TEST(Vtu, ComponentsOfListsDoNotCount) {
                 HasSubstr("the array 'types' has 2 numbers; expected 1, one a cell"));
 }
 
-/// Marks of every edge of cells of every kind are read: the bound of their number is large enough.
+/// Marks of every edge are read, for cells of every kind: the upper bound of their number is large
+/// enough.
 TEST(Vtu, AllEdgesMayBeMarked) {
     for (Lattice lattice : {boxLattice(), mixedLattice(), polyhedralLattice()}) {
         for (Index edge = 0; edge < lattice.complex.count(1); ++edge) {
@@ -470,8 +472,8 @@ TEST(Vtu, AllEdgesMayBeMarked) {
     }
 }
 
-/// Elements in elements, as deep as a file of a few megabytes allows: no recursion on the input.
-TEST(Vtu, DepthDoesNoHarm) {
+/// Elements are nested as deeply as a file of a few megabytes allows. The reader must not recurse.
+TEST(Vtu, DeeplyNestedElementsAreRead) {
     std::string deep;
     for (int i = 0; i < 200000; ++i) deep += "<a>";
     for (int i = 0; i < 200000; ++i) deep += "</a>";
@@ -494,7 +496,8 @@ TEST(Vtu, StandardCellsHaveTheirOwnTypes) {
     const std::string other =
         writtenLattice("a.vtu", polyhedralLattice(), {io::VtuEncoding::Ascii});
     EXPECT_THAT(other, HasSubstr("Name=\"types\" format=\"ascii\">\n          42 12\n"));
-    // 7 faces, and for each its size and its vertices: 1 + 2 · 6 + 5 · 5 = 38.
+    // The face stream has the number of faces, 7, and for each face its size and its vertices: 1 +
+    // 2 · 6 + 5 · 5 = 38.
     EXPECT_THAT(other, HasSubstr("Name=\"faceoffsets\" format=\"ascii\">\n          38 -1\n"));
 }
 

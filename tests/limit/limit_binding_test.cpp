@@ -25,27 +25,26 @@ using Eigen::Vector3d;
 using Bound = embed::BindingResultOf<LimitTable>;
 
 Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
-            const LimitOptions& options = {}, stencils::Rules rules = stencils::Rules::Siggraph96) {
-    return bindLimit(
-        {TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions, rules},
-        points, options);
+            const LimitOptions& options = {}) {
+    return bindLimit({TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions},
+                     points, options);
 }
 
-/// Vertices of a level in the limit, at a pose.
+/// Returns the limits of the vertices of a level in a pose.
 std::vector<Point3> limitPoints(const Lattice& lattice, int level,
                                 const std::vector<Point3>& pose) {
     TopologyRefiner refiner = test::refined(lattice.complex, level, refinerOptions(lattice));
     return stencils::applyLevelTable(buildVertexLimits(refiner, level), pose);
 }
 
-/// The pose of a box lattice that the phantom layers 2P₀ − P₁ make a spline of: P(x, y, z) by the
-/// formula, from the grid points of the lattice.
+/// The tensor B-spline that a box lattice with phantom layers 2P₀ − P₁ is, evaluated by the formula
+/// from the grid points.
 class SplineBox {
 public:
     SplineBox(const std::array<Index, 3>& cells, const std::vector<Point3>& points)
         : cells_(cells), points_(points) {}
 
-    /// At a place in cells.
+    /// \param place in units of cells
     Vector3d at(const Vector3d& place) const {
         Vector3d sum = Vector3d::Zero();
         std::array<Index, 3> first;
@@ -82,13 +81,13 @@ private:
 };
 
 // A box lattice under boundary control, one cell thick included, is the tensor B-spline.
-TEST(LimitBinding, BoxIsTheSpline) {
+TEST(LimitBinding, BoxEqualsTheTensorSpline) {
     std::mt19937 random(1);
     for (const std::array<Index, 3>& cells :
          {std::array<Index, 3>{1, 1, 1}, {3, 1, 2}, {4, 3, 5}}) {
         Lattice lattice = shapes::box({.cells = cells});
         const auto rest = gridPositions(cells);
-        // Mild enough for the map to have an inverse; strong enough to be far from affine.
+        // The map must be bent little enough to be invertible, and enough to be far from affine.
         auto bent = rest;
         for (Point3& p : bent)
             p = {p[0] + 0.15 * p[1] * p[1], p[1] + 0.1 * std::sin(p[2]), p[2] + 0.1 * p[0] * p[0]};
@@ -101,7 +100,7 @@ TEST(LimitBinding, BoxIsTheSpline) {
             Vector3d place;
             for (Eigen::Index axis = 0; axis < 3; ++axis) {
                 std::uniform_real_distribution<double> along(0, cells[axis]);
-                // On faces, edges and corners too.
+                // Include places on faces, edges and corners.
                 place[axis] = i % 5 == 0 ? std::round(along(random)) : along(random);
             }
             points.push_back(toPoint(atRest.at(place)));
@@ -109,18 +108,18 @@ TEST(LimitBinding, BoxIsTheSpline) {
         }
         const Bound result = bound(lattice, points);
         EXPECT_EQ(result.count(embed::PointStatus::Inside), 200);
-        // The promise for the rest pose, in parts of a size of some units.
+        // The bound that the project promises for the rest pose, relative to a size of a few units.
         EXPECT_LT(result.largestResidual, 1e-12);
         const auto moved = times(result.binding.table.points, pose);
         for (std::size_t i = 0; i < points.size(); ++i)
-            // The rounding of the place (1e-16) grows with the slopes of the pose over those of the
-            // rest: some tens.
+            // The rounding of the place, 1e-16, is multiplied by the slopes of the pose over those
+            // of the rest pose: some tens.
             EXPECT_LT((moved.row(Eigen::Index(i)).transpose() - expected[i]).norm(), 1e-13) << i;
     }
 }
 
-/// Some points in the limit volume of a lattice: level-2 vertices gone to their limits, and means
-/// of those of a cell.
+/// Returns points in the limit volume of a lattice: limits of level-2 vertices, and centroids of
+/// the limits of a cell's vertices.
 std::vector<Point3> pointsInside(const Lattice& lattice, unsigned seed) {
     TopologyRefiner refiner = test::refined(lattice.complex, 2, refinerOptions(lattice));
     const auto limits = limitPoints(lattice, 2, lattice.positions);
@@ -137,7 +136,7 @@ std::vector<Point3> pointsInside(const Lattice& lattice, unsigned seed) {
     return points;
 }
 
-// At rest each point is where it was, and F is the identity.
+// At rest each point stays where it is, and F is the identity.
 TEST(LimitBinding, KeepsTheRestPose) {
     for (const auto& [name, lattice] : zoo()) {
         const auto points = pointsInside(lattice, 3);
@@ -150,7 +149,7 @@ TEST(LimitBinding, KeepsTheRestPose) {
             const auto column = times(rows, lattice.positions);
             for (Index i = 0; i < rows.rowCount(); ++i) {
                 if (rows.columns(i).empty()) continue;
-                // Rounding of the directions at rest, over how thin the cells are.
+                // The rounding of the directions at rest, divided by the thinness of the cells.
                 EXPECT_LT((column.row(i).transpose() - Vector3d::Unit(Eigen::Index(axis))).norm(),
                           1e-12)
                     << name << ' ' << i;
@@ -159,7 +158,7 @@ TEST(LimitBinding, KeepsTheRestPose) {
     }
 }
 
-// Affine poses are affine maps of the model, with their matrix for F.
+// Affine poses move the model by the affine map, which F reproduces.
 TEST(LimitBinding, AffinePosesAreExact) {
     Matrix3d map;
     map << 1.2, 0.3, -0.1, 0.2, 0.8, 0.4, -0.3, 0.1, 1.1;
@@ -178,11 +177,11 @@ TEST(LimitBinding, AffinePosesAreExact) {
     }
 }
 
-// The vertices of a level go where their limits go.
-TEST(LimitBinding, CarriesLimitsOfVerticesToTheirLimits) {
+// A point at the limit of a level-1 vertex moves to the limit of the vertex in the pose.
+TEST(LimitBinding, MapsVertexLimitsAtRestToVertexLimitsInThePose) {
     for (const auto& [name, lattice] : zoo()) {
         // The limit volume of three bars that meet in a corner is folded there (the determinant of
-        // its Jacobian is negative): a place near it is in two cells at once.
+        // its Jacobian is negative): a point near the corner is in two cells at once.
         if (name == "tripod") continue;
         const auto rest = limitPoints(lattice, 1, lattice.positions);
         auto pose = lattice.positions;
@@ -195,14 +194,16 @@ TEST(LimitBinding, CarriesLimitsOfVerticesToTheirLimits) {
             moved.push_back(expected[i]);
         }
         const Bound result = bound(lattice, some);
-        // A place in what is blended is off by its size at most, a part of the tolerance of 1e-6.
+        // A place in a blended cell is off by at most the size of the cell, which is below the
+        // tolerance of 1e-6.
         EXPECT_LT(largestDistance(times(result.binding.table.points, pose), asMatrix(moved)), 2e-6)
             << name;
     }
 }
 
-// Bound to levels, a point goes where it goes in the limit, by the fourth of the way a level.
-TEST(LimitBinding, LevelsTendToIt) {
+// The distance between a binding to a level and the binding to the limit falls to about a quarter
+// with each level.
+TEST(LimitBinding, LevelsConvergeToTheLimit) {
     const Lattice lattice = shapes::cylinder({.sectors = 5, .layers = 2});
     const auto points = pointsInside(lattice, 5);
     auto pose = lattice.positions;
@@ -222,7 +223,7 @@ TEST(LimitBinding, LevelsTendToIt) {
     }
 }
 
-TEST(LimitBinding, FIsTheDerivativeOfTheDeformation) {
+TEST(LimitBinding, GradientsAreTheDerivativeOfTheDeformation) {
     const Lattice lattice = shapes::cylinder({.sectors = 5, .layers = 2});
     auto pose = lattice.positions;
     for (Point3& p : pose) p = {p[0] + 0.3 * p[2] * p[2], p[1] - 0.2 * p[0] * p[2], p[2]};
@@ -241,14 +242,14 @@ TEST(LimitBinding, FIsTheDerivativeOfTheDeformation) {
         const auto column = times(result.binding.table.gradients[axis], pose);
         for (Eigen::Index i = 0; i < moved.rows(); i += 7) {
             const Eigen::Index k = i + 1 + 2 * Eigen::Index(axis);
-            // Second-order differences are off by third derivatives times 1e-10, and by rounding.
+            // The error of central differences is the third derivative times 1e-10, plus rounding.
             EXPECT_LT((column.row(i) - (moved.row(k + 1) - moved.row(k)) / (2 * kStep)).norm(),
                       1e-7);
         }
     }
 }
 
-TEST(LimitBinding, OutsideAndWithout) {
+TEST(LimitBinding, StatusesOfPointsOutsideAndNotFinite) {
     const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
     Eigen::AlignedBox3d box;
     for (const Point3& p : lattice.positions) box.extend(vec(p));
@@ -293,7 +294,7 @@ TEST(LimitBinding, PointsAroundIrregularLatticesAreCarried) {
     }
 }
 
-// Each point outside has a place, wherever the nearest one is.
+// Each point outside gets a place, wherever the nearest place is.
 TEST(LimitBinding, PointsAroundRandomPolyhedraAreCarried) {
     std::mt19937 random(11);
     std::normal_distribution<double> along;
@@ -302,7 +303,7 @@ TEST(LimitBinding, PointsAroundRandomPolyhedraAreCarried) {
         for (int i = 0; i < (kIsSlow ? 2 : 20); ++i)
             points.push_back(toPoint(3 * Vector3d(along(random), along(random), along(random))));
         Lattice shaken = lattice;
-        // Much more, and cells are inside out.
+        // Stronger displacements would turn cells inside out.
         const auto far = test::shaken(lattice.positions, 3);
         for (std::size_t v = 0; v < far.size(); ++v)
             shaken.positions[v] = toPoint(0.9 * vec(lattice.positions[v]) + 0.1 * vec(far[v]));
@@ -325,7 +326,7 @@ TEST(LimitBinding, ATightToleranceIsMet) {
     EXPECT_LT(largestDistance(times(result.binding.table.points, pose), asMatrix(expected)), 2e-12);
 }
 
-TEST(LimitBinding, RefusesCellsOfTooManySides) {
+TEST(LimitBinding, RefusesCellsWithTooManyFaces) {
     const Lattice lattice = shapes::prism({.sides = 1200});
     EXPECT_MESSAGE(
         "cell 0 has 1202 faces; to bind points to the limit, at most 1000 are allowed: "
@@ -349,14 +350,15 @@ TEST(LimitBinding, WorksWithoutBoundaryControl) {
     const std::array<Index, 3> cells = {4, 4, 4};
     const auto rest = gridPositions(cells);
     const TopologyRefiner base(test::grid(cells), {.boundary = Boundary::Open});
-    // What is left is the inner 2 × 2 × 2 cells.
+    // The region that remains is the inner 2 × 2 × 2 cells.
     const std::vector<Point3> points = {{1.25, 2, 2.5}, {1, 1, 1}, {3, 3, 3}, {0.5, 2, 2}};
     const auto model = bindLimit({base, rest}, points);
     using enum embed::PointStatus;
     EXPECT_THAT(model.statuses, ElementsAre(Inside, Inside, Inside, Outside));
 }
 
-// Of a lattice without volume, ever more cells hold a point: an end, and a status.
+// In a lattice without volume ever more cells contain a point. The search must end, and give a
+// status.
 TEST(LimitBinding, LatticesWithoutVolumeGiveAStatus) {
     const std::vector<std::pair<Vector3d, Lattice>> cases = {
         {{0, 0, 0}, shapes::box({.cells = {2, 1, 2}})},
@@ -380,12 +382,13 @@ TEST(LimitBinding, LatticesWithoutVolumeGiveAStatus) {
     }
 }
 
-TEST(LimitBinding, RefusesWhatItCannotBind) {
+TEST(LimitBinding, RefusesInvalidOptionsAndRefinedBases) {
     const Lattice lattice = shapes::box();
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0}), Error);
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0.2}), Error);
     EXPECT_THROW(bound(lattice, {}, {.tolerance = kNan}), Error);
-    EXPECT_THROW(bound(lattice, {}, {}, stencils::Rules::Rats), Error);
+    const TopologyRefiner rats(gridMesh(2, 2), {.rules = Rules::Rats});
+    EXPECT_REFUSED(Error, "RATS", bindLimit({rats, std::vector<Point3>(9)}, {}));
     TopologyRefiner refined(lattice.complex);
     refined.refineUniform(1);
     EXPECT_THROW(bindLimit({refined, lattice.positions}, {}), Error);

@@ -29,15 +29,14 @@ Vector3d valueAt(const BezierPatch& patch, const Vector3d& uvw) {
     return sum;
 }
 
-// A point of a patch at rest is carried to the same place of the patch of a pose: as a binding
-// that found it in the limit says.
-TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
+// A binding moves a point in a patch at rest to the same (u, v, w) of the patch in the pose.
+TEST(LimitParts, PatchesAgreeWithBindings) {
     for (const auto& [name, lattice] : zoo()) {
-        if (name == "tripod") continue;  // Its limit folds: two places for a point.
+        if (name == "tripod") continue;  // Its limit is folded: a point may have two places.
         for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
             const TopologyRefiner base(lattice.complex,
                                        refinerOptions(lattice, {.boundary = boundary}));
-            const LimitParts parts(base, Rules::Siggraph96, 2);
+            const LimitParts parts(base, 2);
             const auto pose = shaken(lattice.positions, 7, 0.2);
             const LimitPositions atRest = parts.place(lattice.positions), posed = parts.place(pose);
             std::vector<Point3> points, expected;
@@ -54,21 +53,22 @@ TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
             const auto got = stencils::applyLevelTable(bound.binding.table.points, pose);
             for (std::size_t i = 0; i < points.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    // What a solve leaves, 1e-12, times how much thin cells stretch.
+                    // The residual of a solve, 1e-12, multiplied by how much thin cells stretch.
                     ASSERT_NEAR(got[i][c], expected[i][c], 1e-9) << name << " point " << i;
         }
     }
 }
 
-// No part is twice, none is missing: children of what is left are parts or what is left on.
-TEST(LimitParts, EachCellDescendsIntoParts) {
+// No part occurs twice, and none is missing.
+TEST(LimitParts, PartsCoverEachCellOnce) {
     for (const auto& [name, lattice] : zoo()) {
         const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const int level : {1, 3}) {
-            const LimitParts parts(base, Rules::Siggraph96, level);
+            const LimitParts parts(base, level);
             std::set<std::pair<int, Index>> seen;
-            // The cells of the last level that each base cell descends into: a patch is a
-            // hexahedron, which becomes 8 with each level, a blend is one of them.
+            // The number of cells of the last level that each base cell descends into. A patch is a
+            // hexahedron, which has 8 children on each level; a blended cell is on the last level
+            // already.
             std::vector<std::size_t> count(base.level(0).complex.count(3));
             for (std::size_t i = 0; i < parts.parts().size(); ++i) {
                 const LimitPart& part = parts.parts()[i];
@@ -92,48 +92,47 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
     }
 }
 
-// Regular lattices are patches, one a cell; what is blended around an edge doubles with a level.
+// In regular lattices each cell is a patch. The number of blended cells around an edge doubles with
+// each level.
 TEST(LimitParts, OnlyFeaturesAreRefined) {
     const TopologyRefiner box(shapes::box({.cells = {3, 2, 1}}).complex);
     for (const int level : {1, 4}) {
-        const LimitParts parts(box, Rules::Siggraph96, level);
+        const LimitParts parts(box, level);
         EXPECT_EQ(parts.patchCount(), 6);
         EXPECT_EQ(parts.parts().size(), 6);
     }
-    // Five triangular prisms: along the axis 5 cells at each of the 2^level parts of the edge, and
-    // along the middle of each prism 3.
+    // Five triangular prisms: the axis has 5 cells at each of its 2^level pieces, and the middle of
+    // each prism has 3.
     const TopologyRefiner fan(shapes::cylinder({.sectors = 5, .layers = 1}).complex);
     for (const int level : {2, 3, 4}) {
-        const LimitParts parts(fan, Rules::Siggraph96, level);
+        const LimitParts parts(fan, level);
         EXPECT_EQ(parts.parts().size() - parts.patchCount(), std::size_t{20} << level);
     }
 }
 
-// Without boundary control, three cells along each axis become the one in the middle.
-TEST(LimitParts, WhatShrinksAwayIsNoPart) {
+// Without boundary control, three cells along each axis shrink to the one in the middle.
+TEST(LimitParts, CellsThatShrinkAwayAreNotParts) {
     const Lattice lattice = shapes::box({.cells = {3, 3, 3}, .max = {3, 3, 3}});
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
-    const LimitParts parts(base, Rules::Siggraph96, 3);
+    const LimitParts parts(base, 3);
     ASSERT_GE(parts.patchCount(), 1);
     EXPECT_EQ(parts.parts()[0].baseCell, 13);
     const BezierPatch middle = parts.bezierPatch(0, parts.place(lattice.positions));
     for (const double t : {0.0, 0.4, 1.0})
-        // Linear precision, of sums of 64 numbers of size 1.
+        // Linear precision, for sums of 64 numbers of size 1.
         EXPECT_LE((valueAt(middle, {t, t / 2, 0}) - Vector3d(1 + t, 1 + t / 2, 1)).norm(), 1e-14);
     const TopologyRefiner single(shapes::box().complex, {.boundary = Boundary::Open});
-    EXPECT_THROW(LimitParts(single, Rules::Siggraph96, 3), far::TopologyError);
+    EXPECT_THROW(LimitParts(single, 3), far::TopologyError);
 }
 
-TEST(LimitParts, RefusesWhatHasNoLimitVolume) {
+TEST(LimitParts, RefusesInvalidArguments) {
     const TopologyRefiner box(shapes::box().complex);
     for (const int level : {0, 16})
-        EXPECT_REFUSED(Error, "expected 1 to 15", LimitParts(box, Rules::Siggraph96, level));
-    EXPECT_REFUSED(Error, "RATS", LimitParts(box, Rules::Rats, 1));
+        EXPECT_REFUSED(Error, "expected 1 to 15", LimitParts(box, level));
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_REFUSED(Error, "dimension 2", LimitParts(mesh, Rules::Siggraph96, 1));
+    EXPECT_REFUSED(Error, "dimension 2", LimitParts(mesh, 1));
     const std::vector<Point3> few(7);
-    EXPECT_REFUSED(Error, "got 7 positions for 8 vertices",
-                   LimitParts(box, Rules::Siggraph96, 1).place(few));
+    EXPECT_REFUSED(Error, "got 7 positions for 8 vertices", LimitParts(box, 1).place(few));
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 namespace espalier::limit {
 namespace {
 
-/// The B-spline of a box lattice by its formula: weights of the grid points along one axis of n
-/// cells, at place x, in a derivative. With the phantom layers 2P₀ − P₁; from the recurrence of
-/// Cox and de Boor, no matrix.
+/// Returns the weights of the grid points of a box lattice along one axis of n cells, at place x,
+/// in a derivative of the B-spline with phantom layers 2P₀ − P₁. Uses the recurrence of Cox and de
+/// Boor instead of a matrix.
 std::vector<double> axisWeights(Index n, double x, int order) {
     // B(t) of degree d with knots 0, 1, …, d + 1.
     const auto basis = [](const auto& self, int degree, double t) -> double {
@@ -68,9 +68,9 @@ const StencilTable<double>& tableOf(const LimitStencils& stencils, std::size_t o
     return order < 4 ? stencils.first[order - 1] : stencils.second[order - 4];
 }
 
-// Position and derivatives on box lattices, one cell thick included, at level 0 and level 1 (where
-// coordinates are twice as slow).
-TEST(LimitStencils, BoxIsTheSpline) {
+// Position and derivatives on box lattices, also ones that are one cell thick, on level 0 and on
+// level 1 (where a coordinate covers half the length).
+TEST(LimitStencils, BoxEqualsTheTensorSpline) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> unit(0, 1);
     for (const std::array<Index, 3>& n : {std::array<Index, 3>{1, 1, 1}, {3, 1, 2}, {4, 3, 5}}) {
@@ -78,10 +78,9 @@ TEST(LimitStencils, BoxIsTheSpline) {
         const auto positions = gridPositions(n);
         for (int level = 0; level <= 1; ++level) {
             const auto& complex = refiner.level(level).complex;
-            // Where the corners are in the parameters of the whole box: their Greville points.
-            const auto corners = level == 0 ? positions
-                                            : stencils::refinePositions(
-                                                  refiner, level, Rules::Siggraph96, positions);
+            // Positions of the corners in the parameters of the whole box: their Greville points.
+            const auto corners =
+                level == 0 ? positions : stencils::refinePositions(refiner, level, positions);
             std::vector<LimitLocation> locations;
             for (int i = 0; i < 40; ++i) {
                 const auto cell = Index(random() % unsigned(complex.count(3)));
@@ -89,12 +88,12 @@ TEST(LimitStencils, BoxIsTheSpline) {
                 if (i % 4 == 0) location.uvw = {0, 0.5, double(i % 8 == 0)};
                 locations.push_back(location);
             }
-            const auto stencils = buildLimitStencils(refiner, level, Rules::Siggraph96, locations,
-                                                     {.derivatives = 2});
+            const auto stencils = buildLimitStencils(refiner, level, locations, {.derivatives = 2});
             for (std::size_t i = 0; i < locations.size(); ++i) {
                 const auto v = *far::hexahedronVertices(complex, CellId(locations[i].cell));
                 const auto at = [&](std::size_t corner) { return corners[std::size_t(v[corner])]; };
-                // Which axis of the box each of the cell runs along, and which way.
+                // Find the axis of the box that each axis of the cell is parallel to, and its
+                // direction.
                 std::array<double, 3> place = at(0);
                 std::array<std::size_t, 3> axes;
                 std::array<double, 3> steps;
@@ -128,9 +127,9 @@ TEST(LimitStencils, BoxIsTheSpline) {
     }
 }
 
-// A place is the same one, whichever of two cells it is told by: on shared faces, irregular ones
-// too.
-TEST(LimitStencils, CellsAgreeOnTheirFaces) {
+// A place on a shared face is the same whichever of the two cells it is given in, also at irregular
+// faces.
+TEST(LimitStencils, NeighboursAgreeOnSharedFaces) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> unit(0, 1);
     for (const auto& [name, lattice] : zoo()) {
@@ -169,16 +168,17 @@ TEST(LimitStencils, CellsAgreeOnTheirFaces) {
             }
             if (both.size() == 2) locations.insert(locations.end(), both.begin(), both.end());
         }
-        const auto stencils = buildLimitStencils(refiner, 1, Rules::Siggraph96, locations);
+        const auto stencils = buildLimitStencils(refiner, 1, locations);
         const auto positions = times(stencils.position, lattice.positions);
         for (Eigen::Index i = 0; i + 1 < positions.rows(); i += 2)
-            // The tolerance, of lattices of a size of up to 6.
+            // The tolerance, for lattices of size up to 6.
             EXPECT_LT((positions.row(i) - positions.row(i + 1)).norm(), 6e-6) << name << ' ' << i;
     }
 }
 
-// The limit of a vertex by its ring, and as a corner of a cell that is refined around it.
-TEST(LimitStencils, VerticesAreWhereTheirCellsHaveThem) {
+// The limit of a vertex from its ring equals the limit at the corner of a cell that is refined
+// around it.
+TEST(LimitStencils, CornersOfCellsAgreeWithVertexLimits) {
     for (const auto& [name, lattice] : zoo()) {
         TopologyRefiner refiner = test::refined(lattice.complex, 1, refinerOptions(lattice));
         const auto& complex = refiner.level(1).complex;
@@ -191,10 +191,8 @@ TEST(LimitStencils, VerticesAreWhereTheirCellsHaveThem) {
             }
         if (locations.empty()) continue;  // Cells of an icosahedron are of type 5.
         const auto places =
-            times(buildLimitStencils(refiner, 1, Rules::Siggraph96, locations).position,
-                  lattice.positions);
-        const auto limits =
-            times(buildVertexLimits(refiner, 1, Rules::Siggraph96, vertices), lattice.positions);
+            times(buildLimitStencils(refiner, 1, locations).position, lattice.positions);
+        const auto limits = times(buildVertexLimits(refiner, 1, vertices), lattice.positions);
         EXPECT_LT(largestDistance(places, limits), 1e-12) << name;
     }
 }
@@ -202,7 +200,7 @@ TEST(LimitStencils, VerticesAreWhereTheirCellsHaveThem) {
 TEST(LimitStencils, RowsOfVertices) {
     const auto lattice = shapes::bipyramid({.sides = 5});
     TopologyRefiner refiner = test::refined(lattice.complex, 1);
-    const auto stencils = buildLimitStencils(refiner, 1, Rules::Siggraph96, {.derivatives = 1});
+    const auto stencils = buildLimitStencils(refiner, 1, {.derivatives = 1});
     EXPECT_TRUE(stencils.position == buildVertexLimits(refiner, 1));
     EXPECT_EQ(stencils.second[0].rowCount(), 0);
     const auto& complex = refiner.level(1).complex;
@@ -215,20 +213,20 @@ TEST(LimitStencils, RowsOfVertices) {
             EXPECT_EQ(table.weights(vertex).empty(), !isCorner);
             double sum = 0;
             for (const double weight : table.weights(vertex)) sum += weight;
-            // Weights grow by some 1.2 a level, over 20 levels; each row is right to its own size.
+            // Weights grow by about 1.2 per level, over 20 levels; each row is accurate relative to
+            // its own size.
             EXPECT_NEAR(sum, 0, 1e-12);
         }
     }
 }
 
-TEST(LimitStencils, SaysWhatIsWrong) {
+TEST(LimitStencils, RefusesInvalidLocationsAndOptions) {
     const TopologyRefiner refiner(test::grid({2, 1, 1}));
-    const auto build = [&](LimitLocation location, LimitStencilOptions options = {},
-                           Rules rules = Rules::Siggraph96) {
-        return buildLimitStencils(refiner, 0, rules, {{location}}, options);
+    const auto build = [&](LimitLocation location, LimitStencilOptions options = {}) {
+        return buildLimitStencils(refiner, 0, {{location}}, options);
     };
     EXPECT_EQ(build({1, {0.5, 0.5, 0.5}}).position.rowCount(), 1);
-    // A place may be beyond the cell by the rounding of a sum: it is on the face.
+    // Rounding of a sum may put a place slightly outside the cell: it then counts as on the face.
     const auto beyond = build({0, {1.0000000000000002, -1e-16, 0.5}});
     EXPECT_TRUE(beyond.position == build({0, {1, 0, 0.5}}).position);
     EXPECT_MESSAGE("place 0 is at 1.00000000001; expected 0 to 1",
@@ -239,14 +237,13 @@ TEST(LimitStencils, SaysWhatIsWrong) {
     EXPECT_THROW(build({0, {0, kNan, 0}}), Error);
     EXPECT_THROW(build({0, {}}, {.tolerance = 1}), Error);
     EXPECT_THROW(build({0, {}}, {.derivatives = 3}), Error);
-    EXPECT_THROW(build({0, {}}, {}, Rules::Rats), Error);
     const std::vector<LimitLocation> first = {{0, {}}};
     const TopologyRefiner tetrahedron(singleCell(far::StandardCell::Tetrahedron));
-    EXPECT_THROW(buildLimitStencils(tetrahedron, 0, Rules::Siggraph96, first), Error);
+    EXPECT_THROW(buildLimitStencils(tetrahedron, 0, first), Error);
     const TopologyRefiner open(test::grid({3, 3, 3}), {.boundary = Boundary::Open});
-    EXPECT_THROW(buildLimitStencils(open, 0, Rules::Siggraph96, first), Error);
+    EXPECT_THROW(buildLimitStencils(open, 0, first), Error);
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_THROW(buildLimitStencils(mesh, 0, Rules::Siggraph96, first), Error);
+    EXPECT_THROW(buildLimitStencils(mesh, 0, first), Error);
 }
 
 }  // namespace

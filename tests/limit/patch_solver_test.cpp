@@ -10,8 +10,8 @@ namespace {
 using Eigen::Vector3d;
 using Answer = PatchSolver::Answer;
 
-/// The patch of the cell in the middle of 3 × 3 × 3, whose vertices are off the grid by up to
-/// `bend`.
+/// Returns the patch of the middle cell of 3 × 3 × 3, with vertices displaced from the grid by up
+/// to `bend`.
 TricubicPatch::ControlPoints bentPatch(double bend, std::mt19937& random) {
     const std::array<Index, 3> n = {3, 3, 3};
     const TopologyRefiner refiner(test::grid(n));
@@ -27,8 +27,8 @@ TricubicPatch::ControlPoints bentPatch(double bend, std::mt19937& random) {
     return TricubicPatch(refiner.level(0), *frame).controlPoints(positions);
 }
 
-// What is proved not to be in a patch is not: no point of it ever is, however it is bent.
-TEST(PatchSolver, NeverExcludesWhatIsInside) {
+// No point of a patch is ever proved to be outside, however bent the patch is.
+TEST(PatchSolver, NeverExcludesPointsInside) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> unit(0, 1);
     for (const double bend : {0.0, 0.2, 0.5, 1.0, 3.0}) {
@@ -37,13 +37,13 @@ TEST(PatchSolver, NeverExcludesWhatIsInside) {
             const PatchSolver solver(bentPatch(bend, random));
             for (int i = 0; i < 25; ++i) {
                 Vector3d uvw(unit(random), unit(random), unit(random));
-                if (i % 5 == 0) uvw[i % 3] = i % 2;  // On a side.
+                if (i % 5 == 0) uvw[i % 3] = i % 2;  // On a face.
                 const Vector3d point = solver.map().position(uvw);
                 const auto result = solver.find(point);
-                ASSERT_NE(result.answer, Answer::NotHere) << bend;
-                if (result.answer != Answer::Here) continue;
+                ASSERT_NE(result.answer, Answer::Outside) << bend;
+                if (result.answer != Answer::Inside) continue;
                 ++found;
-                // Newton's method has settled: rounding of coordinates up to 6.
+                // Newton's method has converged to the rounding of coordinates up to 6.
                 ASSERT_LT((solver.map().position(result.uvw) - point).norm(), 1e-14);
             }
         }
@@ -53,8 +53,8 @@ TEST(PatchSolver, NeverExcludesWhatIsInside) {
     }
 }
 
-// Where the map is nearly linear, every point outside is proved to be so.
-TEST(PatchSolver, ExcludesWhatIsOutside) {
+// Where the map is nearly linear, every point outside is proved to be outside.
+TEST(PatchSolver, ExcludesPointsOutside) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> unit(0, 1);
     for (int patch = 0; patch < 40; ++patch) {
@@ -62,9 +62,9 @@ TEST(PatchSolver, ExcludesWhatIsOutside) {
         ASSERT_TRUE(solver.isNearlyLinear());
         for (int i = 0; i < 25; ++i) {
             Vector3d uvw(unit(random), unit(random), unit(random));
-            // The polynomial goes on, and is one to one a little further.
+            // The polynomial extends beyond the patch, and is injective a little further.
             uvw[i % 3] = i % 2 == 0 ? -0.2 * unit(random) - 1e-6 : 1 + 0.2 * unit(random) + 1e-6;
-            ASSERT_EQ(solver.find(solver.map().position(uvw)).answer, Answer::NotHere);
+            ASSERT_EQ(solver.find(solver.map().position(uvw)).answer, Answer::Outside);
         }
     }
 }
@@ -72,7 +72,7 @@ TEST(PatchSolver, ExcludesWhatIsOutside) {
 TEST(PatchSolver, NearestPlace) {
     std::mt19937 random(3);
     const PatchSolver solver(bentPatch(0, random));
-    // A unit cube from (1, 1, 1).
+    // The patch is a unit cube with its lowest corner at (1, 1, 1).
     const Vector3d nearest = solver.map().position(solver.nearest({5, 1.5, 0}));
     EXPECT_LT((nearest - Vector3d(2, 1.5, 1)).norm(), 1e-12);
 }
@@ -86,10 +86,10 @@ TEST(PatchSolver, FindsPointsOfFlatPatches) {
     for (int i = 0; i < 20; ++i) {
         const Vector3d point = solver.map().position({unit(random), unit(random), unit(random)});
         const auto found = solver.find(point);
-        ASSERT_EQ(found.answer, Answer::Here);
-        // Some ten units in the last place of coordinates of 3.
+        ASSERT_EQ(found.answer, Answer::Inside);
+        // About ten units in the last place of coordinates of size 3.
         EXPECT_LT((solver.map().position(found.uvw) - point).norm(), 2e-14);
-        EXPECT_EQ(solver.find(point + Vector3d(0, 0, 1e-9)).answer, Answer::NotHere);
+        EXPECT_EQ(solver.find(point + Vector3d(0, 0, 1e-9)).answer, Answer::Outside);
     }
 }
 
@@ -121,7 +121,7 @@ TEST(TricubicPatch, WeightsAndControlPointsAgree) {
     }
 }
 
-// The axes of a cell go on into its neighbours and its children.
+// The axes of a cell continue into its neighbours and its children.
 TEST(CellFrame, NeighboursAndChildrenKeepTheAxes) {
     const std::array<Index, 3> n = {2, 2, 2};
     TopologyRefiner refiner = refined(test::grid(n), 1);
@@ -136,14 +136,14 @@ TEST(CellFrame, NeighboursAndChildrenKeepTheAxes) {
                 if (embed::bitOf(corner, axis) == side) {
                     EXPECT_EQ(neighbour->corners[corner ^ step], frame.corners[corner]);
                 }
-            // And back.
+            // The neighbour's neighbour is the cell itself.
             EXPECT_EQ(embed::neighbourOf(complex, *neighbour, axis, 1 - side)->corners,
                       frame.corners);
         }
     for (std::size_t corner = 0; corner < 8; ++corner) {
         const auto child = embed::childOf(complex, refiner.refinement(1), frame, corner);
         ASSERT_TRUE(child);
-        // Corner v stays; the opposite one is the cell's point.
+        // The child has vertex v as its corner, and the point of the cell opposite to it.
         const auto point = [&](Entity entity) {
             return refiner.refinement(1).childOf({entity, entity})->index;
         };

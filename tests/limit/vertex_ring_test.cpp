@@ -17,7 +17,7 @@
 namespace espalier::limit {
 namespace {
 
-/// Tetrahedra from a new vertex, the last, to the triangles of a cell.
+/// Returns tetrahedra that join a new vertex, the last one, to the triangles of a cell.
 CellComplex starOfTetrahedra(const CellComplex& hull) {
     far::ComplexBuilder builder(3, hull.count(0) + 1);
     for (const auto& loop : far::outwardLoops(hull, CellId(0)))
@@ -26,8 +26,8 @@ CellComplex starOfTetrahedra(const CellComplex& hull) {
 }
 
 VertexRing ringIn(const CellComplex& complex, Rules rules, Index vertex) {
-    const TopologyRefiner refiner(complex);
-    return ringOf(refiner.level(0), refiner.options(), rules, vertex);
+    const TopologyRefiner refiner(complex, {.rules = rules});
+    return ringOf(refiner.level(0), refiner.options(), vertex);
 }
 
 void expectEigenvalues(const VertexRing& ring, const std::vector<double>& expected,
@@ -41,25 +41,26 @@ void expectEigenvalues(const VertexRing& ring, const std::vector<double>& expect
     }
 }
 
-// The 27 points of a regular ring are a product of three rings (P₋ P P₊) of a curve, whose matrix
-// has the eigenvalues 1, 1/2 and 1/4: three times 1/2, six times 1/4 of which three are 1/2 · 1/2.
+// The 27 points of a regular ring are a product of three rings (P₋ P P₊) of a curve. The matrix of
+// a curve has the eigenvalues 1, 1/2 and 1/4. So the product has 1/2 three times, and 1/4 six
+// times, of which three are 1/2 · 1/2.
 TEST(VertexRing, EigenvaluesOfARegularStar) {
     const auto ring = ringIn(grid({2, 2, 2}), Rules::Siggraph96, 13);
     EXPECT_EQ(ring.subdivision.rows(), 27);
     expectEigenvalues(ring, {0.5, 0.5, 0.5, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.125}, 1e-12);
 }
 
-// Figures from an independent computation, by its four decimals.
+// The expected values come from an independent computation with four decimals.
 TEST(VertexRing, EigenvaluesOfIrregularStars) {
     constexpr double kDecimals = 5e-5;
-    // Two layers of five cells about an edge. The middle of the axis is where the edge points lie.
+    // Two layers of five cells around an edge. The tested vertex is in the middle of the axis.
     const auto cylinder = shapes::cylinder({.sectors = 5, .layers = 2}).complex;
     Index middle = 0;
     for (Index v = 0; v < cylinder.count(0); ++v)
         if (cylinder.relation(0, 3)[v].size() == 10) middle = v;
     for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
         const auto values = eigenvalues(ringIn(cylinder, rules, middle));
-        // Around the edge a pair, and along it 1/2, whatever the rules.
+        // The rules give a pair of equal moduli around the edge, and 1/2 along it.
         EXPECT_NEAR(std::abs(values[1] - values[2]), 0, 1e-12);
         EXPECT_NEAR(values[3].real(), 0.5, 1e-12);
     }
@@ -77,9 +78,9 @@ TEST(VertexRing, EigenvaluesOfIrregularStars) {
     expectEigenvalues(ringIn(tetrahedral, Rules::Mlca, 4), {0.3632, 0.3632, 0.3632}, kDecimals);
 }
 
-// Inside a regular lattice, the cubic B-spline takes the values (1, 4, 1)/6 at a knot: 8/27 P, and
-// 4/9, 2/9 and 1/27 for the means of the points across edges, faces and cells.
-TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
+// Inside a regular lattice the cubic B-spline has the values (1, 4, 1)/6 at a knot: 8/27 for the
+// vertex, and 4/9, 2/9 and 1/27 for the averages of the points across edges, faces and cells.
+TEST(VertexRing, RegularLimitEqualsTheSpline) {
     const auto ring = ringIn(grid({2, 2, 2}), Rules::Siggraph96, 13);
     const Eigen::VectorXd mask = limitMask(ring);
     for (std::size_t i = 0; i < ring.entities.size(); ++i) {
@@ -88,10 +89,10 @@ TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
     }
 }
 
-/// MLCA: among hexahedra the limit of a vertex inside is 8/27 P + 4/9 ē + 2/9 f̄ + 1/27 c̄, the
-/// regular one, whatever the valence, with ē the mean of the vertices across edges weighted by the
-/// number of cells at the edge; f̄ and c̄ those across faces and cells.
-TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
+/// Under MLCA, the limit of a vertex among hexahedra is 8/27 P + 4/9 ē + 2/9 f̄ + 1/27 c̄, as in
+/// the regular case, for any valence. ē is the average of the vertices across edges, weighted by
+/// the number of cells at the edge; f̄ and c̄ are the averages across faces and cells.
+TEST(VertexRing, LimitUnderMlcaIsTheSplineWeightedByCells) {
     std::vector<CellComplex> stars = {starOfTetrahedra(shapes::icosahedron().complex),
                                       starOfTetrahedra(shapes::tetrahedron().complex),
                                       starOfTetrahedra(shapes::octahedron().complex),
@@ -100,7 +101,8 @@ TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
         const Index centre = star.count(0) - 1;
         const auto ring = ringIn(star, Rules::Mlca, centre);
         const Eigen::VectorXd mask = limitMask(ring);
-        // The ring one level on is among hexahedra. Each face is in two cells, each cell in itself.
+        // On the next level the ring is among hexahedra. Each face has two cells; each cell counts
+        // once.
         const std::array<double, 4> shares = {8.0 / 27, 4.0 / 9, 2.0 / 9, 1.0 / 27};
         std::array<double, 4> totals = {};
         const auto cellsAt = [&](const Entity& entity) {
@@ -110,15 +112,15 @@ TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
             totals[std::size_t(entity.dimension)] += cellsAt(entity);
         for (std::size_t i = 0; i < ring.entities.size(); ++i) {
             const auto d = std::size_t(ring.entities[i].dimension);
-            // Sums of up to 63 terms, solved for.
+            // Sums of up to 63 terms, from an iterative solution.
             EXPECT_NEAR(mask[Eigen::Index(i)], shares[d] * cellsAt(ring.entities[i]) / totals[d],
                         1e-14);
         }
     }
 }
 
-/// The shortcut for regular vertices, and the left eigenvector.
-TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
+/// The shortcut for regular vertices gives the same row as the left eigenvector.
+TEST(VertexLimits, RegularRowsEqualTheEigenvector) {
     Index seen = 0;
     for (const auto& [name, lattice] : zoo()) {
         TopologyRefiner refiner = test::refined(lattice.complex, 1, {.marks = lattice.marks});
@@ -127,10 +129,8 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
             for (Index vertex = 0; vertex < here.complex.count(0); vertex += 1 + level * 6) {
                 if (!embed::isRegularVertex(here, vertex)) continue;
                 ++seen;
-                const auto table =
-                    buildLimitMasks(refiner, level, stencils::Rules::Siggraph96, {{vertex}});
-                const auto ring =
-                    ringOf(here, refiner.options(), stencils::Rules::Siggraph96, vertex);
+                const auto table = buildLimitMasks(refiner, level, {{vertex}});
+                const auto ring = ringOf(here, refiner.options(), vertex);
                 Eigen::VectorXd expected = ring.start.transpose() * limitMask(ring);
                 for (std::size_t k = 0; k < table.columns(0).size(); ++k) {
                     const auto at = std::lower_bound(ring.vertices.begin(), ring.vertices.end(),
@@ -145,13 +145,14 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
     EXPECT_GT(seen, least(300));
 }
 
-/// The limits of the base's vertices, as told by their children on further levels, which are made
-/// around these alone.
+/// Checks that the limits of the base vertices equal the limits of their children on further
+/// levels, which are refined around these vertices only.
 void expectInvariant(const std::string& name, const Lattice& lattice, Rules rules, int levels) {
-    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    TopologyRefiner refiner =
+        withRules(TopologyRefiner(lattice.complex, refinerOptions(lattice)), rules);
     std::vector<Index> vertices(lattice.complex.count(0));
     std::iota(vertices.begin(), vertices.end(), Index{0});
-    const auto expected = times(buildVertexLimits(refiner, 0, rules), lattice.positions);
+    const auto expected = times(buildVertexLimits(refiner, 0), lattice.positions);
     for (int level = 1; level <= levels; ++level) {
         std::set<Index> cells;
         for (const Index vertex : vertices)
@@ -160,14 +161,14 @@ void expectInvariant(const std::string& name, const Lattice& lattice, Rules rule
         refiner.refineAround(std::vector<Index>(cells.begin(), cells.end()));
         for (Index& vertex : vertices)
             vertex = refiner.refinement(level).childOf({{0, vertex}, {0, vertex}}).value().index;
-        const auto limits = buildVertexLimits(refiner, level, rules, vertices);
+        const auto limits = buildVertexLimits(refiner, level, vertices);
         EXPECT_LT(largestDistance(times(limits, lattice.positions), expected), 1e-12)
             << name << " level " << level;
     }
 }
 
-// At irregular vertices, darts, and every stratum of the boundary.
-TEST(VertexLimits, AreTheSameFromLevelsUpToFive) {
+// Covers irregular vertices, darts, and every stratum of the boundary.
+TEST(VertexLimits, AreTheSameOnLevelsUpToFive) {
     for (const auto& [name, lattice] : zoo()) {
         expectInvariant(name, lattice, Rules::Siggraph96, 5);
         expectInvariant(name, lattice, Rules::Cse96, 2);
@@ -180,16 +181,16 @@ TEST(VertexLimits, AreTheSameFromLevelsUpToFive) {
                         2);
 }
 
-// Each limit of a vertex is where refining takes it.
-TEST(VertexLimits, RefiningGoesToThem) {
+// Refined positions converge to the limits.
+TEST(VertexLimits, RefinementConvergesToThem) {
     const auto check = [](const std::string& name, const Lattice& lattice, int levels) {
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
         const auto limits = times(buildVertexLimits(refiner, 0), lattice.positions);
         refiner.refineUniform(levels);
-        const auto refined = asMatrix(
-            stencils::refinePositions(refiner, levels, Rules::Siggraph96, lattice.positions));
-        // What is left of the way is that of the ring's second eigenvalue, 0.62 at most here, once
-        // sharpness has run out: below 3 here.
+        const auto refined =
+            asMatrix(stencils::refinePositions(refiner, levels, lattice.positions));
+        // The remaining distance shrinks by the second eigenvalue of the ring, at most 0.62 here,
+        // once no sharpness is left: sharpness is below 3 here.
         EXPECT_LT(largestDistance(refined.topRows(limits.rows()), limits),
                   std::pow(0.62, levels - 2))
             << name;
@@ -199,8 +200,8 @@ TEST(VertexLimits, RefiningGoesToThem) {
     for (const auto& [name, lattice] : featureLattices()) check(name, lattice, 4);
 }
 
-/// The order in which the vertices of levels 1 to `finest` come to their limits, from the last two:
-/// the logarithm to the base 2 of how many times as close they are, the farthest or on the average.
+/// The order in which the vertices of a level converge to their limits, measured on the last two
+/// levels: log2 of the ratio of the largest distances, and of the mean distances.
 struct Order {
     double ofLargest, ofMean;
 };
@@ -211,8 +212,7 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
     for (int level = 1; level <= finest; ++level) {
         refiner.refineUniform(level);
         const auto limits = times(buildVertexLimits(refiner, level), lattice.positions);
-        const auto at = asMatrix(
-            stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions));
+        const auto at = asMatrix(stencils::refinePositions(refiner, level, lattice.positions));
         const Eigen::VectorXd distances = (at - limits).rowwise().norm();
         order = {std::log2(largest / distances.maxCoeff()), std::log2(mean / distances.mean())};
         largest = distances.maxCoeff();
@@ -225,10 +225,10 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
     return order;
 }
 
-// Where all is regular, differences of differences fall to a quarter with each level. The ring of
-// an irregular edge or vertex shrinks by its second eigenvalue (0.55 at an edge of five cells), and
-// so do the distances in it, in the first order or less; but its share of the volume falls, too.
-TEST(VertexLimits, LevelsComeToThemInTheSecondOrder) {
+// In regular regions second differences fall to a quarter with each level. The ring of an irregular
+// edge or vertex shrinks by its second eigenvalue (0.55 at an edge of five cells), and so do the
+// distances in it, which is first order or less; but the volume of the ring shrinks, too.
+TEST(VertexLimits, LevelsConvergeInSecondOrder) {
     Lattice box = shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}});
     box.positions = shaken(box.positions, 5);
     const Order ofBox = orderOf("box", box, 4);
@@ -239,10 +239,10 @@ TEST(VertexLimits, LevelsComeToThemInTheSecondOrder) {
     EXPECT_NEAR(ofFan.ofMean, 2, 0.15);
 }
 
-// A box under boundary control is the spline with the phantom layer 2P₀ − P₁: its corners stay, its
-// edges are curves, its sides surfaces, all with (1, 4, 1)/6; a point of the border of one of them
-// is where it was in the next lower one.
-TEST(VertexLimits, BoxIsTheSpline) {
+// A box under boundary control is the spline with phantom layers 2P₀ − P₁: its corners stay, its
+// edges are curves and its sides surfaces, all with (1, 4, 1)/6. A point on the border of one of
+// these has the limit of the lower-dimensional one.
+TEST(VertexLimits, BoxEqualsTheTensorSpline) {
     const std::array<Index, 3> n = {3, 2, 4};
     const auto lattice = shapes::box({.cells = n});
     const auto table = buildVertexLimits(TopologyRefiner(lattice.complex), 0);
@@ -270,7 +270,7 @@ TEST(VertexLimits, BoxIsTheSpline) {
             }
 }
 
-TEST(VertexLimits, CurvesAndMeshesHaveThemToo) {
+TEST(VertexLimits, CurvesAndMeshesHaveLimits) {
     const auto mesh = gridMesh(2, 2);
     const auto table = buildVertexLimits(TopologyRefiner(mesh), 0);
     // (1, 4, 1)/6 ⊗ (1, 4, 1)/6 in the middle.
@@ -280,33 +280,35 @@ TEST(VertexLimits, CurvesAndMeshesHaveThemToo) {
     EXPECT_EQ(table.weights(0).size(), 1U);
 }
 
-TEST(VertexLimits, WithoutBoundaryControlOpenVerticesHaveNone) {
+TEST(VertexLimits, OpenVerticesHaveNoLimit) {
     const std::array<Index, 3> n = {3, 3, 3};
     const TopologyRefiner refiner(grid(n), {.boundary = Boundary::Open});
     const auto table = buildVertexLimits(refiner, 0);
     for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
         EXPECT_EQ(table.weights(vertex).size(),
                   refiner.level(0).strata.isOpen({0, vertex}) ? 0U : 27U);
-    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, 0), Error);
+    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), 0), Error);
 }
 
-TEST(VertexLimits, RefusesWhatHasNone) {
+TEST(VertexLimits, RefusesRatsAndUnknownVertices) {
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Rats), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Rats, 4), Error);
-    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Siggraph96, {{9}}), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Siggraph96, 9), Error);
+    const TopologyRefiner rats = withRules(mesh, Rules::Rats);
+    EXPECT_THROW(buildVertexLimits(rats, 0), Error);
+    EXPECT_THROW(ringOf(rats.level(0), rats.options(), 4), Error);
+    EXPECT_THROW(buildVertexLimits(mesh, 0, {{9}}), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), 9), Error);
 }
 
-// The mask of a vertex of very many edges takes no time; its eigenvalues would take hours.
-TEST(VertexLimits, OfVeryManyEdges) {
+// The mask of a vertex with thousands of edges is computed at once. Its eigenvalues would take
+// hours.
+TEST(VertexLimits, WorkForVerticesWithThousandsOfEdges) {
     const Lattice lattice = shapes::bipyramid({.sides = 3000});
     const TopologyRefiner refiner(lattice.complex);
     Index apex = kMaxIndex;
     for (Index v = 0; v < lattice.complex.count(0); ++v)
         if (std::ssize(lattice.complex.relation(0, 1)[v]) == 3000) apex = v;
     ASSERT_NE(apex, kMaxIndex);
-    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, apex);
+    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), apex);
     const Eigen::VectorXd mask = limitMask(ring);
     EXPECT_NEAR(mask.sum(), 1, 1e-14);
     EXPECT_LT((ring.subdivision.transpose() * mask - mask).lpNorm<Eigen::Infinity>(), 1e-15);

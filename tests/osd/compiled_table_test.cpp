@@ -19,15 +19,14 @@ template <class Real>
 StencilTable<Real> tableOfPointsBetween(const Lattice& lattice, std::size_t count,
                                         const Point3& low, const Point3& high) {
     TopologyRefiner refiner = refined(lattice.complex, 3);
-    const auto rest = stencils::refinePositions(refiner, 3, Rules::Siggraph96, lattice.positions);
+    const auto rest = stencils::refinePositions(refiner, 3, lattice.positions);
     const auto values = randomValues(3 * count, 5);
     std::vector<Point3> points(count);
     for (std::size_t i = 0; i < 3 * count; ++i)
         points[i / 3][i % 3] =
             (low[i % 3] + high[i % 3]) / 2 + (high[i % 3] - low[i % 3]) / 2 * values[i];
     const auto embedding = embed::embedPoints(refiner.level(3).complex, rest, points);
-    return convertTable<Real>(
-        embed::buildDeformationTable(refiner, 3, Rules::Siggraph96, embedding));
+    return convertTable<Real>(embed::buildDeformationTable(refiner, 3, embedding));
 }
 
 template <class Real>

@@ -69,14 +69,12 @@ std::vector<Point3> exactPoints() {
 }
 
 template <class Real>
-void addResults(const TopologyRefiner& refiner, const Lattice& lattice, stencils::Rules rules,
-                Hash& hash) {
-    add(stencils::convertTable<Real>(stencils::buildStencils(refiner, refiner.maxLevel(), rules)),
-        hash);
+void addResults(const TopologyRefiner& refiner, const Lattice& lattice, Hash& hash) {
+    add(stencils::convertTable<Real>(stencils::buildStencils(refiner, refiner.maxLevel())), hash);
     const auto points = exactPoints();
-    const auto bound = embed::bindPoints(
-        {TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, rules}, points,
-        {.level = 2});
+    const auto bound =
+        embed::bindPoints({TopologyRefiner(lattice.complex, refiner.options()), lattice.positions},
+                          points, {.level = 2});
     const auto table = stencils::convertTable<Real>(bound.binding.table);
     add(table, hash);
     std::vector<Real> source;
@@ -89,19 +87,18 @@ void addResults(const TopologyRefiner& refiner, const Lattice& lattice, stencils
     hash.add(std::span<const Real>(result));
 }
 
-std::uint64_t hashOfAll(Boundary boundary, stencils::Rules rules) {
+std::uint64_t hashOfAll(Boundary boundary, Rules rules) {
     Hash hash;
     for (const Lattice& lattice : exactLattices()) {
-        TopologyRefiner refiner =
-            refined(lattice.complex, 2, {.boundary = boundary, .marks = lattice.marks});
-        addResults<double>(refiner, lattice, rules, hash);
-        addResults<float>(refiner, lattice, rules, hash);
+        TopologyRefiner refiner = refined(
+            lattice.complex, 2, {.rules = rules, .boundary = boundary, .marks = lattice.marks});
+        addResults<double>(refiner, lattice, hash);
+        addResults<float>(refiner, lattice, hash);
     }
     return hash.value();
 }
 
 TEST(GoldenBits, AreTheSameEverywhere) {
-    using stencils::Rules;
     for (const int threads : {1, 7})
         withThreads(threads, [] {
             EXPECT_EQ(hashOfAll(Boundary::Sharp, Rules::Siggraph96), 0x998F8ED9E18EABA4u);

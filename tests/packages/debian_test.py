@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the Debian packages of a build, and uses them in a root that has nothing else.
+"""Makes the Debian packages of a build, and uses them in an otherwise empty root.
 
-Takes root's rights, debootstrap and a mirror of Debian: without these it is skipped, and says so.
+Needs root's rights, debootstrap and a mirror of Debian; otherwise the test is skipped with a reason.
 """
 
 import os
@@ -63,7 +63,7 @@ class DebianPackages(unittest.TestCase):
         return [f"./{path.name}" for path in self.packages
                 if path.name.startswith("libespalier") and "-dev" not in path.name]
 
-    # In this order, each of them finds what those before it have installed.
+    # Tests run in this order: each finds what the ones before it have installed.
 
     def test_1_the_program_alone(self):
         self.install(self.file_of("espalier"), *self.own_libraries())
@@ -71,6 +71,7 @@ class DebianPackages(unittest.TestCase):
         self.in_root("espalier shape box --cells 2 2 2 -o rest.vtu")
         self.in_root("espalier deform rest.vtu --rest rest.vtu --to rest.vtu -n 2 -o moved.vtu")
         self.assertTrue((self.root / "root/moved.vtu").is_file())
+        self.assertTrue((self.root / "usr/share/man/man1/espalier.1").is_file())
 
     def test_2_somebody_elses_program(self):
         self.install(self.file_of("libespalier-dev"), "g++", "cmake", "ninja-build", "pkg-config")
@@ -94,7 +95,7 @@ class DebianPackages(unittest.TestCase):
     def test_5_nothing_is_left(self):
         names = " ".join(path.name.split("_")[0] for path in self.packages)
         self.in_root(f"apt-get remove -y -qq {names}")
-        for pattern in ("usr/bin/espalier", "usr/include/espalier*", "usr/lib/**/*espalier*"):
+        for pattern in ("usr/bin/espalier", "usr/share/man/man1/espalier*", "usr/include/espalier*", "usr/lib/**/*espalier*"):
             self.assertEqual(list(self.root.glob(pattern)), [])
 
 

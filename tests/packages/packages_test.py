@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Installs a build, and links somebody else's program to it by CMake and by pkg-config."""
+"""Installs a build, and links another project's program to it with CMake and with pkg-config."""
 
 import concurrent.futures
 import os
@@ -25,7 +25,7 @@ class Packages(unittest.TestCase):
         cls.folder = pathlib.Path(folder.name)
         cls.prefix = cls.folder / "installed"
         cls.run_program(CMAKE, "--install", BUILD, "--prefix", cls.prefix)
-        # As a relocated tree, which does not know the folder that it was made for.
+        # Test a relocated tree, which must not depend on the folder that it was made for.
         cls.prefix = cls.prefix.rename(cls.folder / "moved")
 
     @classmethod
@@ -50,6 +50,10 @@ class Packages(unittest.TestCase):
         self.run_program(CMAKE, "--build", "by-package")
         out = self.run_program("by-package/consumer", env=self.environment())
         self.assertIn("none.ovm", out)
+
+    def test_the_program_has_its_manual_page(self):
+        self.assertEqual((self.prefix / "share/man/man1/espalier.1").is_file(),
+                         (self.prefix / "bin/espalier").is_file())
 
     def test_components_that_are_not_there_are_named(self):
         (self.folder / "asks").mkdir()
@@ -103,7 +107,7 @@ class Packages(unittest.TestCase):
         (self.folder / "cuda/main.cpp").write_text(
             "#include <espalier/osd/cuda/cuda_evaluator.h>\n"
             "int main() { return espalier::osd::cudaDeviceCount() >= 0 ? 0 : 1; }\n")
-        # No CUDA as a language: its headers and its compiler are not asked for.
+        # CUDA is not enabled as a language: its headers and its compiler are not needed.
         (self.folder / "cuda/CMakeLists.txt").write_text(
             "cmake_minimum_required(VERSION 3.25)\nproject(cuda LANGUAGES CXX)\n"
             "find_package(espalier REQUIRED COMPONENTS cuda)\n"
@@ -125,7 +129,7 @@ class Packages(unittest.TestCase):
         names = [file.stem for file in self.prefix.glob("lib*/**/espalier-*.pc")]
         flags = self.run_program("pkg-config", "--cflags", *names,
                                  env=self.environment(PKG_CONFIG_PATH=path))
-        # What is not ours is the system's, whose warnings are not shown.
+        # Other include folders become system folders, whose warnings are not shown.
         ours = f"-I{self.prefix}"
         flags = [flag if flag.startswith(ours) else flag.replace("-I", "-isystem", 1)
                  for flag in shlex.split(flags) if not flag.startswith("-D_FORTIFY_SOURCE")]
@@ -149,7 +153,7 @@ class Packages(unittest.TestCase):
                                              env=self.environment(PKG_CONFIG_PATH=path)))
         headers = sorted(path.name for path in self.prefix.glob("include/*.h"))
         self.assertEqual(headers, ["espalier.h", "espalier_shapes.h", "espalier_solve.h"])
-        # Each alone, and twice, in C and in C++; and functions of each are in the library.
+        # Each header compiles alone, and twice, in C and in C++; the library has its functions.
         calls = ["espalier_version()", "espalier_lattice_create_star(0, 0)",
                  "espalier_validity_base_cell(0, 0, 0)"]
         for header, call in zip(headers, calls):

@@ -11,21 +11,21 @@ namespace {
 
 using Eigen::Matrix4d;
 
-/// The matrix of the uniform cubic B-spline: P(t) = [1 t t² t³] M P.
+/// Returns the matrix of the uniform cubic B-spline: P(t) = [1 t t² t³] M P.
 Matrix4d splineMatrix() {
     Matrix4d m;
     m << 1, 4, 1, 0, -3, 0, 3, 0, 3, -6, 3, 0, -1, 3, -3, 1;
     return m / 6;
 }
 
-/// The splitting matrix of the notes, for the half from 0 to 1/2.
+/// Returns the splitting matrix of the notes, for the half from 0 to 1/2.
 Matrix4d firstHalf() {
     Matrix4d h;
     h << 4, 4, 0, 0, 1, 6, 1, 0, 0, 4, 4, 0, 0, 1, 6, 1;
     return h / 8;
 }
 
-/// The matrix of the other half: the mirror image.
+/// Returns the matrix of the other half, the mirror image.
 Matrix4d secondHalf() {
     return firstHalf().reverse();
 }
@@ -37,22 +37,22 @@ Row matrixRow(const Matrix4d& matrix, Index row) {
     return result;
 }
 
-// S = M⁻¹ diag(1, 1/2, 1/4, 1/8) M, by t → t/2; and for the other half by t → (1 + t)/2, which
-// takes t^k to Σ C(k, i) t^i / 2^k.
+// S = M⁻¹ diag(1, 1/2, 1/4, 1/8) M follows from t → t/2. The other half has t → (1 + t)/2, which
+// maps t^k to Σ C(k, i) t^i / 2^k.
 TEST(Bicubic, SplittingMatrixIsTheReparametrisation) {
     const Matrix4d m = splineMatrix();
     Matrix4d first = Matrix4d::Zero(), second;
     first.diagonal() << 1, 0.5, 0.25, 0.125;
     second << 1, 1. / 2, 1. / 4, 1. / 8, 0, 1. / 2, 2. / 4, 3. / 8, 0, 0, 1. / 4, 3. / 8, 0, 0, 0,
         1. / 8;
-    // M has a condition number of some 10.
+    // M has a condition number of about 10.
     EXPECT_LT((m.inverse() * first * m - firstHalf()).cwiseAbs().maxCoeff(), 1e-14);
     EXPECT_LT((m.inverse() * second * m - secondHalf()).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-// "25 unique sub-control points", by their kind: 9 face, 12 edge and 4 vertex points. The sub-patch
-// 0 ≤ u, v ≤ 1/2 has the 16 points P'_rs with r, s < 4: the face points are those with both even,
-// the vertex points those with both odd. (The notes' list of edge points leaves out P'_21.)
+// "25 unique sub-control points": 9 face, 12 edge and 4 vertex points. The sub-patch 0 ≤ u, v ≤ 1/2
+// has the 16 points P'_rs with r, s < 4: face points have both indices even, vertex points have
+// both odd. (The notes' list of edge points omits P'_21.)
 TEST(Bicubic, TwentyFivePointsByTheirKind) {
     const RefinedGrid net({3, 3}, 1);
     ASSERT_EQ(net.complex(1).count(0), 25);
@@ -69,8 +69,8 @@ TEST(Bicubic, TwentyFivePointsByTheirKind) {
 }
 
 // P' = H1 P H1ᵀ for the sub-patch, entry by entry, "the others by symmetry": each half of u and v
-// has its matrix, and its points are 4 × 4 of the 25. The nine inside are in all four. (The last
-// row of the H1ᵀ that the notes write out is printed 0 0 6 1; it is 0 0 0 1.)
+// has its own matrix, and its points are 4 × 4 of the 25. The nine inner points belong to all four.
+// (In the notes, the last row of H1ᵀ is printed as 0 0 6 1; it is 0 0 0 1.)
 TEST(Bicubic, SubPatchesAreProductsWithTheSplittingMatrices) {
     const RefinedGrid net({3, 3}, 1);
     const auto table = buildLevelTable(net.refiner(), 1);
@@ -83,7 +83,7 @@ TEST(Bicubic, SubPatchesAreProductsWithTheSplittingMatrices) {
                     const Row expected =
                         tensorProduct(net, matrixRow(halves[u], r), matrixRow(halves[v], s));
                     const Row got = rowOf(table, net.vertexAt(1, {u + r, v + s, 0}));
-                    // Multiples of 1/64: exact.
+                    // Multiples of 1/64 are exact.
                     EXPECT_EQ(difference(got, expected), 0) << u << v << r << s;
                     ++uses[u + r][v + s];
                 }
@@ -91,7 +91,7 @@ TEST(Bicubic, SubPatchesAreProductsWithTheSplittingMatrices) {
         for (std::size_t s = 1; s <= 3; ++s) EXPECT_EQ(uses[r][s], 4);
 }
 
-/// The points of a net as the notes name them, and its rules.
+/// The points of a net with the names of the notes, and the rules.
 struct NetOfLevel {
     const RefinedGrid& grid;
     int level;
@@ -117,9 +117,9 @@ struct NetOfLevel {
     Row vertex(Index i, Index j) const { return (q(i, j) + 2 * r(i, j) + p(i, j)) / 4; }
 };
 
-// The rules of the notes, and the patch-face, patch-edge and patch-vertex rules of CSE-96-1 section
-// 3, for "arbitrary rectangular meshes", refined again and again: all weights are dyadic, and
-// equal.
+// The rules of the notes, and the patch-face, patch-edge and patch-vertex rules of CSE-96-1,
+// section 3, for "arbitrary rectangular meshes", over several levels. All weights are dyadic, so
+// they are exactly equal.
 TEST(Bicubic, FaceEdgeAndVertexRulesOnNetsOfAnySize) {
     for (const std::vector<Index>& cells :
          std::vector<std::vector<Index>>{{3, 3}, {2, 5}, {6, 4}}) {
@@ -145,8 +145,8 @@ TEST(Bicubic, FaceEdgeAndVertexRulesOnNetsOfAnySize) {
 }
 
 // Section 3.2.2, "the influence of the points on the vertex point": 1 for each face point, 2 for
-// each edge's midpoint and 4 for the vertex, in sixteenths. In old points it is the product of
-// (1 6 1)/8 with itself: 1 6 1 / 6 36 6 / 1 6 1 in 64ths.
+// the midpoint of each edge and 4 for the vertex, in sixteenths. Over the old points this is the
+// product of (1 6 1)/8 with itself: 1 6 1 / 6 36 6 / 1 6 1 in 64ths.
 TEST(Bicubic, InfluenceOnAVertexPoint) {
     const RefinedGrid grid({2, 2}, 1);
     const NetOfLevel net{grid, 0};
@@ -178,18 +178,18 @@ TEST(Bicubic, NetsAreRefinedByRowsThenColumns) {
             const Row expected =
                 tensorProduct(net, rowOf(rows, alongI.vertexAt(level, {place[0], 0, 0})),
                               rowOf(columns, alongJ.vertexAt(level, {place[1], 0, 0})));
-            // Multiples of 64^-3 below 1: exact.
+            // Multiples of 64^-3 below 1 are exact.
             ASSERT_EQ(difference(rowOf(table, net.vertexAt(level, place)), expected), 0) << level;
         }
     }
 }
 
 // "If we keep refining, this limit mesh will converge to the original uniform B-spline surface":
-// P(u, v) = [1 u u² u³] M P Mᵀ [1 v v² v³]ᵀ. In one direction a point of the net after n levels is
-// off the curve by D/6 4^−n, D being its second difference in the first net, of which no weight is
-// above 2 (see Curves.VertexPointsTendToTheSpline): so by at most 4^−n/3, and in two directions by
-// no more than twice that.
-TEST(Bicubic, NetsTendToTheSurface) {
+// P(u, v) = [1 u u² u³] M P Mᵀ [1 v v² v³]ᵀ. In one direction, a point of the net after n levels
+// differs from the curve by D/6 4^−n, where D is its second difference in the first net, with
+// weights of at most 2 (see Curves.VertexPointsConvergeToTheSpline). So the difference is at most
+// 4^−n/3, and in two directions at most twice that.
+TEST(Bicubic, NetsConvergeToTheSurface) {
     const Matrix4d m = splineMatrix();
     const int levels = 5;
     const RefinedGrid net({3, 3}, levels);
@@ -212,13 +212,14 @@ TEST(Bicubic, NetsTendToTheSurface) {
             EXPECT_LE(away, 2 * h * h / 3) << level;
             largest = std::max(largest, away);
         }
-        // The bound is not idle: at a corner of the patch the weight of its own vertex is
-        // (4/6 + e)² for (4/6)², with e = 4^−n/3.
+        // The bound is of the right order: at a corner of the patch the weight of the corner's
+        // vertex is (4/6 + e)² in place of (4/6)², with e = 4^−n/3.
         EXPECT_GE(largest, 4 * h * h / 9) << level;
     }
 }
 
-// The refined net is one of the same surface: its points, weighted (1 4 1)/6 both ways, lie on it.
+// The refined net defines the same surface: its points, weighted by (1 4 1)/6 in both directions,
+// are on it.
 TEST(Bicubic, RefinedNetsDefineTheSameSurface) {
     const int levels = 3;
     const RefinedGrid net({4, 3}, levels);
@@ -238,7 +239,7 @@ TEST(Bicubic, RefinedNetsDefineTheSameSurface) {
             const Row expected =
                 tensorProduct(net, splineAt(1 + std::ldexp(place[0] - 1, -level), 4),
                               splineAt(1 + std::ldexp(place[1] - 1, -level), 3));
-            // Nine products below 1 of rows exact to the last bit.
+            // Nine products below 1, of exact rows.
             ASSERT_LE(difference(onSurface, expected), 2e-15) << level;
         }
     }

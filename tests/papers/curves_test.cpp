@@ -8,7 +8,7 @@
 namespace espalier::stencils {
 namespace {
 
-/// The rows of a table in the order of a refined polygon.
+/// Returns the rows of a table in the order of a refined polygon.
 std::vector<Row> rowsOf(const RefinedGrid& polygon, int level, const StencilTable<double>& table) {
     std::vector<Row> rows;
     for (Index i = 0; i <= polygon.size(level)[0]; ++i)
@@ -24,17 +24,17 @@ std::vector<Row> composedRows(const RefinedGrid& polygon, int level) {
     return rowsOf(polygon, level, buildStencils(polygon.refiner(), level));
 }
 
-// Section 2.1: the 5 × 4 matrix, its rows E0 V0 E1 V1 E2. The first four rows are S^L, the points
-// of the first half of the curve, and the last four S^R. (The printed S^L has a fifth row, 1 6 1 0:
-// it runs into S^R. The notes' H1 is the right S^L.)
-TEST(Curves, FivePointsOfFourAreTheSplittingMatrix) {
+// Section 2.1: the 5 × 4 matrix with rows E0 V0 E1 V1 E2. The first four rows are S^L, the points
+// of the first half of the curve, and the last four are S^R. (The printed S^L has a fifth row, 1 6
+// 1 0, which belongs to S^R. H1 of the notes is the correct S^L.)
+TEST(Curves, FivePointsFromFourEqualTheSplittingMatrix) {
     const double matrix[5][4] = {
         {4, 4, 0, 0}, {1, 6, 1, 0}, {0, 4, 4, 0}, {0, 1, 6, 1}, {0, 0, 4, 4}};
     const RefinedGrid polygon({3}, 1);
     const std::vector<Row> rows = levelRows(polygon, 1);
     ASSERT_EQ(rows.size(), 5u);
     for (Index r = 0; r < 5; ++r) {
-        // E0 V0 E1 V1 E2: edge and vertex points by turns.
+        // E0 V0 E1 V1 E2: edge points and vertex points alternate.
         EXPECT_EQ(polygon.parentAt(1, {r, 0, 0}).dimension, r % 2 == 0 ? 1 : 0);
         Row expected;
         double sum = 0;
@@ -48,9 +48,9 @@ TEST(Curves, FivePointsOfFourAreTheSplittingMatrix) {
     }
 }
 
-// The halves: the first four points are the control points of the curve from 0 to 1/2, and the last
-// four of that from 1/2 to 1. A half at t is the whole at t/2, or (1 + t)/2.
-TEST(Curves, HalvesOfTheSplitAreThoseOfTheCurve) {
+// The first four points are the control points of the curve from 0 to 1/2, the last four those from
+// 1/2 to 1. A half at t is the whole curve at t/2, or (1 + t)/2.
+TEST(Curves, HalvesOfTheSplitDefineTheHalvesOfTheCurve) {
     const std::vector<Row> rows = levelRows(RefinedGrid({3}, 1), 1);
     for (int half = 0; half < 2; ++half)
         for (const double t : {0.0, 0.125, 0.5, 0.75, 1.0}) {
@@ -61,7 +61,7 @@ TEST(Curves, HalvesOfTheSplitAreThoseOfTheCurve) {
         }
 }
 
-// Section 2.2: n + 1 points become 2n − 1.
+// Section 2.2: refinement makes 2n − 1 points from n + 1.
 TEST(Curves, NPlusOnePointsBecomeTwoNMinusOne) {
     for (Index n = 2; n <= 12; ++n) {
         const RefinedGrid polygon({n}, 4);
@@ -75,9 +75,9 @@ TEST(Curves, NPlusOnePointsBecomeTwoNMinusOne) {
 }
 
 // The curve-edge rule E_i = (P_i + P_(i+1))/2, and the curve-vertex rule (E_i + 2P_(i+1) +
-// E_(i+1))/4. (Section 2.2 prints 2P_i: by section 2.1, V_0 = (E_0 + 2P_1 + E_1)/4, it is the point
-// between the edges i and i + 1.) The vertex point is also the midpoint of the midpoints to both
-// edge points.
+// E_(i+1))/4. (Section 2.2 prints 2P_i. By section 2.1, V_0 = (E_0 + 2P_1 + E_1)/4, it is the point
+// between the edges i and i + 1.) The vertex point is also the midpoint of the midpoints between
+// the vertex and both edge points.
 TEST(Curves, EdgeAndVertexRules) {
     for (const Index n : {2, 3, 4, 7, 12}) {
         const RefinedGrid polygon({n}, 3);
@@ -98,7 +98,7 @@ TEST(Curves, EdgeAndVertexRules) {
     }
 }
 
-// A closed polygon has no ends to lose: n points become 2n, and every vertex point is (1 6 1)/8.
+// A closed polygon loses no ends: n points become 2n, and every vertex point is (1 6 1)/8.
 TEST(Curves, ClosedPolygonsDouble) {
     for (const Index n : {3, 4, 5, 8}) {
         TopologyRefiner refiner =
@@ -120,13 +120,13 @@ TEST(Curves, ClosedPolygonsDouble) {
     }
 }
 
-// Under boundary control the ends stay: the polygon is the one with a phantom point 2P0 − P1 before
-// its first one, and likewise at its end, without boundary control.
-TEST(Curves, EndsThatStayAreThoseOfAPhantomPoint) {
+// Under boundary control the ends stay. The polygon is then equal to one without boundary control
+// that has a phantom point 2P0 − P1 before its first point, and likewise at its end.
+TEST(Curves, FixedEndsEqualAPhantomPoint) {
     const int levels = 4;
     for (const Index n : {1, 2, 3, 6}) {
         const RefinedGrid sharp({n}, levels, Boundary::Sharp), open({n + 2}, levels);
-        // Point i of the longer polygon over the points of the other.
+        // Each point of the longer polygon over the points of the shorter one.
         std::vector<Row> extended = {2 * point(0) - point(1)};
         for (Index i = 0; i <= n; ++i) extended.push_back(point(i));
         extended.push_back(2 * point(n) - point(n - 1));
@@ -138,16 +138,17 @@ TEST(Curves, EndsThatStayAreThoseOfAPhantomPoint) {
             EXPECT_EQ(difference(rows.front(), point(0)), 0);
             EXPECT_EQ(difference(rows.back(), point(n)), 0);
             for (std::size_t i = 0; i < rows.size(); ++i)
-                // Multiples of 8^-4 below 2: exact.
+                // Multiples of 8^-4 below 2 are exact.
                 EXPECT_EQ(difference(rows[i], substituted(openRows[i + 1], extended)), 0) << i;
         }
     }
 }
 
 // "The successive control polygons will converge to the curve." With the second difference D = P_−
-// − 2P + P_+, a vertex point is P + D/8, and the second difference there is D/4. So after k levels
-// it is P + D (1 + 1/4 + … + 4^(1−k))/8 = P + (1 − 4^−k) D/6: in the limit (1 4 1)/6, the B-spline.
-TEST(Curves, VertexPointsTendToTheSpline) {
+// − 2P + P_+, a vertex point is P + D/8, and its second difference is D/4. So after k levels it is
+// P + D (1 + 1/4 + … + 4^(1−k))/8 = P + (1 − 4^−k) D/6. The limit has the weights (1 4 1)/6 of the
+// B-spline.
+TEST(Curves, VertexPointsConvergeToTheSpline) {
     const int levels = 10;
     const RefinedGrid polygon({4}, levels);
     for (int level = 1; level <= levels; ++level) {
@@ -163,8 +164,8 @@ TEST(Curves, VertexPointsTendToTheSpline) {
     }
 }
 
-// Not at the vertices alone: the refined polygon defines the same curve, so (P_− + 4P + P_+)/6 of
-// it lies on the curve, at every point and level.
+// The refined polygon defines the same curve: (P_− + 4P + P_+)/6 is on the curve, for every point
+// on every level.
 TEST(Curves, RefinedPolygonsDefineTheSameCurve) {
     const Index n = 5;
     const int levels = 5;
@@ -174,14 +175,14 @@ TEST(Curves, RefinedPolygonsDefineTheSameCurve) {
         for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
             const double place = 1 + std::ldexp(double(i) - 1, -level);
             const Row onCurve = (rows[i - 1] + 4 * rows[i] + rows[i + 1]) / 6;
-            // Some twenty products below 1.
+            // About twenty products below 1.
             EXPECT_LE(difference(onCurve, splineAt(place, n)), 2e-15) << place;
         }
     }
 }
 
 // A cubic a + bx + cx² + dx³ has the coefficient a + bx + c(x² − h²/3) + d(x³ − h²x) at x, for
-// knots of spacing h (its polar form at x − h, x, x + h). Refined, it stays that cubic.
+// knots of spacing h (its polar form at x − h, x, x + h). Refinement does not change the cubic.
 TEST(Curves, CubicsStayExact) {
     const Index n = 6;
     const int levels = 3;

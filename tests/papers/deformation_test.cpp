@@ -5,14 +5,14 @@
 #include "support/test.h"
 #include "support/zoo.h"
 
-// MacCracken & Joy 1996, sections 4 and 6: how close the deformation is, and that it is tame.
+// MacCracken & Joy 1996, sections 4 and 6: accuracy of the deformation, and convex combinations.
 namespace espalier::stencils {
 namespace {
 
 using Eigen::Vector3d;
 
-/// What the cubic B-spline with a phantom point 2P0 − P1 before its first one, and likewise at its
-/// end, weighs the points 0 to n of a polygon with, at x from 0 to n.
+/// Returns the weights of points 0 to n of a polygon in the cubic B-spline with phantom points 2P0
+/// − P1 at both ends, at x from 0 to n.
 Row clampedSpline(double x, Index n) {
     Row row;
     const Row extended = splineAt(x + 1, n + 2);
@@ -28,10 +28,10 @@ Row clampedSpline(double x, Index n) {
 }
 
 // Section 4: "whereas this is an approximation, it can be made arbitrarily close to the actual
-// deformation". That of a box is known: the tricubic B-spline with a phantom layer, for which the
-// place of a point at rest is its parameter. Trilinear pieces of control points are off a spline by
-// the square of their size: the error falls fourfold with each level.
-TEST(Deformation, ApproximationTendsToTheDeformation) {
+// deformation". For a box the deformation is known: it is the tricubic B-spline with a phantom
+// layer, whose parameter is the position at rest. Trilinear pieces between control points differ
+// from a spline by the square of their size, so the error falls fourfold with each level.
+TEST(Deformation, ApproximationConvergesToTheDeformation) {
     const std::array<Index, 3> cells = {3, 2, 4};
     const Lattice box = shapes::box({.cells = {3, 2, 4}, .max = {3, 2, 4}});
     const RefinedGrid grid({3, 2, 4}, 0, Boundary::Sharp);
@@ -58,7 +58,8 @@ TEST(Deformation, ApproximationTendsToTheDeformation) {
             squares += (vec(posed[i]) - exact[i]).squaredNorm();
         const double error = std::sqrt(squares / count);
         if (level > 1) {
-            // The rest is of a higher order: it falls faster, and counts at the coarse levels.
+            // The remaining error is of higher order: it falls faster, and is visible on coarse
+            // levels.
             EXPECT_NEAR(before / error, 4, std::ldexp(2.4, -level)) << level;
         }
         before = error;
@@ -66,10 +67,10 @@ TEST(Deformation, ApproximationTendsToTheDeformation) {
     EXPECT_LT(before, 1e-3);
 }
 
-// Section 6: trilinear places, and places in tetrahedra about the average of the cell's vertices,
-// weigh the vertices of their cell by what is not negative: a point in a cell stays in the hull of
-// it. And points of a lattice whose inner edges and surface vertices have three faces or more stay
-// in the hull of the lattice, since no rule has a negative weight there.
+// Section 6: places in hexahedra, and in tetrahedra around the average of the cell's vertices, have
+// no negative weights of the vertices of their cell, so that a point in a cell stays in its hull.
+// If inner edges and surface vertices have three faces or more, no rule has negative weights, so
+// that points stay in the hull of the lattice.
 TEST(Deformation, PointsInsideAreConvexCombinations) {
     for (const auto& [name, lattice] : zoo()) {
         const TopologyRefiner refiner = refined(lattice, 2);
@@ -88,15 +89,14 @@ TEST(Deformation, PointsInsideAreConvexCombinations) {
         }
         const embed::Embedding embedding = embed::embedPoints(complex, positions, points);
         const auto inCell = embed::buildEmbeddingTable(complex, embedding);
-        const auto inLattice =
-            embed::buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+        const auto inLattice = embed::buildDeformationTable(refiner, 2, embedding);
         for (Index i = 0; i < inCell.rowCount(); ++i) {
             const auto& located = embedding.points[i];
-            // A point in a gap between cells has a place just outside of one.
+            // A point in a gap between cells has a place slightly outside of one.
             if (located.place && located.place->offset != std::array<double, 3>{}) continue;
             for (const auto* table : {&inCell, &inLattice})
                 for (const double w : table->weights(i)) {
-                    // A place may be outside its cell by rounding.
+                    // Rounding may put a place outside its cell.
                     ASSERT_GE(w, -1e-12) << name;
                     ASSERT_LE(w, 1 + 1e-12) << name;
                 }

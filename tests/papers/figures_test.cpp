@@ -7,7 +7,7 @@
 #include "papers/frozen.h"
 #include "support/test.h"
 
-// MacCracken & Joy 1996: the figures, as far as numbers can say.
+// MacCracken & Joy 1996: numerical checks of the figures.
 namespace espalier::stencils {
 namespace {
 
@@ -15,7 +15,8 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 
 // Figure 4, left: without boundary control the region shrinks away from the boundary. A box of n
-// cells a side keeps its inside, from 1 to n − 1 in the limit: 2^−k more on each side at level k.
+// cells along a side keeps its interior, from 1 to n − 1 in the limit; level k has 2^−k more on
+// each side.
 TEST(Figures, BoxWithoutBoundaryControlShrinks) {
     const Lattice box = shapes::box({.cells = {4, 3, 5}, .max = {4, 3, 5}});
     const TopologyRefiner refiner = refined(box, 3, Boundary::Open);
@@ -33,11 +34,11 @@ TEST(Figures, BoxWithoutBoundaryControlShrinks) {
 }
 
 // Figure 4, right: "the cylindrical lattice does not refine into a cylindrical region of space". It
-// does not into that of the lattice: the outermost ring and layers are lost, and the hexagon gets
-// rounded. With rings of radius 1/3, 2/3 and 1 and height 4, what is left in the limit is the cubic
-// B-spline of the second ring from height 1 to 3; at level k, that of 2/3 + 2^−k/3, and 2^−k more
-// at each end. (So here a smaller cylinder is left, where the paper's words may mean that
-// none is. It does not say what its rules take for the cells that are missing at the boundary.)
+// does not refine into the region of the lattice: the outermost ring and layers are lost, and the
+// hexagon gets rounded. With rings of radius 1/3, 2/3 and 1 and height 4, the limit is the cubic
+// B-spline of the second ring, from height 1 to 3; level k has the B-spline of 2/3 + 2^−k/3, and
+// 2^−k more at each end. (So a smaller cylinder remains, while the paper's words may mean that none
+// does. The paper does not define its rules for cells that are missing at the boundary.)
 TEST(Figures, CylinderWithoutBoundaryControlShrinks) {
     const Lattice cylinder =
         shapes::cylinder({.sectors = 6, .pattern = {.rings = 3}, .layers = 4, .to = {0, 0, 4}});
@@ -50,19 +51,21 @@ TEST(Figures, CylinderWithoutBoundaryControlShrinks) {
         top = std::max(top, p[2]);
     }
     // The B-spline of a hexagon passes its corners at 5/6 of its radius
-    // (Boundary.CylinderIsFlatAtItsEndsAndRoundAlongItsLength). Level 3 is not yet the limit.
+    // (Boundary.CylinderIsFlatAtItsEndsAndRoundAlongItsLength). Level 3 is close to the limit, but
+    // not equal.
     EXPECT_NEAR(radius, (2. / 3 + 1. / 24) * 5 / 6, 4e-3);
     EXPECT_NEAR(bottom, 1 - 1. / 8, 1e-14);
     EXPECT_NEAR(top, 3 + 1. / 8, 1e-14);
 }
 
-/// Edges by the colours of figure 5: sharp (red), boundary (green), internal (blue).
+/// Numbers of edges by the colours of figure 5: sharp (red), boundary (green), internal (blue).
 std::array<Index, 3> edgeColours(const far::Level& level) {
     return {level.strata.count(1, 1), level.strata.count(1, 2), level.strata.count(1, 3)};
 }
 
-// Figure 5's colours at each level, by counting. A closed surface of F quadrilaterals has 2F edges.
-// A box of a × b × c cells has 2(ab + bc + ca) of them, 4(a + b + c) sharp edges and 8 corners.
+// Counts the colours of figure 5 on each level. A closed surface of F quadrilaterals has 2F edges.
+// A box of a × b × c cells has 2(ab + bc + ca) quadrilaterals, 4(a + b + c) sharp edges and 8
+// corners.
 TEST(Figures, ColoursOfABoxAtEveryLevel) {
     const TopologyRefiner refiner = refined(shapes::box({.cells = {2, 1, 3}}), 3);
     for (int level = 0; level <= 3; ++level) {
@@ -75,9 +78,9 @@ TEST(Figures, ColoursOfABoxAtEveryLevel) {
     }
 }
 
-// A cylinder of n sectors and two layers has two sharp rims of n edges and no corner. Its surface
-// of 2n triangles and 2n quadrilaterals becomes 3 · 2n + 4 · 2n = 14n quadrilaterals, and four
-// times as many a level from then on.
+// A cylinder with n sectors and two layers has two sharp rims of n edges, and no corner. Its
+// surface of 2n triangles and 2n quadrilaterals becomes 3 · 2n + 4 · 2n = 14n quadrilaterals, and
+// four times as many with each further level.
 TEST(Figures, ColoursOfACylinderAtEveryLevel) {
     const Index n = 6;
     const TopologyRefiner refiner = refined(shapes::cylinder({.sectors = n, .layers = 2}), 3);
@@ -90,9 +93,9 @@ TEST(Figures, ColoursOfACylinderAtEveryLevel) {
     }
 }
 
-// Figure 7: a disk in a round lattice of five by two sectors; the lattice becomes a star, and so
-// does the disk: a ring of the model has five tips, at the points of the star, and five notches
-// between, falls from tip to notch, and is the same after a fifth of a turn.
+// Figure 7: a disk in a round lattice of five by two sectors. The lattice becomes a star, and so
+// does the disk: a ring of the model has five tips at the points of the star and five notches
+// between them. Its radius falls from tip to notch, and repeats after a fifth of a turn.
 TEST(Figures, DiskBecomesAStar) {
     const std::size_t around = 60, perPoint = around / 5;
     std::vector<Point3> ring;
@@ -111,19 +114,19 @@ TEST(Figures, DiskBecomesAStar) {
     const shapes::Affine fifth = shapes::rotation({0, 0, 1}, 2 * pi / 5);
     for (std::size_t i = 0; i < around; ++i) {
         const Vector3d image = vec(fifth(posed[i]));
-        // The lattices are symmetric but for rounding.
+        // The lattices are symmetric up to rounding.
         EXPECT_LT((image - vec(posed[(i + perPoint) % around])).norm(), 1e-13);
         const bool isOnTheWayIn = i % perPoint < perPoint / 2;
         EXPECT_EQ(radius(i) > radius((i + 1) % around), isOnTheWayIn) << i;
-        // The pose moves nothing along the axis.
+        // The pose does not move anything along the axis.
         EXPECT_NEAR(posed[i][2], 0.05, 1e-14);
     }
-    // Tips beyond the disk's 0.7, notches within.
+    // Tips are beyond the disk's radius 0.7, notches within.
     EXPECT_GT(radius(0), 0.8);
     EXPECT_LT(radius(perPoint / 2), 0.6);
 }
 
-/// Points along a block, from end to end.
+/// Returns points along a block, from end to end.
 std::vector<Point3> lineAlongTheBlock(double y) {
     std::vector<Point3> line;
     for (int i = 0; i <= 1000; ++i) line.push_back({-2.9 + 5.8 * i / 1000, y, 0.1});
@@ -132,9 +135,9 @@ std::vector<Point3> lineAlongTheBlock(double y) {
 
 // Figure 8: a block in a lattice that becomes a barbell. "The subdivision methodology automatically
 // handles the continuity between the segments of the lattice": along a line from end to end of the
-// block, across all segments, the slope's jumps (those of trilinear pieces of half the length)
-// halve with each level, so that none is left in the limit. The bar gets thin: between the ends it
-// is 0.4 times as wide.
+// block, across all segments, the jumps of the slope halve with each level, since trilinear pieces
+// have half the length. So the limit has no jumps. The bar gets thin: between the ends its width is
+// multiplied by 0.4.
 TEST(Figures, BlockBecomesABarbellWithoutBreaks) {
     shapes::BarbellOptions block = {.layers = 2, .barHalfWidth = 1, .roundness = 0};
     const Lattice barbell = shapes::barbell({.layers = 2});
@@ -152,20 +155,20 @@ TEST(Figures, BlockBecomesABarbellWithoutBreaks) {
             jump = std::max(jump, (right - left).norm() / (line[1][0] - line[0][0]));
         }
         if (before > 0) {
-            // Half, but for where in a step the break falls and what is of the second order.
+            // Half, except for the position of the break within a step and second-order terms.
             EXPECT_LT(jump, 0.6 * before) << level;
             EXPECT_GT(jump, 0.4 * before) << level;
         }
         before = jump;
-        // In the middle of the bar the map is that of the lattice, y → 0.4 y.
+        // In the middle of the bar the map equals the map of the lattice, y → 0.4 y.
         EXPECT_NEAR(posed[line.size() / 2][1], 0.4 * y, 1e-13);
     }
 }
 
-// Figure 9: an arm that lifts and a hand that twists. Beyond the bend and the twist the hand's
-// lattice moves rigidly, and so does the hand; the body end of the lattice does not move, and the
+// Figure 9: an arm that lifts and a hand that twists. Beyond the bend and the twist, the lattice of
+// the hand moves rigidly, and so does the hand. The body end of the lattice does not move, and the
 // model there stays. "It was necessary to construct the lattice about the appendage": points
-// outside are not touched (Binding.MovesWhatIsInsideAndKeepsTheRest).
+// outside do not move (Binding.MovesWhatIsInsideAndKeepsTheRest).
 TEST(Figures, ArmLiftsAndHandTwists) {
     const double lift = 0.9, twist = pi / 2;
     shapes::ArmOptions options;
@@ -178,8 +181,8 @@ TEST(Figures, ArmLiftsAndHandTwists) {
     };
     options.joints[3] = {place(1), 0.2, twist};
     options.joints[4] = {place(1.5), 0.2, twist};
-    // Stations are half a unit apart up to the wrist and a quarter from there. The first one that
-    // moves is at 1/2, the rigid ones are from 2 on. A point is carried by two stations on either
+    // Stations are half a unit apart up to the wrist, and a quarter beyond. The first station that
+    // moves is at 1/2; stations from 2 on move rigidly. A point depends on two stations on either
     // side.
     std::vector<Point3> body, hand;
     for (int i = 0; i < 20; ++i) {

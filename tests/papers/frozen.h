@@ -11,7 +11,7 @@
 #include "support/complexes.h"
 #include "support/test.h"
 
-// Shapes with their positions, refined; and models frozen to them.
+// Refined shapes with their positions, and models frozen to them.
 namespace espalier::test {
 
 inline Eigen::Vector3d vec(const Point3& p) {
@@ -27,11 +27,10 @@ inline TopologyRefiner refined(const Lattice& lattice, int levels,
 
 inline std::vector<Point3> positionsAt(const Lattice& lattice, const TopologyRefiner& refiner,
                                        int level) {
-    return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96,
-                                     lattice.positions);
+    return stencils::refinePositions(refiner, level, lattice.positions);
 }
 
-/// A model frozen to a lattice (MacCracken & Joy 1996, section 5), all of it inside.
+/// A model frozen to a lattice (MacCracken & Joy 1996, section 5), completely inside.
 struct Frozen {
     Lattice rest;
     std::vector<Point3> model;
@@ -52,7 +51,7 @@ struct Frozen {
     void expectBackAtRest() const {
         const std::vector<Point3> back = posed(rest.positions);
         for (std::size_t i = 0; i < model.size(); ++i)
-            // What the project promises of a model of size 1.
+            // The bound that the project promises, for a model of size 1.
             EXPECT_LT((vec(back[i]) - vec(model[i])).norm(), 1e-12);
     }
 };

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every claim in docs/papers.md names tests, and that these are there and built."""
+"""Checks that every claim in docs/papers.md names tests that exist and are built."""
 
 import ast
 import pathlib
@@ -16,7 +16,7 @@ CODE = re.compile(r"`\w+\.\w+`")
 
 
 def table_rows(text):
-    """The rows of all tables, each with its line number, without their headings."""
+    """Yields the rows of all tables with their line numbers, without the headings."""
     is_in_table = False
     for number, line in enumerate(text.splitlines(), 1):
         if not line.startswith("|"):
@@ -28,7 +28,7 @@ def table_rows(text):
 
 
 def tests_in(path):
-    """The tests of a C++ or Python file, as pairs of suite and name."""
+    """Returns the tests of a C++ or Python file, as pairs of suite and name."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".py":
         return {(node.name, part.name) for node in ast.parse(text).body
@@ -38,7 +38,7 @@ def tests_in(path):
 
 
 def is_listed(path):
-    """Whether the CMakeLists.txt beside a test names it: a file that it does not is never run."""
+    """True if the CMakeLists.txt next to a test names it; otherwise the test would never run."""
     try:
         text = (path.parent / "CMakeLists.txt").read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -48,7 +48,7 @@ def is_listed(path):
 
 
 def errors_in(page):
-    """What is wrong with a page of claims, a line each."""
+    """Returns the errors of a page of claims, one line each."""
     errors = []
     text = page.read_text(encoding="utf-8")
     rows = list(table_rows(text))
@@ -78,7 +78,7 @@ class Index(unittest.TestCase):
 
 
 class Checker(unittest.TestCase):
-    """The check itself: each way for a page to be wrong is found."""
+    """Tests the check itself: it finds each kind of error in a page."""
 
     GOOD = ("| Where | Says | Test |\n|---|:---|---|\n"
             "| 2.1 | rule | [`Curve.Halves`](a_test.cpp), [`Deform.test_rest`](b_test.py) |\n"

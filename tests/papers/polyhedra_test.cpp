@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The rhombic hexecontahedron, which the paper shows but does not define: 60 flat golden rhombi, 62
-// vertices (12 of valence 5, 30 of valence 4 and 20 of valence 3), closed.
+// The rhombic hexecontahedron, which the paper shows without a definition: closed, with 60 flat
+// golden rhombi and 62 vertices (12 of valence 5, 30 of valence 4 and 20 of valence 3).
 TEST(Polyhedra, HexecontahedronHasSixtyGoldenRhombi) {
     const Lattice mesh = rhombicHexecontahedron();
     const CellComplex& complex = mesh.complex;
@@ -33,17 +33,18 @@ TEST(Polyhedra, HexecontahedronHasSixtyGoldenRhombi) {
     for (Index face = 0; face < complex.count(2); ++face) {
         const auto loop = complex.relation(2, 0)[face];
         const auto at = [&](std::size_t i) { return vec(mesh.positions[loop[i]]); };
-        // Positions of size 1 with some roundings: a parallelogram is flat, and a rhombus has
-        // diagonals at right angles.
+        // Positions of size 1 with a few roundings. A parallelogram is flat, and a rhombus has
+        // orthogonal diagonals.
         EXPECT_LT((at(0) + at(2) - at(1) - at(3)).norm(), 1e-15);
         EXPECT_NEAR((at(2) - at(0)).dot(at(3) - at(1)), 0, 1e-15);
         EXPECT_NEAR((at(2) - at(0)).norm() / (at(3) - at(1)).norm(), std::numbers::phi, 2e-15);
     }
 }
 
-// Table 2, the number of coordinates and of faces after 0 to 3 iterations. (For the cube after 3
-// the paper prints 284 faces. It is 384 = 4 · 96: each face of n edges becomes n faces.) And its
-// remark: from the first iteration on, there are two faces less than coordinates.
+// Table 2: numbers of coordinates and faces after 0 to 3 iterations. (For the cube after 3
+// iterations the paper prints 284 faces. It is 384 = 4 · 96, since a face of n edges becomes n
+// faces.) The paper's remark holds from the first iteration on: there are two fewer faces than
+// coordinates.
 TEST(Polyhedra, CountsOfTable2) {
     const std::map<std::string, std::array<std::array<Index, 2>, 4>> table = {
         {"cube", {{{8, 6}, {26, 24}, {98, 96}, {386, 384}}}},
@@ -68,8 +69,8 @@ TEST(Polyhedra, CountsOfTable2) {
     }
 }
 
-// "Two less" is a property of the sphere: quadrilaterals have F faces and 2F edges, so V − F is the
-// Euler characteristic. The scheme also refines "shapes with holes in them": on a torus, it is 0.
+// "Two fewer" is a property of the sphere: F quadrilaterals have 2F edges, so V − F is the Euler
+// characteristic. The scheme also refines "shapes with holes in them": on a torus, V − F is 0.
 TEST(Polyhedra, ShapesWithAHoleHaveAsManyFacesAsVertices) {
     const TopologyRefiner refiner = refined(surfaceOf(shapes::torus()), 3);
     for (int level = 1; level <= 3; ++level)
@@ -78,7 +79,7 @@ TEST(Polyhedra, ShapesWithAHoleHaveAsManyFacesAsVertices) {
 
 // Eq 2.1, q = (p11 + p12 + p21 + p22)/4, and the mean of the corners for other faces; Eq 2.2, q =
 // ((C + D)/2 + (p12 + p22)/2)/2; Eq 2.4, (Q + 2R + S(n − 3))/n, with n the number of faces. (Eq 2.4
-// prints R on its left, too, for the new vertex.)
+// uses R also for the new vertex on its left side.)
 TEST(Polyhedra, FaceEdgeAndVertexEquations) {
     for (const auto& [name, mesh] : namedPolyhedra()) {
         const TopologyRefiner refiner = refined(mesh, 2);
@@ -94,7 +95,7 @@ TEST(Polyhedra, FaceEdgeAndVertexEquations) {
                     rows.push_back(centroid(old, {dimension, entity}));
                 return average(rows);
             };
-            // Sums of up to some twenty weights below 1.
+            // Sums of up to about twenty weights below 1.
             const double rounding = 1e-15;
             for (Index face = 0; face < old.count(2); ++face)
                 ASSERT_LE(difference(got(2, face), centroid(old, {2, face})), rounding) << name;
@@ -117,9 +118,9 @@ TEST(Polyhedra, FaceEdgeAndVertexEquations) {
     }
 }
 
-// Eq 2.3, q22 = Q/4 + R/2 + p22/4, is Eq 2.4 for four faces, with R the mean of the midpoints of
-// the edges at p22. (The printed R takes the means of q11, q12, q31 and p31 with each other and
-// with p22 instead: no midpoints, and not symmetric in the two directions of the net.)
+// Eq 2.3, q22 = Q/4 + R/2 + p22/4, is Eq 2.4 for four faces, if R is the mean of the midpoints of
+// the edges at p22. (The printed R takes means of q11, q12, q31 and p31 with each other and with
+// p22. These are not midpoints, and the formula is not symmetric in the two directions of the net.)
 TEST(Polyhedra, VertexEquationOfFourFaces) {
     const CellComplex net = gridMesh(2, 2);
     TopologyRefiner refiner = test::refined(net, 1, {.boundary = Boundary::Open});
@@ -139,8 +140,8 @@ TEST(Polyhedra, VertexEquationOfFourFaces) {
     EXPECT_GT(difference(got, q / 4 + printed / 2 + s / 4), 0.01);
 }
 
-/// The linear maps that keep all lengths and the set of points: those that take three points which
-/// span space to three with the same products.
+/// Returns the linear isometries that map the set of points to itself. They map three points that
+/// span space to three points with the same inner products.
 std::vector<Eigen::Matrix3d> symmetriesOf(const std::vector<Point3>& points) {
     Eigen::Matrix3d from = Eigen::Matrix3d::Zero();
     int chosen = 0;
@@ -172,15 +173,15 @@ std::vector<Eigen::Matrix3d> symmetriesOf(const std::vector<Point3>& points) {
     return symmetries;
 }
 
-// Refinement keeps the symmetry: 48 rotations and mirrors of the cube, 8 of the pyramid, 120 of the
-// dodecahedron and, as it is built on the icosahedron, of the hexecontahedron.
+// Refinement keeps the symmetries: 48 rotations and reflections of the cube, 8 of the pyramid, 120
+// of the dodecahedron and of the hexecontahedron, which is built on the icosahedron.
 TEST(Polyhedra, RefinementKeepsTheSymmetry) {
     const std::map<std::string, std::size_t> orders = {
         {"cube", 48}, {"pyramid", 8}, {"dodecahedron", 120}, {"rhombic hexecontahedron", 120}};
     for (const auto& [name, mesh] : namedPolyhedra()) {
         const auto symmetries = symmetriesOf(mesh.positions);
         ASSERT_EQ(symmetries.size(), orders.at(name)) << name;
-        // Up to 242 vertices: each image is sought among all of them.
+        // With up to 242 vertices, each image is searched among all of them.
         const int level = mesh.complex.count(0) <= 20 ? 2 : 1;
         const auto positions = positionsAt(mesh, refined(mesh, level), level);
         for (const Eigen::Matrix3d& map : symmetries)
@@ -194,7 +195,7 @@ TEST(Polyhedra, RefinementKeepsTheSymmetry) {
     }
 }
 
-/// The largest angle between the normals of two faces that share an edge, in degrees.
+/// Returns the largest angle between the normals of two faces that share an edge, in degrees.
 double largestBend(const CellComplex& complex, const std::vector<Point3>& positions) {
     const auto normal = [&](Index face) {
         const auto loop = complex.relation(2, 0)[face];
@@ -211,10 +212,10 @@ double largestBend(const CellComplex& complex, const std::vector<Point3>& positi
     return std::acos(least) * 180 / std::numbers::pi;
 }
 
-// Table 1 as far as numbers can say. "As the iteration increases, the polyhedron will produce
-// smoother surface": the sharpest edge bends less each time, and after three iterations less than a
-// quarter as much as at first (90°, 125°, 63° and 108°). On a surface with a tangent plane it goes
-// on to fall by half with each.
+// Table 1: "As the iteration increases, the polyhedron will produce smoother surface". The sharpest
+// edge bends less with each iteration, and after three iterations by less than a quarter of the
+// initial angle (90°, 125°, 63° and 108°). On a surface with a tangent plane, each iteration halves
+// the angle in the long run.
 TEST(Polyhedra, BecomeSmootherEachTime) {
     for (const auto& [name, mesh] : namedPolyhedra()) {
         const TopologyRefiner refiner = refined(mesh, 4);
@@ -225,13 +226,13 @@ TEST(Polyhedra, BecomeSmootherEachTime) {
         for (std::size_t level = 1; level < bends.size(); ++level)
             EXPECT_LT(bends[level], bends[level - 1]) << name;
         EXPECT_LT(bends[3], bends[0] / 4) << name;
-        // Half, but for what is of the second order.
+        // Half, up to second-order terms.
         EXPECT_NEAR(bends[4] / bends[3], 0.5, 0.02) << name;
     }
 }
 
-// "Cube and dodecahedron become almost sphere": the radii differ by 3 and by 2 parts in a hundred.
-// The other two, of which the paper does not say so, are farther from it.
+// "Cube and dodecahedron become almost sphere": their radii vary by 3 % and 2 %. The other two
+// polyhedra, of which the paper does not say this, vary more.
 TEST(Polyhedra, CubeAndDodecahedronBecomeAlmostSpheres) {
     for (const auto& [name, mesh] : namedPolyhedra()) {
         const TopologyRefiner refiner = refined(mesh, 3);

@@ -8,19 +8,19 @@
 #include "papers/refined_grid.h"
 #include "support/test.h"
 
-// Savva & Clapworthy (003), section 2: the new points of n × m old points V_ij, as they are
-// printed, i from 1 to n and j from 1 to m.
+// Savva & Clapworthy (003), section 2: the new points of n × m old points V_ij, with the printed
+// equations, i from 1 to n and j from 1 to m.
 namespace espalier::stencils {
 namespace {
 
-/// n × m old points, and the new ones of RATS or of Catmull-Clark.
+/// n × m old points, and their new points by RATS or Catmull-Clark.
 class RefinedNet {
 public:
     RefinedNet(Index countAlongI, Index countAlongJ, Rules rules = Rules::Rats)
         : n(countAlongI),
           m(countAlongJ),
-          grid_({n - 1, m - 1}, 1, rules == Rules::Rats ? Boundary::Sharp : Boundary::Open),
-          table_(buildLevelTable(grid_.refiner(), 1, rules)) {}
+          grid_({n - 1, m - 1}, 1, rules == Rules::Rats ? Boundary::Sharp : Boundary::Open, rules),
+          table_(buildLevelTable(grid_.refiner(), 1)) {}
 
     const Index n, m;
 
@@ -29,7 +29,7 @@ public:
         return (V(i, j) + V(i, j + 1) + V(i + 1, j) + V(i + 1, j + 1)) / 4;
     }
 
-    /// The new point P_ij, from 1 on.
+    /// The new point P_ij; indices start at 1.
     Index newPoint(Index i, Index j) const { return grid_.vertexAt(1, {i - 1, j - 1}); }
     Row P(Index i, Index j) const { return rowOf(table_, newPoint(i, j)); }
 
@@ -39,7 +39,7 @@ public:
         return ratsPoint(grid_.refiner().level(0), grid_.parentAt(1, {i - 1, j - 1}));
     }
 
-    /// The new points that are compared with an equation of this one, by their numbers.
+    /// The new points that were compared with an equation so far.
     std::multiset<Index>& seen() { return seen_; }
 
 private:
@@ -48,21 +48,21 @@ private:
     std::multiset<Index> seen_;
 };
 
-/// Sizes at which each of the borders touches itself, and at which all ten types are there.
+/// Sizes at which borders touch each other, and sizes at which all ten types occur.
 std::vector<std::pair<Index, Index>> sizes() {
     return {{2, 2}, {2, 5}, {5, 2}, {3, 3}, {3, 4}, {4, 4}, {6, 5}};
 }
 
 void expectPoint(RefinedNet& net, RatsPoint type, Index i, Index j, const Row& expected) {
     EXPECT_EQ(net.typeOf(i, j), type) << "P_" << i << "," << j;
-    // Sums of at most 16 products near 1: some 16 roundings of 1.1e-16.
+    // Sums of at most 16 products near 1: about 16 roundings of 1.1e-16.
     EXPECT_LT(difference(net.P(i, j), expected), 2e-15) << "P_" << i << "," << j;
     net.seen().insert(net.newPoint(i, j));
 }
 
 using Ends = std::vector<Index>;
 
-/// 1 and n, or once 1 if they are the same.
+/// 1 and n; only 1 if they are equal.
 Ends ends(Index n) {
     return n == 1 ? Ends{1} : Ends{1, n};
 }
@@ -93,7 +93,7 @@ void vGamma(RefinedNet& net) {
                         (F(i - 1, j - 1) + F(i, j - 1) + F(i - 1, j) + F(i, j)) / 4);  // Eq 7
 }
 
-// In Eq 8 to 11 the P on the right are old points: V.
+// In Eq 8 to 11, the P on the right side are old points: V.
 void eAlpha(RefinedNet& net) {
     const auto V = [&](Index i, Index j) { return net.V(i, j); };
     for (const Index i : ends(net.n - 1))
@@ -225,7 +225,7 @@ TEST(RatsGrid, FGammaInnerFaces) {
     forEachNet(fGamma);
 }
 
-// Eq 4 to 19 give each of the (2n − 1)(2m − 1) new points, and each once.
+// Eq 4 to 19 give each of the (2n − 1)(2m − 1) new points exactly once.
 TEST(RatsGrid, EquationsGiveEachNewPointOnce) {
     for (const auto& [n, m] : sizes()) {
         RefinedNet net(n, m);
@@ -239,7 +239,7 @@ TEST(RatsGrid, EquationsGiveEachNewPointOnce) {
     }
 }
 
-// Section 2.1. A, B, C and D are face centroids: the subscripts of the P before them are wrong.
+// Section 2.1. A, B, C and D are face centroids: the subscripts of the P before them are misprints.
 TEST(RatsGrid, CatmullClarkPointsOfTheSamePaper) {
     for (const auto& [n, m] : {std::pair<Index, Index>{4, 4}, {6, 5}}) {
         const RefinedNet net(n, m, Rules::Siggraph96);
@@ -261,7 +261,7 @@ TEST(RatsGrid, CatmullClarkPointsOfTheSamePaper) {
         for (Index i = 2; i <= n - 1; ++i)
             for (Index j = 2; j <= m; ++j) {
                 const Row A = F(i - 1, j - 1), C = F(i, j - 1);
-                // The paper prints (B + C)/2; the faces at the edge are A and C.
+                // The paper prints (B + C)/2, but the faces at the edge are A and C.
                 expect(2 * i - 2, 2 * j - 3,
                        ((A + C) / 2 + (V(i, j - 1) + V(i, j)) / 2) / 2);  // 2b
             }
@@ -274,7 +274,7 @@ TEST(RatsGrid, CatmullClarkPointsOfTheSamePaper) {
                 expect(2 * i - 2, 2 * j - 2,
                        (A + B + C + D) / 4 / 4 + E / 2 + V(i, j) / 4);  // Eq 3
             }
-        // (2n − 3)(2m − 3) new points: 4(n + m − 2) fewer than those of RATS.
+        // There are (2n − 3)(2m − 3) new points, 4(n + m − 2) fewer than for RATS.
         EXPECT_EQ(net.newPointCount(), (2 * n - 3) * (2 * m - 3));
         EXPECT_EQ(RefinedNet(n, m).newPointCount() - net.newPointCount(), 4 * (n + m - 2));
     }

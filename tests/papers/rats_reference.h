@@ -10,8 +10,9 @@
 
 namespace espalier::test {
 
-/// The new points of RATS on a curve or a mesh, slowly: one function a type, in the words of Savva
-/// & Clapworthy, section 2, (1) to (10). Border are the entities of stratum 1 and 0.
+/// A slow reference for the new points of RATS on a curve or a mesh: one function for each type, in
+/// the words of Savva & Clapworthy, section 2, (1) to (10). The border consists of the entities of
+/// strata 0 and 1.
 class RatsReference {
 public:
     explicit RatsReference(const far::Level& level)
@@ -30,7 +31,8 @@ private:
     bool isBorderVertex(Index vertex) const { return strata_.of({0, vertex}) <= 1; }
     bool isBorderEdge(Index edge) const { return strata_.of({1, edge}) <= 1; }
 
-    /// "New points corresponding to the old vertices": V_α at a corner, V_β on the border, V_γ.
+    /// "New points corresponding to the old vertices": V_α at a corner, V_β on the border, V_γ
+    /// inside.
     Row vertexPoint(Index vertex) const {
         if (isCorner(vertex)) return point(vertex);
         std::vector<Row> rows;
@@ -62,7 +64,7 @@ private:
         return average(rows);
     }
 
-    /// F_α with a corner, F_β with a border edge, F_γ.
+    /// F_α with a corner, F_β with a border edge, otherwise F_γ.
     Row facePoint(Index face) const {
         const auto vertices = complex_.relation(2, 0)[face];
         const auto edges = complex_.relation(2, 1)[face];
@@ -73,8 +75,8 @@ private:
         bool isAtBorder = false;
         for (std::size_t i = 0; i < n; ++i) isAtBorder = isAtBorder || isBorderEdge(edges[i]);
         if (isAtBorder) {
-            // The inner edges that share a vertex with a border edge: those beside one in the loop,
-            // or that meet it in a vertex which the loop passes again.
+            // Inner edges that share a vertex with a border edge: neighbours of one in the loop, or
+            // edges that meet it in a vertex that occurs twice in the loop.
             for (const Index edge : edges) {
                 if (isBorderEdge(edge)) continue;
                 if (std::any_of(edges.begin(), edges.end(), [&](Index other) {

@@ -13,20 +13,23 @@
 
 namespace espalier::test {
 
-/// Steps along x, y and z; 0 along the axes that a grid has not.
+/// Steps along x, y and z; 0 along axes that a grid does not have.
 using Place = std::array<Index, 3>;
 
-/// A control polygon, a net of quadrilaterals or a lattice of hexahedra, refined, with the place of
-/// each vertex at each level.
+/// A refined control polygon, net of quadrilaterals or lattice of hexahedra, with the place of each
+/// vertex on each level.
 ///
 /// Point P_i, P_ij or P_ijk of the papers is the vertex at (i, 0, 0), (i, j, 0) or (i, j, k). Under
-/// Boundary::Open the outermost points of the refined grid are not there: the new point at place p
-/// is that of the old ones at (p + 1)/2, rounded down and up. Under Boundary::Sharp it is p/2.
+/// Boundary::Open the outermost points of the refined grid do not exist: the new point at place p
+/// comes from the old points at (p + 1)/2, rounded down and up. Under Boundary::Sharp they are at
+/// p/2.
 class RefinedGrid {
 public:
-    /// \param cells along each axis: one number for a polygon, two for a net, three for a lattice
-    RefinedGrid(const std::vector<Index>& cells, int levels, Boundary boundary = Boundary::Open)
-        : refiner_(complexOf(cells), {.boundary = boundary}) {
+    /// \param cells numbers of cells along the axes: one for a polygon, two for a net, three for a
+    ///        lattice
+    RefinedGrid(const std::vector<Index>& cells, int levels, Boundary boundary = Boundary::Open,
+                far::Rules rules = far::Rules::Siggraph96)
+        : refiner_(complexOf(cells), {.rules = rules, .boundary = boundary}) {
         refiner_.refineUniform(levels);
         std::vector<Place> places;
         Place size = {};
@@ -55,7 +58,7 @@ public:
     const TopologyRefiner& refiner() const { return refiner_; }
     const CellComplex& complex(int level) const { return refiner_.level(level).complex; }
 
-    /// Cells along each axis.
+    /// Number of cells along each axis.
     const Place& size(int level) const { return sizes_[level]; }
 
     /// The place of each vertex.
@@ -63,10 +66,10 @@ public:
 
     Index vertexAt(int level, const Place& place) const { return vertices_[level].at(place); }
 
-    /// The vertex at a place, as a point.
+    /// The vertex at a place, as a row.
     Row at(int level, const Place& place) const { return point(vertexAt(level, place)); }
 
-    /// The entity whose point the new vertex at a place is.
+    /// The entity that became the vertex at a place.
     Entity parentAt(int level, const Place& place) const {
         return parentOf(refiner_, level, vertexAt(level, place));
     }
@@ -78,7 +81,8 @@ private:
         return grid({cells[0], cells[1], cells[2]});
     }
 
-    /// The entities of a grid are boxes: twice their middle is a place of the grid twice as fine.
+    /// The entities of a grid are boxes: twice the middle of an entity is a place of a grid with
+    /// twice the resolution.
     Place doubledMiddle(int level, Entity entity) const {
         const auto vertices = complex(level).relation(entity.dimension, 0)[entity.index];
         Place sum = {};
@@ -95,7 +99,7 @@ private:
     std::vector<std::map<Place, Index>> vertices_;
 };
 
-/// A product of rows along different axes of a net or a lattice of level 0: P_i, P_j and P_k make
+/// Multiplies rows along different axes of a net or a lattice of level 0: P_i, P_j and P_k give
 /// P_ijk.
 inline Row tensorProduct(const RefinedGrid& grid, const Row& x, const Row& y,
                          const Row& z = point(0)) {
@@ -107,9 +111,9 @@ inline Row tensorProduct(const RefinedGrid& grid, const Row& x, const Row& y,
     return product;
 }
 
-/// The weights of the cubic uniform B-spline P(t) = [1 t t² t³] M [P_(s−1) P_s P_(s+1) P_(s+2)]ᵀ of
-/// Joy's notes, at s + t: the curve of a polygon P_0, P_1, …, from 1 to the number of its edges
-/// less 1.
+/// Returns the weights of the cubic uniform B-spline P(t) = [1 t t² t³] M [P_(s−1) P_s P_(s+1)
+/// P_(s+2)]ᵀ of Joy's notes at s + t, for a polygon P_0, P_1, …; the range is from 1 to the number
+/// of edges − 1.
 inline Row splineAt(double place, Index edges) {
     const Index first = std::min(Index(place), edges - 2);
     const double t = place - first;

@@ -9,20 +9,20 @@
 namespace espalier::stencils {
 namespace {
 
-/// A lattice of polyhedra, and what the papers' rules say of its points. All of it from faces and
-/// cells alone: neither strata nor masks are asked.
+/// Computes the points of a lattice of polyhedra by the rules of the papers, from faces and cells
+/// only: independent of strata and masks.
 class Solid {
 public:
     explicit Solid(const CellComplex& complex) : complex_(complex) {}
 
-    /// On the surface: in a face that is in one cell only.
+    /// True if the entity belongs to a face of a single cell.
     bool isOnBoundary(Entity entity) const {
         for (const Index face : around(entity, 2))
             if (around({2, face}, 3).size() == 1) return true;
         return false;
     }
 
-    /// Section 6 of CSE-96-1 and 2.2 of MacCracken & Joy, inside a lattice.
+    /// The rules inside a lattice: CSE-96-1, section 6, and MacCracken & Joy, section 2.2.
     Row inside(Rules rules, Entity entity) const {
         Row own = centroid(complex_, entity);
         if (entity.dimension == 3) return own;
@@ -40,8 +40,8 @@ public:
         return (c + 3 * a + 3 * averageAround(entity, 1) + own) / 8;
     }
 
-    /// Section 3: corners stay, sharp edges are cubic B-spline curves, the rest of the boundary is
-    /// a Catmull-Clark surface.
+    /// The rules of section 3: corners stay, sharp edges are cubic B-spline curves, and the rest of
+    /// the boundary is a Catmull-Clark surface.
     Row onBoundary(Entity entity) const {
         Row own = centroid(complex_, entity);
         if (entity.dimension == 2) return own;
@@ -82,50 +82,52 @@ private:
         }
         return found;
     }
-    /// A boundary edge in one cell (DESIGN section 3 says why not the paper's words).
+    /// True for a boundary edge in one cell (far::SharpEdges::SingleCell, which differs from the
+    /// paper's words).
     bool isSharp(Index edge) const { return around({1, edge}, 3).size() == 1; }
 
     const CellComplex& complex_;
 };
 
-/// Lattices with inner edges of 3, 5 and more faces, and cells of all types; without marks.
+/// Returns lattices with inner edges of 3, 5 and more faces, and cells of all types, without marks.
 std::vector<NamedLattice> irregularLattices() {
     std::vector<NamedLattice> all;
     for (const auto& lattices : {zoo(), featureLattices()})
         for (const auto& named : lattices)
             if (named.lattice.marks.empty()) all.push_back(named);
-    for (unsigned seed = 0; seed < 40; seed += 4)  // those without marks
+    for (unsigned seed = 0; seed < 40; seed += 4)  // The ones without marks.
         all.push_back({"seed " + std::to_string(seed), randomLattice(seed)});
     return all;
 }
 
-// Every point inside a lattice of any topology, by both editions. At level 2 cells are of type n,
-// and points inside are most of all.
-TEST(Solids, PointsInsideAreThoseOfTheRules) {
+// Checks every point inside lattices of any topology, for both editions. On level 2 cells are of
+// type n, and most points are inside.
+TEST(Solids, PointsInsideFollowTheRules) {
     Index count = 0;
     for (const auto& [name, lattice] : irregularLattices()) {
-        const TopologyRefiner refiner = refined(lattice.complex, 2);
-        for (const Rules rules : {Rules::Siggraph96, Rules::Cse96})
+        for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
+            const TopologyRefiner refiner = refined(lattice.complex, 2, {.rules = rules});
             for (int level = 1; level <= 2; ++level) {
                 const Solid solid(refiner.level(level - 1).complex);
-                const auto table = buildLevelTable(refiner, level, rules);
+                const auto table = buildLevelTable(refiner, level);
                 for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
                     const Entity parent = parentOf(refiner, level, vertex);
                     if (solid.isOnBoundary(parent)) continue;
-                    // Averages of averages: some hundred terms that sum to 1, or to 2 where weights
-                    // are negative.
+                    // Averages of averages: about a hundred terms that sum to 1, or to 2 where
+                    // weights are negative.
                     ASSERT_LE(difference(rowOf(table, vertex), solid.inside(rules, parent)), 4e-15)
                         << name << " level " << level << " vertex " << vertex;
                     ++count;
                 }
             }
+        }
     }
     EXPECT_GT(count, least(10000));
 }
 
-// Section 3 of MacCracken & Joy, point by point on the boundary; Boundary.RefinesAsItsMeshDoes
-// holds the same for whole surfaces.
-TEST(Solids, PointsOnTheBoundaryAreThoseOfTheRules) {
+// Checks section 3 of MacCracken & Joy for each point on the boundary.
+// Boundary.RefinesAsItsMeshDoes checks it for whole surfaces.
+TEST(Solids, PointsOnTheBoundaryFollowTheRules) {
     const std::set<std::string> unmarked = {
         "cube",        "bar",     "box",  "cylinder",   "cylinder with rings",
         "star",        "barbell", "arm",  "octahedron", "dodecahedron",
@@ -140,7 +142,7 @@ TEST(Solids, PointsOnTheBoundaryAreThoseOfTheRules) {
         for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
             const Entity parent = parentOf(refiner, 1, vertex);
             if (!solid.isOnBoundary(parent)) continue;
-            // Some fifty terms that sum to 1.
+            // About fifty terms that sum to 1.
             ASSERT_LE(difference(rowOf(table, vertex), solid.onBoundary(parent)), 2e-15)
                 << name << " vertex " << vertex;
         }
@@ -148,16 +150,17 @@ TEST(Solids, PointsOnTheBoundaryAreThoseOfTheRules) {
     EXPECT_GE(seen, std::size_t(least(int(unmarked.size()))));
 }
 
-// The two papers differ in the edge rule: (C + 2A + M)/4, and (C + 2A + (n − 3)M)/n. So their rows
-// differ at the inner edges of other than four faces, and nowhere else.
-TEST(Solids, EditionsDifferAtInnerEdgesOfOtherThanFourFacesOnly) {
+// The edge rules of the two papers are (C + 2A + M)/4 and (C + 2A + (n − 3)M)/n. So the rows differ
+// at inner edges unless these have four faces, and nowhere else.
+TEST(Solids, EditionsDifferOnlyAtInnerEdgesWithoutFourFaces) {
     std::set<std::size_t> valences;
     for (const auto& [name, lattice] : irregularLattices()) {
         const TopologyRefiner refiner = refined(lattice.complex, 2);
+        const TopologyRefiner cseRefiner = withRules(refiner, Rules::Cse96);
         for (int level = 1; level <= 2; ++level) {
             const auto& [complex, strata, holes] = refiner.level(level - 1);
-            const auto siggraph = buildLevelTable(refiner, level, Rules::Siggraph96);
-            const auto cse = buildLevelTable(refiner, level, Rules::Cse96);
+            const auto siggraph = buildLevelTable(refiner, level);
+            const auto cse = buildLevelTable(cseRefiner, level);
             for (Index vertex = 0; vertex < siggraph.rowCount(); ++vertex) {
                 const Entity parent = parentOf(refiner, level, vertex);
                 bool isOther = parent.dimension == 1 && strata.of(parent) == 3;
@@ -174,9 +177,9 @@ TEST(Solids, EditionsDifferAtInnerEdgesOfOtherThanFourFacesOnly) {
     for (const std::size_t n : {3u, 5u, 6u}) EXPECT_EQ(valences.count(n), 1u) << n;
 }
 
-// The reconnection of both papers, and of Azlan & Misro for meshes: a new cell point is joined to
+// The connectivity of both papers, and of Azlan & Misro for meshes: a new cell point is joined to
 // the new face points of its faces, these to the new edge points of their edges, and these to the
-// new vertex points of their ends. Nothing else is.
+// new vertex points of their ends. There are no other edges.
 TEST(Solids, NewPointsAreJoinedAsThePapersSay) {
     for (const CellComplex& base :
          {mixedCells(), bipyramid(5), grid({2, 1, 2}), gridMesh(3, 2),
@@ -203,9 +206,10 @@ TEST(Solids, NewPointsAreJoinedAsThePapersSay) {
 }
 
 // MacCracken & Joy, section 2.2: "after a few subdivisions, the bulk of the lattice will consist of
-// type-3 cells arranged in a regular pattern". What is irregular are the inner edges of other than
-// four faces. They lie on curves through the points of the first faces and cells, so from level 1
-// on their number doubles, where that of all edges grows eightfold: their share falls to a quarter.
+// type-3 cells arranged in a regular pattern". Irregular edges are inner edges without four faces.
+// They are on curves through the points of the first faces and cells. So from level 1 on their
+// number doubles with each level, while the number of all edges grows eightfold: their share falls
+// to a quarter.
 TEST(Solids, BulkIsRegularAfterAFewSubdivisions) {
     for (const CellComplex& base : {mixedCells(), shapes::icosahedron().complex, bipyramid(6),
                                     shapes::cylinder({.layers = 2}).complex}) {
@@ -225,7 +229,7 @@ TEST(Solids, BulkIsRegularAfterAFewSubdivisions) {
             EXPECT_GT(irregular, 0);
             if (level > 1) {
                 EXPECT_EQ(irregular, 2 * irregularBefore);
-                // A quarter in the limit: a lattice of few cells has fewer edges inside.
+                // A quarter in the limit; a lattice of few cells has fewer edges inside.
                 EXPECT_LT(share, 0.26 * shareBefore);
             }
             irregularBefore = irregular;

@@ -9,12 +9,12 @@
 namespace espalier::stencils {
 namespace {
 
-// Each rule is an average of averages of up to 8, 12 and 6 points: some thirty terms below 1/8.
+// Each rule is an average of averages of up to 8, 12 and 6 points: about thirty terms below 1/8.
 constexpr double kTricubicRounding = 1e-15;
 
-/// The rules of section 5.4, in steps of half an edge: an odd coordinate is in the middle of an
-/// edge, so the number of odd ones is the dimension of the entity in the middle of which a place
-/// is.
+/// The rules of section 5.4, in steps of half an edge. An odd coordinate is in the middle of an
+/// edge, so the number of odd coordinates is the dimension of the entity whose middle is at a
+/// place.
 struct Lattice {
     const RefinedGrid& grid;
     int level;
@@ -23,7 +23,7 @@ struct Lattice {
         return int(half[0] % 2 + half[1] % 2 + half[2] % 2);
     }
 
-    /// What is around a place, at one step up or down in `steps` of the axes that `isFree` says.
+    /// Returns the places one step up or down along `steps` of the axes for which isFree() is true.
     static std::vector<Place> around(const Place& half, int steps,
                                      const std::function<bool(std::size_t)>& isFree) {
         std::vector<Place> all;
@@ -42,8 +42,8 @@ struct Lattice {
         return all;
     }
 
-    /// The average of the points that bound what is at a place: the patch-face and the solid-solid
-    /// rule, and the midpoint of an edge.
+    /// Returns the average of the corners of the entity at a place: the patch-face and the
+    /// solid-solid rule, and the midpoint of an edge.
     Row centroid(const Place& half) const {
         std::vector<Row> points;
         for (const Place& p :
@@ -52,8 +52,8 @@ struct Lattice {
         return average(points);
     }
 
-    /// The average of the centroids of what is of a higher dimension and contains a place; their
-    /// number is checked.
+    /// Returns the average of the centroids of the entities of a higher dimension that contain a
+    /// place, and checks their number.
     Row averageAround(const Place& half, int dimension, std::size_t count) const {
         std::vector<Row> rows;
         for (const Place& p : around(half, dimension - dimensionAt(half),
@@ -86,8 +86,8 @@ TEST(Tricubic, PointsByTheirKind) {
     EXPECT_EQ(grid.places(1).size(), 125u);
 }
 
-// Section 5.4, the solid-solid, solid-face, solid-edge and solid-vertex rules, from their
-// definitions; the second level too, and lattices that are not cubes.
+// Section 5.4: the solid-solid, solid-face, solid-edge and solid-vertex rules by their definitions,
+// also on the second level, and for lattices that are not cubes.
 TEST(Tricubic, SolidFaceEdgeAndVertexRules) {
     for (const std::vector<Index>& cells :
          std::vector<std::vector<Index>>{{3, 3, 3}, {2, 4, 3}, {5, 2, 2}}) {
@@ -113,8 +113,8 @@ TEST(Tricubic, SolidFaceEdgeAndVertexRules) {
 }
 
 // Sections 5.1 to 5.3: "utilizing the bivariate refinement rules on each plane of the lattice,
-// coupled with the univariate rules in the other dimension". So the two ways to a face point (5.1.2
-// and 5.2.1), and to an edge point (5.2.2 and 5.3.1), are one.
+// coupled with the univariate rules in the other dimension". So the two derivations of a face point
+// (5.1.2 and 5.2.1) agree, and those of an edge point (5.2.2 and 5.3.1).
 TEST(Tricubic, LatticesAreRefinedByPlanesThenAcross) {
     const RefinedGrid grid({3, 4, 3}, 1), plane({3, 4}, 1), line({3}, 1);
     const auto table = buildLevelTable(grid.refiner(), 1);
@@ -133,8 +133,8 @@ TEST(Tricubic, LatticesAreRefinedByPlanesThenAcross) {
     }
 }
 
-// The eight sub-solids: P' is P with a splitting matrix in each of three directions, H1 for the
-// first half and its mirror image for the second.
+// The eight sub-solids: P' is P multiplied by a splitting matrix in each of three directions, H1
+// for the first half and its mirror image for the second.
 TEST(Tricubic, SubSolidsAreProductsWithTheSplittingMatrices) {
     const double matrix[5][4] = {
         {4, 4, 0, 0}, {1, 6, 1, 0}, {0, 4, 4, 0}, {0, 1, 6, 1}, {0, 0, 4, 4}};
@@ -160,8 +160,8 @@ TEST(Tricubic, SubSolidsAreProductsWithTheSplittingMatrices) {
     }
 }
 
-// The vertex point in old points: (1 6 1)/8 three times. 216 for the vertex itself, 36 for each of
-// 6 neighbours, 6 for each of 12 and 1 for each of 8 diagonals, in 512ths.
+// The vertex point over the old points is (1 6 1)/8 three times: 216 for the vertex itself, 36 for
+// each of 6 neighbours, 6 for each of 12 and 1 for each of 8 diagonals, in 512ths.
 TEST(Tricubic, InfluenceOnAVertexPoint) {
     const RefinedGrid grid({2, 2, 2}, 1);
     const auto table = buildLevelTable(grid.refiner(), 1);

@@ -23,8 +23,8 @@ AllocationLimit::~AllocationLimit() {
 
 }  // namespace espalier::test
 
-// Those of the whole program, in all forms that are used here: sanitizers have their own of the
-// others, whose memory std::free() would not take.
+// Replaces these operators for the whole program, in all forms that it uses. Sanitizers have their
+// own versions of the others, whose memory std::free() would not accept.
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
     return bytes <= espalier::test::limit ? std::malloc(bytes ? bytes : 1) : nullptr;
 }

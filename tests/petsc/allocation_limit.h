@@ -5,8 +5,8 @@
 
 namespace espalier::test {
 
-/// While it lives, operator new throws std::bad_alloc for more bytes than this at once. (PETSc and
-/// MPI do not allocate by it.)
+/// While an object exists, operator new throws std::bad_alloc for single allocations of more than
+/// `bytes`. (PETSc and MPI do not use operator new.)
 class AllocationLimit {
 public:
     explicit AllocationLimit(std::size_t bytes);

@@ -12,7 +12,7 @@
 namespace espalier::petsc {
 namespace {
 
-/// A model of which each rank binds its own points; and, to compare, all of it.
+/// A model whose points are bound by their ranks; and, to compare, by one rank.
 class DistributedBinding : public ::testing::Test {
 protected:
     static constexpr int kLevel = 3;
@@ -23,7 +23,8 @@ protected:
             .binding;
     }
 
-    /// Some in cells of irregular valence, and every fifth outside, to be kept.
+    /// Returns points of which some are in cells of irregular valence, and every fifth is outside,
+    /// to be kept.
     std::vector<Point3> makePoints() const {
         auto points = pointsIn(Refined(lattice_, kLevel), 500, 5);
         for (std::size_t i = 0; i < points.size(); i += 5) points[i] = {9, double(i), -3};
@@ -45,7 +46,7 @@ protected:
     const std::vector<Point3> ownPoints_{points_.begin() + own_.first, points_.begin() + own_.last};
 };
 
-TEST_F(DistributedBinding, HasTheRowsOfTheWhole) {
+TEST_F(DistributedBinding, HasItsRowsOfTheWholeTable) {
     const auto whole = bind(points_), own = bind(ownPoints_);
     EXPECT_EQ(own.table, ownRows(whole.table, own_));
     EXPECT_EQ(whole.kept.size(), 100u);
@@ -60,15 +61,15 @@ TEST_F(DistributedBinding, HasTheRowsOfTheWhole) {
         if ((std::size_t(own_.first) + i / 3) % 5 == 0) {
             EXPECT_EQ(moved[i], numbers(ownPoints_)[i]) << "is kept";
         } else {
-            // Sums of up to 64 products of positions up to 2 by weights that sum to 1, in another
-            // order: 64 ulp at most, and some 8 in practice.
+            // Sums of up to 64 products of positions up to 2 with weights that sum to 1, in a
+            // different order: at most 64 ulp, and about 8 in practice.
             EXPECT_NEAR(moved[i], expected[i], 64 * std::numeric_limits<double>::epsilon() * 2);
         }
     }
 }
 
-// A kept point does not move with the lattice, so its gradient counts for nothing.
-TEST_F(DistributedBinding, CarriesBackWhatTheAdjointDoes) {
+// A kept point does not move with the lattice, so its gradient is ignored.
+TEST_F(DistributedBinding, AdjointAgreesWithTheReference) {
     const auto whole = bind(points_);
     DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_), vertices_.count());
     const auto gradients = randomValues(3 * points_.size(), 8);
@@ -81,8 +82,8 @@ TEST_F(DistributedBinding, CarriesBackWhatTheAdjointDoes) {
     adjoint.evaluate(gradients, layout, expected, layout, {0, adjoint.rowCount()});
     const auto own = ownValues(expected, vertices_, 3);
     ASSERT_EQ(back.size(), own.size());
-    // 400 points of gradients up to 1, whose weights sum to 1 each: as many ulp as products at
-    // most, of sums of sizes below 400; in practice the root of that.
+    // Gradients of 400 points are up to 1, and the weights of each sum to 1. The rounding is at
+    // most one ulp for each product, of sums below 400; in practice the root of that.
     for (std::size_t i = 0; i < back.size(); ++i)
         EXPECT_NEAR(back[i], own[i], 400 * std::numeric_limits<double>::epsilon());
 }

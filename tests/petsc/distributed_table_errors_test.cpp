@@ -9,8 +9,8 @@
 #include "refusals.h"
 #include "support/test.h"
 
-// What is wrong on the last rank only is thrown on all of them: a rank that went on would wait
-// until the test times out.
+// An error on the last rank only is thrown on all ranks: a rank that continued would wait until the
+// test times out.
 namespace espalier::petsc {
 namespace {
 
@@ -69,7 +69,7 @@ TEST_F(DistributedTableErrors, Components) {
     }
 }
 
-TEST_F(DistributedTableErrors, MoreThanPetscCounts) {
+TEST_F(DistributedTableErrors, MoreRowsThanPetscCanCount) {
     if (sizeof(PetscInt) > 4) GTEST_SKIP() << "PETSc's integers have 64 bits";
     constexpr Index kMany = 1'000'000'000;
     const stencils::StencilTable<double> none(kMany, {0}, {}, {});
@@ -77,7 +77,7 @@ TEST_F(DistributedTableErrors, MoreThanPetscCounts) {
                 HasSubstr("3000000000 components of vertices; PETSc's integers have 32 bits"));
 }
 
-TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
+TEST_F(DistributedTableErrors, KeptPointsThatDoNotExist) {
     embed::Binding own{rows_, {}, {}, 0};
     if (isLast()) own.kept = {rows_.rowCount()};
     const auto make = [&] { DistributedTable(MPI_COMM_WORLD, own, vertices_.count()); };
@@ -89,14 +89,14 @@ TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
     EXPECT_THAT(error, HasSubstr(" cannot be kept"));
 }
 
-// All that the last rank copies, one after the other: 5,001 offsets, 5,000 kept points, and where
-// these are, each of at least 20,000 bytes.
+// The last rank makes its copies one after the other: 5,001 offsets, 5,000 kept points, and their
+// positions, each of at least 20,000 bytes.
 TEST_F(DistributedTableErrors, OutOfMemoryForCopies) {
     constexpr Index kMany = 5'000;
     const embed::Binding own{randomTable(kMany, kVertices, 1), std::vector<Index>(kMany),
                              std::vector<Point3>(kMany), 0};
-    // What comes before the copies takes far less, and the second limit leaves room for offsets of
-    // 64 bits.
+    // Other allocations before the copies are much smaller, and the second limit leaves room for
+    // offsets of 64 bits.
     for (const std::size_t bytes : {10'000u, 60'000u})
         EXPECT_EQ(messageOf([&] {
                       std::optional<AllocationLimit> limit;

@@ -7,8 +7,8 @@
 #include "ranks.h"
 #include "support/test.h"
 
-// Every rank makes the whole table, alike, and gives its own part; what comes back is its own part
-// of what the reference gives for the whole.
+// Every rank builds the same whole table, and passes its own part. The result must be the same part
+// of the reference's result for the whole table.
 namespace espalier::petsc {
 namespace {
 
@@ -24,7 +24,8 @@ std::vector<double> reference(const StencilTable<double>& table, const std::vect
     return result;
 }
 
-/// For each result the sum of its products' sizes and how many they are: what bounds its rounding.
+/// Returns a bound of the rounding of each result: the sum of its products' sizes times their
+/// number.
 std::vector<double> bounds(const StencilTable<double>& table, const std::vector<double>& values,
                            int components) {
     std::vector<double> result;
@@ -34,8 +35,8 @@ std::vector<double> bounds(const StencilTable<double>& table, const std::vector<
             for (std::size_t k = 0; k < table.columns(row).size(); ++k)
                 size += std::abs(table.weights(row)[k] *
                                  values[table.columns(row)[k] * components + c]);
-            // Two sums of n products in different orders: each is off by n/2 ulp of the size for
-            // the products and the sums.
+            // Two sums of n products in different orders: products and sums make each wrong by at
+            // most n/2 ulp of the size.
             result.push_back(double(table.columns(row).size()) *
                              std::numeric_limits<double>::epsilon() * size);
         }
@@ -57,8 +58,8 @@ struct Case {
 
 class DistributedTableTest : public ::testing::TestWithParam<Case> {};
 
-// No component count stands for another in MATMAIJ: 1 is D itself, 3 has a kernel of its own, 13
-// has not.
+// MATMAIJ has separate code for these component counts: 1 is D itself, 3 has a specialised kernel,
+// 13 has not.
 INSTANTIATE_TEST_SUITE_P(Spreads, DistributedTableTest,
                          ::testing::Values(Case{Spread::Even, Spread::Even, 3},
                                            Case{Spread::Even, Spread::Even, 1},
@@ -70,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Spreads, DistributedTableTest,
                                            Case{Spread::Even, Spread::AllOnLast, 2},
                                            Case{Spread::AllOnFirst, Spread::Uneven, 1}));
 
-TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
+TEST_P(DistributedTableTest, AgreesWithTheReference) {
     const int components = GetParam().components;
     const auto table = randomTable(kPoints, kVertices, 1);
     const OwnedRange points = ownRange(kPoints, GetParam().points);
@@ -97,7 +98,7 @@ TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
                   bounds(transpose, gradients, components), vertices, components);
 }
 
-TEST_P(DistributedTableTest, CountsWhatItNeedsOfOthers) {
+TEST_P(DistributedTableTest, CountsGhostVertices) {
     const auto table = randomTable(kPoints, kVertices, 1);
     const OwnedRange points = ownRange(kPoints, GetParam().points);
     const OwnedRange vertices = ownRange(kVertices, GetParam().vertices);
@@ -111,8 +112,9 @@ TEST_P(DistributedTableTest, CountsWhatItNeedsOfOthers) {
     EXPECT_EQ(distributed.ghostCount(), Offset(others.size()));
 }
 
-// Bit for bit, however messages arrive: the same table again and again, and another made alike.
-TEST(DistributedTable, RepeatsItself) {
+// Results are identical bit for bit, whatever the order of messages: of the same table repeatedly,
+// and of an equal table.
+TEST(DistributedTable, ResultsAreReproducible) {
     constexpr Index kMany = 20'000;
     const auto table = randomTable(kMany, kVertices, 4);
     const OwnedRange points = ownRange(kMany, Spread::Uneven);
@@ -170,7 +172,7 @@ TEST(DistributedTable, MayHaveNoPointsAtAll) {
     EXPECT_EQ(gradients, std::vector<double>(gradients.size(), 0));
 }
 
-TEST(EvenRange, IsThatOfPetsc) {
+TEST(EvenRange, EqualsPetscsSplit) {
     for (const Offset total : {0, 1, 2, 7, 97, 1000}) {
         PetscInt local = PETSC_DECIDE;
         auto all = static_cast<PetscInt>(total);

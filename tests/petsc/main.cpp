@@ -13,7 +13,7 @@ std::string refusalBeforeInitialisation;
 
 namespace {
 
-/// What failed on a rank that does not print otherwise.
+/// Prints failures on ranks that print nothing else.
 class FailurePrinter : public ::testing::EmptyTestEventListener {
 public:
     explicit FailurePrinter(int rank) : rank_(rank) {}

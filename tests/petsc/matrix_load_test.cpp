@@ -12,11 +12,11 @@
 #include "support/temporary_folder.h"
 #include "support/test.h"
 
-// Files that io writes, read by PETSc itself; and the other way round.
+// Files that io writes are read by PETSc itself, and vice versa.
 namespace espalier::petsc {
 namespace {
 
-/// The file of the test, in a folder of rank 0, which writes it.
+/// The file of a test, in a folder of rank 0, which writes it.
 class MatrixLoad : public ::testing::Test {
 protected:
     static constexpr auto kOwnIntegers =
@@ -44,7 +44,7 @@ protected:
         MPI_Barrier(MPI_COMM_WORLD);
     }
 
-    /// Calls `use` with the file.
+    /// Calls `use` with a viewer of the file.
     template <class Use>
     void withViewer(PetscFileMode mode, Use use) {
         const ErrorCapture errors;
@@ -66,7 +66,7 @@ protected:
     Mat matrix_ = nullptr;
 };
 
-TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
+TEST_F(MatrixLoad, ReadsEveryWeightExactly) {
     const auto table = randomTable(203, 31, 9);
     write(table, kOwnIntegers);
     load();
@@ -95,7 +95,7 @@ TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
     }
 }
 
-TEST_F(MatrixLoad, WhatPetscWritesComesBackToTheLastBit) {
+TEST_F(MatrixLoad, PetscsFilesAreReadExactly) {
     const auto table = randomTable(203, 31, 9);
     write(table, kOwnIntegers);
     load();
@@ -106,7 +106,8 @@ TEST_F(MatrixLoad, WhatPetscWritesComesBackToTheLastBit) {
     }
 }
 
-// A PETSc reads files of its own integers only; it says so, and does not misread the others.
+// PETSc reads only files with integers of its own size. It reports others, and does not misread
+// them.
 TEST_F(MatrixLoad, RefusesIntegersOfTheOtherSize) {
     write(randomTable(20, 5, 9), kOtherIntegers);
     EXPECT_REFUSED(Error, "Not a matrix", load());

@@ -30,10 +30,10 @@ inline int rankCount() {
     return result;
 }
 
-/// The ways in which points and vertices are spread here.
+/// How points and vertices are distributed over the ranks.
 enum class Spread {
     Even,
-    Uneven,  ///< 1/16, 2/16 and so on, and the last rank has the rest
+    Uneven,  ///< 1/16, 2/16 and so on; the last rank gets the rest
     AllOnFirst,
     AllOnLast
 };
@@ -64,7 +64,7 @@ inline StencilTable<double> ownRows(const StencilTable<double>& table, OwnedRang
     return stencils::selectRows(table, std::span<const Index>(rows));
 }
 
-/// The part of the values of all that belongs to a range.
+/// Returns the part of the values that belongs to a range.
 inline std::vector<double> ownValues(const std::vector<double>& all, OwnedRange own,
                                      int components) {
     return {all.begin() + own.first * components, all.begin() + own.last * components};

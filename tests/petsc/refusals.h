@@ -5,7 +5,7 @@
 
 namespace espalier::test {
 
-/// What a table said that was made before PetscInitialize().
+/// Message of the error that a table threw before PetscInitialize().
 extern std::string refusalBeforeInitialisation;
 
 }  // namespace espalier::test

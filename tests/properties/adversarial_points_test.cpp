@@ -6,13 +6,13 @@
 #include "support/test.h"
 #include "support/zoo.h"
 
-// Points that lie exactly between cells, where rounding decides which one they seem to be in: each
-// must be found.
+// Tests points exactly between cells, where rounding decides which cell they seem to be in: every
+// point must be found.
 
 namespace espalier::embed {
 namespace {
 
-/// Turns what is at height z by this many radians a unit.
+/// Rotates the point at height z by `rate` · z radians.
 Lattice twisted(Lattice lattice, double rate) {
     for (Point3& p : lattice.positions) {
         const double c = std::cos(rate * p[2]), s = std::sin(rate * p[2]);
@@ -42,7 +42,7 @@ std::vector<NamedLattice> hardLattices() {
         {"torus", shapes::torus()}};
 }
 
-/// Points on the vertices, edges and faces of the cells of a level, in equal shares.
+/// Returns points on vertices, edges and faces of the cells of a level, the same number of each.
 std::vector<Point3> pointsBetweenCells(const Refined& refined, std::size_t count, unsigned seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(0, 1);
@@ -51,14 +51,14 @@ std::vector<Point3> pointsBetweenCells(const Refined& refined, std::size_t count
     while (points.size() < count) {
         CellPlace place;
         place.cell = CellId(Index(random() % std::uint64_t(complex.count(3))));
-        const std::size_t dimension = points.size() % 3;  // of what the point lies on
+        const std::size_t dimension = points.size() % 3;  // of the entity that the point is on
         if (far::hexahedronVertices(complex, place.cell)) {
             for (double& coordinate : place.uvw) coordinate = uniform(random);
             const std::size_t first = random() % 3;
             for (std::size_t k = dimension; k < 3; ++k)
                 place.uvw[(first + k) % 3] = double(random() % 2);
         } else {
-            // On the base of a tetrahedron, which is half a face: u + v + w is 1.
+            // On the base of a tetrahedron, which is half a face: u + v + w = 1.
             place.tetrahedron =
                 Index(random() % std::uint64_t(tetrahedronCount(complex, place.cell)));
             const std::size_t first = random() % 3;
@@ -75,7 +75,7 @@ std::vector<Point3> pointsBetweenCells(const Refined& refined, std::size_t count
     return points;
 }
 
-/// \param count for each lattice and level
+/// \param count number of points for each lattice and level
 void expectAllFound(std::size_t count) {
     for (const auto& [name, lattice] : hardLattices()) {
         double size = 0;
@@ -94,8 +94,8 @@ void expectAllFound(std::size_t count) {
                 residual = std::max(residual, found.largestResidual());
             }
             EXPECT_EQ(lost, 0u) << name << ", level " << level;
-            // That of a place that gives its point back. (Where the nearest place stands in for one
-            // that cannot be solved for, it would be up to a millionth.)
+            // The residual of a place that reproduces its point. (A point with a cell that cannot
+            // be solved for gets the nearest place, with a residual of up to a millionth.)
             EXPECT_LE(residual, 1e-12 * size) << name << ", level " << level;
             std::printf("%-24s level %d: %zu points, largest residual %.1e of the size\n",
                         name.c_str(), level, count, residual / size);
@@ -107,7 +107,7 @@ TEST(AdversarialPoints, AreAllFound) {
     expectAllFound(3'000);
 }
 
-// Ten million.
+// Ten million points in total.
 TEST(TenMillionAdversarialPoints, AreAllFound) {
     expectAllFound(500'000);
 }

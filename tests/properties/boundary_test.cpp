@@ -10,7 +10,7 @@ namespace {
 
 using far::Strata;
 
-/// The boundary faces of a lattice as a mesh of its own, on renumbered vertices.
+/// The boundary faces of a lattice as a separate mesh with renumbered vertices.
 struct BoundaryMesh {
     CellComplex complex;
     std::vector<Index> latticeVertex;  ///< per vertex of the mesh
@@ -35,7 +35,7 @@ BoundaryMesh boundaryOf(const CellComplex& lattice) {
     return mesh;
 }
 
-/// The sharpness of a lattice's boundary as marks on the mesh.
+/// Returns the sharpness of a lattice's boundary as marks on the mesh.
 far::Marks marksOf(const CellComplex& lattice, const Strata& strata, const BoundaryMesh& mesh) {
     far::Marks marks;
     std::map<std::array<Index, 2>, float> sharpness;
@@ -60,7 +60,7 @@ far::Marks marksOf(const CellComplex& lattice, const Strata& strata, const Bound
 
 // MacCracken & Joy 1996, section 3: the boundary of the refined lattice is the Catmull-Clark
 // refinement of the boundary mesh with the same strata, row by row, for every lattice of the zoo.
-// By MLCA's rules it is that of MLCA.
+// The same holds for MLCA.
 TEST(Boundary, RefinesAsItsMeshDoes) {
     const int levels = 2;
     for (const auto& [name, lattice] : test::zoo()) {
@@ -74,13 +74,13 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
         for (int level = 1; level <= levels; ++level) {
             const auto& map = maps[level];
             for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
-                const auto meshTable = buildStencils(surface, level, rules);
-                const auto solidTable = buildStencils(solid, level, rules, map);
+                const auto meshTable = buildStencils(withRules(surface, rules), level);
+                const auto solidTable = buildStencils(withRules(solid, rules), level, map);
                 for (Index row = 0; row < meshTable.rowCount(); ++row) {
                     Row expected;
                     for (const auto& [column, weight] : rowOf(meshTable, row).weights)
                         expected.weights[mesh.latticeVertex[column]] = weight;
-                    // Equal rules, summed in another order.
+                    // The rules are equal, but summed in a different order.
                     ASSERT_LE(difference(rowOf(solidTable, row), expected), 1e-15)
                         << name << " level " << level << " row " << row;
                 }
@@ -95,17 +95,17 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
 }
 
 // Section 3: "given a lattice based on a cube, these methods will generate a region of space that
-// is the cube": vertex (i, j, k) of level n is at (i, j, k)/2ⁿ on the sides, edges and corners.
-TEST(Boundary, CubeStaysTheCube) {
+// is the cube". On the sides, edges and corners, vertex (i, j, k) of level n is at (i, j, k)/2ⁿ.
+TEST(Boundary, CubeStaysACube) {
     const Lattice cube = shapes::box();
     TopologyRefiner refiner = test::refined(cube.complex, 4);
     for (int level = 1; level <= 4; ++level) {
-        const auto positions = refinePositions(refiner, level, Rules::Siggraph96, cube.positions);
+        const auto positions = refinePositions(refiner, level, cube.positions);
         const double n = std::ldexp(1.0, level);
         std::set<std::array<double, 3>> distinct;
         for (const Point3& p : positions) {
             for (const double x : p) {
-                // Dyadic numbers of few bits: exact.
+                // Dyadic numbers with few bits are exact.
                 ASSERT_EQ(x * n, std::round(x * n));
                 ASSERT_GE(x, 0);
                 ASSERT_LE(x, 1);
@@ -116,15 +116,14 @@ TEST(Boundary, CubeStaysTheCube) {
     }
 }
 
-// Figure 5: the region is flat at either end of the cylinder and rounded along its length, whatever
-// the number of layers: each layer of level n is the same curve, the cubic B-spline of the hexagon.
+// Figure 5: for any number of layers, the region is flat at both ends of the cylinder and rounded
+// along its length. Each layer of level n is the same curve, the cubic B-spline of the hexagon.
 TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
     const int sectors = 6, level = 3;
     for (const int layers : {1, 2, 4}) {
         const Lattice cylinder = shapes::cylinder({.sectors = sectors, .layers = layers});
         TopologyRefiner refiner = test::refined(cylinder.complex, level);
-        const auto positions =
-            refinePositions(refiner, level, Rules::Siggraph96, cylinder.positions);
+        const auto positions = refinePositions(refiner, level, cylinder.positions);
         const auto& [complex, strata, holes] = refiner.level(level);
         double low = 2, high = 0;
         Index rim = 0;
@@ -137,16 +136,17 @@ TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
             ASSERT_LE(p[2], 1 + slack);
             const int stratum = strata.of({0, v});
             const bool isAtEnd = p[2] < slack || p[2] > 1 - slack;
-            // The rims, and the side between them.
+            // Select the rims, and the side between them.
             if (stratum != (isAtEnd ? 1 : 2)) continue;
             low = std::min(low, radius);
             high = std::max(high, radius);
             rim += isAtEnd;
         }
         EXPECT_EQ(rim, 2 * (sectors << level)) << layers;
-        // The hexagon's radius goes from cos 30° = 0.866 to 1, a factor of 1.155. Its cubic
-        // B-spline passes its corners at (1/6)·2·cos 60° + 4/6 = 5/6 and its sides at (cos 30°·46 +
-        // 0·2)/48 = 0.829935: a factor of 1.0041. Level 3 is not yet the limit.
+        // The radius of the hexagon varies from cos 30° = 0.866 to 1, by a factor of 1.155. The
+        // limit of its cubic B-spline is at (1/6)·2·cos 60° + 4/6 = 5/6 at the corners and at (cos
+        // 30°·46 + 0·2)/48 = 0.829935 at the sides: a factor of 1.0041. Level 3 is not the limit
+        // yet.
         EXPECT_NEAR(high, 5. / 6, 4e-3) << layers;
         EXPECT_NEAR(low, 0.829935, 4e-3) << layers;
         EXPECT_LT(high / low, 1.01) << layers;
@@ -159,7 +159,7 @@ TEST(Boundary, RimDoesNotDependOnTheNumberOfLayers) {
         const Lattice cylinder = shapes::cylinder({.sectors = 5, .layers = layers});
         TopologyRefiner refiner = test::refined(cylinder.complex, 2);
         std::set<std::array<long, 2>> rim;
-        const auto positions = refinePositions(refiner, 2, Rules::Siggraph96, cylinder.positions);
+        const auto positions = refinePositions(refiner, 2, cylinder.positions);
         for (const Point3& p : positions)
             if (p[2] < 1e-15) rim.insert({std::lround(p[0] * 1e12), std::lround(p[1] * 1e12)});
         return rim;

@@ -11,9 +11,9 @@ namespace {
 
 using GridPoint = std::array<Index, 3>;
 
-/// The univariate cubic B-spline refined once: rows over the points 0 to n of a polygon, at the
-/// points h = 0 to 2n of the refined one (h/2 in old units). Odd h are edge points, even ones
-/// vertex points: the rows (4 4 0 0)/8 and (1 6 1 0)/8 of the splitting matrix (Joy, bicubic
+/// Returns a row of the univariate cubic B-spline refined once, over the points 0 to n of a
+/// polygon, for point h = 0 to 2n of the refined polygon (h/2 in old units). Odd h are edge points,
+/// even h vertex points: the rows (4 4 0 0)/8 and (1 6 1 0)/8 of the splitting matrix (Joy, bicubic
 /// refinement, "H₁"). The ends interpolate.
 Row splitRow(Index n, Index h) {
     if (h % 2 == 1) return {{{(h - 1) / 2, 0.5}, {(h + 1) / 2, 0.5}}};
@@ -21,8 +21,7 @@ Row splitRow(Index n, Index h) {
     return {{{h / 2 - 1, 0.125}, {h / 2, 0.75}, {h / 2 + 1, 0.125}}};
 }
 
-/// A grid as it is refined: how many cells it has along each axis, and which of its points each
-/// vertex is.
+/// A refined grid: its number of cells along each axis, and the grid point of each vertex.
 struct RefinedGrid {
     std::array<Index, 3> cells;
     std::vector<GridPoint> points;
@@ -36,7 +35,8 @@ RefinedGrid baseGrid(const std::array<Index, 3>& n) {
     return grid;
 }
 
-/// In half units of the parent: twice the middle of the entity that a child vertex comes from.
+/// Returns the position of a child vertex in half units of the parent: twice the middle of its
+/// parent entity.
 GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, int level,
                     Index vertex) {
     const Entity entity = refiner.refinement(level).parentOf({0, vertex}).upper;
@@ -58,13 +58,14 @@ GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, i
 /// Compares R_1 … R_level of a box with the tensor products of the univariate rows.
 void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int levels,
                          Rules rules) {
-    TopologyRefiner refiner = test::refined(test::grid(n), levels, {.boundary = boundary});
-    // Without boundary control the outermost points of the refined grid, h = 0 and 2n, are not
-    // there.
+    TopologyRefiner refiner =
+        test::refined(test::grid(n), levels, {.rules = rules, .boundary = boundary});
+    // Without boundary control, the outermost points of the refined grid, h = 0 and 2n, do not
+    // exist.
     const Index margin = boundary == Boundary::Open ? 1 : 0;
     RefinedGrid grid = baseGrid(n);
     for (int level = 1; level <= levels; ++level) {
-        const auto table = buildLevelTable(refiner, level, rules);
+        const auto table = buildLevelTable(refiner, level);
         std::map<GridPoint, Index> parentVertex;
         for (std::size_t v = 0; v < grid.points.size(); ++v)
             parentVertex[grid.points[v]] = Index(v);
@@ -81,7 +82,7 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
             const Row got = rowOf(table, vertex);
             ASSERT_EQ(got.weights.size(), expected.weights.size())
                 << "level " << level << " vertex " << vertex;
-            // The bound that the project promises.
+            // The accuracy that the project promises.
             ASSERT_LE(difference(got, expected), 1e-13) << "level " << level;
             next.points.push_back({half[0] - margin, half[1] - margin, half[2] - margin});
         }
@@ -98,9 +99,9 @@ TEST(BSpline, OpenGridIsTheTricubicSpline) {
     }
 }
 
-// DESIGN section 3: under `single-cell`, a box lattice of any size is the tricubic B-spline with a
-// phantom layer 2P₀ − P₁ around it: (P₋ + 6P₀ + P₁)/8 = P₀ with P₋ = 2P₀ − P₁, which is the end
-// row.
+// With SharpEdges::SingleCell, a box lattice of any size is the tricubic B-spline with a phantom
+// layer 2P₀ − P₁ around it: with P₋ = 2P₀ − P₁, (P₋ + 6P₀ + P₁)/8 = P₀, which is the row of the
+// end.
 TEST(BSpline, SharpBoxIsTheSplineWithAPhantomLayer) {
     for (const Rules rules : kLatticeRules) {
         expectTensorProduct({1, 1, 1}, Boundary::Sharp, 3, rules);
@@ -109,15 +110,15 @@ TEST(BSpline, SharpBoxIsTheSplineWithAPhantomLayer) {
     }
 }
 
-/// B-spline coefficient, for knots of spacing h, of a cubic a + bx + cx² + dx³ at the point x: its
-/// polar form at (x − h, x, x + h).
+/// Returns the B-spline coefficient, for knots with spacing h, of a cubic a + bx + cx² + dx³ at the
+/// point x: its polar form at (x − h, x, x + h).
 double coefficient(const std::array<double, 4>& cubic, double x, double h) {
     return cubic[0] + cubic[1] * x + cubic[2] * (x * x - h * h / 3) +
            cubic[3] * (x * x * x - h * h * x);
 }
 
-// A cubic polynomial, given by its B-spline coefficients, stays that polynomial. This is sharper
-// than affine invariance: rules that are wrong in their second moments fail here only.
+// A cubic polynomial, given by its B-spline coefficients, stays the same polynomial. This test is
+// stricter than affine invariance: rules with wrong second moments fail only here.
 TEST(BSpline, CubicPolynomialsStayExact) {
     const std::array<Index, 3> n = {4, 3, 5};
     const std::array<std::array<double, 4>, 3> cubics = {
@@ -146,9 +147,9 @@ TEST(BSpline, CubicPolynomialsStayExact) {
         spacing /= 2;
         for (double& x : origin) x += spacing;
         for (const Rules rules : kLatticeRules) {
-            const auto refined = refineValues(refiner, level, rules, values, 1);
+            const auto refined = refineValues(withRules(refiner, rules), level, values, 1);
             for (std::size_t v = 0; v < grid.points.size(); ++v)
-                // Values reach some 2000 at the far corner: 64 products of that size.
+                // Values reach about 2000 at the far corner: 64 products of that size.
                 ASSERT_NEAR(refined[v], valueAt(grid.points[v]), 2e-11) << "level " << level;
         }
     }

@@ -6,7 +6,8 @@
 #include "support/test.h"
 #include "support/zoo.h"
 
-// Coordinates and cells that arithmetic has trouble with: a status says what became of a point.
+// Tests coordinates and cells that cause trouble in arithmetic: the status tells what happened to a
+// point.
 
 namespace espalier::embed {
 namespace {
@@ -23,7 +24,7 @@ BindingResult bind(const Lattice& lattice, const std::vector<Point3>& points,
     return bindPoints({refiner, lattice.positions}, points, {.level = level, .embedding = options});
 }
 
-/// How far D puts point `i` from where it was, at rest.
+/// Returns the distance, at rest, between point `i` and its position by D.
 double errorOf(const BindingResult& model, const Lattice& lattice,
                const std::vector<Point3>& points, std::size_t i) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -41,9 +42,10 @@ INSTANTIATE_TEST_SUITE_P(, HostileNumbers,
                              return policy.param == OutsidePolicy::Keep ? "Kept" : "Carried";
                          });
 
-// A lattice of any size is bound as that of size 1, to the last bit: by powers of two, so that the
-// coordinates themselves are rounded nowhere. 2^±960 is 1e±289; cells of level 2 are smaller.
-TEST_P(HostileNumbers, SizesOfTheLatticeMakeNoDifference) {
+// A lattice of any size is bound as a lattice of size 1, to the last bit. Sizes are powers of two,
+// so that the coordinates themselves are not rounded. 2^±960 is 1e±289; cells of level 2 are
+// smaller.
+TEST_P(HostileNumbers, SizeOfTheLatticeDoesNotMatter) {
     for (const Lattice& lattice : {mixedLattice(), shapes::torus()}) {
         const Refined refined(lattice, 2);
         std::vector<Point3> points = pointsIn(refined, 200, 1);
@@ -76,8 +78,8 @@ TEST_P(HostileNumbers, SizesOfTheLatticeMakeNoDifference) {
     }
 }
 
-// The smallest numbers that there are: a cube of 1024 of them.
-TEST_P(HostileNumbers, DenormalsAreLengths) {
+// A cube with sides of 1024 times the smallest double.
+TEST_P(HostileNumbers, WorksWithDenormals) {
     Lattice cube = shapes::box();
     cube.positions = scaled(cube.positions, -1064);
     const std::vector<Point3> points = scaled({{0.5, 0.25, 0.75}, {0, 0, 0}, {2, 0, 0}}, -1064);
@@ -89,8 +91,8 @@ TEST_P(HostileNumbers, DenormalsAreLengths) {
         EXPECT_LE(errorOf(model, cube, points, i), 4 * std::numeric_limits<double>::denorm_min());
 }
 
-// There is no length to measure by: what is not at the one place is outside, however near.
-TEST_P(HostileNumbers, ALatticeOfNoSize) {
+// The lattice has no size to measure by: any other point is outside, however near.
+TEST_P(HostileNumbers, LatticeWithoutSize) {
     Lattice lattice = mixedLattice();
     for (Point3& position : lattice.positions) position = {0, 0, 0};
     const auto model =
@@ -100,14 +102,14 @@ TEST_P(HostileNumbers, ALatticeOfNoSize) {
     EXPECT_EQ(model.statuses, (std::vector{PointStatus::Inside, elsewhere, elsewhere}));
 }
 
-TEST_P(HostileNumbers, PointsThatAreNoneOrFarAway) {
+TEST_P(HostileNumbers, PointsNotFiniteOrFarAway) {
     const Lattice cube = shapes::box();
     const std::vector<Point3> none = {{kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, -kInfinity}};
     const std::vector<Point3> tooFar = {
         {1e308, 0, 0}, {1e200, -1e200, 0}, {0, 1e101, 0}, {0, 0, 1e20}};
     const std::vector<Point3> far = {{1e7, 0.5, 0.5}, {-1e4, 3, 1e7}, {0.5, -100, 0.5}};
     const bool isCarried = GetParam() == OutsidePolicy::Nearest;
-    // Level 8 has 16 million cells, of which few must be looked at.
+    // Level 8 has 16 million cells; binding must visit only a few of them.
     for (const int level : {1, 2, kIsSlow ? 5 : 8}) {
         for (const auto status : bind(cube, none, {.outside = GetParam()}, level).statuses)
             EXPECT_EQ(status, PointStatus::NotConverged);
@@ -125,7 +127,7 @@ TEST_P(HostileNumbers, PointsThatAreNoneOrFarAway) {
     }
 }
 
-TEST_P(HostileNumbers, VerticesThatAreNowhereAreRefused) {
+TEST_P(HostileNumbers, VerticesNotFiniteAreRefused) {
     for (const double bad : {kNan, kInfinity, -kInfinity}) {
         Lattice cube = shapes::box();
         cube.positions[5][1] = bad;
@@ -133,7 +135,7 @@ TEST_P(HostileNumbers, VerticesThatAreNowhereAreRefused) {
     }
 }
 
-/// What can happen to a lattice.
+/// A way to degrade a lattice.
 struct Deformity {
     const char* name;
     Point3 (*of)(const Point3&);
@@ -183,8 +185,8 @@ constexpr Deformity kDeformities[] = {
                        std::sin(angle) * p[0] + std::cos(angle) * p[1], p[2]};
      }}};
 
-// Points that are somewhere in the cells, whatever has become of these, are found where they are,
-// or have a status that says that they are not.
+// Points in the cells of a degraded lattice are found where they are, or have a status that says
+// that they are not found.
 TEST_P(HostileNumbers, CellsOfAnyVolume) {
     for (const Lattice& base : {mixedLattice(), shapes::icosahedron()})
         for (const Deformity& deformity :
@@ -205,8 +207,8 @@ TEST_P(HostileNumbers, CellsOfAnyVolume) {
                     EXPECT_NE(model.statuses[i], PointStatus::Inside) << deformity.name;
                     continue;
                 }
-                // The solve, 1e-12 of the size, and that of a point which was given its nearest
-                // place: the tolerance, a millionth of the diagonal.
+                // The rounding of the solution is 1e-12 of the size. The residual of a point that
+                // got its nearest place is at most the tolerance, a millionth of the diagonal.
                 EXPECT_LE(errorOf(model, lattice, points, i), model.largestResidual + 2e-12 * size)
                     << deformity.name << " " << i;
                 EXPECT_LE(model.largestResidual, 4e-6 * size) << deformity.name;

@@ -12,13 +12,13 @@
 #include "support/test.h"
 #include "support/zoo.h"
 
-// What holds of the tables of every lattice.
+// Tests properties of the tables of every lattice.
 
 namespace espalier::stencils {
 namespace {
 
-/// Calls check(name, refiner) for each lattice of the zoo, refined `level` times; with open
-/// boundaries too, where enough is left.
+/// Calls check(name, refiner, lattice) for each lattice of the zoo, refined `level` times; also
+/// with open boundaries, if cells are left.
 template <class Check>
 void forEachRefinedLattice(int level, Check check) {
     for (const auto& [name, lattice] : someOf(test::zoo()))
@@ -38,18 +38,20 @@ void forEachRefinedLattice(int level, Check check) {
 TEST(Stencils, RowsSumToOne) {
     forEachRefinedLattice(
         3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
-            for (const Rules rules : kLatticeRules)
+            for (const Rules rules : kLatticeRules) {
+                const TopologyRefiner own = withRules(refiner, rules);
                 for (int level = 0; level <= 3; ++level) {
-                    const auto table = buildStencils(refiner, level, rules);
+                    const auto table = buildStencils(own, level);
                     ASSERT_EQ(table.rowCount(), refiner.level(level).complex.count(0));
                     ASSERT_EQ(table.columnCount(), refiner.level(0).complex.count(0));
                     for (Index row = 0; row < table.rowCount(); ++row) {
                         double sum = 0;
                         for (const double weight : table.weights(row)) sum += weight;
-                        // The bound that the project promises.
+                        // The accuracy that the project promises.
                         ASSERT_NEAR(sum, 1, 1e-14) << name << " level " << level << " row " << row;
                     }
                 }
+            }
         });
 }
 
@@ -64,8 +66,9 @@ TEST(Stencils, AreAffinelyInvariant) {
             std::vector<Point3> images;
             for (const Point3& p : lattice.positions) images.push_back(map(p));
             for (const Rules rules : kLatticeRules) {
-                const auto refined = refinePositions(refiner, 2, rules, lattice.positions);
-                const auto refinedImages = refinePositions(refiner, 2, rules, images);
+                const TopologyRefiner own = withRules(refiner, rules);
+                const auto refined = refinePositions(own, 2, lattice.positions);
+                const auto refinedImages = refinePositions(own, 2, images);
                 for (std::size_t i = 0; i < refined.size(); ++i)
                     for (std::size_t c = 0; c < 3; ++c)
                         // Sums of some 60 products of size up to 50: 60 × 50 × 1e-16.
@@ -79,23 +82,24 @@ TEST(Stencils, ComposedEqualsAppliedLevelByLevel) {
         3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
             const auto values = randomValues(std::size_t(refiner.level(0).complex.count(0)) * 2, 1);
             for (const Rules rules : kLatticeRules) {
-                const auto stepwise = refineValues(refiner, 3, rules, values, 2);
-                const auto table = buildStencils(refiner, 3, rules);
+                const TopologyRefiner own = withRules(refiner, rules);
+                const auto stepwise = refineValues(own, 3, values, 2);
+                const auto table = buildStencils(own, 3);
                 for (Index row = 0; row < table.rowCount(); ++row)
                     for (std::size_t c = 0; c < 2; ++c) {
                         double sum = 0;
                         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
                             sum += table.weights(row)[k] *
                                    values[2 * std::size_t(table.columns(row)[k]) + c];
-                        // Values are below 1, rows have at most a few hundred entries.
+                        // Values are below 1, and rows have at most a few hundred entries.
                         ASSERT_NEAR(stepwise[2 * std::size_t(row) + c], sum, 1e-14) << name;
                     }
             }
         });
 }
 
-/// A lattice or a mesh with a seventh of its edges and a thirteenth of its vertices sharp, at
-/// random.
+/// Makes a seventh of the edges and a thirteenth of the vertices of a lattice or a mesh sharp,
+/// chosen at random.
 Lattice sharpened(Lattice lattice) {
     std::mt19937 random(1);
     const CellComplex& complex = lattice.complex;
@@ -109,9 +113,9 @@ Lattice sharpened(Lattice lattice) {
     return lattice;
 }
 
-// Rows that are copies of others too: in regular bases nearly all are, and every feature must be
-// where they end.
-TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
+// This also tests rows that are copied from others: nearly all rows in regular bases. Every feature
+// must be at the edge of some copied rows.
+TEST(Stencils, EqualProductsOfLevelTablesToTheLastBit) {
     std::vector<NamedLattice> shapes = test::zoo();
     for (auto& shape : featureLattices()) shapes.push_back(std::move(shape));
     for (auto& shape : meshZoo()) shapes.push_back(std::move(shape));
@@ -134,26 +138,27 @@ TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
             if (rules == Rules::Mlca &&
                 refiner.options().triangles == far::TriangleSubdivision::Smooth)
                 continue;
-            StencilTable<double> product = buildStencils(refiner, 0);
+            const TopologyRefiner own = withRules(refiner, rules);
+            StencilTable<double> product = buildStencils(own, 0);
             for (int level = 1; level <= finest; ++level) {
-                product = multiply(buildLevelTable(refiner, level, rules), product);
-                ASSERT_EQ(buildStencils(refiner, level, rules), product)
-                    << name << " level " << level;
+                product = multiply(buildLevelTable(own, level), product);
+                ASSERT_EQ(buildStencils(own, level), product) << name << " level " << level;
             }
         }
     }
 }
 
-// The same sums in the same order: equal to the last bit.
+// The sums are the same and in the same order, so rows are equal to the last bit.
 TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
     forEachRefinedLattice(3, [](const std::string& name, const TopologyRefiner& refiner,
                                 const Lattice&) {
         for (const Rules rules : kLatticeRules) {
-            const auto whole = buildStencils(refiner, 3, rules);
+            const TopologyRefiner own = withRules(refiner, rules);
+            const auto whole = buildStencils(own, 3);
             auto rows = shuffledIndices(whole.rowCount(), 3);
             rows.resize(std::min<std::size_t>(rows.size(), 20));
             rows.push_back(rows.front());
-            const auto some = buildStencils(refiner, 3, rules, rows);
+            const auto some = buildStencils(own, 3, rows);
             ASSERT_EQ(some.rowCount(), Index(rows.size()));
             for (std::size_t i = 0; i < rows.size(); ++i) {
                 const auto row = Index(i);
@@ -164,7 +169,7 @@ TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
     });
 }
 
-// Renaming vertices, reordering cells and faces, and rewinding loops permutes the table.
+// Renumbering vertices, reordering cells and faces, and rewinding loops permutes the table.
 TEST(Stencils, RelabellingPermutesTheTable) {
     for (const auto& [name, lattice] : someOf(test::zoo())) {
         const auto names = shuffledIndices(lattice.complex.count(0), 5);
@@ -178,13 +183,14 @@ TEST(Stencils, RelabellingPermutesTheTable) {
         second.refineUniform(2);
         const auto maps = matchLevels(first, second, names);
         for (const Rules rules : kLatticeRules) {
-            const auto a = buildStencils(first, 2, rules), b = buildStencils(second, 2, rules);
+            const auto a = buildStencils(withRules(first, rules), 2),
+                       b = buildStencils(withRules(second, rules), 2);
             for (Index row = 0; row < a.rowCount(); ++row) {
                 const Index image = maps[2][row];
                 Row expected;
                 for (const auto& [column, weight] : rowOf(a, row).weights)
                     expected.weights[names[column]] = weight;
-                // A weight that cancels to 0 in one order of summing may not in the other.
+                // A weight that cancels to 0 in one order of summation may not cancel in another.
                 ASSERT_LE(difference(rowOf(b, image), expected), 1e-15) << name << " row " << row;
             }
         }
@@ -197,8 +203,9 @@ TEST(Stencils, RelabellingPermutesTheTable) {
 namespace espalier::embed {
 namespace {
 
-// An undeformed lattice gives the model back, within 1e-12 of its size (what the project promises);
-// an affine map of the lattice is that map of the model, for points outside too.
+// An undeformed lattice reproduces the model within 1e-12 of its size (the accuracy that the
+// project promises). An affine map of the lattice maps the model in the same way, including points
+// outside.
 TEST(Embedding, ReproducesAffineMaps) {
     Eigen::Matrix3d linear;
     linear << 2, -1, 0.5, 0.3, 1.5, -0.2, 0, 0.7, -1;
@@ -225,8 +232,9 @@ TEST(Embedding, ReproducesAffineMaps) {
     }
 }
 
-// Rows of W and D sum to 1 like those of S: within 1e-14 inside. Outside, rows go on along a
-// tangent, and their weights grow with the distance: 1e-14 of the sum of their sizes.
+// Rows of W and D sum to 1 like rows of S. Inside, they do within 1e-14. Outside, weights continue
+// along a tangent and grow with the distance, so the tolerance is 1e-14 of the sum of their
+// absolute values.
 TEST(Embedding, RowsSumToOne) {
     for (const auto& [name, lattice] : test::zoo()) {
         SCOPED_TRACE(name);

@@ -9,8 +9,9 @@
 namespace espalier::limit {
 namespace {
 
-/// Points of a grid with 6 steps a cell, from `low` to cells − low along each axis. They lie at 0,
-/// 1/3 or 2/3 of the cells of every level, and u(1 − u) is the same at each.
+/// Returns the points of a grid with 6 steps per cell, from `low` to cells − low along each axis.
+/// In the cells of every level they are at u = 0, 1/3 or 2/3, so u(1 − u) of a point is the same on
+/// every level.
 std::vector<Point3> sixths(const Cells& cells, Index low) {
     std::vector<Point3> points;
     for (Index k = 6 * low; k <= 6 * (cells[2] - low); ++k)
@@ -20,7 +21,7 @@ std::vector<Point3> sixths(const Cells& cells, Index low) {
     return points;
 }
 
-/// How far the points deformed by subdivision at each level are from `limit`.
+/// Returns, for each level, the largest distance from `limit` of the points deformed by that level.
 std::vector<double> distancesOfLevels(const Cells& n, Boundary boundary,
                                       const std::vector<Point3>& pose,
                                       const std::vector<Point3>& points, const Positions& limit,
@@ -29,22 +30,21 @@ std::vector<double> distancesOfLevels(const Cells& n, Boundary boundary,
     std::vector<double> distances;
     for (int level = 1; level <= levels; ++level) {
         refiner.refineUniform(level);
-        const auto positions =
-            stencils::refinePositions(refiner, level, Rules::Siggraph96, gridPositions(n));
+        const auto positions = stencils::refinePositions(refiner, level, gridPositions(n));
         const auto embedding =
             embed::embedPoints(refiner.level(level).complex, positions, points,
                                embed::EmbeddingOptions{.outside = embed::OutsidePolicy::Error});
-        const auto table =
-            embed::buildDeformationTable(refiner, level, Rules::Siggraph96, embedding);
+        const auto table = embed::buildDeformationTable(refiner, level, embedding);
         distances.push_back(largestDistance(times(table, pose), limit));
     }
     return distances;
 }
 
-/// Why the order is 2. The control net of level n is the limit f less h²/6 of its second
-/// derivatives (the polar form of x² at (x − h, x, x + h) is x² − h²/3), and trilinear
-/// interpolation adds h²/2 · u(1 − u) of them along each axis. Both are h² times something that is
-/// the same at each level, for points of sixths(); what is left is of order h⁴. h halves.
+/// Checks that distances fall with order 2. The reason: the control net of level n is the limit f
+/// minus h²/6 times its second derivatives (the polar form of x² at (x − h, x, x + h) is x² −
+/// h²/3), and trilinear interpolation adds h²/2 · u(1 − u) times these derivatives along each axis.
+/// For the points of sixths(), both are h² times the same value on each level; the rest is of order
+/// h⁴. Each level halves h.
 void expectOrderTwo(const std::vector<double>& distances) {
     for (std::size_t level = 3; level <= distances.size(); ++level) {
         const double order = std::log2(distances[level - 2] / distances[level - 1]);
@@ -53,8 +53,8 @@ void expectOrderTwo(const std::vector<double>& distances) {
     }
 }
 
-// MacCracken & Joy, section 2.1: the refinement rules are those of the tricubic B-spline, so its
-// lattice is what the levels converge to.
+// MacCracken & Joy, section 2.1: the refinement rules are the tricubic B-spline's, so the levels
+// converge to the B-spline lattice.
 TEST(TensorLimit, BSplineLatticeIsTheLimitOfOpenLattices) {
     const Cells n = {3, 4, 3};
     const auto rest = gridPositions(n);
@@ -62,15 +62,15 @@ TEST(TensorLimit, BSplineLatticeIsTheLimitOfOpenLattices) {
     const auto points = sixths(n, 1);
     const embed::TensorLattice lattice(test::grid(n), rest, embed::Basis::BSpline);
     const Positions limit = times(tableOf(lattice, points), pose);
-    // It is a deformation, not the identity.
+    // The pose is a deformation, not the identity.
     ASSERT_GT(largestDistance(limit, asMatrix(points)), 0.1);
     const auto distances = distancesOfLevels(n, Boundary::Open, pose, points, limit, 4);
     expectOrderTwo(distances);
-    // Nothing is left over beside what falls.
+    // The distance tends to 0.
     EXPECT_LT(distances.back(), 2e-3);
 }
 
-/// A pose with a layer of phantom vertices 2P₀ − P₁ around it, by the axes in turn.
+/// Adds a layer of phantom vertices 2P₀ − P₁ around a pose, one axis after another.
 std::vector<Point3> withPhantoms(const Cells& n, const std::vector<Point3>& pose) {
     using Share = std::pair<Index, double>;
     const auto shares = [](Index cells, Index at) -> std::vector<Share> {
@@ -95,7 +95,7 @@ std::vector<Point3> withPhantoms(const Cells& n, const std::vector<Point3>& pose
     return padded;
 }
 
-// DESIGN section 3: with boundary control, a box of any size is the B-spline with a phantom layer.
+// With boundary control, a box of any size is the B-spline with a phantom layer.
 TEST(TensorLimit, BSplineLatticeWithPhantomsIsTheLimitOfSharpBoxes) {
     const Cells n = {2, 1, 1}, padded = {4, 3, 3};
     const auto rest = gridPositions(n);

@@ -9,8 +9,8 @@
 #include "support/random_lattices.h"
 #include "support/test.h"
 
-// The meshes and lattices that are compared with OpenSubdiv: whether they are legal, have the
-// features they are for, and refine into something sound.
+// Tests the meshes and lattices that are compared with OpenSubdiv: they are valid, have the
+// features that they are made for, and refine into valid complexes.
 namespace espalier::stencils {
 namespace {
 
@@ -28,7 +28,7 @@ Point3 image(const Point3& p) {
     return {p[0] - 2 * p[1] + 0.5 * p[2] + 3, 0.25 * p[0] + p[1] - 1, 2 * p[2] - p[0] + 0.5};
 }
 
-/// A row of a table times the base points, or their images.
+/// Returns a row of a table times some points.
 Point3 product(const StencilTable<double>& table, Index row, const std::vector<Point3>& points) {
     Point3 sum = {0, 0, 0};
     for (std::size_t k = 0; k < table.columns(row).size(); ++k)
@@ -43,7 +43,7 @@ void expectSound(const Lattice& lattice, int levels) {
     for (int level = 0; level <= levels; ++level) {
         const CellComplex& complex = refiner.level(level).complex;
         far::validate(complex);
-        // Without boundary control, the region shrinks and may come apart.
+        // Without boundary control, the region shrinks and may fall into pieces.
         if (refiner.boundary() != Boundary::Open) {
             EXPECT_EQ(complex.eulerCharacteristic(), lattice.complex.eulerCharacteristic());
         }
@@ -54,7 +54,7 @@ void expectSound(const Lattice& lattice, int levels) {
     for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
         if (rules == Rules::Mlca && refiner.options().triangles == TriangleSubdivision::Smooth)
             continue;
-        const StencilTable<double> table = buildStencils(refiner, levels, rules);
+        const StencilTable<double> table = buildStencils(withRules(refiner, rules), levels);
         for (Index row = 0; row < table.rowCount(); ++row) {
             const auto weights = table.weights(row);
             const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -65,16 +65,16 @@ void expectSound(const Lattice& lattice, int levels) {
                 imageDifference = std::max(imageDifference, std::abs(expected[c] - found[c]));
         }
     }
-    // Up to 721 weights, at a pole of valence 360: 721 · 2⁻⁵³ = 8e-14 at the worst.
+    // A pole of valence 360 has up to 721 weights: 721 · 2⁻⁵³ = 8e-14 in the worst case.
     EXPECT_LE(sumDifference, 1e-13);
-    // Affine precision: the refined image of the rest pose is the image of the refined one. The
-    // same sums with coordinates below 32: 721 · 32 · 2⁻⁵³ = 2.6e-12.
+    // Affine precision: the refined image of the rest pose equals the image of the refined rest
+    // pose. These are the same sums, with coordinates below 32: 721 · 32 · 2⁻⁵³ = 2.6e-12.
     EXPECT_LE(imageDifference, 3e-12);
 }
 
-// Sums of sharpness at a vertex do not depend on their order: what meets there is at most two of
-// them, or multiples of 1/4, or alike. Under Chaikin's method, which divides by the number of edges
-// less one, by a power of two besides.
+// Checks that sums of sharpness at a vertex do not depend on their order: at most two values meet
+// there, or the values are equal, or they are multiples of 1/4. Under Chaikin's method, which
+// divides by the number of edges minus one, that divisor must also be a power of two.
 void expectExactSums(const Lattice& lattice) {
     const CellComplex& complex = lattice.complex;
     const Strata strata = refinerOf(lattice).level(0).strata;
@@ -116,9 +116,9 @@ TEST(Zoo, RandomLatticesAreSound) {
         expectSound("seed " + std::to_string(seed), randomLattice(seed), 1);
 }
 
-// Without boundary control, what is left of a shape is a complex again: no edge or face stays of
-// which all vertices have gone.
-TEST(Zoo, WhatIsLeftWithoutBoundaryControlIsSound) {
+// Without boundary control, the rest of a shape is a valid complex: no edge or face remains whose
+// vertices are all gone.
+TEST(Zoo, OpenBoundariesLeaveValidComplexes) {
     std::vector<NamedLattice> shapes = zoo();
     for (auto& shape : featureLattices()) shapes.push_back(std::move(shape));
     for (auto& shape : meshZoo()) shapes.push_back(std::move(shape));
@@ -141,7 +141,7 @@ TEST(Zoo, WhatIsLeftWithoutBoundaryControlIsSound) {
     EXPECT_GT(leftCount, least(200));
 }
 
-TEST(Zoo, NamesDiffer) {
+TEST(Zoo, NamesAreUnique) {
     std::vector<NamedLattice> lattices = zoo();
     for (const auto& named : featureLattices()) lattices.push_back(named);
     for (const auto& all : {meshZoo(), lattices}) {
@@ -150,7 +150,7 @@ TEST(Zoo, NamesDiffer) {
     }
 }
 
-/// Number of edges of the surface, or in a cell, at each of its vertices.
+/// Returns the numbers of edges at the vertices of a surface, or of each cell at its vertices.
 std::set<Index> valences(const CellComplex& complex) {
     std::set<Index> all;
     const int dimension = complex.dimension();
@@ -164,7 +164,7 @@ std::set<Index> valences(const CellComplex& complex) {
     return all;
 }
 
-// What issue 3 lists is there; the names of the meshes say how it is combined.
+// The zoo has every feature; the names of the meshes tell how they are combined.
 TEST(Zoo, MeshesHaveEveryFeature) {
     std::set<Index> faceSizes, valence;
     std::set<Boundary> boundaries;
@@ -222,7 +222,7 @@ TEST(Zoo, RandomLatticesAreOfAllKinds) {
         smooth += std::any_of(lattice.marks.edges.begin(), lattice.marks.edges.end(),
                               [](const auto& mark) { return mark.sharpness == far::kSmooth; });
     }
-    // Some of the smallest come twice.
+    // Some of the smallest lattices occur twice.
     EXPECT_GE(topologies.size(), kSeeds - 10);
     for (const Index edges : {3, 4, 5, 6}) EXPECT_EQ(types.count(edges), 1u) << edges;
     for (const Index sides : {3, 4, 5, 6}) EXPECT_EQ(faceSizes.count(sides), 1u) << sides;
@@ -231,7 +231,7 @@ TEST(Zoo, RandomLatticesAreOfAllKinds) {
     EXPECT_GT(smooth, 50);
 }
 
-TEST(Zoo, RandomLatticesAreTheSameEachTime) {
+TEST(Zoo, RandomLatticesAreReproducible) {
     for (const unsigned seed : {1u, 2u, 3u}) {
         const Lattice first = randomLattice(seed), second = randomLattice(seed);
         EXPECT_EQ(cellLoops(first.complex), cellLoops(second.complex));
@@ -241,8 +241,8 @@ TEST(Zoo, RandomLatticesAreTheSameEachTime) {
     }
 }
 
-// The standard prescribes the ten thousandth number of a default std::mt19937, [rand.predef].
-TEST(Zoo, DrawsAreThoseOfTheStandard) {
+// The standard specifies the 10,000th number of a default std::mt19937, [rand.predef].
+TEST(Zoo, DrawsFollowTheStandard) {
     Draws draws(std::mt19937::default_seed);
     for (int i = 1; i < 10000; ++i) draws.below(2);
     EXPECT_EQ(draws.below(100000), 4123659995 % 100000);

@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A limb of constant radius through given points.
+/// Returns a limb of constant radius through the points.
 ArmOptions limb(const std::vector<Point3>& points, double radius = 0.2) {
     ArmOptions options;
     options.joints.clear();
@@ -41,23 +41,23 @@ TEST(Arm, hasTheCountsOfASweptDisk) {
         EXPECT_EQ(countsOf(lattice.complex),
                   sweptDiskCounts(sides * rings, 1 + sides * (rings - 1), (joints - 1) * segments));
         EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
 TEST(Arm, putsTheFirstVertexOnTheSideOfUp) {
     ArmOptions options = limb({{1, 1, 1}, {3, 1, 1}}, 0.5);
-    options.up = {5, 2, 0};  // with the part along the bone taken off, it is +y
+    options.up = {5, 2, 0};  // Without its part along the bone, `up` is +y.
     const Lattice lattice = arm(options);
     EXPECT_NEAR(norm(minus(at(lattice, 0), {1, 1.5, 1})), 0, kRounding);
-    // Anticlockwise seen from the hand: from +y on to +z.
+    // Vertices run anticlockwise seen from the hand: from +y to +z.
     EXPECT_NEAR(norm(minus(at(lattice, 1), {1, 1, 1.5})), 0, kRounding);
     EXPECT_NEAR(norm(minus(at(lattice, 8), {3, 1.5, 1})), 0, kRounding);
 }
 
-TEST(Arm, keepsItsThicknessRoundBends) {
-    // A polyline in space, with bends of 90° at most. Cut by bisecting planes, a tube of constant
-    // section about its axis has the volume of the section times the length of the axis.
+TEST(Arm, keepsItsThicknessAroundBends) {
+    // The bends of the polyline are at most 90°. A tube of constant cross-section, cut by bisecting
+    // planes, has the volume of the cross-section times the length of its axis.
     const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0},     {1, 1, 0},
                                         {1, 1, 1}, {2, 1.5, 1.2}, {3, 1, 2}};
     const ArmOptions options = limb(points);
@@ -66,7 +66,7 @@ TEST(Arm, keepsItsThicknessRoundBends) {
     for (std::size_t i = 0; i + 1 < points.size(); ++i)
         total += norm(minus(points[i + 1], points[i]));
     EXPECT_NEAR(totalVolume(lattice), squareArea(0.2) * total, kRounding);
-    expectSound(lattice);
+    expectValid(lattice);
 
     // Between two joints every vertex moves along the bone: no twist, no flip, no thinning.
     for (std::size_t bone = 0; bone + 1 < points.size(); ++bone) {
@@ -91,12 +91,12 @@ TEST(Arm, cutsABendByTheBisectingPlane) {
     for (Index v = 8; v < 12; ++v) EXPECT_NEAR(at(lattice, v)[0] + at(lattice, v)[1], 1, kRounding);
 }
 
-TEST(Arm, staysSoundRoundSharpBends) {
+TEST(Arm, staysValidAroundSharpBends) {
     for (const double bend : {60.0, 120.0, 150.0}) {
         const double angle = bend * pi / 180;
         const ArmOptions options =
             limb({{0, 0, 0}, {2, 0, 0}, {2 + 2 * std::cos(angle), 2 * std::sin(angle), 0}});
-        expectSound(arm(options));
+        expectValid(arm(options));
     }
 }
 
@@ -112,7 +112,7 @@ TEST(Arm, twistsEvenlyFromJointToJoint) {
         EXPECT_NEAR(vertex[1], -0.5 * std::sin(twist), kRounding);
         EXPECT_NEAR(vertex[2], 0.5 * std::cos(twist), kRounding);
     }
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
 TEST(Arm, hasTheTopologyOfItsPose) {
@@ -126,10 +126,10 @@ TEST(Arm, hasTheTopologyOfItsPose) {
     options.joints[0].radius = 0.35;
     const Lattice pose = arm(options);
     EXPECT_TRUE(sameTopology(rest.complex, pose.complex));
-    expectSound(pose);
+    expectValid(pose);
 }
 
-TEST(Arm, refusesAJointThatCannotBe) {
+TEST(Arm, refusesInvalidJoints) {
     EXPECT_MESSAGE(
         "arm: joints[2].position is (1, 0, 0); allowed: points other than that of the joint "
         "before",

@@ -11,7 +11,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// The outward normal of an axis-parallel boundary face of a box about the point `centre`.
+/// Returns the outward normal of an axis-parallel boundary face of a box centred at `centre`.
 Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
     Point3 mean = {0, 0, 0};
     for (const Index vertex : lattice.complex.relation(2, 0)[face])
@@ -31,13 +31,13 @@ TEST(Attach, growsACrossFromACube) {
     EXPECT_EQ(countsOf(lattice.complex), (Counts{32, 60, 36, 7}));
     EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
     EXPECT_NEAR(totalVolume(lattice), 7, kRounding);
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
 TEST(Attach, buildsAColumnPrismByPrism) {
     Lattice lattice = prism({5, 1, 1});
     for (int i = 0; i < 3; ++i) {
-        // The second face of a prism is the one opposite to the one it stands on.
+        // The second face of a prism is opposite to the face that it is attached to.
         const CellId last(lattice.complex.count(3) - 1);
         lattice = attachPrism(lattice, lattice.complex.faces(last)[1], {0, 0, 1});
     }
@@ -47,10 +47,10 @@ TEST(Attach, buildsAColumnPrismByPrism) {
     ASSERT_EQ(lattice.positions.size(), expected.positions.size());
     for (std::size_t v = 0; v < expected.positions.size(); ++v)
         EXPECT_NEAR(norm(minus(lattice.positions[v], expected.positions[v])), 0, kRounding);
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
-TEST(Attach, keepsTheNumbersOfWhatIsThere) {
+TEST(Attach, keepsExistingNumbers) {
     const Lattice before = cylinder({6, {2}, 2});
     Index boundary = 0;
     while (before.complex.relation(2, 3)[boundary].size() != 1) ++boundary;
@@ -63,10 +63,10 @@ TEST(Attach, keepsTheNumbersOfWhatIsThere) {
             EXPECT_TRUE(std::equal(rowA.begin(), rowA.end(), rowB.begin(), rowB.end()));
         }
     EXPECT_EQ(at(after, before.complex.count(0)), (Point3{0.3, 0.1, -1}));
-    expectSound(after);
+    expectValid(after);
 }
 
-TEST(Attach, putsPyramidsOnAnyFace) {
+TEST(Attach, attachesPyramidsToAnyFace) {
     const Lattice start = prism({5, 1, 1});
     for (Index face = 0; face < 7; ++face) {
         const bool pentagon = face < 2;
@@ -80,22 +80,22 @@ TEST(Attach, putsPyramidsOnAnyFace) {
         const Lattice lattice = attachPyramid(start, FaceId(face), apex);
         EXPECT_EQ(countsOf(lattice.complex), (Counts{11, 15 + n, 7 + n, 2}));
         EXPECT_EQ(valenceInCell(lattice.complex, 1, 10), std::size_t(n));
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
-TEST(Attach, takesAnyCell) {
-    // A wedge on the top of a cube: a roof whose ridge is two new vertices.
+TEST(Attach, attachesAnyCell) {
+    // A wedge on top of a cube, as a roof; its ridge has two new vertices.
     const NewVertex ridge[] = {{{0.5, 0, 2}, {4, 5}}, {{0.5, 1, 2}, {6, 7}}};
     const Lattice lattice =
         attachCell(box(), far::StandardCell::Wedge, std::array<Index, 6>{4, 8, 5, 6, 9, 7}, ridge);
     EXPECT_EQ(countsOf(lattice.complex), (Counts{10, 17, 10, 2}));
     EXPECT_NEAR(totalVolume(lattice), 1.5, kRounding);
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
 TEST(Attach, closesAGapWithoutNewVertices) {
-    // Two boxes that share an edge, and a wedge between them that uses only vertices that exist.
+    // Two boxes share an edge, and a wedge between them uses only existing vertices.
     const Lattice boxes = merge(box(), box({{1, 1, 1}, {1, 0, 1}, {2, 1, 2}}));
     EXPECT_EQ(at(boxes, 5), (Point3{1, 0, 1}));
     EXPECT_EQ(at(boxes, 7), (Point3{1, 1, 1}));
@@ -105,10 +105,10 @@ TEST(Attach, closesAGapWithoutNewVertices) {
         attachCell(boxes, far::StandardCell::Wedge, std::array<Index, 6>{1, 5, 8, 3, 7, 9}, {});
     EXPECT_EQ(lattice.complex.count(0), boxes.complex.count(0));
     EXPECT_NEAR(totalVolume(lattice), 2.5, kRounding);
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
-TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
+TEST(Attach, givesNewVerticesTheAttributesOfTheirSources) {
     Lattice lattice = box();
     lattice.attributes.push_back({"x", 1, {}});
     for (const Point3& position : lattice.positions)
@@ -121,7 +121,7 @@ TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
     EXPECT_EQ(pointed.attributes[0].values[8], 0.5);
 }
 
-TEST(Attach, averagesNoIntegers) {
+TEST(Attach, doesNotAverageIntegers) {
     Lattice lattice = box();
     lattice.integers.push_back({"material", 1, IntegerType::UInt8, {1, 2, 3, 4, 5, 6, 7, 8}});
     const FaceId top = lattice.complex.faces(CellId(0))[1];
@@ -149,7 +149,7 @@ TEST(Attach, carriesMarks) {
     EXPECT_EQ(grown.marks, lattice.marks);
 }
 
-TEST(Attach, refusesWhatDoesNotFit) {
+TEST(Attach, refusesCellsThatDoNotFit) {
     const Lattice two = box({{2, 1, 1}});
     Index inner = 0;
     while (two.complex.relation(2, 3)[inner].size() != 2) ++inner;

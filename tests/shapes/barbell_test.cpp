@@ -7,7 +7,8 @@
 namespace espalier::shapes {
 namespace {
 
-/// A block of 6 by 2 by 0.5: its ends are squares of side 2, and the bar between them is as wide.
+/// Returns a block of 6 by 2 by 0.5: its ends are squares of side 2, and the bar between them has
+/// the same width.
 BarbellOptions blockOptions() {
     BarbellOptions options;
     options.roundness = 0;
@@ -42,13 +43,13 @@ TEST(Barbell, hasTheCountsOfTwoDisksAndABar) {
                             segments * across;
         EXPECT_EQ(countsOf(lattice.complex), sweptDiskCounts(vertices, faces, 2));
         EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
 TEST(Barbell, isABlockWithSquareEndsAndAWideBar) {
     const Lattice lattice = barbell(blockOptions());
-    // barLength + 4 endRadius by 2 endRadius by height.
+    // The block is barLength + 4 endRadius by 2 endRadius by height.
     EXPECT_NEAR(totalVolume(lattice), 6 * 2 * 0.5, kRounding);
     Point3 low = lattice.positions[0];
     Point3 high = low;
@@ -57,10 +58,10 @@ TEST(Barbell, isABlockWithSquareEndsAndAWideBar) {
             low[axis] = std::min(low[axis], position[axis]);
             high[axis] = std::max(high[axis], position[axis]);
         }
-    // The bounds are as large as the volume says: it fills its box.
+    // The volume equals the volume of the bounds, so the block fills its box.
     EXPECT_EQ(low, (Point3{-3, -1, -0.25}));
     EXPECT_EQ(high, (Point3{3, 1, 0.25}));
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
 TEST(Barbell, hasOneTopologyFromBlockToBarbell) {
@@ -74,7 +75,7 @@ TEST(Barbell, hasOneTopologyFromBlockToBarbell) {
             options.height = 1;
             const Lattice pose = barbell(options);
             EXPECT_TRUE(sameTopology(rest.complex, pose.complex));
-            expectSound(pose);
+            expectValid(pose);
         }
 }
 
@@ -90,14 +91,14 @@ TEST(Barbell, hasRoundEnds) {
     // Vertices 1 to 7 are the arc; the eighth is inside the neck.
     for (Index v = 1; v <= 7; ++v) EXPECT_NEAR(norm(minus(at(lattice, v), centre)), 2, kRounding);
     EXPECT_NEAR(norm(minus(at(lattice, 8), centre)), 1.6, kRounding);
-    // The right end is the left one turned by half a circle.
+    // The right end is the left end rotated by 180 degrees.
     for (Index v = 0; v < 9; ++v) {
         EXPECT_EQ(at(lattice, 9 + v)[0], -at(lattice, v)[0]);
         EXPECT_EQ(at(lattice, 9 + v)[1], -at(lattice, v)[1]);
     }
 }
 
-TEST(Barbell, refusesARoundEndAsWideAsItsBar) {
+TEST(Barbell, refusesABarAsWideAsARoundEnd) {
     BarbellOptions options;
     options.barHalfWidth = options.endRadius;
     EXPECT_MESSAGE(

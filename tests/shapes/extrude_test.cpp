@@ -35,7 +35,7 @@ Lattice lShape() {
                 {{0, 1, 2, 3, 4, 5}, {5, 4, 6, 7}, {1, 8, 2}});
 }
 
-/// A square ring of four trapezoids, round a square hole.
+/// A square ring of four trapezoids around a square hole.
 Lattice frame() {
     return mesh({{-2, -2, 0},
                  {2, -2, 0},
@@ -51,14 +51,14 @@ Lattice frame() {
 TEST(Extrude, makesPrismsOfPolygons) {
     for (const int layers : {1, 2, 5}) {
         const Lattice lattice = extrude(lShape(), {{0, 0, 2}, layers});
-        // Edges of the mesh: 6 + 4 + 3 less the 2 that are shared.
+        // The mesh has 6 + 4 + 3 edges less the 2 that are shared.
         EXPECT_EQ(countsOf(lattice.complex), sweptCounts(9, 11, 3, layers, false));
         EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
         EXPECT_EQ(lattice.complex.relation(3, 2)[0].size(), 8U);
         EXPECT_EQ(lattice.complex.relation(3, 2)[1].size(), 6U);
         EXPECT_EQ(lattice.complex.relation(3, 2)[2].size(), 5U);
         EXPECT_NEAR(totalVolume(lattice), 2 * (3 + 1 + 0.5), kRounding);
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
@@ -68,9 +68,9 @@ TEST(Extrude, putsLayersAtEqualDistances) {
         EXPECT_NEAR(
             norm(minus(at(lattice, layer * 9 + 1), {2.0 + layer, 2.0 * layer, -3.0 * layer})), 0,
             kRounding);
-    // The mesh looks against this direction: it is turned, and volumes stay positive.
+    // The mesh faces against this direction, so its faces are reversed, and volumes stay positive.
     EXPECT_NEAR(totalVolume(lattice), 9 * 4.5, kRounding);
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
 TEST(Extrude, numbersFacesOfACellFromBottomToTopToSides) {
@@ -93,28 +93,28 @@ TEST(Extrude, keepsHolesAndSeparatePieces) {
     const Lattice ring = extrude(frame(), {{0, 0, 1}, 2});
     EXPECT_EQ(countsOf(ring.complex), sweptCounts(8, 12, 4, 2, false));
     EXPECT_EQ(ring.complex.eulerCharacteristic(), 0);
-    expectSound(ring);
+    expectValid(ring);
 
     const Lattice pieces =
         extrude(mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}},
                      {{0, 1, 2}, {3, 5, 4}}));
     EXPECT_EQ(pieces.complex.eulerCharacteristic(), 2);
-    expectSound(pieces);
+    expectValid(pieces);
 }
 
-TEST(Extrude, turnsFacesThatAreWoundTheOtherWay) {
+TEST(Extrude, reversesFacesThatAreWoundTheOtherWay) {
     const Lattice mixed = mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}},
                                {{0, 1, 4, 3}, {1, 4, 5, 2}});
-    expectSound(extrude(mixed, {{0.5, 0, 1}, 2}));
+    expectValid(extrude(mixed, {{0.5, 0, 1}, 2}));
 }
 
-TEST(Extrude, takesSurfacesThatAreNotFlat) {
-    // A roof; every face looks upwards.
+TEST(Extrude, acceptsSurfacesThatAreNotFlat) {
+    // A roof whose faces all face upwards.
     const Lattice roof = mesh({{0, 0, 0}, {1, 0, 1}, {2, 0, 0}, {0, 1, 0}, {1, 1, 1}, {2, 1, 0}},
                               {{0, 1, 4, 3}, {1, 2, 5, 4}});
     const Lattice lattice = extrude(roof, {{0, 0, 3}, 1});
-    EXPECT_NEAR(totalVolume(lattice), 3 * 2, kRounding);  // height times the area of the shadow
-    expectSound(lattice);
+    EXPECT_NEAR(totalVolume(lattice), 3 * 2, kRounding);  // height times projected area
+    expectValid(lattice);
 }
 
 TEST(Extrude, refusesFacesWithoutVolume) {
@@ -124,7 +124,7 @@ TEST(Extrude, refusesFacesWithoutVolume) {
         "extrude: face 1 of the mesh lies along the direction (0, 0, 1) or has no area; its "
         "cells would have no volume",
         extrude(wall));
-    // A hook: face 1 hangs over face 0.
+    // A hook: face 1 overhangs face 0.
     const Lattice fold = mesh(
         {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}, {0, 2, 0}, {2, 2, 0}},
         {{0, 1, 2, 3}, {1, 4, 5, 2}, {3, 2, 7, 6}});
@@ -134,7 +134,7 @@ TEST(Extrude, refusesFacesWithoutVolume) {
         extrude(fold, {{1, 0, 3}, 1}));
 }
 
-TEST(Extrude, refusesWhatIsNoMesh) {
+TEST(Extrude, refusesComplexesThatAreNotMeshes) {
     const Lattice solid = extrude(frame());
     EXPECT_MESSAGE("extrude: the mesh is a lattice; expected a mesh", extrude(solid));
     const Lattice fins = mesh({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
@@ -182,7 +182,7 @@ TEST(Extrude, carriesMarksToTheEndsAndAlongTheSweep) {
                                   {{10, 18}, far::kInfinitelySharp}},
                                  {{2, far::kInfinitelySharp}, {18, far::kInfinitelySharp}}};
     EXPECT_EQ(lattice.marks, expected);
-    expectSound(lattice);
+    expectValid(lattice);
     // The corner of the mesh is now the end of a sharp edge of the lattice.
     const far::Strata strata =
         far::classify(lattice.complex, Boundary::Sharp, far::SharpEdges::SingleCell, lattice.marks);
@@ -197,11 +197,11 @@ TEST(Sweep, closesIntoARing) {
     const Lattice ring = sweep(triangle, stations, SweepEnds::Closed);
     EXPECT_EQ(countsOf(ring.complex), sweptCounts(3, 3, 1, 3, true));
     EXPECT_EQ(ring.complex.eulerCharacteristic(), 0);
-    // The triangle looks along −y, away from the next station: inside out, as the header says.
+    // The triangle faces −y, away from the next station, so volumes are negative, as documented.
     EXPECT_LT(totalVolume(ring), 0);
 }
 
-TEST(Sweep, takesLayersOfAnyShape) {
+TEST(Sweep, acceptsLayersOfAnyShape) {
     const Lattice flat = gridMesh({{2, 1}});
     std::vector<std::vector<Point3>> layers(3, flat.positions);
     for (Point3& position : layers[1]) position = {2 * position[0], position[1], 1};
@@ -209,11 +209,11 @@ TEST(Sweep, takesLayersOfAnyShape) {
     const Lattice lattice = sweep(flat, layers);
     EXPECT_EQ(lattice.positions[6 + 2], (Point3{4.0 / 2, 0, 1}));
     EXPECT_EQ(countsOf(lattice.complex), sweptCounts(6, 7, 2, 2, false));
-    expectSound(lattice);
+    expectValid(lattice);
 }
 
 TEST(Sweep, wrapsAClosedSurfaceInAShell) {
-    // The surface of an octahedron, in two layers round itself: a ball with a cavity.
+    // The surface of an octahedron, swept outwards through two layers: a ball with a cavity.
     const Lattice octahedron = mesh(
         {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
@@ -221,7 +221,7 @@ TEST(Sweep, wrapsAClosedSurfaceInAShell) {
     const Lattice shell = sweep(octahedron, stations);
     EXPECT_EQ(shell.complex.eulerCharacteristic(), 2);
     EXPECT_NEAR(totalVolume(shell), (8 - 1) * 4.0 / 3, kRounding);
-    expectSound(shell);
+    expectValid(shell);
 }
 
 TEST(Sweep, refusesLayersThatDoNotFit) {
@@ -240,8 +240,8 @@ TEST(Sweep, refusesLayersThatDoNotFit) {
 }
 
 TEST(Sweep, refusesAMoebiusBand) {
-    // Five quadrilaterals in a ring, the last joined to the first with a half turn. Positions do
-    // not matter to the topology.
+    // Five quadrilaterals in a ring, with a half twist between the last and the first. Positions do
+    // not matter for the topology.
     std::vector<std::vector<Index>> loops;
     for (Index i = 0; i < 4; ++i) loops.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
     loops.push_back({8, 1, 0, 9});

@@ -11,8 +11,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Vertices and faces of a disk of n sides: per ring n vertices and n faces, but that the core is
-/// one face and no vertex (a polygon), or n faces and one vertex (wedges).
+/// The numbers of vertices and faces of a disk of n sides. Each ring has n vertices and n faces. A
+/// polygonal core is one face without a vertex inside; a core of wedges has n faces and one vertex.
 struct DiskSize {
     Index vertices;
     Index faces;
@@ -27,7 +27,7 @@ const DiskPattern kPatterns[] = {{1, Core::Wedges},
                                  {1, Core::Polygon},
                                  {3, Core::Polygon}};
 
-/// The area of a regular polygon.
+/// Returns the area of a regular polygon.
 double polygonArea(int sides, double radius) {
     return sides * radius * radius * std::sin(2 * pi / sides) / 2;
 }
@@ -42,7 +42,7 @@ TEST(Box, hasTheCountsOfAGrid) {
         EXPECT_EQ(countsOf(lattice.complex), expected);
         EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
         EXPECT_NEAR(totalVolume(lattice), 2 * 3 * 0.5, kRounding);
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
@@ -52,7 +52,7 @@ TEST(Box, numbersVerticesWithXFastestAndEndsAtItsCornersExactly) {
     EXPECT_EQ(at(lattice, 3), (Point3{0.7, 0.2, 0.3}));
     EXPECT_EQ(at(lattice, 4 * 2), (Point3{0.1, 1.1, 0.3}));
     EXPECT_EQ(at(lattice, 4 * 3 * 5 - 1), (Point3{0.7, 1.1, 1.3}));
-    // Cell (2, 1, 3) is 2 + 3 (1 + 2 · 3) = 23, the last one; its least vertex is vertex (2, 1, 3).
+    // Cell (2, 1, 3) is 2 + 3 (1 + 2 · 3) = 23, the last one; its first vertex is vertex (2, 1, 3).
     EXPECT_EQ(lattice.complex.relation(3, 0)[23][0], 2 + 4 * (1 + 3 * 3));
 }
 
@@ -72,7 +72,7 @@ TEST(Cylinder, hasTheCountsOfASweptDisk) {
                           sweptDiskCounts(disk.vertices, disk.faces, layers));
                 EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
                 EXPECT_NEAR(totalVolume(lattice), polygonArea(sectors, 1), kRounding);
-                expectSound(lattice);
+                expectValid(lattice);
             }
 }
 
@@ -81,13 +81,13 @@ TEST(Cylinder, hasWedgesAroundItsAxis) {
     const Lattice lattice = cylinder({sectors, {2}, 3});
     const Index perLayer = 1 + 2 * sectors;
     for (Index layer = 0; layer < 3; ++layer) {
-        // All the wedges of the layer meet in its piece of the axis; no other cell does.
+        // Exactly the wedges of the layer meet at the layer's edge of the axis.
         const Index axis = edgeBetween(lattice.complex, layer * perLayer, (layer + 1) * perLayer);
         const auto cells = lattice.complex.relation(1, 3)[axis];
         EXPECT_EQ(cells.size(), std::size_t(sectors));
         for (const Index cell : cells) EXPECT_EQ(lattice.complex.relation(3, 0)[cell].size(), 6U);
     }
-    // One edge along the axis at the ends and two inside, besides one a sector.
+    // A vertex of the axis has one edge per sector, and one along the axis at the ends, two inside.
     EXPECT_EQ(lattice.complex.relation(0, 1)[0].size(), 1U + sectors);
     EXPECT_EQ(lattice.complex.relation(0, 1)[perLayer].size(), 2U + sectors);
 }
@@ -114,18 +114,18 @@ TEST(Cylinder, liesAlongItsAxis) {
             EXPECT_NEAR(norm(spoke), 0.5, kRounding);
             EXPECT_NEAR(spoke[0] * axis[0] + spoke[1] * axis[1] + spoke[2] * axis[2], 0, kRounding);
         }
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
-TEST(Torus, hasTheCountsOfASectionSweptRound) {
+TEST(Torus, hasTheCountsOfASweptSection) {
     for (const int segments : {3, 5}) {
         for (const int m : {1, 3}) {
             const Lattice lattice = torus({segments, TorusSection::Grid, m});
             EXPECT_EQ(countsOf(lattice.complex),
                       sweptDiskCounts((m + 1) * (m + 1), m * m, segments, true));
             EXPECT_EQ(lattice.complex.eulerCharacteristic(), 0);
-            expectSound(lattice);
+            expectValid(lattice);
         }
         for (const DiskPattern& pattern : kPatterns) {
             const Lattice lattice = torus({segments, TorusSection::Disk, 1, 5, pattern});
@@ -133,13 +133,14 @@ TEST(Torus, hasTheCountsOfASectionSweptRound) {
             EXPECT_EQ(countsOf(lattice.complex),
                       sweptDiskCounts(disk.vertices, disk.faces, segments, true));
             EXPECT_EQ(lattice.complex.eulerCharacteristic(), 0);
-            expectSound(lattice);
+            expectValid(lattice);
         }
     }
 }
 
 TEST(Torus, hasTheVolumeOfAPolygonalRing) {
-    // A regular N-gon of circumradius R + r less one of R − r, times the height 2 r.
+    // The volume is the area of a regular N-gon of circumradius R + r less one of R − r, times the
+    // height 2 r.
     const double major = 2;
     const double minor = 0.5;
     const Lattice lattice = torus({7, TorusSection::Grid, 2, 6, {}, major, minor});
@@ -155,10 +156,10 @@ TEST(Star, hasTheCountsOfADiskOfTwoSidesAPoint) {
             const DiskSize disk(2 * points, pattern);
             EXPECT_EQ(countsOf(lattice.complex), sweptDiskCounts(disk.vertices, disk.faces, 2));
             EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
-            // Triangles between the spokes, of two sides and the angle π / points.
+            // The triangles between spokes have these two sides and the angle π / points.
             EXPECT_NEAR(totalVolume(lattice), points * 0.5 * 1 * std::sin(pi / points) * 0.25,
                         kRounding);
-            expectSound(lattice);
+            expectValid(lattice);
         }
 }
 
@@ -168,7 +169,7 @@ TEST(Star, hasTheTopologyOfItsRoundRestPose) {
     const Lattice pose = star({6, pattern, 2, 0.3, 1.5, 0.5});
     EXPECT_TRUE(sameTopology(rest.complex, pose.complex));
     for (std::size_t v = 0; v < rest.positions.size(); ++v) {
-        // Vertices keep their direction, and move outwards and inwards by turns.
+        // Vertices keep their direction, and move alternately outwards and inwards.
         const std::size_t inLayer = v % (1 + 3 * 12);
         const double factor = inLayer == 0 ? 1 : (inLayer - 1) % 2 == 0 ? 1.5 : 0.3;
         for (std::size_t axis = 0; axis < 2; ++axis)
@@ -177,7 +178,7 @@ TEST(Star, hasTheTopologyOfItsRoundRestPose) {
 }
 
 TEST(Inventory, differsInTopologyWhereCountsDiffer) {
-    // That the comparison the poses are tested with can fail.
+    // The comparison that the tests of poses use can fail.
     EXPECT_FALSE(sameTopology(star({5}).complex, star({6}).complex));
     EXPECT_FALSE(sameTopology(box({{2, 1, 1}}).complex, box({{1, 1, 2}}).complex));
 }

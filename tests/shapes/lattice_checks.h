@@ -12,7 +12,7 @@
 
 namespace espalier::test {
 
-/// Rounding of sums of a few hundred terms of size 10.
+/// Upper bound of rounding errors in sums of a few hundred terms of size 10.
 inline constexpr double kRounding = 1e-12;
 
 /// Numbers of vertices, edges, faces and cells.
@@ -22,8 +22,8 @@ inline Counts countsOf(const CellComplex& complex) {
     return {complex.count(0), complex.count(1), complex.count(2), complex.count(3)};
 }
 
-/// What sweeping a mesh of the given vertices and faces through `layers` rows of cells makes: each
-/// entity of the mesh is copied to each layer, and sweeps one of the next dimension in each row.
+/// Returns the counts of a swept mesh. Each entity of the mesh is copied to each layer, and sweeps
+/// an entity of the next dimension in each row of cells.
 inline Counts sweptCounts(Index vertices, Index edges, Index faces, Index rows, bool closed) {
     const Index layers = closed ? rows : rows + 1;
     return {layers * vertices, layers * edges + rows * vertices, layers * faces + rows * edges,
@@ -52,8 +52,8 @@ inline double norm(const Point3& a) {
     return std::hypot(a[0], a[1], a[2]);
 }
 
-/// The volume of a cell by the divergence theorem, each face being triangles about its centroid;
-/// negative if its faces run clockwise seen from outside.
+/// Returns the volume of a cell by the divergence theorem, with each face split into triangles at
+/// its centroid. It is negative if the faces run clockwise seen from outside.
 inline double signedVolume(const Lattice& lattice, Index cell) {
     const CellComplex& complex = lattice.complex;
     const auto faces = complex.boundary(3)[cell];
@@ -82,9 +82,9 @@ inline double totalVolume(const Lattice& lattice) {
     return volume;
 }
 
-/// What every lattice of the inventory must be: valid at levels 0 to 2 with its marks, without
-/// duplicate vertices, and with cells of positive volume.
-inline void expectSound(const Lattice& lattice) {
+/// Expects of a lattice what the inventory promises: it is valid at levels 0 to 2 with its marks,
+/// has no duplicate vertices, and has cells of positive volume.
+inline void expectValid(const Lattice& lattice) {
     ASSERT_EQ(lattice.positions.size(), std::size_t(lattice.complex.count(0)));
     std::vector<Point3> sorted = lattice.positions;
     std::sort(sorted.begin(), sorted.end());
@@ -101,7 +101,7 @@ inline void expectSound(const Lattice& lattice) {
     }
 }
 
-/// Whether two complexes are the same, entity by entity.
+/// Returns true if two complexes are equal, entity by entity.
 inline bool sameTopology(const CellComplex& a, const CellComplex& b) {
     if (a.dimension() != b.dimension() || a.count(0) != b.count(0)) return false;
     for (int d = 1; d <= a.dimension(); ++d) {
@@ -119,7 +119,7 @@ inline bool sameTopology(const CellComplex& a, const CellComplex& b) {
     return true;
 }
 
-/// The edge that joins two vertices, which must exist.
+/// Returns the edge that joins two vertices; it must exist.
 inline Index edgeBetween(const CellComplex& complex, Index a, Index b) {
     for (const Index edge : complex.relation(0, 1)[a])
         if (far::contains(complex.relation(1, 0)[edge], b)) return edge;
@@ -127,7 +127,8 @@ inline Index edgeBetween(const CellComplex& complex, Index a, Index b) {
     return 0;
 }
 
-/// Number of edges of a cell at one of its vertices: the n of the type-n cell it becomes there.
+/// Returns the number n of edges of a cell at one of its vertices. Refinement makes a type-n cell
+/// there.
 inline std::size_t valenceInCell(const CellComplex& complex, Index cell, Index vertex) {
     std::size_t valence = 0;
     for (const Index edge : complex.relation(3, 1)[cell])

@@ -14,8 +14,9 @@ std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
     return std::vector<Point3>(refiner.level(level).complex.count(0));
 }
 
-/// Refined by what it says itself, level 1 as a lattice has the levels that come after level 1.
-void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
+/// Expects that level 1 as a lattice, refined with its own options, has the same levels as the
+/// refiner after level 1.
+void expectSameLevelsAsRefiner(const Lattice& base, far::RefinerOptions options) {
     options.marks = base.marks;
     TopologyRefiner whole = test::refined(base.complex, 3, options);
     const Lattice level = levelLattice(whole, 1, anyPositions(whole, 1));
@@ -30,7 +31,7 @@ void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
         for (int d = 0; d <= base.complex.dimension(); ++d) {
             ASSERT_EQ(actual.complex.count(d), expected.complex.count(d));
             for (Index i = 0; i < actual.complex.count(d); ++i) {
-                if (expected.strata.isOpen({d, i})) continue;  // has none
+                if (expected.strata.isOpen({d, i})) continue;  // has no stratum
                 ASSERT_EQ(actual.strata.of({d, i}), expected.strata.of({d, i}))
                     << "level " << k << ", entity " << i << " of dimension " << d;
             }
@@ -38,22 +39,22 @@ void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
     }
 }
 
-TEST(LevelLattice, GoesOnAsTheRefinerDoes) {
+TEST(LevelLattice, RefinesToTheSameLevelsAsTheRefiner) {
     for (const auto& [name, lattice] : test::zoo())
         for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
             SCOPED_TRACE(name);
-            expectToGoOn(lattice, {.boundary = boundary});
+            expectSameLevelsAsRefiner(lattice, {.boundary = boundary});
         }
-    expectToGoOn(shapes::box({.cells = {4, 4, 4}}), {.boundary = Boundary::Open});
-    expectToGoOn(shapes::cylinder(), {.sharpEdges = far::SharpEdges::Literal});
+    expectSameLevelsAsRefiner(shapes::box({.cells = {4, 4, 4}}), {.boundary = Boundary::Open});
+    expectSameLevelsAsRefiner(shapes::cylinder(), {.sharpEdges = far::SharpEdges::Literal});
 }
 
 TEST(LevelLattice, KeepsMarksAndTags) {
     Lattice cube = shapes::box({.cells = {2, 2, 2}});
     cube.marks.vertices = {{0, far::kSmooth}, {13, far::kInfinitelySharp}, {4, 2.5F}};
     cube.marks.edges = {{{13, 14}, far::kInfinitelySharp}, {{1, 4}, 1.5F}};
-    expectToGoOn(cube, {});
-    expectToGoOn(cube, {.boundary = Boundary::EdgeOnly});
+    expectSameLevelsAsRefiner(cube, {});
+    expectSameLevelsAsRefiner(cube, {.boundary = Boundary::EdgeOnly});
 
     Lattice mesh = test::surfaceOf(shapes::box({.cells = {2, 2, 2}}));
     mesh.marks.vertices = {{3, 2.5F}};
@@ -62,15 +63,15 @@ TEST(LevelLattice, KeepsMarksAndTags) {
         const far::RefinerOptions options{.boundary = boundary,
                                           .creasing = far::Creasing::Chaikin,
                                           .triangles = far::TriangleSubdivision::Smooth};
-        expectToGoOn(mesh, options);
+        expectSameLevelsAsRefiner(mesh, options);
         TopologyRefiner refiner = test::refined(mesh.complex, 1, options);
         EXPECT_EQ(levelLattice(refiner, 1, anyPositions(refiner, 1)).tags,
                   (RefinementTags{boundary, options.creasing, options.triangles}));
     }
 }
 
-// A corner that is one by rule under this mode, and was marked, stays one under another.
-TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
+// A marked corner that the mode would make a corner anyway stays a corner under another mode.
+TEST(LevelLattice, MarkedCornersStayMarked) {
     Lattice cube = shapes::box();
     cube.marks.vertices = {{0, far::kInfinitelySharp}};
     for (Index edge = 0; edge < cube.complex.count(1); ++edge) {
@@ -85,7 +86,7 @@ TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
     EXPECT_EQ(again.level(0).strata.of({0, 1}), 2);  // another corner of the cube
 }
 
-TEST(LevelLattice, PositionsAreThoseGiven) {
+TEST(LevelLattice, UsesTheGivenPositions) {
     const Lattice cube = shapes::box();
     const TopologyRefiner refiner(cube.complex);
     EXPECT_EQ(levelLattice(refiner, 0, cube.positions).positions, cube.positions);

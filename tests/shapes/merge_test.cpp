@@ -15,8 +15,8 @@ Lattice boxFrom(double x, int cells, double length) {
     return box({{cells, 2, 1}, {x, 0, 0}, {x + length, 1, 1}});
 }
 
-/// The cells of a lattice as sets of positions, so that lattices can be compared whatever the
-/// numbers of their vertices.
+/// Returns the cells of a lattice as sets of positions, to compare lattices without regard to
+/// vertex numbers.
 std::multiset<std::set<Point3>> cellsByPosition(const Lattice& lattice) {
     std::multiset<std::set<Point3>> cells;
     for (Index cell = 0; cell < lattice.complex.count(3); ++cell) {
@@ -35,21 +35,21 @@ TEST(Merge, makesOneBoxOfTwo) {
     EXPECT_EQ(countsOf(merged.complex), countsOf(whole.complex));
     EXPECT_EQ(cellsByPosition(merged), cellsByPosition(whole));
     EXPECT_EQ(merged.complex.eulerCharacteristic(), 1);
-    expectSound(merged);
-    // Vertices and cells in the order of first appearance: those of the first box come first.
+    expectValid(merged);
+    // Vertices and cells are in the order of first appearance, so the first box comes first.
     for (std::size_t v = 0; v < left.positions.size(); ++v)
         EXPECT_EQ(merged.positions[v], left.positions[v]);
     EXPECT_EQ(merged.complex.relation(3, 0)[3][0], left.complex.relation(3, 0)[3][0]);
 }
 
-TEST(Merge, weldsWhatRoundingSetApart) {
-    // Boxes of a length with no exact binary form: 5 · 0.1 + 0.1 is not 6 · 0.1.
+TEST(Merge, weldsVerticesThatDifferByRounding) {
+    // The length of the boxes has no exact binary form: 5 · 0.1 + 0.1 is not 6 · 0.1.
     std::vector<Lattice> boxes;
     for (int i = 0; i < 11; ++i) boxes.push_back(boxFrom(i * 0.1, 1, 0.1));
     EXPECT_NE(boxes[5].positions[1], boxes[6].positions[0]);
     const Lattice merged = merge(boxes);
     EXPECT_EQ(countsOf(merged.complex), countsOf(boxFrom(0, 11, 1.1).complex));
-    expectSound(merged);
+    expectValid(merged);
 }
 
 TEST(Merge, closesARing) {
@@ -63,7 +63,7 @@ TEST(Merge, closesARing) {
     const Lattice ring = merge(quarters);
     EXPECT_EQ(countsOf(ring.complex), sweptCounts(4, 4, 1, 8, true));
     EXPECT_EQ(ring.complex.eulerCharacteristic(), 0);
-    expectSound(ring);
+    expectValid(ring);
 }
 
 TEST(Merge, obeysTheTolerance) {
@@ -82,7 +82,7 @@ TEST(Merge, obeysTheTolerance) {
 TEST(Merge, keepsSeparatePieces) {
     const Lattice apart = merge(boxFrom(0, 1, 1), boxFrom(5, 1, 1));
     EXPECT_EQ(apart.complex.eulerCharacteristic(), 2);
-    expectSound(apart);
+    expectValid(apart);
 }
 
 TEST(Merge, weldsTheVerticesOfOneLattice) {
@@ -95,7 +95,7 @@ TEST(Merge, joinsMeshes) {
     const Lattice mesh =
         merge(gridMesh({{2, 2}, {0, 0}, {1, 1}}), gridMesh({{2, 2}, {1, 0}, {2, 1}}));
     EXPECT_EQ(countsOf(mesh.complex), (Counts{15, 22, 8, 0}));
-    expectSound(extrude(mesh));
+    expectValid(extrude(mesh));
 }
 
 TEST(Merge, refusesACellThatWouldCollapse) {
@@ -105,7 +105,7 @@ TEST(Merge, refusesACellThatWouldCollapse) {
     EXPECT_EQ(causeOf([&] { merge(box(), thin, {1e-6}); }), far::TopologyCause::RepeatedVertex);
 }
 
-TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
+TEST(Merge, refusesDuplicateCellsAndFacesOfThreeCells) {
     EXPECT_EQ(causeOf([] { merge(box(), box()); }), far::TopologyCause::RepeatedCell);
     EXPECT_MESSAGE(
         "merge: cell 0 of lattice 0, cell 0 of lattice 1 would become one cell; each cell may "
@@ -117,12 +117,12 @@ TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
         "merge: cell 2 of lattice 1, cell 0 of lattice 2 would become one cell; each cell may "
         "be in one lattice only",
         merge(again));
-    // A third cell at the face x = 1, in the place of the first but for its far end.
+    // A third cell at the face x = 1. It is like the first box, but shorter.
     Lattice other = box();
     for (const Index vertex : {0, 2, 4, 6}) other.positions[vertex][0] = 0.5;
     const Lattice all[] = {box(), box({{1, 1, 1}, {1, 0, 0}, {2, 1, 1}}), other};
     EXPECT_EQ(causeOf([&] { merge(all); }), far::TopologyCause::CrowdedFace);
-    // The faces by their numbers in the lattices that have them, where x = 1.
+    // Names the face x = 1 of a lattice by its number there.
     const auto faceAtOne = [&](std::size_t number) {
         const Lattice& lattice = all[number];
         for (Index face = 0; face < lattice.complex.count(2); ++face) {
@@ -143,7 +143,7 @@ TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
                                       "would become one face of more than two cells"));
 }
 
-/// A hexahedron from one square to another, corner on corner.
+/// Adds a hexahedron between two squares; their corners correspond in order.
 void addHexahedron(far::ComplexBuilder& builder, std::array<Index, 4> from,
                    std::array<Index, 4> to) {
     std::vector<Index> corners(from.begin(), from.end());
@@ -151,9 +151,9 @@ void addHexahedron(far::ComplexBuilder& builder, std::array<Index, 4> from,
     builder.addCell(far::StandardCell::Hexahedron, corners);
 }
 
-TEST(Merge, saysWhichNumbersAreOfTheResult) {
-    // Three squares on a circle, and cells from each to the next; the last one, mirrored, makes a
-    // ring that has no orientation.
+TEST(Merge, errorsSayWhichNumbersBelongToTheResult) {
+    // Three squares on a circle, and a cell from each to the next. The last cell is mirrored, so
+    // the ring cannot be oriented.
     std::vector<Point3> positions;
     for (const double turn : {0.0, 2.0, 4.0})
         for (const auto& [r, z] :
@@ -174,7 +174,7 @@ TEST(Merge, saysWhichNumbersAreOfTheResult) {
                 StartsWith("merge: in the merged lattice, face "));
 }
 
-TEST(Merge, namesTheLatticesInMessages) {
+TEST(Merge, errorsNameTheLattices) {
     const MergeOptions named = {.tolerance = 1e-6, .names = {"a.vtu", "b.vtu"}};
     const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
     EXPECT_THAT(messageOf([&] { merge(box(), thin, named); }),
@@ -196,7 +196,7 @@ TEST(Merge, namesTheLatticesInMessages) {
     EXPECT_MESSAGE("merge: got 1 names for 2 lattices", merge(left, lacking, {.names = {"a.vtu"}}));
 }
 
-TEST(Merge, refusesNothingAndMixedDimensions) {
+TEST(Merge, refusesEmptyListsAndMixedDimensions) {
     EXPECT_MESSAGE("merge: there is no lattice; expected 1 or more",
                    merge(std::span<const Lattice>{}));
     EXPECT_MESSAGE("merge: lattice 1 is a mesh; expected a lattice", merge(box(), gridMesh()));
@@ -210,14 +210,14 @@ TEST(Merge, carriesMarks) {
     right.marks.edges.push_back({{0, 1}, far::kInfinitelySharp});
     right.marks.vertices.push_back({1, far::kInfinitelySharp});
     const Lattice merged = merge(left, right);
-    // Vertex 0 of the right box is vertex 1 of the left; its vertex 1 is the first new one, 12.
+    // Vertex 0 of the right box is vertex 1 of the left box; vertex 1 is the first new vertex, 12.
     const far::Marks expected = {{{{0, 2}, far::kSmooth}, {{1, 12}, far::kInfinitelySharp}},
                                  {{0, far::kSmooth}, {12, far::kInfinitelySharp}}};
     EXPECT_EQ(merged.marks, expected);
-    expectSound(merged);
+    expectValid(merged);
 }
 
-/// The attribute "uv" whose values are the x and y of each vertex, less `offset`.
+/// Adds the attribute "uv", with the x and y of each vertex less `offset` as values.
 void addAttribute(Lattice& lattice, double offset) {
     VertexAttribute uv = {"uv", 2, {}};
     for (const Point3& position : lattice.positions) {
@@ -239,7 +239,7 @@ TEST(Merge, carriesAttributesByName) {
     EXPECT_EQ(merged.attributes[0].name, "uv");
     EXPECT_EQ(merged.attributes[1].name, "heat");
     for (std::size_t v = 0; v < merged.positions.size(); ++v) {
-        // Welded vertices take the values of the left box, which has them first.
+        // Welded vertices have the values of the left box, which is the first that has them.
         const bool isLeft = v < 12;
         EXPECT_EQ(merged.attributes[1].values[v], isLeft ? 1 : 2);
         EXPECT_EQ(merged.attributes[0].values[2 * v + 1],

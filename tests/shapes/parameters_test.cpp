@@ -9,7 +9,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// The default options with one field set.
+/// Returns the default options with one field set.
 template <class Options, class Member, class Value>
 Options with(Member Options::*field, Value value) {
     Options options;
@@ -72,9 +72,9 @@ TEST(Parameters, areRefusedByNameValueAndRange) {
                    diskMesh(regularPolygon(4, 1), {0, 0, 0}, {0}));
 }
 
-TEST(Parameters, areRefusedWhereThereWouldBeTooManyEntities) {
-    // Each asks for more than an Index counts, the last two by more than 64 bits count. None may
-    // take memory for it first.
+TEST(Parameters, areRefusedIfThereWouldBeTooManyEntities) {
+    // Each call asks for more entities than an Index can count; the last two for more than 64 bits
+    // can count. No call may allocate memory for them first.
     constexpr int kMany = std::numeric_limits<int>::max();
     const auto isTooMany = [](auto call) {
         return causeOf(call) == far::TopologyCause::TooManyEntities;

@@ -15,10 +15,10 @@ struct RegularCase {
     Counts counts;
     std::size_t faceSize;
     std::size_t valence;
-    double volume;  ///< with the vertices on the unit sphere
+    double volume;  ///< if the vertices are on the unit sphere
 };
 
-TEST(Solids, areThePlatonicOnes) {
+TEST(Solids, areThePlatonicSolids) {
     const double s5 = std::sqrt(5.0);
     // Volumes by edge length a: tetrahedron a³/(6√2), a = √(8/3); cube a³, a = 2/√3; octahedron
     // a³√2/3, a = √2; dodecahedron (15 + 7√5) a³/4, a = 4/(√3 (1 + √5)); icosahedron
@@ -49,7 +49,7 @@ TEST(Solids, areThePlatonicOnes) {
             EXPECT_NEAR(norm(at(lattice, vertex)), 2, kRounding);
         }
         EXPECT_NEAR(totalVolume(lattice), 8 * solid.volume, kRounding * 8);
-        expectSound(lattice);
+        expectValid(lattice);
     }
 }
 
@@ -61,13 +61,13 @@ TEST(Solids, standOnPolygons) {
         const Lattice onPrism = prism(options);
         EXPECT_EQ(countsOf(onPrism.complex), (Counts{2 * n, 3 * n, n + 2, 1}));
         EXPECT_NEAR(totalVolume(onPrism), 3 * base, kRounding);
-        expectSound(onPrism);
+        expectValid(onPrism);
 
         const Lattice onPyramid = pyramid(options);
         EXPECT_EQ(countsOf(onPyramid.complex), (Counts{n + 1, 2 * n, n + 1, 1}));
         EXPECT_NEAR(totalVolume(onPyramid), base, kRounding);
         EXPECT_EQ(valenceInCell(onPyramid.complex, 0, n), std::size_t(n));
-        expectSound(onPyramid);
+        expectValid(onPyramid);
 
         const Lattice onBoth = bipyramid(options);
         EXPECT_EQ(countsOf(onBoth.complex), (Counts{n + 2, 3 * n, 2 * n, 1}));
@@ -76,7 +76,7 @@ TEST(Solids, standOnPolygons) {
         EXPECT_EQ(valenceInCell(onBoth.complex, 0, n + 1), std::size_t(n));
         EXPECT_EQ(at(onBoth, n), (Point3{0, 0, -1.5}));
         EXPECT_EQ(at(onBoth, n + 1), (Point3{0, 0, 1.5}));
-        expectSound(onBoth);
+        expectValid(onBoth);
     }
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A few roundings of numbers of size 1.
+/// Upper bound of a few rounding errors of numbers of size 1.
 constexpr double kFewRoundings = 1e-14;
 
 void expectNear(const Point3& a, const Point3& b) {
@@ -40,7 +40,7 @@ TEST(Affine, turnsOneDirectionIntoAnother) {
             const Affine turn = rotationBetween({3 * from[0], 3 * from[1], 3 * from[2]}, to);
             expectNear(turn(from), to);
             EXPECT_NEAR(turn.determinant(), 1, kFewRoundings);
-            // The smallest rotation leaves alone what is perpendicular to both.
+            // The smallest rotation keeps vectors that are perpendicular to both directions.
             const Point3 axis = {from[1] * to[2] - from[2] * to[1],
                                  from[2] * to[0] - from[0] * to[2],
                                  from[0] * to[1] - from[1] * to[0]};
@@ -61,7 +61,7 @@ TEST(Transformed, scalesVolumesByTheDeterminant) {
     const Lattice image = transformed(lattice, map);
     EXPECT_NEAR(totalVolume(image), 6 * totalVolume(lattice), 1e-12);  // sums of 30 terms of size 1
     EXPECT_TRUE(sameTopology(image.complex, lattice.complex));
-    expectSound(image);
+    expectValid(image);
 }
 
 TEST(Transformed, keepsVolumesPositiveInAMirror) {
@@ -69,7 +69,7 @@ TEST(Transformed, keepsVolumesPositiveInAMirror) {
     const Lattice image = transformed(lattice, scaling({-1, 1, 1}));
     EXPECT_NEAR(totalVolume(image), totalVolume(lattice), 1e-12);  // sums of 8 terms of size 1
     EXPECT_EQ(image.positions[0][0], -lattice.positions[0][0]);
-    expectSound(image);
+    expectValid(image);
 }
 
 TEST(Transformed, refusesASingularMap) {

@@ -7,7 +7,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// What weld() promises, by looking at every pair.
+/// Welds points by the definition of weld(), comparing every pair.
 Welding weldSlowly(const std::vector<Point3>& points, double distance) {
     Welding welding;
     for (const Point3& point : points) {
@@ -26,7 +26,7 @@ Welding weldSlowly(const std::vector<Point3>& points, double distance) {
     return welding;
 }
 
-TEST(Weld, findsTheSameAsLookingAtEveryPair) {
+TEST(Weld, agreesWithComparingAllPairs) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> wide(-1, 1);
     for (const double distance : {0.0, 1e-9, 0.01, 0.2, 3.0}) {
@@ -35,7 +35,7 @@ TEST(Weld, findsTheSameAsLookingAtEveryPair) {
             const Point3 point = {wide(random), wide(random), wide(random)};
             points.push_back(point);
             points.push_back(point);
-            // Near misses and near hits, in all directions.
+            // A point slightly nearer or farther than the distance, in any direction.
             points.push_back({point[0] + distance * wide(random),
                               point[1] + distance * wide(random),
                               point[2] + distance * wide(random)});
@@ -47,8 +47,9 @@ TEST(Weld, findsTheSameAsLookingAtEveryPair) {
     }
 }
 
-TEST(Weld, meetsThePointsOnTheBordersOfItsBoxes) {
-    // Powers of two fall on the borders of boxes, which are a power of two of the whole.
+TEST(Weld, findsPointsOnTheBordersOfBoxes) {
+    // These coordinates are on the borders of boxes, since the box size is the whole times a power
+    // of two.
     std::vector<Point3> points;
     for (int i = 0; i <= 16; ++i) {
         points.push_back({i / 16.0, 0, 0});
@@ -58,7 +59,7 @@ TEST(Weld, meetsThePointsOnTheBordersOfItsBoxes) {
     EXPECT_EQ(weld(points, 1e-10).positions.size(), 17U);
 }
 
-TEST(Weld, takesOnePlaceAndNone) {
+TEST(Weld, acceptsCoincidentPointsAndNoPoints) {
     const std::vector<Point3> same(5, Point3{1, 2, 3});
     EXPECT_EQ(weld(same, 0).newIndex, (std::vector<Index>(5, 0)));
     EXPECT_TRUE(weld({}, 1).positions.empty());
@@ -66,7 +67,7 @@ TEST(Weld, takesOnePlaceAndNone) {
     EXPECT_EQ(diagonal(std::vector<Point3>{{0, 0, 0}, {2, 1, 2}}), 3);
 }
 
-TEST(Weld, takesZeroOfEitherSignAsOnePlace) {
+TEST(Weld, treatsBothZerosAsEqual) {
     const std::vector<Point3> points = {{0.0, 0, 1}, {-0.0, 0, 1}, {1, 0, 0}};
     EXPECT_EQ(weld(points, 0).positions.size(), 2U);
 }

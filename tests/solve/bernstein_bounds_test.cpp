@@ -10,10 +10,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// (2u − 1)² has coefficients 1, −1, 1 and its least value, 0, in the middle.
+// Bernstein coefficients of (2u − 1)², whose minimum 0 is in the middle.
 constexpr std::array<double, 3> kSquare = {1, -1, 1};
 
-TEST(BernsteinBounds, TellsTheSignOfWhatIsLeastInside) {
+TEST(BernsteinBounds, DecidesTheSignOfAMinimumInside) {
     const auto point = [](double least) {
         return polynomial([&](std::size_t a, std::size_t b, std::size_t c) {
             return kSquare[a] + kSquare[b] + kSquare[c] + least;
@@ -29,14 +29,14 @@ TEST(BernsteinBounds, TellsTheSignOfWhatIsLeastInside) {
         EXPECT_FALSE(isPositive(point(-least))) << least;
         EXPECT_FALSE(isPositive(plane(-least))) << least;
     }
-    // What cannot be told counts as not positive: no such thing is ever "proved".
+    // A sign that cannot be decided counts as not positive: nothing is "proved" by default.
     EXPECT_FALSE(isPositive(point(0)));
     EXPECT_FALSE(isPositive(plane(0)));
     EXPECT_FALSE(isPositive(plane(kNan)));
 }
 
-// The same of degree 8: (2u − 1)² has the coefficients 1 − 4i/8 + 4i(i − 1)/(8 · 7).
-TEST(BernsteinBounds, TellsTheSignInDegreeEight) {
+// In degree 8, (2u − 1)² has the coefficients 1 − 4i/8 + 4i(i − 1)/(8 · 7).
+TEST(BernsteinBounds, DecidesTheSignInDegreeEight) {
     const auto point = [](double least) {
         Trivariate<8, 1> result;
         const auto square = [](std::size_t i) {
@@ -54,8 +54,8 @@ TEST(BernsteinBounds, TellsTheSignInDegreeEight) {
     EXPECT_FALSE(isPositive(point(0)));
 }
 
-// Against the least of samples, which is no less than the least of all.
-TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
+// Compares with the smallest of samples, which is at least the true minimum.
+TEST(BernsteinBounds, LeastQuotientIsATightLowerBound) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         const auto values = randomValues(54, seed);
         Trivariate<2, 2> quotient;
@@ -67,14 +67,15 @@ TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
             sampled = std::min(sampled, valueAt(quotient, 0, uvw) / valueAt(quotient, 1, uvw));
         });
         const double least = leastQuotient(quotient);
-        EXPECT_LE(least, sampled + 1e-13) << seed;  // rounding of the sample
-        // A thousandth, and what a sample may miss: at most 1/24 away along each axis from a least
-        // value with curvatures of about 10 it is 3 · 10 / 2 / 24² above it.
+        EXPECT_LE(least, sampled + 1e-13) << seed;  // Rounding of the sample.
+        // A thousandth, and the error of sampling: a sample is at most 1/24 away along each axis
+        // from a minimum with curvatures of about 10, so it exceeds the minimum by at most 3 · 10 /
+        // 2 / 24².
         EXPECT_GE(least, sampled - 1e-3 * std::abs(sampled) - 0.026) << seed;
     }
 }
 
-// ((2u − 1)² + (2v − 1)² + (2w − 1)² + 0.3) / 2: 0.15 in the middle.
+// The quotient ((2u − 1)² + (2v − 1)² + (2w − 1)² + 0.3) / 2 is 0.15 in the middle.
 TEST(BernsteinBounds, LeastQuotientIsWithinAThousandth) {
     Trivariate<2, 2> quotient;
     for (std::size_t i = 0; i < 27; ++i)
@@ -82,17 +83,17 @@ TEST(BernsteinBounds, LeastQuotientIsWithinAThousandth) {
     const double least = leastQuotient(quotient);
     EXPECT_LE(least, 0.15);
     EXPECT_GE(least, 0.15 * (1 - 1.1e-3));
-    // One that is 1 everywhere, whatever the two are.
+    // A quotient of equal polynomials is 1 everywhere.
     for (auto& [upper, lower] : quotient) upper = lower = upper + 3;
     EXPECT_EQ(leastQuotient(quotient), 1);
-    // Its least weight is negative, its least value positive: -1 + 1.01 in the middle.
+    // The smallest weight is negative, the smallest value positive: −1 + 1.01 in the middle.
     for (std::size_t i = 0; i < 27; ++i)
         quotient[i] = {3 * (kSquare[i % 3] + 0.01), kSquare[i % 3] + 0.01};
     EXPECT_NEAR(leastQuotient(quotient), 3, 3e-3);
 }
 
-/// Cubic in time at each coefficient: `ofTime` has its Bernstein coefficients, to which `inSpace`
-/// is added.
+/// A polynomial that is cubic in time at each coefficient: `ofTime` has its Bernstein coefficients,
+/// to which `inSpace` is added.
 Trivariate<2, 4> moving(const std::array<double, 4>& ofTime, const Trivariate<2, 1>& inSpace) {
     Trivariate<2, 4> result;
     for (std::size_t i = 0; i < 27; ++i)
@@ -100,15 +101,15 @@ Trivariate<2, 4> moving(const std::array<double, 4>& ofTime, const Trivariate<2,
     return result;
 }
 
-/// Of (2t − 1)², raised to degree 3: 1, −1, 1 is 1, −1/3, −1/3, 1.
+/// (2t − 1)², raised to degree 3: its coefficients 1, −1, 1 become 1, −1/3, −1/3, 1.
 constexpr std::array<double, 4> kSquareInTime = {1, -1.0 / 3, -1.0 / 3, 1};
 
 Trivariate<2, 1> nothing() {
     return polynomial([](std::size_t, std::size_t, std::size_t) { return 0; });
 }
 
-TEST(BernsteinBounds, TheFirstTimeIsFound) {
-    // 1 − 4t, of which the three squares, 0 in the middle, leave 0 at t = 1/4.
+TEST(BernsteinBounds, FindsTheFirstTime) {
+    // 1 − 4t plus three squares that are 0 in the middle: first 0 at t = 1/4.
     const Trivariate<2, 1> squares = polynomial([](std::size_t a, std::size_t b, std::size_t c) {
         return kSquare[a] + kSquare[b] + kSquare[c];
     });
@@ -116,24 +117,24 @@ TEST(BernsteinBounds, TheFirstTimeIsFound) {
     EXPECT_LE(positiveUpTo(linear, 1).time, 0.25);
     EXPECT_GE(positiveUpTo(linear, 1).time, 0.25 * (1 - 2e-6));
     EXPECT_TRUE(positiveUpTo(linear, 1).isTight);
-    // Up to less, all of that; and up to what is not much more, the same.
+    // A limit below 1/4 is reached; a limit slightly above gives 1/4 again.
     EXPECT_EQ(positiveUpTo(linear, 0.2).time, 0.2);
     EXPECT_NEAR(positiveUpTo(linear, 0.2501).time, 0.25, 1e-6);
-    // It is positive again at the end: (2t − 1)² − 1/4, first 0 at 1/4.
+    // The polynomial (2t − 1)² − 1/4 is first 0 at 1/4, and positive again at the end.
     std::array<double, 4> lower = kSquareInTime;
     for (double& coefficient : lower) coefficient -= 0.25;
     EXPECT_NEAR(positiveUpTo(moving(lower, nothing()), 1).time, 0.25, 1e-6);
-    // Not positive at the start; or nowhere a number.
+    // Not positive at the start; then NaN everywhere.
     EXPECT_EQ(positiveUpTo(moving({0, 1, 1, 1}, nothing()), 1).time, 0);
     lower.fill(kNan);
     EXPECT_EQ(positiveUpTo(moving(lower, nothing()), 1).time, 0);
-    // Negative after 1e-13: as good as at once. After 1e-9 not.
+    // Negative after 1e-13 counts as negative from the start, after 1e-9 it does not.
     EXPECT_EQ(positiveUpTo(moving({1e-13, -1.0 / 3, -2.0 / 3, -1}, nothing()), 1).time, 0);
     EXPECT_NEAR(positiveUpTo(moving({1e-9, -1.0 / 3, -2.0 / 3, -1}, nothing()), 1).time, 1e-9,
                 1e-15);
 }
 
-// (2t − 1)² + (2u − 1)² + ε: all but 0 at one place and time, along a plane of the cube.
+// (2t − 1)² + (2u − 1)² + ε is almost 0 at one time, along a plane of the cube.
 TEST(BernsteinBounds, NearMissesAreProved) {
     const Trivariate<2, 1> square =
         polynomial([](std::size_t a, std::size_t, std::size_t) { return kSquare[a]; });
@@ -151,13 +152,13 @@ TEST(BernsteinBounds, NearMissesAreProved) {
     }
 }
 
-// Squares of sums, which are 0 on whole surfaces in space and time, take more halvings than there
-// are. What is returned then has been proved all the same.
+// Squares of sums, which are 0 on whole surfaces in space and time, need more halvings than are
+// allowed. The returned time is proved nevertheless.
 TEST(BernsteinBounds, WorkIsBounded) {
-    // (2t − 1 + (2u − 1))² + ε is all but 0 on a diagonal: 1/√ε parts.
+    // (2t − 1 + (2u − 1))² + ε is almost 0 on a diagonal: this needs 1/√ε parts.
     Trivariate<2, 4> diagonal;
-    // In monomials of a = 2u − 1 and b = 2t − 1: a² + 2ab + b²; b has the coefficients −1, −1/3,
-    // 1/3, 1, and a −1, 0, 1.
+    // In monomials of a = 2u − 1 and b = 2t − 1: a² + 2ab + b². b has the coefficients −1, −1/3,
+    // 1/3, 1, and a has −1, 0, 1.
     for (std::size_t i = 0; i < 27; ++i)
         for (std::size_t lane = 0; lane < 4; ++lane) {
             const double a = double(i % 3) - 1;

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A cube whose vertices are moved at random.
+/// A cube with randomly moved vertices.
 struct RandomCell {
     Piece<1> piece;
     embed::Trilinear map;
@@ -33,9 +33,9 @@ RandomCell randomCell(unsigned seed) {
     return {CellPieces(cube.complex, 0).piece(0, cube.positions), embed::Trilinear(corners)};
 }
 
-// A polynomial of degree 2 along each axis is known by its values at 3 places along each: 4 are
-// more than enough. Off by rounding, as the floor has it.
-TEST(Bernstein, DeterminantIsThatOfTheTrilinearMap) {
+// A polynomial of degree 2 along each axis is determined by its values at 3 places along each; the
+// test uses 4. The tolerance is the floor, which bounds the rounding.
+TEST(Bernstein, DeterminantEqualsTheTrilinearJacobian) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         const RandomCell cell = randomCell(seed);
         const auto polynomial = determinant(cell.piece.derivatives);
@@ -46,8 +46,8 @@ TEST(Bernstein, DeterminantIsThatOfTheTrilinearMap) {
     }
 }
 
-// A cubic is known by its values at 4 times.
-TEST(Bernstein, DeterminantOnTheWayIsThatOfTheMapOnTheWay) {
+// A cubic is determined by its values at 4 times.
+TEST(Bernstein, DeterminantOfMovingMapsEqualsTheirJacobian) {
     for (unsigned seed = 0; seed < 5; ++seed) {
         const RandomCell first = randomCell(seed), last = randomCell(seed + 100);
         const auto polynomials = determinant(first.piece.derivatives, last.piece.derivatives);
@@ -70,7 +70,7 @@ TEST(Bernstein, DeterminantOnTheWayIsThatOfTheMapOnTheWay) {
     }
 }
 
-/// A tricubic map of random points, and its derivatives by the definition.
+/// A tricubic map of random points, and its derivatives by definition.
 struct RandomPatch {
     limit::BezierPatch patch;
     Piece<3> piece;
@@ -105,8 +105,8 @@ struct RandomPatch {
     }
 };
 
-// Degree 8 is known by values at 9 places along each axis; some of them will do.
-TEST(Bernstein, DeterminantIsThatOfTheTricubicMap) {
+// Degree 8 would need values at 9 places along each axis; the test uses some of them.
+TEST(Bernstein, DeterminantEqualsTheTricubicJacobian) {
     for (unsigned seed = 0; seed < 3; ++seed) {
         const RandomPatch first(seed), last(seed + 10);
         const auto polynomial = determinant(first.piece.derivatives);
@@ -117,7 +117,7 @@ TEST(Bernstein, DeterminantIsThatOfTheTricubicMap) {
             EXPECT_NEAR(valueAt(onTheWay, 0, uvw), expected, determinantFloor(first.piece.size));
             EXPECT_NEAR(valueAt(onTheWay, 3, uvw), last.jacobian(uvw).determinant(),
                         determinantFloor(last.piece.size));
-            // Half way: (c₀ + 3c₁ + 3c₂ + c₃) / 8.
+            // Half way in time: (c₀ + 3c₁ + 3c₂ + c₃) / 8.
             double half = 0;
             for (std::size_t lane = 0; lane < 4; ++lane)
                 half += (lane % 3 == 0 ? 0.125 : 0.375) * valueAt(onTheWay, lane, uvw);
@@ -128,7 +128,7 @@ TEST(Bernstein, DeterminantIsThatOfTheTricubicMap) {
     }
 }
 
-// A tetrahedron has the same determinant everywhere: all coefficients are that, exactly.
+// A tetrahedron has a constant determinant: all coefficients equal it exactly.
 TEST(Bernstein, ConstantsStayConstant) {
     Derivatives<1> derivatives;
     derivatives[0].fill({1, 2, 3});

@@ -14,7 +14,7 @@
 namespace espalier::stencils {
 namespace {
 
-/// A matrix times numbers, real or complex.
+/// Returns a matrix times a vector of real or complex numbers.
 template <class Number>
 std::vector<Number> times(const StencilTable<double>& table, const std::vector<Number>& values) {
     std::vector<Number> result(table.rowCount(), Number{0});
@@ -24,21 +24,21 @@ std::vector<Number> times(const StencilTable<double>& table, const std::vector<N
     return result;
 }
 
-TEST(DesignVariables, AreAllCoordinatesAtFirst) {
+TEST(DesignVariables, AreInitiallyAllCoordinates) {
     const auto matrix = solve::DesignVariables(2).matrix();
     EXPECT_EQ(matrix, StencilTable<double>(6, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 3, 4, 5},
                                            {1, 1, 1, 1, 1, 1}));
 }
 
-TEST(DesignVariables, FrozenCoordinatesHaveNone) {
+TEST(DesignVariables, FrozenCoordinatesHaveNoVariable) {
     solve::DesignVariables design(2);
     design.freeze(0);
     design.freeze(1, 1);
     EXPECT_EQ(design.matrix(), StencilTable<double>(2, {0, 0, 0, 0, 1, 1, 2}, {0, 1}, {1, 1}));
 }
 
-// x₁ = 2 x₀ and x₂ = 3 x₁, so x₂ = 6 x₀: one variable, whatever the order of the links.
-TEST(DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
+// x₁ = 2 x₀ and x₂ = 3 x₁ give x₂ = 6 x₀: one variable, whatever the order of the links.
+TEST(DesignVariables, LinksMultiplyFactors) {
     for (const bool isReversed : {false, true}) {
         solve::DesignVariables design(3);
         if (!isReversed) design.link(1, 0, {2, 2, 2});
@@ -47,13 +47,13 @@ TEST(DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
         EXPECT_EQ(design.matrix(),
                   StencilTable<double>(3, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
                                        {0, 1, 2, 0, 1, 2, 0, 1, 2}, {1, 1, 1, 2, 2, 2, 6, 6, 6}));
-        // Frozen by any of them, all are.
+        // Freezing one of them freezes all.
         design.freeze(1);
         EXPECT_EQ(design.matrix().entryCount(), 0);
     }
 }
 
-// x₁ = 2 x₀: a variable that moves x₁ by 6 moves x₀ by 3.
+// With x₁ = 2 x₀, a variable that moves x₁ by 6 moves x₀ by 3.
 TEST(DesignVariables, AreScaled) {
     solve::DesignVariables design(2);
     design.link(1, 0, {2, 2, 2});
@@ -66,7 +66,7 @@ TEST(DesignVariables, AreScaled) {
     EXPECT_REFUSED(Error, "no vertex 2", design.scale(2, 1));
 }
 
-TEST(DesignVariables, LinksThatContradictLeaveNothingBut0) {
+TEST(DesignVariables, ContradictingLinksFreeze) {
     solve::DesignVariables design(2);
     design.link(0, 1);
     design.link(1, 0, {1, -1, 1});
@@ -74,8 +74,8 @@ TEST(DesignVariables, LinksThatContradictLeaveNothingBut0) {
               StencilTable<double>(2, {0, 1, 1, 2, 3, 3, 4}, {0, 1, 0, 1}, {1, 1, 1, 1}));
 }
 
-// Each factor is a number, but their product is none: in either order.
-TEST(DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
+// Each factor is valid but their product overflows, in either order.
+TEST(DesignVariables, RefusesLinksWhoseProductsOverflow) {
     for (const double factor : {1e-200, 1e200}) {
         solve::DesignVariables design(3);
         design.link(1, 0, {factor, 1, 1});
@@ -85,8 +85,8 @@ TEST(DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
     }
 }
 
-// Long chains of links, whichever end they begin at, lead to one variable.
-TEST(DesignVariables, ChainsLeadToTheirEnd) {
+// Long chains of links lead to one variable, whichever end they are made from.
+TEST(DesignVariables, LongChainsBecomeOneVariable) {
     constexpr Index kCount = 20'000;
     for (const bool isDescending : {false, true}) {
         solve::DesignVariables design(kCount);
@@ -98,8 +98,8 @@ TEST(DesignVariables, ChainsLeadToTheirEnd) {
     }
 }
 
-// 0.7 · (1 / 0.7) is not 1 in double precision: still no contradiction.
-TEST(DesignVariables, LinksThatAgreeButForRoundingAgree) {
+// 0.7 · (1 / 0.7) is not 1 in double precision, but this is no contradiction.
+TEST(DesignVariables, LinksMayDifferByRounding) {
     for (const double factor : {0.7, 1.0 / 3, 49.0, 1e-3}) {
         solve::DesignVariables design(2);
         design.link(0, 1, {factor, factor, factor});
@@ -108,13 +108,13 @@ TEST(DesignVariables, LinksThatAgreeButForRoundingAgree) {
     }
 }
 
-// Opposite corners of a box mirror each other across x = 1/2; those on the plane stay on it.
+// Opposite corners of a box mirror each other across x = 1/2; vertices on the plane stay on it.
 TEST(DesignVariables, MirroredVerticesMoveAsImages) {
     const Lattice box = shapes::box({.cells = {2, 1, 1}});
     solve::DesignVariables design(Index(box.positions.size()));
     design.mirror(box.positions, 0, 0.5, 1e-12);
     const auto matrix = design.matrix();
-    // Four vertices on one side with three each, four on the plane with two.
+    // Four vertices on one side have three variables each, four on the plane have two.
     EXPECT_EQ(matrix.columnCount(), 4 * 3 + 4 * 2);
     std::vector<double> variables(matrix.columnCount());
     const auto random = randomValues(variables.size(), 3);
@@ -130,7 +130,7 @@ TEST(DesignVariables, MirroredVerticesMoveAsImages) {
         }
 }
 
-TEST(DesignVariables, RefusesWhatIsNotThere) {
+TEST(DesignVariables, RefusesUnknownVerticesAndAxes) {
     solve::DesignVariables design(2);
     EXPECT_REFUSED(Error, "there is no vertex 2; the lattice has 2", design.freeze(2));
     EXPECT_REFUSED(Error, "no axis 3", design.freeze(0, 3));
@@ -151,7 +151,7 @@ TEST(DesignVariables, RefusesWhatIsNotThere) {
                    solve::buildJacobian(StencilTable<double>(3, {0}, {}, {}), design.matrix()));
 }
 
-/// A model in a cylinder, and a design of it: some vertices linked, some frozen.
+/// A model in a cylinder, and a design with some vertices linked and some frozen.
 struct Designed {
     Lattice lattice = shapes::cylinder({.sectors = 5});
     StencilTable<double> deformation;
@@ -169,7 +169,8 @@ struct Designed {
         design = variables.matrix();
     }
 
-    /// The points' coordinates for variables, the slow way: lattice first, then the model.
+    /// Returns the coordinates of the points for given variables, in two steps: first the lattice,
+    /// then the model.
     template <class Number>
     std::vector<Number> points(const std::vector<Number>& variables) const {
         const std::vector<Number> moved = times(design, variables);
@@ -185,8 +186,9 @@ struct Designed {
     }
 };
 
-// By a complex step there is no difference that cancels: the derivative is exact to rounding. By a
-// difference the points lose half of a step's digits; but they are linear, and so a step may be 1.
+// A complex step has no cancellation: the derivative is exact to rounding. A finite difference
+// loses half of the step's digits, but the points are linear in the variables, so the step may be
+// 1.
 TEST(Jacobian, IsTheDerivativeByDifferencesAndByAComplexStep) {
     const Designed model;
     const auto jacobian = solve::buildJacobian(model.deformation, model.design);
@@ -221,7 +223,7 @@ TEST(Jacobian, TransposeCarriesGradientsBack) {
     double left = 0, right = 0;
     for (std::size_t i = 0; i < g.size(); ++i) left += forward[i] * g[i];
     for (std::size_t i = 0; i < v.size(); ++i) right += back[i] * v[i];
-    // 600 products of size 1.
+    // Sums of 600 products of size 1.
     EXPECT_NEAR(left, right, 600 * std::numeric_limits<double>::epsilon());
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::Property;
 
-/// Points bound to a lattice at level 2.
+/// Points bound to a lattice on level 2.
 struct Model {
     Lattice lattice;
     StencilTable<double> deformation;
@@ -50,7 +50,7 @@ double squareSum(const std::vector<Point3>& points) {
     return sum;
 }
 
-// What the project promises: the inverse of deform, within 1e-10.
+// The project promises the inverse of a deformation within 1e-10.
 TEST(LatticeFit, RecoversAKnownPoseFromAWholeModel) {
     for (const Lattice& lattice : {shapes::box({.cells = {2, 2, 2}}),
                                    shapes::cylinder({.sectors = 5}), shapes::octahedron()}) {
@@ -64,8 +64,8 @@ TEST(LatticeFit, RecoversAKnownPoseFromAWholeModel) {
     }
 }
 
-// One point pulled: of all displacements that bring it there, those along the gradient of its
-// position are the smallest, d = w · m / |w|².
+// One target: of all displacements that move the point there, d = w · m / |w|², along the gradient
+// of the point's position, is the smallest.
 TEST(LatticeFit, OneTargetIsReachedByTheSmallestDisplacement) {
     const Model model(shapes::box({.cells = {3, 3, 3}}), 1);
     const Point3 miss = {0.1, -0.2, 0.3};
@@ -79,8 +79,8 @@ TEST(LatticeFit, OneTargetIsReachedByTheSmallestDisplacement) {
         for (std::size_t c = 0; c < 3; ++c)
             expected[model.deformation.columns(0)[k]][c] =
                 model.deformation.weights(0)[k] * miss[c] / square;
-    // Rounding of 1e-16 in open directions, over the part of 1e-10 below which they count as open,
-    // twice, and times rounding again.
+    // Rounding of 1e-16 in undetermined directions, divided twice by the threshold 1e-10 of these
+    // directions, and multiplied by rounding again.
     EXPECT_LT(largestDifference(fit.displacements, expected), 1e-11);
 }
 
@@ -94,8 +94,8 @@ TEST(LatticeFit, FrozenVerticesStay) {
     EXPECT_LT(largestDifference(fit.displacements, pose), 1e-10);
 }
 
-// Targets that contradict each other: the residual is orthogonal to all that the lattice can do.
-TEST(LatticeFit, ContradictionsAreSharedByLeastSquares) {
+// If targets contradict each other, the residual is orthogonal to all that the lattice can do.
+TEST(LatticeFit, ContradictoryTargetsAreFittedByLeastSquares) {
     const Model model(shapes::box(), 40);
     const auto misses = randomPoints(40, 9);
     const LatticeFit fit = model.fit(misses);
@@ -112,8 +112,8 @@ TEST(LatticeFit, ContradictionsAreSharedByLeastSquares) {
     EXPECT_LT(std::sqrt(squareSum(gradient)), 1e-12);
 }
 
-// The more smoothing, the smaller the displacements and the larger the misses.
-TEST(LatticeFit, TikhonovMakesThemSmaller) {
+// More smoothing makes the displacements smaller and the misses larger.
+TEST(LatticeFit, TikhonovMakesDisplacementsSmaller) {
     const Model model(shapes::box({.cells = {2, 2, 2}}), 200);
     const auto misses = model.moved(model.randomDisplacements());
     double size = kInfinity, miss = -1;
@@ -128,7 +128,7 @@ TEST(LatticeFit, TikhonovMakesThemSmaller) {
     }
 }
 
-// At both ends of what strengths may be, a lattice that is moved as a whole goes along.
+// At both ends of the range of strengths, targets that move the whole lattice are met.
 TEST(LatticeFit, HoldsTheTargetsAtEveryStrength) {
     const Model model(shapes::box(), 20);
     const std::vector<Point3> misses(20, Point3{0.1, 0.2, 0});
@@ -139,9 +139,9 @@ TEST(LatticeFit, HoldsTheTargetsAtEveryStrength) {
     }
 }
 
-// Few points of a lattice that is moved as a whole: the Laplacian of that is 0, so all of it goes
-// along, as neither the smallest displacements do nor Tikhonov's.
-TEST(LatticeFit, LaplacianCarriesTheRestAlong) {
+// Few points are moved by a translation of the whole lattice. Its Laplacian is 0, so the whole
+// lattice moves, which neither the smallest displacements nor Tikhonov's would do.
+TEST(LatticeFit, LaplacianMovesTheWholeLattice) {
     const Model model(shapes::box({.cells = {4, 4, 4}}), 5);
     const Point3 miss = {1, 2, -3};
     const std::vector<Point3> misses(5, miss);
@@ -151,7 +151,7 @@ TEST(LatticeFit, LaplacianCarriesTheRestAlong) {
     EXPECT_GT(largestDifference(model.fit(misses).displacements, expected), 1);
 }
 
-TEST(LatticeFit, RefusesWhatIsNotDetermined) {
+TEST(LatticeFit, RefusesUndeterminedDisplacements) {
     const Model model(shapes::box({.cells = {3, 3, 3}}), 1);
     EXPECT_REFUSED(Error, "the targets leave vertex ",
                    model.fit({{1, 0, 0}}, {.undetermined = Undetermined::Refuse}));

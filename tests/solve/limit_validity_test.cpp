@@ -24,10 +24,10 @@ using limit::LimitPositions;
 
 LimitParts partsOf(const Lattice& lattice, int level) {
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-    return LimitParts(base, Rules::Siggraph96, level);
+    return LimitParts(base, level);
 }
 
-/// A bar of three cells along x, its vertices at 0, 1 + a, 2 − a, 3.
+/// Positions of a bar of three cells along x, with vertices at 0, 1 + a, 2 − a, 3.
 Positions pinched(const Lattice& bar, double a) {
     Positions result = bar.positions;
     for (Point3& p : result)
@@ -40,9 +40,9 @@ const Lattice& bar() {
     return lattice;
 }
 
-// A spline whose differences are 1 + a, 1 − 2a, 1 + a. Its derivative, a quadratic spline of these,
-// is least in the middle: (1 + a + 6 (1 − 2a) + 1 + a) / 8 = 1 − 5a/4; at the ends it is 1 + a, the
-// phantom's difference being that of the end.
+// The spline has the differences 1 + a, 1 − 2a, 1 + a. Its derivative is a quadratic spline of
+// these, and smallest in the middle: (1 + a + 6 (1 − 2a) + 1 + a) / 8 = 1 − 5a/4. At the ends it is
+// 1 + a, since the phantom has the same difference.
 TEST(LimitValidity, PinchedBar) {
     const ValidityCheck validity(partsOf(bar(), 1), bar().positions);
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
@@ -59,24 +59,24 @@ TEST(LimitValidity, PinchedBar) {
     EXPECT_GE(step.length, 0.8 * (1 - 2e-6));
     EXPECT_EQ(step.limitingCell, 1);
     EXPECT_TRUE(step.isTight);
-    // The cells of level 0 fold at 1 − 2a = 0.
+    // The cells of level 0 fold where 1 − 2a = 0.
     EXPECT_NEAR(ValidityCheck(bar().complex, bar().positions).largestStep(pinched(bar(), 1)).length,
                 0.5, 1e-6);
 }
 
-// The limit of a single cell is its trilinear map: a spline of two points is linear.
+// The limit of a single cell is its trilinear map, since a spline of two points is linear.
 TEST(LimitValidity, OneCellIsTrilinear) {
     const Lattice cube = shapes::box();
     Positions pose = cube.positions;
-    pose[7] = {-2, -2, -2};  // Of determinant 1 − 3 (vw + uw + uv): see ValidityTest.
+    pose[7] = {-2, -2, -2};  // Its determinant is 1 − 3 (vw + uw + uv): see Validity.
     const ValidityCheck validity(partsOf(cube, 1), cube.positions);
     EXPECT_NEAR(validity.check(pose).smallest->value, -8, 8e-3);
     EXPECT_NEAR(validity.largestStep(pose).length, 1.0 / 9, 1e-6);
 }
 
-// The determinant of the gradient of the deformation, as a binding has it: another way to all of
-// this, by the weights of derivatives and by Newton's method.
-TEST(LimitValidity, NoGradientContradictsIt) {
+// Compares with the determinant of the deformation gradient of a binding, which is an independent
+// computation: by weights of derivatives, and Newton's method.
+TEST(LimitValidity, AgreesWithSampledGradients) {
     int invertedCount = 0, limitedCount = 0;
     for (const Lattice& lattice :
          {shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}}), shapes::cylinder({.sectors = 5}),
@@ -87,7 +87,7 @@ TEST(LimitValidity, NoGradientContradictsIt) {
         const auto points = pointsIn(refined, kIsSlow ? 20 : 100, 3);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const auto bound = limit::bindLimit({base, lattice.positions}, points, options);
-        /// The least determinant, of those in cells.
+        /// Returns the smallest determinant of the points in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;
             for (std::size_t c = 0; c < 3; ++c)
@@ -102,13 +102,14 @@ TEST(LimitValidity, NoGradientContradictsIt) {
             }
             return least;
         };
-        ASSERT_LT(sampled(lattice.positions), 2);  // there are some
+        ASSERT_LT(sampled(lattice.positions), 2);  // There are some.
         const ValidityCheck validity(partsOf(lattice, 3), lattice.positions);
         ASSERT_THAT(validity.badAtRest(), IsEmpty());
         for (unsigned seed = 0; seed < (kIsSlow ? 2 : 4); ++seed) {
             const Positions pose = shaken(lattice.positions, seed, 0.8);
             const PoseValidity checked = validity.check(pose);
-            // Blends of level 3 are not those of a binding, which are 1e-6 in size: a tenth.
+            // Blends of level 3 differ by a tenth from the blends of a binding, which are of size
+            // 1e-6.
             const double least = sampled(pose);
             EXPECT_LE(checked.smallest->value, least + 0.1 * std::abs(least));
             invertedCount += !checked.inverted.empty();
@@ -128,8 +129,8 @@ TEST(LimitValidity, NoGradientContradictsIt) {
     EXPECT_GT(limitedCount, 4);
 }
 
-/// The volume: that of a part is the mean of the coefficients of its determinant.
-/// \param lattice whose cells become hexahedra
+/// Returns the volume: the volume of a part is the mean of the coefficients of its determinant.
+/// \param lattice a lattice whose cells become hexahedra
 double volumeOf(const Lattice& lattice, int level) {
     const CheckedVolume volume(partsOf(lattice, level));
     const LimitPositions positions = volume.place(lattice.positions);
@@ -146,9 +147,9 @@ double volumeOf(const Lattice& lattice, int level) {
     return sum;
 }
 
-// Parts of all levels fill the limit, without gaps that matter and nothing twice: its volume does
-// not depend on how far features are refined, but for blends, whose volume falls by 4 a level or
-// faster and whose error does by 4 once more.
+// Parts of all levels fill the limit, without relevant gaps or overlaps: the volume does not depend
+// on the level of refinement of features, except for the blended cells. Their volume falls by 4 or
+// more per level, and their relative error by 4.
 TEST(LimitValidity, PartsFillTheLimit) {
     const Lattice box = shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}});
     EXPECT_NEAR(volumeOf(box, 1), 12, 1e-12);
@@ -165,21 +166,21 @@ TEST(LimitValidity, PartsFillTheLimit) {
     EXPECT_LT(difference, 1e-4);
 }
 
-TEST(LimitValidity, NothingChangesAtRest) {
+TEST(LimitValidity, RatiosAreOneAtRest) {
     for (const auto& [name, lattice] : zoo()) {
         const ValidityCheck validity(partsOf(lattice, 2), lattice.positions);
-        if (name == "tripod") continue;  // Its limit folds.
+        if (name == "tripod") continue;  // Its limit is folded.
         EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;
         const PoseValidity same = validity.check(lattice.positions);
         EXPECT_THAT(same.inverted, IsEmpty()) << name;
-        // Less the floor, over a determinant that is not below 1e-4 of lengths.
+        // The floor, relative to a determinant of at least 1e-4 of the lengths, is subtracted.
         EXPECT_NEAR(same.smallest->value, 1, 1e-8) << name;
         EXPECT_EQ(validity.largestStep(lattice.positions, 5).length, 5) << name;
     }
 }
 
-// A cell beside a box of three along each axis has all of its vertices on the boundary.
-TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
+// A cell next to a box of three cells along each axis has all its vertices on the boundary.
+TEST(LimitValidity, CellsThatShrinkAwayAreNeitherGoodNorBad) {
     const Lattice lattice = carvedGrid(
         {4, 3, 3}, [](Index i, Index j, Index k) { return i < 3 || (j == 1 && k == 1); });
     Index beside = 0;
@@ -190,7 +191,7 @@ TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
     };
     while (!isBeside(beside)) ++beside;
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
-    const ValidityCheck validity(LimitParts(base, Rules::Siggraph96, 2), lattice.positions);
+    const ValidityCheck validity(LimitParts(base, 2), lattice.positions);
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     Positions pose = lattice.positions;
     for (Point3& p : pose) p[0] *= 2;

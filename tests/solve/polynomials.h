@@ -9,7 +9,7 @@
 
 namespace espalier::solve {
 
-/// Coefficient a + 3 (b + 3 c) of each polynomial from what makes it up along each axis.
+/// Returns a polynomial with coefficient(a, b, c) at index a + 3 (b + 3 c).
 template <class Coefficient>
 Trivariate<2, 1> polynomial(Coefficient coefficient) {
     Trivariate<2, 1> result;
@@ -17,12 +17,12 @@ Trivariate<2, 1> polynomial(Coefficient coefficient) {
     return result;
 }
 
-/// By the definition, to compare with.
+/// Returns a value computed by definition, to compare with.
 template <std::size_t Degree, std::size_t Lanes>
 double valueAt(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane,
                const Eigen::Vector3d& uvw) {
     const auto weight = [](std::size_t i, double t) {
-        double factor = 1;  // of i in Degree
+        double factor = 1;  // Binomial coefficient of i in Degree.
         for (std::size_t k = 0; k < i; ++k) factor = factor * double(Degree - k) / double(k + 1);
         return factor * std::pow(t, double(i)) * std::pow(1 - t, double(Degree - i));
     };

@@ -9,7 +9,7 @@ namespace espalier::solve {
 
 using Positions = std::vector<Point3>;
 
-/// A part of the way from rest to a pose.
+/// Returns the positions at fraction `t` of the way from rest to a pose.
 inline Positions moved(const Positions& rest, const Positions& pose, double t) {
     Positions result = rest;
     for (std::size_t v = 0; v < rest.size(); ++v)

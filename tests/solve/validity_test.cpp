@@ -33,8 +33,8 @@ Eigen::Vector3d positionOf(const Positions& positions, Index vertex) {
     return vec(positions[vertex]);
 }
 
-/// Determinants all over a cell, the slow way: a type-3 cell by its trilinear map on a grid, a
-/// type-n cell by its tetrahedra around the mean of its vertices.
+/// Returns determinants sampled over a cell: for a type-3 cell on a grid of its trilinear map, for
+/// a type-n cell in its tetrahedra around the mean of its vertices.
 std::vector<double> sampleDeterminants(const CellComplex& complex, Index cell,
                                        const Positions& positions, int parts) {
     std::vector<double> samples;
@@ -61,7 +61,7 @@ std::vector<double> sampleDeterminants(const CellComplex& complex, Index cell,
     return samples;
 }
 
-/// The least quotient of samples of a pose and of the rest.
+/// Returns the smallest quotient of samples of a pose and of the rest.
 double sampledRatio(const CellComplex& complex, Index cell, const Positions& rest,
                     const Positions& pose, int parts) {
     const auto before = sampleDeterminants(complex, cell, rest, parts);
@@ -71,8 +71,8 @@ double sampledRatio(const CellComplex& complex, Index cell, const Positions& res
     return least;
 }
 
-// A vertex pulled along the diagonal: X = x − a uvw (1, 1, 1), of determinant 1 − a (vw + uw + uv),
-// which is least at that vertex, 1 − 3a. With a = 3t it is 0 at t = 1/9.
+// One vertex is moved along the diagonal: X = x − a uvw (1, 1, 1), with determinant 1 − a (vw + uw
+// + uv). It is smallest at that vertex, 1 − 3a. With a = 3t it is 0 at t = 1/9.
 TEST(Validity, VertexPulledThroughACube) {
     const Positions rest = shapes::box().positions;
     Positions pose = rest;
@@ -81,36 +81,37 @@ TEST(Validity, VertexPulledThroughACube) {
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     const PoseValidity folded = validity.check(pose);
     EXPECT_THAT(folded.inverted, ElementsAre(0));
-    EXPECT_NEAR(folded.smallest->value, -8, 8e-3);  // within a thousandth
+    EXPECT_NEAR(folded.smallest->value, -8, 8e-3);  // Within a thousandth.
     const LargestStep step = validity.largestStep(pose);
     EXPECT_LE(step.length, 1.0 / 9);
     EXPECT_GE(step.length, 1.0 / 9 * (1 - 1.1e-6));
     EXPECT_EQ(step.limitingCell, 0);
-    // Half way there.
+    // Half of this step.
     const PoseValidity half = validity.check(moved(rest, pose, 1.0 / 18));
     EXPECT_THAT(half.inverted, IsEmpty());
-    EXPECT_NEAR(half.smallest->value, 0.5, 1e-12);  // at a corner: rounding alone
-    // Asked for less, or the other way, where it grows.
+    EXPECT_NEAR(half.smallest->value, 0.5, 1e-12);  // At a corner: rounding only.
+    // A smaller maximum step; then the opposite direction, where the determinant grows.
     EXPECT_EQ(validity.largestStep(pose, 0.1).length, 0.1);
     EXPECT_EQ(validity.largestStep(pose, 0.1).limitingCell, std::nullopt);
     EXPECT_EQ(validity.largestStep(moved(rest, pose, -1), 3).length, 3);
 }
 
-TEST(Validity, NothingChangesAtRest) {
+TEST(Validity, RatiosAreOneAtRest) {
     for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
         const ValidityCheck validity(refined.complex(), refined.positions);
         EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;
         const PoseValidity same = validity.check(refined.positions);
         EXPECT_THAT(same.inverted, IsEmpty()) << name;
-        // Less the floor, over a determinant that is not below a hundredth of lengths.
+        // The floor, relative to a determinant of at least a hundredth of the lengths, is
+        // subtracted.
         EXPECT_NEAR(same.smallest->value, 1, 1e-11) << name;
         const LargestStep step = validity.largestStep(refined.positions, 5);
         EXPECT_EQ(step.length, 5) << name;
     }
 }
 
-// Two cells found by trying out: in a cube of side 10, of determinant 1000.
+// A cell that was found by trial, in a cube of side 10 with determinant 1000.
 TEST(Validity, FoldedInsideOnly) {
     const Positions rest = changed(shapes::box().positions, [](Point3 p) {
         return Point3{10 * p[0], 10 * p[1], 10 * p[2]};
@@ -132,7 +133,7 @@ TEST(Validity, FoldedInsideOnly) {
     const PoseValidity folded = validity.check(pose);
     EXPECT_THAT(folded.inverted, ElementsAre(0));
     EXPECT_LE(folded.smallest->value, inside / 1000);
-    // On the way there, the step ends where the least determinant inside is 0.
+    // The step ends where the smallest determinant inside is 0.
     const LargestStep step = validity.largestStep(pose);
     EXPECT_EQ(step.limitingCell, 0);
     EXPECT_GT(sampledRatio(cube(), 0, rest, moved(rest, pose, step.length), kParts), 0);
@@ -140,7 +141,7 @@ TEST(Validity, FoldedInsideOnly) {
                 ElementsAre(0));
 }
 
-TEST(Validity, PositiveThoughCoefficientsAreNot) {
+TEST(Validity, PositiveWithNegativeCoefficients) {
     const Positions rest = changed(shapes::box().positions, [](Point3 p) {
         return Point3{10 * p[0], 10 * p[1], 10 * p[2]};
     });
@@ -154,9 +155,10 @@ TEST(Validity, PositiveThoughCoefficientsAreNot) {
     EXPECT_THAT(valid.inverted, IsEmpty());
     const double sampled = sampledRatio(cube(), 0, rest, pose, 40);
     EXPECT_LE(valid.smallest->value, sampled);
-    // A thousandth, and 1/80 away from the least value of curvature 10 at most.
+    // A thousandth, and the error of samples that are 1/80 away from a minimum with curvature of at
+    // most 10.
     EXPECT_GE(valid.smallest->value, sampled * (1 - 1e-3) - 3 * 10 / 2.0 / 6400);
-    // Such a cell at rest is a good one.
+    // The same cell at rest is valid.
     const ValidityCheck bent(cube(), pose);
     EXPECT_THAT(bent.badAtRest(), IsEmpty());
     EXPECT_NEAR(bent.check(pose).smallest->value, 1, 1e-3);
@@ -169,9 +171,9 @@ Positions twistedBy(double angle, const Positions& rest) {
     });
 }
 
-// The top turned by θ about the axis on straight ways: at height w and time t, the section is
-// turned and scaled by the complex number 1 + w t (e^iθ − 1), whose square is the determinant. It
-// is 0 for θ = π only, first at w = 1, t = 1/2.
+// The top is turned by θ around the axis, along straight lines. At height w and time t, the section
+// is multiplied by the complex number 1 + w t (e^iθ − 1), so the determinant is its squared
+// modulus. It is 0 only for θ = π, first at w = 1, t = 1/2.
 TEST(Validity, TwistedColumn) {
     const Positions rest = shapes::box({.min = {-1, -1, 0}, .max = {1, 1, 1}}).positions;
     const ValidityCheck validity(cube(), rest);
@@ -182,13 +184,14 @@ TEST(Validity, TwistedColumn) {
     EXPECT_GE(half.length, 0.5 - 5e-6);
     EXPECT_EQ(half.limitingCell, 0);
     EXPECT_EQ(validity.largestStep(twisted(std::numbers::pi / 2), 2).length, 2);
-    // |1 + w (i − 1)|² is 1/2 at w = 1/2: a value inside.
+    // |1 + w (i − 1)|² is 1/2 at w = 1/2, a value inside the cell.
     EXPECT_NEAR(validity.check(twisted(std::numbers::pi / 2)).smallest->value, 0.5, 1e-3);
 }
 
-// Next to a half turn, the least determinant is 4 cos²(θ/2), 3e-4 for 179°, all along w t = 1/2:
-// the closer to 0, the more parts prove it. What the bound on work leaves open is said to be.
-TEST(Validity, NextToAHalfTurn) {
+// Near half a turn the smallest determinant is 4 cos²(θ/2), 3e-4 for 179°, all along w t = 1/2. The
+// closer it is to 0, the more parts the proof needs. If the bound on work ends the proof, the
+// result says so.
+TEST(Validity, AlmostHalfATurn) {
     const Positions rest = shapes::box({.min = {-1, -1, 0}, .max = {1, 1, 1}}).positions;
     const ValidityCheck validity(cube(), rest);
     const auto turned = [&](double degrees) {
@@ -207,8 +210,8 @@ TEST(Validity, NextToAHalfTurn) {
     EXPECT_TRUE(validity.largestStep(turned(180)).isTight);
 }
 
-// Nothing moves, or everything shrinks: rounding does not end that.
-TEST(Validity, LongWaysAreProved) {
+// Rounding does not end a step in which nothing moves, or everything shrinks.
+TEST(Validity, LongStepsAreProved) {
     const Positions rest = shapes::box().positions;
     const ValidityCheck validity(cube(), rest);
     EXPECT_EQ(validity.largestStep(rest, 1e6).length, 1e6);
@@ -221,13 +224,14 @@ TEST(Validity, LongWaysAreProved) {
         EXPECT_THAT(validity.check(scaled(factor)).inverted, IsEmpty()) << factor;
         EXPECT_EQ(validity.largestStep(scaled(factor), 1).length, 1) << factor;
     }
-    // A million times as far as it takes. (1 − t)³ is below the floor, about 1e-12, from there on.
+    // A million times the distance to collapse. (1 − t)³ is below the floor of about 1e-12 from 1 −
+    // 2e-4 on.
     EXPECT_NEAR(validity.largestStep(scaled(0), 1e6).length, 1, 2e-4);
-    // Beyond what a double holds: its largest number is a lower bound, too.
+    // Ratios that overflow: the largest double is a lower bound, too.
     const Positions tiny = scaled(1e-80);
     EXPECT_EQ(ValidityCheck(cube(), tiny).check(scaled(1e80)).smallest->value,
               std::numeric_limits<double>::max());
-    // Inside out by as much.
+    // Inside out by the same factor.
     const Positions mirrored = changed(rest, [](Point3 p) {
         return Point3{-1e80 * p[0], 1e80 * p[1], 1e80 * p[2]};
     });
@@ -236,7 +240,7 @@ TEST(Validity, LongWaysAreProved) {
     EXPECT_THAT(inverted80.inverted, ElementsAre(0));
 }
 
-TEST(Validity, LeftHandedLatticesAreAsGood) {
+TEST(Validity, LeftHandedLatticesAreValid) {
     const Refined refined(shapes::octahedron(), 2);
     const auto mirrored = [](const Positions& positions) {
         return changed(positions, [](Point3 p) { return Point3{p[0], p[1], -p[2]}; });
@@ -250,12 +254,12 @@ TEST(Validity, LeftHandedLatticesAreAsGood) {
     EXPECT_EQ(got.inverted, expected.inverted);
     EXPECT_EQ(got.ratios, expected.ratios);
     EXPECT_EQ(left.largestStep(mirrored(pose)).length, right.largestStep(pose).length);
-    // But mirroring a lattice turns all of it inside out.
+    // Mirroring a pose, however, turns all cells inside out.
     const PoseValidity turned = right.check(mirrored(refined.positions));
     EXPECT_EQ(turned.inverted.size(), turned.ratios.size());
 }
 
-// A vertex of a type-4 cell pushed across its centre: some tetrahedra turn, others do not.
+// A vertex of a type-4 cell moves across the cell's centre: some tetrahedra turn, others do not.
 TEST(Validity, SomeTetrahedraOfATypeFourCell) {
     const Refined refined(shapes::octahedron(), 1);
     Index cell = 0;
@@ -283,11 +287,12 @@ TEST(Validity, SomeTetrahedraOfATypeFourCell) {
     ASSERT_LT(turned, std::ptrdiff_t(now.size()));
     const PoseValidity folded = ValidityCheck(refined.complex(), refined.positions).check(pose);
     EXPECT_THAT(folded.inverted, Contains(cell));
-    EXPECT_NEAR(*folded.ratios[cell], least, 1e-12);  // exact: rounding
+    EXPECT_NEAR(*folded.ratios[cell], least, 1e-12);  // Exact except for rounding.
 }
 
-// Against samples: nothing valid has one that is not positive, and steps end where they must.
-TEST(Validity, NoSampleContradictsIt) {
+// Compares with samples: no valid cell has a sample that is not positive, and steps end where they
+// must.
+TEST(Validity, AgreesWithSamples) {
     int invertedCount = 0, limitedCount = 0;
     for (const Lattice& lattice :
          {shapes::box({.cells = {2, 1, 1}}), shapes::cylinder({.sectors = 5}), shapes::octahedron(),
@@ -296,7 +301,7 @@ TEST(Validity, NoSampleContradictsIt) {
             const Refined refined(lattice, 1);
             const CellComplex& complex = refined.complex();
             const Positions& rest = refined.positions;
-            // Partly along with the base vertices, partly each on its own: more of them fold.
+            // Move base vertices and, by less, each vertex separately, so that more cells fold.
             const Positions pose =
                 shaken(refined.pose(shaken(refined.base, seed, 0.3)), seed + 50, 0.1);
             const ValidityCheck validity(complex, rest);
@@ -320,8 +325,8 @@ TEST(Validity, NoSampleContradictsIt) {
             EXPECT_EQ(step.length < 1.5, step.limitingCell.has_value());
             if (!step.limitingCell) continue;
             ++limitedCount;
-            // Past the step by more than its precision: a determinant that goes through 0, as all
-            // of these do, is negative then.
+            // Slightly beyond the step's precision, a determinant that passes through 0, as all of
+            // these do, is negative.
             EXPECT_THAT(validity.check(moved(rest, pose, step.length * (1 + 1e-4))).inverted,
                         Contains(*step.limitingCell));
             EXPECT_THAT(validity.check(moved(rest, pose, step.length)).inverted, IsEmpty());
@@ -330,8 +335,8 @@ TEST(Validity, NoSampleContradictsIt) {
     EXPECT_GT(limitedCount, 5);
 }
 
-// A bar of four cells along x: the last flat, or turned back into the one before.
-TEST(Validity, CellsBadAtRestAreSetApart) {
+// A bar of four cells along x, whose last cell is flat, or turned back into its neighbour.
+TEST(Validity, CellsBadAtRestAreLeftOut) {
     const Lattice bar = shapes::box({.cells = {4, 1, 1}, .max = {4, 1, 1}});
     const auto withEndAt = [&](double x) {
         return changed(bar.positions, [&](Point3 p) {
@@ -346,17 +351,17 @@ TEST(Validity, CellsBadAtRestAreSetApart) {
         EXPECT_THAT(same.inverted, IsEmpty());
         EXPECT_EQ(same.ratios[3], std::nullopt);
         EXPECT_EQ(validity.largestStep(rest).length, 1);
-        // Straightened, it still has nothing to be compared with.
+        // Even if it is straightened, there is no volume at rest to compare with.
         EXPECT_THAT(validity.check(bar.positions).inverted, IsEmpty());
     }
-    // Thin is not flat: made ten times as thick, say.
+    // A thin cell is not flat: here it becomes ten times as thick.
     const ValidityCheck thin(bar.complex, withEndAt(3 + 1e-9));
     EXPECT_THAT(thin.badAtRest(), IsEmpty());
-    // 3 + 1e-9 is off by 4e-16, that is 4e-7 of the thickness.
+    // 3 + 1e-9 is off by 4e-16, which is 4e-7 of the thickness.
     EXPECT_NEAR(thin.check(withEndAt(3 + 1e-8)).ratios[3].value(), 10, 1e-4);
 }
 
-// What is flat but for rounding counts as inverted.
+// A cell that is flat within rounding counts as inverted.
 TEST(Validity, FlatIsInverted) {
     const Positions rest = shapes::box().positions;
     const auto pressed = [&](double height) {
@@ -365,17 +370,17 @@ TEST(Validity, FlatIsInverted) {
         });
     };
     const ValidityCheck validity(cube(), rest);
-    // 0.03 is where the slant of the sides meets that of the top: a plane.
+    // The determinant is the height − 0.3 · 0.1.
     EXPECT_THAT(validity.check(pressed(0.03)).inverted, ElementsAre(0));
     EXPECT_THAT(validity.check(pressed(0.03 + 1e-15)).inverted, ElementsAre(0));
     EXPECT_THAT(validity.check(pressed(0.03 + 1e-9)).inverted, IsEmpty());
 }
 
-// Cells pressed into one tilted plane: that they are not there to the last bit is rounding.
+// Cells are pressed into one tilted plane; their deviations from it are rounding.
 TEST(Validity, TiltedPlanesAreFlat) {
     const Refined refined(shapes::box({.cells = {2, 2, 2}}), 2);
     const Positions flat = changed(refined.base, [](Point3 p) {
-        // In the plane of a = (1, 0.3, 0.2) and b = (−0.1, 0.7, 1.1), away from the origin.
+        // The plane of a = (1, 0.3, 0.2) and b = (−0.1, 0.7, 1.1), away from the origin.
         return Point3{3 + p[0] - 0.1 * p[1] + 0.2 * p[2], 1 + 0.3 * p[0] + 0.7 * p[1] - 0.02 * p[2],
                       2 + 0.2 * p[0] + 1.1 * p[1] - 0.14 * p[2]};
     });
@@ -393,7 +398,7 @@ TEST(Validity, DoesNotDependOnThreads) {
     };
     const auto [one, oneStep] = withThreads(1, work);
     ASSERT_FALSE(one.inverted.empty());
-    ASSERT_GT(one.ratios.size(), 1024);  // more than one range
+    ASSERT_GT(one.ratios.size(), 1024);  // More than one range.
     for (const int threads : {2, 5}) {
         const auto [other, otherStep] = withThreads(threads, work);
         EXPECT_EQ(other.ratios, one.ratios);
@@ -403,8 +408,8 @@ TEST(Validity, DoesNotDependOnThreads) {
     }
 }
 
-// Sizes whose cubes are near the ends of what a double holds.
-TEST(Validity, SizeDoesNotCount) {
+// The cubes of these sizes are near the limits of double.
+TEST(Validity, IsIndependentOfScale) {
     for (const double size : {1e-80, 1e-6, 1e6, 1e80}) {
         const auto scaled = [&](Positions positions) {
             return changed(std::move(positions), [&](Point3 p) {
@@ -419,7 +424,7 @@ TEST(Validity, SizeDoesNotCount) {
     }
 }
 
-TEST(Validity, BaseCellsAreThoseThatCellsDescendFrom) {
+TEST(Validity, BaseCellsAreAncestors) {
     const Refined refined(mixedLattice(), 2);
     std::vector<Index> firsts;
     refined.refiner.refinement(1).forEachChild(

@@ -21,7 +21,7 @@ TEST(Stencils, DoNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(build(1), build(8));
 }
 
-TEST(LevelTables, AreThoseOfTheLevelsInOrder) {
+TEST(LevelTables, ContainTheTableOfEachLevelInOrder) {
     TopologyRefiner refiner = refined(test::bipyramid(5), 2);
     EXPECT_EQ(buildLevelTables(refiner, 2),
               (std::vector{buildLevelTable(refiner, 1), buildLevelTable(refiner, 2)}));
@@ -39,7 +39,8 @@ TEST(Stencils, LevelZeroIsTheIdentity) {
 }
 
 // Derived by hand from section 2.2 for the cell point of a tetrahedron, and from section 3 for the
-// rest: faces and edges of a single cell are on its surface and its edges, vertices are corners.
+// rest: the faces and edges of a single cell are on its surface and sharp, and its vertices are
+// corners.
 TEST(Stencils, GoldenRowsOfATetrahedron) {
     TopologyRefiner refiner = refined(singleCell(far::StandardCell::Tetrahedron), 1);
     const auto table = buildLevelTable(refiner, 1);
@@ -52,9 +53,9 @@ TEST(Stencils, GoldenRowsOfATetrahedron) {
     EXPECT_THAT(table.weights(14), ElementsAre(.25, .25, .25, .25));
 }
 
-// Two pyramids base to base, without marks, under Open they vanish; under Sharp the shared square
-// is interior: its face point is (C0 + 2A + C1)/4 with C = (sum of base + apex)/5. Weights: base
-// vertices (1/5 + 2/4 + 1/5)/4 = 9/40 each, apexes 1/20 each.
+// Two pyramids that share their base. The shared square is interior, so its face point is (C0 + 2A
+// + C1)/4 with C = (sum of base + apex)/5. The weights are (1/5 + 2/4 + 1/5)/4 = 9/40 for each base
+// vertex, and 1/20 for each apex.
 TEST(Stencils, GoldenFacePointBetweenTwoPyramids) {
     far::ComplexBuilder builder(3, 6);
     builder.addCell(far::StandardCell::Pyramid, {0, 1, 2, 3, 4});
@@ -69,10 +70,11 @@ TEST(Stencils, GoldenFacePointBetweenTwoPyramids) {
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(table.weights(row)[i], expected[i], 1e-16);
 }
 
-// Catmull-Clark on the closed mesh of a cube, by hand. A vertex of valence 3 is (Ā + 2M̄)/3. Ā gives
-// it 1/4, each of its 3 neighbours 1/6 and each of the 3 diagonals 1/12; M̄ gives it 1/2 and each
-// neighbour 1/6. So 5/12, 1/6 and 1/36. An edge point is (A₀ + A₁ + P₀ + P₁)/4: 3/8 of each end,
-// and 1/16 of each of the 4 other vertices of its faces.
+// Catmull-Clark on the closed mesh of a cube, by hand. A vertex of valence 3 is (Ā + 2M̄)/3. In Ā,
+// the vertex has the weight 1/4, each of its 3 neighbours 1/6 and each of the 3 diagonal vertices
+// 1/12; in M̄, the vertex has 1/2 and each neighbour 1/6. In total: 5/12, 1/6 and 1/36. An edge
+// point is (A₀ + A₁ + P₀ + P₁)/4: 3/8 of each end, and 1/16 of each of the 4 other vertices of its
+// faces.
 TEST(Stencils, GoldenRowsOfTheSurfaceOfACube) {
     const auto mesh = far::buildMesh(8, far::faceLoops(far::StandardCell::Hexahedron));
     TopologyRefiner refiner = refined(mesh, 1);
@@ -91,10 +93,10 @@ TEST(Stencils, GoldenRowsOfTheSurfaceOfACube) {
     EXPECT_THAT(table.weights(20), ElementsAre(.25, .25, .25, .25));
 }
 
-// A bipyramid's axis, cut into wedges: its n interior faces meet in the axis, an interior edge.
-// With n = 5, siggraph96 gives (C̄ + 2Ā + 2M)/5, cse96 (C̄ + 2Ā + M)/4. Each of the 5 wedge-shaped
-// cells has 4 vertices (a tetrahedron): C̄ gives an end of the axis 1/4 and a girdle vertex 2/20; Ā
-// gives an end 1/3 and a girdle vertex 1/15; M an end 1/2.
+// A bipyramid, cut into wedges around its axis: n interior faces meet in the axis, an interior
+// edge. With n = 5, siggraph96 gives (C̄ + 2Ā + 2M)/5, and cse96 (C̄ + 2Ā + M)/4. Each of the 5
+// cells is a tetrahedron. In C̄, an end of the axis has the weight 1/4 and a girdle vertex 2/20; in
+// Ā, an end has 1/3 and a girdle vertex 1/15; in M, an end has 1/2.
 TEST(Stencils, GoldenEdgeRowsOfBothEditions) {
     const Index n = 5;
     far::ComplexBuilder builder(3, n + 2);
@@ -110,18 +112,18 @@ TEST(Stencils, GoldenEdgeRowsOfBothEditions) {
         {Rules::Siggraph96, {(girdleC + 2 * girdleA) / 5, (1. / 4 + 2. / 3 + 2 * 0.5) / 5}},
         {Rules::Cse96, {(girdleC + 2 * girdleA) / 4, (1. / 4 + 2. / 3 + 0.5) / 4}}};
     for (const auto& [rules, weights] : expected) {
-        const auto table = buildLevelTable(refiner, 1, rules);
+        const auto table = buildLevelTable(withRules(refiner, rules), 1);
         ASSERT_EQ(table.columns(row).size(), 7u);
         for (std::size_t i = 0; i < 7; ++i)
-            // Some twenty shares below 0.2, rounded each.
+            // About twenty terms below 0.2, each rounded.
             EXPECT_NEAR(table.weights(row)[i], weights[i < 5 ? 0 : 1], 4e-16);
     }
 }
 
-TEST(Stencils, VerticesAndLevelsThatAreNotThereAreRefused) {
+TEST(Stencils, MissingVerticesAndLevelsAreRefused) {
     TopologyRefiner refiner = refined(test::bipyramid(3), 1);
     const auto build = [&](int level, Index vertex) {
-        return buildStencils(refiner, level, Rules::Siggraph96, std::vector<Index>{vertex});
+        return buildStencils(refiner, level, std::vector<Index>{vertex});
     };
     EXPECT_NO_THROW(build(1, 0));
     EXPECT_THROW(build(1, -1), Error);
@@ -135,7 +137,7 @@ TEST(RefineValues, RefusesAWrongNumberOfValues) {
     const TopologyRefiner refiner(test::bipyramid(3));
     const std::vector<double> values(14);
     EXPECT_REFUSED(Error, "got 14 values; expected 3 for each of 5",
-                   refineValues(refiner, 0, Rules::Siggraph96, values, 3));
+                   refineValues(refiner, 0, values, 3));
 }
 
 }  // namespace

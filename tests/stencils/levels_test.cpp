@@ -10,11 +10,11 @@
 namespace espalier::stencils {
 namespace {
 
-// Two levels around one cell of 27: their tables, their positions, and the product of the tables
+// Refines two levels around one cell of 27. The tables, the positions and the product of the tables
 // agree.
-TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
+TEST(Levels, ContainTablesAndPositionsOfRefinedLevels) {
     const Lattice box = shapes::box({.cells = {3, 3, 3}});
-    Levels levels(far::TopologyRefiner(box.complex), Rules::Cse96, box.positions);
+    Levels levels(far::TopologyRefiner(box.complex, {.rules = Rules::Cse96}), box.positions);
     EXPECT_EQ(levels.finest(), 0);
     levels.refineAround(std::vector<Index>{0});
     std::vector<Index> children;
@@ -28,7 +28,7 @@ TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
     ASSERT_EQ(levels.tables().size(), 2u);
     for (int k = 1; k <= 2; ++k)
         EXPECT_EQ(levels.tables()[static_cast<std::size_t>(k) - 1],
-                  buildLevelTable(levels.refiner(), k, Rules::Cse96));
+                  buildLevelTable(levels.refiner(), k));
     std::vector<Index> all(levels.finestLevel().complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
     const auto expected = applyLevelTable(levels.stencils(all), box.positions);
@@ -36,13 +36,13 @@ TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
     ASSERT_EQ(positions.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            // Sums of 64 products of size 1 in another order.
+            // Sums of 64 products of size 1, in a different order.
             EXPECT_NEAR(positions[i][axis], expected[i][axis], 1e-14);
 }
 
-TEST(Levels, NeedNoPositions) {
+TEST(Levels, WorkWithoutPositions) {
     const Lattice box = shapes::box({.cells = {2, 2, 2}});
-    Levels levels(far::TopologyRefiner(box.complex), Rules::Siggraph96);
+    Levels levels{far::TopologyRefiner(box.complex)};
     levels.refineAround(std::vector<Index>{1});
     EXPECT_EQ(levels.tables().back(), buildLevelTable(levels.refiner(), 1));
 }

@@ -33,24 +33,24 @@ TEST(Masks, VolumeVertexIsTheSolidVertexRule) {
         EXPECT_EQ(refinementMask(rules, 0, 3, 6), (Mask{1. / 8, 3. / 8, 3. / 8, 1. / 8}));
 }
 
-// The two editions agree where four faces meet (the B-spline case): (C + 2A + M)/4.
+// The two editions agree if four faces meet (the B-spline case): (C + 2A + M)/4.
 TEST(Masks, EdgeRulesAgreeAtFourFaces) {
     for (const Rules rules : kCatmullClark)
         EXPECT_EQ(refinementMask(rules, 1, 3, 4), (Mask{0, 0.25, 0.5, 0.25}));
 }
 
-// Six faces: siggraph96 gives (C + 2A + 3M)/6; cse96 does not look at n.
+// With six faces, siggraph96 gives (C + 2A + 3M)/6; cse96 does not depend on n.
 TEST(Masks, EdgeRulesDifferAtSixFaces) {
     EXPECT_EQ(refinementMask(Rules::Siggraph96, 1, 3, 6), (Mask{0, 3. / 6, 2. / 6, 1. / 6}));
     EXPECT_EQ(refinementMask(Rules::Cse96, 1, 3, 6), (Mask{0, 0.25, 0.5, 0.25}));
 }
 
-// DESIGN section 3: with two faces M has the weight (2 − 3)/2.
+// With two faces, the weight of M is (2 − 3)/2.
 TEST(Masks, InteriorEdgeOfTwoFacesHasANegativeWeight) {
     EXPECT_EQ(refinementMask(Rules::Siggraph96, 1, 3, 2), (Mask{0, -0.5, 1, 0.5}));
 }
 
-// Catmull-Clark: Q/n + 2R/n + S(n − 3)/n; at n = 4 the (Q + 2R + S)/4 of Joy's notes.
+// Catmull-Clark: Q/n + 2R/n + S(n − 3)/n; for n = 4, (Q + 2R + S)/4 as in Joy's notes.
 TEST(Masks, SurfaceVertexIsCatmullClark) {
     EXPECT_EQ(refinementMask(Rules::Siggraph96, 0, 2, 4), (Mask{0.25, 0.5, 0.25, 0}));
     EXPECT_EQ(refinementMask(Rules::Siggraph96, 0, 2, 3), (Mask{0, 2. / 3, 1. / 3, 0}));

@@ -16,12 +16,13 @@ namespace {
 
 using far::TriangleSubdivision;
 
-/// MLCA as it is told: points are split multilinearly, and then each becomes the mean of the
-/// centroids of the sub-cells around it, which are the cells (faces, edges, vertices) of the child.
+/// MLCA as the paper describes it: splits points multilinearly; then each point becomes the mean of
+/// the centroids of the sub-cells around it, which are the cells (faces, edges, vertices) of the
+/// child.
 class SplitAndAveraged {
 public:
     SplitAndAveraged(const far::Level& level, std::span<const double> values)
-        : level_(level), split_(level.complex) {  // all of it, whatever boundary control there is
+        : level_(level), split_(level.complex) {  // all children, whatever the boundary control
         const CellComplex& parent = level.complex;
         for (Index vertex = 0; vertex < split_.child().count(0); ++vertex) {
             const Entity entity = split_.parentOf({0, vertex}).upper;
@@ -29,7 +30,8 @@ public:
         }
     }
 
-    /// The rule of the entity's stratum, or the blend of two where sharpness runs out.
+    /// Returns the value by the rule of the entity's stratum, or the blend of two rules if its
+    /// sharpness runs out.
     double at(Entity entity, far::Creasing creasing) const {
         const auto fading = far::fadingOf(level_.complex, level_.strata, creasing, entity);
         const double now = averaged(entity, level_.strata.of(entity), {});
@@ -45,7 +47,7 @@ private:
         return sum / double(vertices.size());
     }
 
-    /// \param crease the edges to go by alone, if any
+    /// \param crease the only edges to average over, if any
     double averaged(Entity entity, int stratum,
                     const std::optional<std::array<Index, 2>>& crease) const {
         const CellComplex& child = split_.child();
@@ -67,7 +69,7 @@ private:
     std::vector<double> values_;
 };
 
-/// Lattices, meshes and curves with every feature that there is a rule for.
+/// Returns lattices, meshes and curves with every feature that has a rule.
 std::vector<NamedLattice> everything() {
     std::vector<NamedLattice> all;
     for (const auto& shapes : {zoo(), featureLattices(), meshZoo()})
@@ -84,12 +86,13 @@ std::vector<NamedLattice> everything() {
     return all;
 }
 
-/// Calls check(name, refiner) for each shape with its own boundary control and without any.
+/// Calls check(refiner) for each shape, with its own boundary control and without any.
 template <class Check>
 void forEachRefinedShape(int levels, Check check) {
     for (const auto& [name, lattice] : everything())
         for (const bool isOpen : {false, true}) {
             far::RefinerOptions options = refinerOptions(lattice);
+            options.rules = Rules::Mlca;
             if (isOpen) options.boundary = Boundary::Open;
             TopologyRefiner refiner(lattice.complex, options);
             try {
@@ -104,21 +107,22 @@ void forEachRefinedShape(int levels, Check check) {
 }
 
 TEST(Mlca, SplitsAndAverages) {
-    std::map<std::array<int, 3>, int> seen;  // complexes of a dimension, entities, strata
+    std::map<std::array<int, 3>, int> seen;  // by dimension of the complex and of the entity, and
+                                             // stratum
     int fading = 0;
     forEachRefinedShape(2, [&](const TopologyRefiner& refiner) {
         for (int k = 1; k <= 2; ++k) {
             const far::Level& parent = refiner.level(k - 1);
             const auto values = randomValues(parent.complex.count(0), 3);
             const SplitAndAveraged reference(parent, values);
-            const auto table = buildLevelTable(refiner, k, Rules::Mlca);
+            const auto table = buildLevelTable(refiner, k);
             for (Index row = 0; row < table.rowCount(); ++row) {
                 const Entity entity = test::parentOf(refiner, k, row);
                 double value = 0;
                 for (std::size_t i = 0; i < table.columns(row).size(); ++i)
                     value += table.weights(row)[i] * values[table.columns(row)[i]];
-                // Of values below 1, up to four thousand shares at a pole of 360 faces, each
-                // rounded by its own size: 2⁻⁵³ times a sum of 1, some times over.
+                // Values are below 1. At a pole of 360 faces, up to four thousand terms are each
+                // rounded in proportion to their size: 2⁻⁵³ times a sum of 1, a few times.
                 ASSERT_NEAR(value, reference.at(entity, refiner.options().creasing), 1e-13)
                     << "level " << k << " row " << row;
                 ++seen[{refiner.dimension(), entity.dimension, parent.strata.of(entity)}];
@@ -137,13 +141,13 @@ TEST(Mlca, SplitsAndAverages) {
     EXPECT_GT(fading, least(1000));
 }
 
-// No weight is negative but where Chaikin's rule for sharpness extrapolates, as it does for all
-// rules: what is refined stays in the hull.
+// Weights are positive, so refinement stays in the convex hull. The exception is Chaikin's rule for
+// sharpness, which extrapolates under all rules.
 TEST(Mlca, RowsArePositiveAndSumToOne) {
     forEachRefinedShape(2, [](const TopologyRefiner& refiner) {
         const bool extrapolates = refiner.options().creasing == far::Creasing::Chaikin &&
                                   refiner.level(0).strata.hasSemiSharp();
-        const auto table = buildStencils(refiner, 2, Rules::Mlca);
+        const auto table = buildStencils(refiner, 2);
         for (Index row = 0; row < table.rowCount(); ++row) {
             double sum = 0;
             for (const double weight : table.weights(row)) {
@@ -157,9 +161,9 @@ TEST(Mlca, RowsArePositiveAndSumToOne) {
     });
 }
 
-// On grids all rules are the cubic B-spline's, whose weights on the way are sums of powers of two:
-// there is no rounding.
-TEST(Mlca, OfGridsIsCatmullClark) {
+// On grids, all rules are the cubic B-spline's. All weights are sums of powers of two, so there is
+// no rounding.
+TEST(Mlca, EqualsCatmullClarkOnGrids) {
     const std::vector<CellComplex> grids = {
         test::grid({4, 3, 5}), test::grid({1, 1, 1}),     test::grid({3, 1, 2}),   gridMesh(5, 4),
         gridMesh(1, 3),        far::buildCurve(7, false), far::buildCurve(5, true)};
@@ -172,17 +176,18 @@ TEST(Mlca, OfGridsIsCatmullClark) {
                 EXPECT_EQ(boundary, Boundary::Open);
                 continue;
             }
+            const TopologyRefiner mlca = withRules(refiner, Rules::Mlca);
             for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
+                const TopologyRefiner other = withRules(refiner, rules);
                 for (const int level : {1, 2})
-                    EXPECT_EQ(buildLevelTable(refiner, level, Rules::Mlca),
-                              buildLevelTable(refiner, level, rules));
-                EXPECT_EQ(buildStencils(refiner, 2, Rules::Mlca), buildStencils(refiner, 2, rules));
+                    EXPECT_EQ(buildLevelTable(mlca, level), buildLevelTable(other, level));
+                EXPECT_EQ(buildStencils(mlca, 2), buildStencils(other, 2));
             }
         }
 }
 
-/// A lattice whose cells join each face of a polyhedron with one more vertex, in its middle: at the
-/// edge to a vertex where n faces meet there are n cells.
+/// Builds a lattice from a polyhedron: each cell joins a face of the polyhedron with a vertex in
+/// the middle. The edge from the middle to a vertex where n faces meet is in n cells.
 CellComplex coneOver(const Lattice& polyhedron) {
     far::ComplexBuilder builder(3, polyhedron.complex.count(0));
     const Index middle = builder.addVertex();
@@ -195,7 +200,8 @@ CellComplex coneOver(const Lattice& polyhedron) {
     return builder.build();
 }
 
-/// All are cut into hexahedra by one split: cells where three edges meet in each vertex.
+/// Returns lattices that one split cuts into hexahedra: three edges of each cell meet in each
+/// vertex.
 std::vector<std::pair<std::string, CellComplex>> simpleCells() {
     std::vector<std::pair<std::string, CellComplex>> all = {
         {"star of a tetrahedron", coneOver(shapes::tetrahedron())},
@@ -209,18 +215,19 @@ std::vector<std::pair<std::string, CellComplex>> simpleCells() {
     return all;
 }
 
-// Inside hexahedra the edge rule is that of CSE-96-1, and the vertex rule too but for its M, in
-// which an edge counts once for each of its cells. A needs no such care, for each inner face has
-// two cells.
-TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
+// Inside hexahedra, the edge rule is equal to that of CSE-96-1. The vertex rule differs in M only,
+// which counts an edge once for each of its cells. A needs no such weights, since each inner face
+// has two cells.
+TEST(Mlca, EqualsCse96WithWeightedEdgesInHexahedra) {
     std::set<std::size_t> cellsAtEdges;
     int weighted = 0;
     for (const auto& [name, base] : simpleCells()) {
-        TopologyRefiner refiner = test::refined(base, 3);
+        const TopologyRefiner refiner = test::refined(base, 3, {.rules = Rules::Mlca});
+        const TopologyRefiner cseRefiner = withRules(refiner, Rules::Cse96);
         for (int level = 2; level <= 3; ++level) {
             const CellComplex& complex = refiner.level(level - 1).complex;
-            const auto table = buildLevelTable(refiner, level, Rules::Mlca);
-            const auto cse = buildLevelTable(refiner, level, Rules::Cse96);
+            const auto table = buildLevelTable(refiner, level);
+            const auto cse = buildLevelTable(cseRefiner, level);
             for (Index cell = 0; cell < complex.count(3); ++cell)
                 ASSERT_EQ(complex.relation(3, 0)[cell].size(), 8u) << name;
             for (Index row = 0; row < table.rowCount(); ++row) {
@@ -245,37 +252,37 @@ TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
                                8;
                     weighted += difference(expected, rowOf(cse, row)) > 1e-3;
                 }
-                // Sums of some fifty terms, those of both, that come to 1.
+                // The two sums have about fifty terms together, and are 1.
                 ASSERT_LE(difference(rowOf(table, row), expected), 4e-15)
                     << name << " level " << level << " row " << row;
             }
         }
     }
     EXPECT_THAT(cellsAtEdges, ::testing::IsSupersetOf({3u, 4u, 5u, 7u}));
-    EXPECT_GT(weighted, 10);  // where the edges at a vertex differ in their cells
+    EXPECT_GT(weighted, 10);  // vertices whose edges differ in their number of cells
 }
 
 Row mlcaRow(const CellComplex& complex, Entity entity) {
-    TopologyRefiner refiner = test::refined(complex, 1);
-    return rowOf(buildLevelTable(refiner, 1, Rules::Mlca), pointOf(refiner, 1, entity));
+    const TopologyRefiner refiner = test::refined(complex, 1, {.rules = Rules::Mlca});
+    return rowOf(buildLevelTable(refiner, 1), pointOf(refiner, 1, entity));
 }
 
-// The point of a pyramid is nearer to its apex than its centroid is. The sub-cell at a corner of
-// the base is a hexahedron, and gives the apex (0 + M 1/2 + A 2/3 + C 1/5)/8 = 41/240, with one of
-// three edges and two of three triangles to it; that at the apex has ten vertices, and gives it
-// (1 + 4/2 + 4/3 + 1/5)/10 = 34/75. So (4 · 41/240 + 34/75)/5 = 341/1500, and a fourth of the rest
-// for each corner.
+// The point of a pyramid is nearer to its apex than the centroid is. The sub-cell at a corner of
+// the base is a hexahedron. In its centroid, the apex has the weight (0 + M 1/2 + A 2/3 + C 1/5)/8
+// = 41/240, since one of three edges and two of three faces contain the apex. The sub-cell at the
+// apex has ten vertices; there, the weight is (1 + 4/2 + 4/3 + 1/5)/10 = 34/75. So the apex has (4
+// · 41/240 + 34/75)/5 = 341/1500, and each corner a fourth of the rest.
 TEST(Mlca, GoldenPointOfAPyramid) {
     const double apex = 341. / 1500, corner = (1 - apex) / 4;
     expectRow(mlcaRow(singleCell(far::StandardCell::Pyramid), {3, 0}),
               {{0, corner}, {1, corner}, {2, corner}, {3, corner}, {4, apex}});
 }
 
-// On the surface of a tetrahedron. A vertex is (Ā + 2M̄ + P)/4: of itself (1/3 + 1 + 1)/4 = 7/12,
-// the same share of the rest for the others. An edge is (Ā + M̄' + 2M)/4: an end has 1/3 of both
-// centroids, 1/2 of two of the four edges beside, and 1/2 of M: (1/3 + 1/4 + 1)/4 = 19/48; the
-// other two vertices (1/6 + 1/4)/4 = 5/48. Catmull-Clark has 4/9 for the vertex, and 5/12 for the
-// end.
+// On the surface of a tetrahedron. A vertex is (Ā + 2M̄ + P)/4: its own weight is (1/3 + 1 + 1)/4 =
+// 7/12, and the other vertices have equal weights. An edge is (Ā + M̄' + 2M)/4: each end has 1/3 in
+// both centroids, 1/2 in two of the four edges beside the edge, and 1/2 in M: (1/3 + 1/4 + 1)/4 =
+// 19/48; the other two vertices have (1/6 + 1/4)/4 = 5/48. Catmull-Clark gives 4/9 to the vertex,
+// and 5/12 to each end.
 TEST(Mlca, GoldenPointsOfATetrahedralSurface) {
     const CellComplex mesh = far::buildMesh(4, far::faceLoops(far::StandardCell::Tetrahedron));
     const double other = 5. / 36;
@@ -286,7 +293,7 @@ TEST(Mlca, GoldenPointsOfATetrahedralSurface) {
     expectRow(mlcaRow(mesh, {1, 0}), expected);
 }
 
-// Where the loop of a face passes a vertex twice there are two sub-cells, with two edges each.
+// If the loop of a face passes a vertex twice, the vertex has two sub-cells, with two edges each.
 TEST(Mlca, SubCellsAreAtPositionsOfALoop) {
     const CellComplex mesh = far::buildMesh(5, Loops{{0, 1, 2, 0, 3, 4}});
     const auto edges = mesh.relation(2, 1)[0];
@@ -296,9 +303,9 @@ TEST(Mlca, SubCellsAreAtPositionsOfALoop) {
               (std::vector<Entity>{{0, 0}, {1, edges[3]}, {1, edges[2]}, {2, 0}}));
 }
 
-/// Two prisms of two storeys on a triangle that they share, each one cell. On the far storey of the
-/// lower one, three faces of four corners or, with the same vertices and as many faces, one of
-/// three corners and one of five: f–i is there, or d–i.
+/// Returns the faces of a prism of two storeys on the triangle a b c, as one cell. Its far storey
+/// has either three faces of four corners or, with the same vertices and the same number of faces,
+/// one of three corners and one of five: with the edge f–i, or with the edge d–i.
 Loops twoStoreys(std::array<Index, 9> v, bool isTurned) {
     const auto [a, b, c, d, e, f, g, h, i] = v;
     Loops loops = {{a, b, c}, {a, b, e, d}, {b, c, f, e}, {c, a, d, f}, {d, e, h, g}, {g, h, i}};
@@ -309,9 +316,10 @@ Loops twoStoreys(std::array<Index, 9> v, bool isTurned) {
     return loops;
 }
 
-// The point of a cell depends on all its edges and faces, and so do rows inside an entity that only
-// some of these touch. Around the shared triangle, the two pieces look the same to Surroundings.
-TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
+// The point of a cell depends on all edges and faces of the cell, so rows inside an entity depend
+// on faces that do not touch the entity. Around the shared triangle, the two pieces look the same
+// to Surroundings.
+TEST(Mlca, RowsOfLatticesAreNotCopiedByShape) {
     far::ComplexBuilder builder(3, 30);
     for (const Index first : {0, 15})
         for (const Index storey : {3, 9}) {
@@ -319,11 +327,10 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
             for (Index k = 0; k < 9; ++k) vertices[k] = first + (k < 3 ? k : storey + k - 3);
             builder.addCell(twoStoreys(vertices, first == 15 && storey == 9));
         }
-    TopologyRefiner refiner = test::refined(builder.build(), 2);
-    const auto whole = buildStencils(refiner, 2, Rules::Mlca);
-    EXPECT_EQ(whole, multiply(buildLevelTable(refiner, 2, Rules::Mlca),
-                              buildLevelTable(refiner, 1, Rules::Mlca)));
-    // The pieces differ: in the point of the shared triangle, on both levels.
+    TopologyRefiner refiner = test::refined(builder.build(), 2, {.rules = Rules::Mlca});
+    const auto whole = buildStencils(refiner, 2);
+    EXPECT_EQ(whole, multiply(buildLevelTable(refiner, 2), buildLevelTable(refiner, 1)));
+    // The two pieces differ on both levels in the point of the shared triangle.
     std::set<std::vector<double>> rows;
     const CellComplex& base = refiner.level(0).complex;
     for (Index face = 0; face < base.count(2); ++face)
@@ -336,12 +343,10 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
 
 TEST(Mlca, HasNoSmoothTriangles) {
     for (const CellComplex& complex :
-         {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)}) {
-        TopologyRefiner refiner =
-            test::refined(complex, 1, {.triangles = TriangleSubdivision::Smooth});
+         {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)})
         EXPECT_REFUSED(Error, "MLCA do not have smooth triangles",
-                       buildStencils(refiner, 1, Rules::Mlca));
-    }
+                       TopologyRefiner(complex, {.rules = Rules::Mlca,
+                                                 .triangles = TriangleSubdivision::Smooth}));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ TEST(Multiply, IsTheProductOfMatrices) {
     EXPECT_THROW(multiply(right, left), Error);
 }
 
-/// Rows of up to `longest` entries that lie within `band` columns.
+/// Returns rows of up to `longest` entries, each row within `band` columns.
 StencilTable<double> randomTable(Index rows, Index columns, Index longest, Index band,
                                  unsigned seed) {
     std::mt19937 random(seed);
@@ -34,7 +34,7 @@ StencilTable<double> randomTable(Index rows, Index columns, Index longest, Index
         chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
         for (const Index column : chosen) {
             all.push_back(column);
-            // Halves cancel now and then.
+            // Sums of multiples of 1/4 sometimes cancel exactly.
             weights.push_back(double(random() % 9) / 2 - 2.25);
         }
         offsets.push_back(Offset(all.size()));
@@ -42,8 +42,8 @@ StencilTable<double> randomTable(Index rows, Index columns, Index longest, Index
     return StencilTable<double>(columns, std::move(offsets), std::move(all), std::move(weights));
 }
 
-/// The product by its definition, entry by entry; the largest factor of a row last, as it is asked
-/// for where sums are compared to the last bit.
+/// Multiplies entry by entry, by definition. The largest factor of a row comes last, as in
+/// multiply(), so that sums agree to the last bit.
 StencilTable<double> plainProduct(const StencilTable<double>& left,
                                   const StencilTable<double>& right) {
     Array<Offset> offsets = {0};
@@ -75,8 +75,8 @@ StencilTable<double> plainProduct(const StencilTable<double>& left,
                                 std::move(weights));
 }
 
-// Rows that share all their columns, some, or none; rows without entries; sums that cancel; rows
-// wider than any block; more rows than a thread takes at once.
+// The tables have rows that share all, some or none of their columns; rows without entries; sums
+// that cancel; rows wider than any block; and more rows than a thread takes at once.
 TEST(Multiply, IsThePlainProductToTheLastBit) {
     struct Case {
         Index rows, middles, columns, longest, band;
@@ -122,9 +122,10 @@ TEST(RowOrder, KeepsGroupsTogetherAndTheirRowsInOrder) {
     EXPECT_TRUE(RowOrder().isSameGroup(3, 9));
 }
 
-// In a box of unit cells, the base entity in whose interior a refined vertex lies is that of the
-// point whose coordinates are its own, or 1/2 where those are between two numbers.
-TEST(BaseEntities, AreThoseThatVerticesLieIn) {
+// In a box of unit cells, the base entity that contains a refined vertex in its interior is the one
+// whose centre has the vertex's coordinates, with 1/2 in place of coordinates that are not
+// integers.
+TEST(BaseEntities, ContainTheVerticesInTheirInterior) {
     const Lattice box = shapes::box({.cells = {2, 1, 1}, .max = {2, 1, 1}});
     TopologyRefiner refiner = test::refined(box.complex, 3);
     const auto centre = [&](int dimension, Index index) {
@@ -139,8 +140,8 @@ TEST(BaseEntities, AreThoseThatVerticesLieIn) {
     for (int d = 0; d <= 3; ++d)
         for (Index index = 0; index < box.complex.count(d); ++index)
             centres.push_back(centre(d, index));
-    // Linear precision: the vertices of a box of a level lie where the grid of that level does.
-    const auto positions = refinePositions(refiner, 3, Rules::Siggraph96, box.positions);
+    // By linear precision, the vertices of a level are at the points of a finer grid.
+    const auto positions = refinePositions(refiner, 3, box.positions);
     const auto origins = baseEntities(refiner, 3);
     ASSERT_EQ(origins.back().count(), Index(centres.size()));
     const auto ofVertices = origins.back().of(0);

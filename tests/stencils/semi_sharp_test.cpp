@@ -11,14 +11,14 @@ namespace {
 using far::kInfinitelySharp;
 using far::Marks;
 
-/// The plane of 4 × 4 quadrilaterals; 12 is its middle, 11, 13, 7 and 17 are around it, and 6, 8,
-/// 16 and 18 the corners.
+/// Returns R_1 of a plane of 4 × 4 quadrilaterals. Vertex 12 is its middle; 11, 13, 7 and 17 are
+/// its neighbours, and 6, 8, 16 and 18 are diagonal to it.
 StencilTable<double> levelTable(const Marks& marks) {
     TopologyRefiner refiner = refined(gridMesh(4, 4), 1, {.marks = marks});
     return buildLevelTable(refiner, 1);
 }
 
-/// The row of the point of the edge from 11 to 12.
+/// Returns the row of the point of the edge from 11 to 12.
 Row westRow(const Marks& marks) {
     TopologyRefiner refiner = refined(gridMesh(4, 4), 1, {.marks = marks});
     const CellComplex& base = refiner.level(0).complex;
@@ -29,8 +29,8 @@ Row westRow(const Marks& marks) {
     return {};
 }
 
-// Smooth, an edge point of a regular mesh is 3/8 of its ends and 1/16 of the four across; sharp,
-// the midpoint. A sharpness s between 0 and 1 blends the two.
+// The smooth edge point of a regular mesh is 3/8 of each end and 1/16 of each of the four vertices
+// across; the sharp one is the midpoint. A sharpness s between 0 and 1 blends the two.
 TEST(SemiSharp, GoldenEdgePoint) {
     const auto blend = [](double s) {
         const double end = s / 2 + (1 - s) * 3 / 8, across = (1 - s) / 16;
@@ -43,8 +43,9 @@ TEST(SemiSharp, GoldenEdgePoint) {
     expectRow(westRow({.edges = {{{11, 12}, 3.5}}}), {{11, 0.5}, {12, 0.5}});
 }
 
-// Smooth, a vertex point of a regular mesh is 9/16 of the old one, 3/32 of each neighbour and 1/64
-// of each corner across; on a crease, 3/4 and twice 1/8; on a corner, the old one.
+// The smooth vertex point of a regular mesh is 9/16 of the old point, 3/32 of each neighbour and
+// 1/64 of each diagonal vertex; on a crease, 3/4 of the old point and 1/8 of each of two
+// neighbours; at a corner, the old point.
 TEST(SemiSharp, GoldenVertexPoint) {
     const double w = 0.5;  // the mean of 0.75 and 0.25
     const double alongCrease = w / 8 + (1 - w) * 3 / 32, across = (1 - w) * 3 / 32;
@@ -59,16 +60,16 @@ TEST(SemiSharp, GoldenVertexPoint) {
                {8, corner},
                {16, corner},
                {18, corner}});
-    // A corner by three edges, of which one fades: 1/4 corner, 3/4 crease along the other two.
+    // A corner by three edges, one of which fades: 1/4 corner, and 3/4 crease along the other two.
     expectRow(
         rowOf(levelTable({.edges = {{{11, 12}, kInfinitelySharp}, {{12, 17}, 5}, {{7, 12}, 0.25}}}),
               12),
         {{12, 0.25 + 0.75 * 3 / 4}, {11, 0.75 / 8}, {17, 0.75 / 8}});
-    // A vertex of its own sharpness.
+    // A vertex that is sharp itself.
     expectRow(rowOf(levelTable({.vertices = {{12, 2}}}), 12), {{12, 1}});
 }
 
-// On a curve, (P₋ + 6P + P₊)/8 smooth, and the vertex itself sharp.
+// On a curve, the smooth rule is (P₋ + 6P + P₊)/8, and the sharp rule the vertex itself.
 TEST(SemiSharp, GoldenVertexPointOfACurve) {
     for (const bool closed : {false, true}) {
         TopologyRefiner refiner =
@@ -77,8 +78,9 @@ TEST(SemiSharp, GoldenVertexPointOfACurve) {
     }
 }
 
-// TriangleSubdivision::Smooth: of an edge between triangles, each centroid has 0.47, and each end
-// 0.03 besides; between a triangle and a square, each centroid has (0.47 + 0.25)/2 = 0.36.
+// TriangleSubdivision::Smooth: in an edge between two triangles, each centroid has the weight 0.47,
+// and each end 0.03 in addition; between a triangle and a square, each centroid has (0.47 + 0.25)/2
+// = 0.36.
 TEST(SemiSharp, GoldenSmoothTriangles) {
     const CellComplex mesh = far::buildMesh(6, Loops{{0, 1, 2}, {1, 0, 3}, {0, 2, 4, 5}});
     TopologyRefiner refiner = refined(mesh, 1, {.triangles = far::TriangleSubdivision::Smooth});
@@ -95,13 +97,13 @@ TEST(SemiSharp, GoldenSmoothTriangles) {
               {{0, 0.03 + 2 * 0.47 / 3}, {1, 0.03 + 2 * 0.47 / 3}, {2, 0.47 / 3}, {3, 0.47 / 3}});
     const double end = (1 - 2 * 0.36) / 2 + 0.36 / 3 + 0.36 / 4;
     expectRow(edgeRow(0, 2), {{0, end}, {2, end}, {1, 0.12}, {4, 0.09}, {5, 0.09}});
-    // A sharp edge stays the midpoint.
+    // A sharp edge still gives the midpoint.
     expectRow(edgeRow(1, 2), {{1, 0.5}, {2, 0.5}});
 }
 
-// Sharpness of exactly k means k levels of the sharp rules, and the smooth ones from then on: on
-// the surface of a lattice as on a mesh.
-TEST(SemiSharp, WholeSharpnessIsSomeSharpLevelsThenSmoothOnes) {
+// A sharpness of exactly k means k levels of the sharp rules, followed by the smooth rules, on the
+// surface of a lattice as on a mesh.
+TEST(SemiSharp, IntegerSharpnessGivesSharpLevelsThenSmoothOnes) {
     const CellComplex box = grid({2, 1, 1});
     Marks sharp, once;
     for (Index edge = 0; edge < box.count(1); ++edge) {
@@ -127,8 +129,8 @@ TEST(SemiSharp, WholeSharpnessIsSomeSharpLevelsThenSmoothOnes) {
     EXPECT_EQ(buildLevelTable(fading, 2), buildLevelTable(never, 1));
 }
 
-// Rows near a vertex of 360 edges keep double precision: P has the weight 358/360 + 360/(3·360²) in
-// the cone of triangles, and 721 shares add up to it.
+// Rows near a vertex of 360 edges keep double precision. In the cone of triangles, P has the weight
+// 358/360 + 360/(3·360²), which is the sum of 721 terms.
 TEST(Stencils, PoleOf360EdgesKeepsItsPrecision) {
     const Index n = 360;
     Loops loops;
@@ -139,7 +141,7 @@ TEST(Stencils, PoleOf360EdgesKeepsItsPrecision) {
     TopologyRefiner refiner = refined(far::buildMesh(n + 2, loops), 2);
     const double exact = 358. / 360 + 1. / (3 * 360);
     EXPECT_NEAR(rowOf(buildLevelTable(refiner, 1), 0).weights.at(0), exact, 2e-16);
-    // Two levels: R₂ R₁ by its definition, in long double.
+    // Two levels: R₂ R₁ by definition, in long double.
     const auto first = buildLevelTable(refiner, 1), second = buildLevelTable(refiner, 2);
     long double expected = 0;
     for (const auto& [middle, factor] : rowOf(second, 0).weights) {

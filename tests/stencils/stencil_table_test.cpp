@@ -11,7 +11,7 @@ template <class Real>
 class StencilTableTest : public ::testing::Test {};
 TYPED_TEST_SUITE(StencilTableTest, Reals);
 
-TYPED_TEST(StencilTableTest, GivesItsRows) {
+TYPED_TEST(StencilTableTest, ReturnsItsRows) {
     const StencilTable<TypeParam> table(4, {0, 2, 2, 3}, {1, 3, 0}, {.25, .75, 1});
     EXPECT_EQ(table.rowCount(), 3);
     EXPECT_EQ(table.columnCount(), 4);
@@ -23,7 +23,7 @@ TYPED_TEST(StencilTableTest, GivesItsRows) {
     EXPECT_EQ(StencilTable<TypeParam>().rowCount(), 0);
 }
 
-TYPED_TEST(StencilTableTest, RefusesWhatIsNoTable) {
+TYPED_TEST(StencilTableTest, RefusesInvalidArrays) {
     const auto expectRefused = [](const char* why, Index columnCount, Array<Offset> offsets,
                                   Array<Index> columns, std::size_t weights) {
         EXPECT_REFUSED(
@@ -41,7 +41,7 @@ TYPED_TEST(StencilTableTest, RefusesWhatIsNoTable) {
     expectRefused("row 1 of the table has columns that do not ascend", 4, {0, 1, 3}, {0, 2, 2}, 3);
 }
 
-// Rows 0 and 2 of a 3 × 4 matrix, by hand.
+// A 3 × 4 matrix with an empty row, by hand.
 TYPED_TEST(StencilTableTest, EigenSeesTheMatrix) {
     const StencilTable<TypeParam> table(4, {0, 2, 2, 3}, {1, 3, 0}, {.25, .75, 1});
     const SparseView<TypeParam> view(table);
@@ -53,10 +53,10 @@ TYPED_TEST(StencilTableTest, EigenSeesTheMatrix) {
     EXPECT_EQ(view.matrix().innerIndexPtr(), table.columns().data());
 }
 
-TYPED_TEST(StencilTableTest, ComesBackFromEigen) {
+TYPED_TEST(StencilTableTest, RoundTripsThroughEigen) {
     const StencilTable<TypeParam> table(4, {0, 2, 2, 3}, {1, 3, 0}, {.25, .75, 1});
     EXPECT_EQ(fromEigen(SparseView<TypeParam>(table).matrix()), table);
-    // From the other storage order, and from an expression: twice the transpose, transposed.
+    // From the other storage order, and from an expression.
     const Eigen::SparseMatrix<TypeParam> columnMajor = SparseView<TypeParam>(table).matrix();
     EXPECT_EQ(fromEigen(columnMajor), table);
     EXPECT_EQ(fromEigen(columnMajor * TypeParam{2}).weights(2)[0], 2);
@@ -79,14 +79,14 @@ TEST(StencilTable, TransposeHasTheEntriesByColumns) {
               StencilTable<double>(0, {0, 0, 0}, {}, {}));
 }
 
-TEST(StencilTable, SelectedRowsComeInTheOrderAskedFor) {
+TEST(StencilTable, SelectedRowsHaveTheGivenOrder) {
     const StencilTable<float> table(4, {0, 3, 3, 5}, {0, 1, 3, 1, 3}, {1, 2, 3, 4, 5});
     const std::vector<Index> rows = {2, 1, 2};
     EXPECT_EQ(selectRows<float>(table, rows),
               StencilTable<float>(4, {0, 2, 2, 4}, {1, 3, 1, 3}, {4, 5, 4, 5}));
 }
 
-// Two points, of each the position and a derivative.
+// Two points, each with its position and a derivative.
 TYPED_TEST(StencilTableTest, TablesInterleaveRowByRow) {
     using Table = StencilTable<TypeParam>;
     const Table position(3, {0, 2, 3}, {0, 1, 2}, {.5, .5, 1});

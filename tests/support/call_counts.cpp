@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <cstddef>
 
-// The C library lets a program have functions of its own in the place of these, and its allocator
-// has second names for those who do.
+// Replaces functions of the C library. The C library allows this, and offers its own allocator
+// under second names.
 namespace {
 
 std::atomic<long> allocations = 0;

@@ -5,10 +5,10 @@
 
 namespace espalier::test {
 
-/// Calls of this process, by whatever library.
+/// Numbers of calls of this process, in any library.
 struct CallCounts {
-    long allocations = 0;  ///< malloc and its kin, by which operator new gets its memory, too
-    long locks = 0;        ///< of a mutex, or of a flag for what is done once
+    long allocations = 0;  ///< malloc and its relatives; operator new calls them too
+    long locks = 0;        ///< locks of a mutex or of a once flag
 
     friend bool operator==(const CallCounts&, const CallCounts&) = default;
 };
@@ -19,7 +19,7 @@ inline void PrintTo(const CallCounts& counts, std::ostream* out) {
 
 CallCounts callCounts();
 
-/// The calls that work() makes.
+/// Returns the numbers of calls that work() makes.
 template <class Work>
 CallCounts callsOf(Work work) {
     const CallCounts before = callCounts();

@@ -19,7 +19,7 @@ using far::TopologyRefiner;
 
 using Loops = std::vector<std::vector<Index>>;
 
-/// A lattice of the given cells, each a list of loops.
+/// Returns a lattice of the given cells, each a list of loops.
 inline CellComplex lattice(Index vertexCount, const std::vector<Loops>& cells) {
     far::ComplexBuilder builder(3, vertexCount);
     for (const Loops& loops : cells) builder.addCell(loops);
@@ -34,12 +34,12 @@ inline CellComplex singleCell(far::StandardCell cell) {
     return builder.build();
 }
 
-/// Vertex (i, j, k) of an nx × ny × nz grid of cells; i runs fastest.
+/// Returns vertex (i, j, k) of an nx × ny × nz grid of cells; i runs fastest.
 inline Index gridVertex(const std::array<Index, 3>& cells, Index i, Index j, Index k) {
     return (k * (cells[1] + 1) + j) * (cells[0] + 1) + i;
 }
 
-/// The vertices of grid cell (i, j, k), as a hexahedron.
+/// Returns the vertices of grid cell (i, j, k), as a hexahedron.
 inline std::array<Index, 8> gridCell(const std::array<Index, 3>& n, Index i, Index j, Index k) {
     return {gridVertex(n, i, j, k),
             gridVertex(n, i + 1, j, k),
@@ -60,8 +60,8 @@ inline CellComplex grid(const std::array<Index, 3>& n) {
     return builder.build();
 }
 
-/// A bipyramid over an n-gon: vertices 0 to n − 1 round the girdle, of valence 4; n and n + 1 the
-/// apexes, of valence n.
+/// Returns a bipyramid over an n-gon. Vertices 0 to n − 1 are the n-gon, of valence 4; vertices n
+/// and n + 1 are the apexes, of valence n.
 inline Loops bipyramidLoops(Index n) {
     Loops loops;
     for (Index i = 0; i < n; ++i) {
@@ -76,7 +76,7 @@ inline CellComplex bipyramid(Index n) {
     return lattice(n + 2, {bipyramidLoops(n)});
 }
 
-/// A hexahedron with a pyramid on its top, a wedge at its side and a tetrahedron on that.
+/// Returns a hexahedron with a pyramid on top, a wedge at its side and a tetrahedron on the wedge.
 inline CellComplex mixedCells() {
     far::ComplexBuilder builder(3, 12);
     builder.addCell(far::StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
@@ -86,7 +86,7 @@ inline CellComplex mixedCells() {
     return builder.build();
 }
 
-/// A mesh of nx × ny quadrilaterals.
+/// Returns a mesh of nx × ny quadrilaterals.
 inline CellComplex gridMesh(Index nx, Index ny) {
     Loops loops;
     for (Index j = 0; j < ny; ++j)
@@ -97,7 +97,7 @@ inline CellComplex gridMesh(Index nx, Index ny) {
     return far::buildMesh((nx + 1) * (ny + 1), loops);
 }
 
-/// The cells of a complex, as loops anticlockwise from outside.
+/// Returns the cells of a complex, as loops anticlockwise from outside.
 inline std::vector<Loops> cellLoops(const CellComplex& complex) {
     std::vector<Loops> cells;
     for (Index cell = 0; cell < complex.count(3); ++cell)
@@ -105,7 +105,7 @@ inline std::vector<Loops> cellLoops(const CellComplex& complex) {
     return cells;
 }
 
-/// A permutation of 0 to count − 1.
+/// Returns a random permutation of 0 to count − 1.
 inline std::vector<Index> shuffledIndices(Index count, unsigned seed) {
     std::vector<Index> order(count);
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = Index(i);
@@ -113,8 +113,8 @@ inline std::vector<Index> shuffledIndices(Index count, unsigned seed) {
     return order;
 }
 
-/// The same lattice with vertex v renamed to names[v], cells and faces in another order, and loops
-/// that start elsewhere and run either way.
+/// Returns the same lattice with vertex v renamed to names[v], cells and faces in random order, and
+/// loops with random start and direction.
 inline CellComplex relabelled(const CellComplex& complex, const std::vector<Index>& names,
                               unsigned seed) {
     std::mt19937 random(seed);
@@ -132,18 +132,25 @@ inline CellComplex relabelled(const CellComplex& complex, const std::vector<Inde
     return lattice(complex.count(0), cells);
 }
 
-/// Vertices and edges a cell has in a complex, for tests of counts.
+/// Returns the vertices of a cell as a set.
 inline std::set<Index> vertexSet(const CellComplex& complex, Index cell) {
     const auto row = complex.relation(3, 0)[cell];
     return {row.begin(), row.end()};
 }
 
-/// The refiner of a complex, refined to a level.
+/// Returns the refiner of a complex, refined to a level.
 inline far::TopologyRefiner refined(CellComplex base, int level,
                                     const far::RefinerOptions& options = {}) {
     far::TopologyRefiner refiner(std::move(base), options);
     refiner.refineUniform(level);
     return refiner;
+}
+
+/// A refiner of the same base with other rules, refined to the same level.
+inline TopologyRefiner withRules(const TopologyRefiner& refiner, far::Rules rules) {
+    far::RefinerOptions options = refiner.options();
+    options.rules = rules;
+    return refined(refiner.level(0).complex, refiner.maxLevel(), options);
 }
 
 }  // namespace espalier::test

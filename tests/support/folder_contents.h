@@ -9,7 +9,7 @@
 
 namespace espalier::test {
 
-/// What is in a folder, by name: files with their bytes.
+/// Returns the bytes of all files in a folder, by name.
 inline std::map<std::string, std::string> contentsOf(const std::filesystem::path& folder) {
     std::map<std::string, std::string> contents;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <vector>
 
-// What it means that two lattices are the same.
+// Compares lattices.
 
 namespace espalier::test {
 
-/// The faces of each cell as loops anticlockwise from outside, wherever they start and in whatever
-/// order they come.
+/// Returns the faces of each cell as loops anticlockwise from outside, in an order that does not
+/// depend on where loops start or how faces are ordered.
 inline std::vector<std::vector<std::vector<Index>>> orientedCells(const far::CellComplex& complex) {
     std::vector<std::vector<std::vector<Index>>> cells;
     for (Index cell = 0; cell < complex.count(3); ++cell) {

@@ -11,7 +11,7 @@
 
 #include "support/complexes.h"
 
-// Meshes that meshes.h puts features on.
+// Meshes to which meshes.h adds features.
 namespace espalier::test {
 
 inline Lattice mesh(std::vector<Point3> positions, const Loops& loops) {
@@ -28,7 +28,7 @@ inline Loops loopsOf(const Lattice& mesh) {
     return loops;
 }
 
-/// The same mesh with some faces wound the other way.
+/// Returns the same mesh with some faces reversed.
 template <class IsTurned>
 Lattice turned(const Lattice& given, IsTurned isTurned) {
     Loops loops = loopsOf(given);
@@ -39,7 +39,7 @@ Lattice turned(const Lattice& given, IsTurned isTurned) {
     return result;
 }
 
-/// Two meshes as one of two pieces, the second moved along x.
+/// Joins two meshes to one mesh of two pieces, with the second moved along x.
 inline Lattice together(const Lattice& first, const Lattice& second, double distance) {
     Loops loops = loopsOf(first);
     std::vector<Point3> positions = first.positions;
@@ -51,8 +51,9 @@ inline Lattice together(const Lattice& first, const Lattice& second, double dist
     return mesh(std::move(positions), loops);
 }
 
-/// The boundary of a lattice, wound anticlockwise from outside. Its vertices keep their order, and
-/// their numbers where the lattice has no vertex inside. Marks and tags are left behind.
+/// Returns the boundary of a lattice as a mesh, wound anticlockwise from outside. Vertices keep
+/// their order, and their numbers if the lattice has no interior vertex. Marks and tags are not
+/// copied.
 inline Lattice surfaceOf(const Lattice& solid) {
     Loops loops;
     std::vector<char> isUsed(solid.complex.count(0), 0);
@@ -77,16 +78,17 @@ inline Lattice surfaceOf(const Lattice& solid) {
     return mesh(std::move(positions), loops);
 }
 
-/// A cube: vertices 0 to 3 round the bottom, 4 to 7 above them; the first face is the bottom, the
-/// second the top.
+/// Returns a cube. Vertices 0 to 3 are the bottom, 4 to 7 are above them; the first face is the
+/// bottom, the second the top.
 inline Lattice cubeSurface() {
     return mesh(
         {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}},
         {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}});
 }
 
-/// n × n quadrilaterals, those of which isSplit(i, j) is true cut into two triangles from (i, j) to
-/// (i + 1, j + 1). Vertex (i, j) is i + (n + 1) j; uncut, face (i, j) is i + n j.
+/// Returns a mesh of n × n quadrilaterals. If isSplit(i, j) is true, quadrilateral (i, j) is cut
+/// into two triangles from (i, j) to (i + 1, j + 1). Vertex (i, j) is i + (n + 1) j; without cuts,
+/// face (i, j) is i + n j.
 template <class IsSplit>
 Lattice patch(Index n, IsSplit isSplit) {
     std::vector<Point3> positions;
@@ -110,8 +112,8 @@ inline Lattice patch(Index n) {
     return patch(n, [](Index, Index) { return false; });
 }
 
-/// patch(6) with the four faces round its middle made into an octagon, which is the last face;
-/// vertices from the middle on count one less.
+/// Returns patch(6) with the four faces around its middle vertex joined to an octagon, which is the
+/// last face. Vertices after the middle vertex have one number less.
 inline Lattice octagonPatch() {
     const Lattice whole = patch(6);
     const Index middle = 24;
@@ -126,9 +128,9 @@ inline Lattice octagonPatch() {
     return mesh(std::move(positions), loops);
 }
 
-/// Faces of the given numbers of sides side by side round a vertex, and others round another vertex
-/// below them, or none. The rim is vertices 0, 1, ...; the middles follow. Rim vertices that are in
-/// two faces only, one above and one below, have valence 2.
+/// Returns a disk of faces with the given numbers of sides around a vertex, and optionally a second
+/// disk below it, around another vertex. The rim has vertices 0, 1, ...; the middle vertices
+/// follow. A rim vertex that is only in two faces, one above and one below, has valence 2.
 inline Lattice polygonDisk(const std::vector<Index>& above, const std::vector<Index>& below = {}) {
     Index rim = 0;
     for (const Index sides : above) rim += sides - 2;
@@ -155,7 +157,7 @@ inline Lattice polygonDisk(const std::vector<Index>& above, const std::vector<In
     return mesh(std::move(positions), loops);
 }
 
-/// Two polygons back to back: every vertex has valence 2.
+/// Returns two polygons back to back, so that every vertex has valence 2.
 inline Lattice lens(Index sides) {
     std::vector<Point3> positions;
     std::vector<Index> loop;
@@ -167,8 +169,8 @@ inline Lattice lens(Index sides) {
     return mesh(std::move(positions), {loop, {loop.rbegin(), loop.rend()}});
 }
 
-/// A cone of triangles round vertex `sides`, over vertices 0 to sides − 1, closed from below by a
-/// polygon or by another cone round vertex sides + 1.
+/// Returns a cone of triangles around vertex `sides`, over vertices 0 to sides − 1. It is closed
+/// from below by a polygon, or by another cone around vertex sides + 1.
 inline Lattice pole(Index sides, bool hasFlatBottom) {
     Loops loops = bipyramidLoops(sides);
     std::vector<Point3> positions = lens(sides).positions;
@@ -184,8 +186,8 @@ inline Lattice pole(Index sides, bool hasFlatBottom) {
     return mesh(std::move(positions), loops);
 }
 
-/// Fans of triangles round vertex 0: a path p₀ p₁ p₂ ... makes the triangles (0, p₀, p₁), (0, p₁,
-/// p₂), ... Paths that come back to where they began close.
+/// Returns fans of triangles around vertex 0: a path p₀ p₁ p₂ ... makes the triangles (0, p₀, p₁),
+/// (0, p₁, p₂), ... A path that ends at its first vertex makes a closed fan.
 inline Lattice fans(const Loops& paths) {
     Loops loops;
     Index count = 1;
@@ -200,8 +202,8 @@ inline Lattice fans(const Loops& paths) {
     return mesh(std::move(positions), loops);
 }
 
-/// Fins along a chain of edges: counts[i] quadrilaterals at edge i, vertices i and i + 1, all wound
-/// the same way along it.
+/// Returns fins along a chain of edges: edge i has vertices i and i + 1 and counts[i]
+/// quadrilaterals, which all run along it in the same direction.
 inline Lattice fins(const std::vector<Index>& counts) {
     const auto length = Index(counts.size());
     const Index most = *std::max_element(counts.begin(), counts.end());
@@ -210,7 +212,7 @@ inline Lattice fins(const std::vector<Index>& counts) {
     Loops loops;
     for (Index fin = 0; fin < most; ++fin) {
         const double angle = 2 * std::numbers::pi * fin / most;
-        Index last = -2;  // the position on the chain up to which this fin has been made
+        Index last = -2;  // position on the chain up to which this fin is complete
         for (Index i = 0; i < length; ++i) {
             if (fin >= counts[i]) continue;
             for (Index at = last == i ? i + 1 : i; at <= i + 1; ++at)
@@ -223,8 +225,8 @@ inline Lattice fins(const std::vector<Index>& counts) {
     return mesh(std::move(positions), loops);
 }
 
-/// A strip of n × width quadrilaterals, joined to itself with a half twist. Across the seam the
-/// faces run the same way along their common edges.
+/// Returns a strip of n × width quadrilaterals, joined to itself with a half twist. At the seam,
+/// adjacent faces run in the same direction along their common edges.
 inline Lattice moebiusStrip(Index n, Index width) {
     std::vector<Point3> positions;
     for (Index i = 0; i < n; ++i)

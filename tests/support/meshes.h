@@ -14,8 +14,8 @@
 #include "support/random_marks.h"
 #include "support/zoo.h"
 
-// Meshes with every feature that OpenSubdiv's have. See addRandomSharpness() for why some sharpness
-// is in multiples of 1/4.
+// Meshes with every feature that OpenSubdiv's meshes can have. addRandomSharpness() explains why
+// some sharpness values are multiples of 1/4.
 namespace espalier::test {
 
 inline Lattice with(Lattice mesh, far::Marks marks, RefinementTags tags = {}) {
@@ -24,7 +24,7 @@ inline Lattice with(Lattice mesh, far::Marks marks, RefinementTags tags = {}) {
     return mesh;
 }
 
-/// Marks on the edges of a path, with the sharpnesses in turn.
+/// Returns marks on the edges of a path, with these sharpness values in order.
 inline std::vector<far::Marks::Edge> crease(const std::vector<Index>& path,
                                             const std::vector<double>& sharpness) {
     std::vector<far::Marks::Edge> marks;
@@ -33,7 +33,7 @@ inline std::vector<far::Marks::Edge> crease(const std::vector<Index>& path,
     return marks;
 }
 
-/// Several creases.
+/// Joins several creases to one list.
 inline std::vector<far::Marks::Edge> creases(
     const std::vector<std::vector<far::Marks::Edge>>& parts) {
     std::vector<far::Marks::Edge> all;
@@ -45,7 +45,7 @@ class MeshZoo {
 public:
     void add(const std::string& name, Lattice mesh) { all_.push_back({name, std::move(mesh)}); }
 
-    /// The mesh with both methods of creasing.
+    /// Adds the mesh with both methods of creasing.
     void addCreased(const std::string& name, Lattice mesh) {
         mesh.tags.creasing = far::Creasing::Uniform;
         add(name + ", uniform", mesh);
@@ -76,7 +76,7 @@ inline void addClosedMeshes(MeshZoo& zoo) {
     zoo.add("cube with a hole",
             with(cubeSurface(), {.edges = crease({4, 5, 6, 7, 4}, {10, 1.5}), .holes = {1}}));
     zoo.add("two pieces", together(cubeSurface(), patch(3), 2));
-    // Valence 2 inside the surface.
+    // Vertices of valence 2 inside the surface.
     for (Index sides : {3, 4, 5})
         zoo.add("back to back, " + std::to_string(sides) + " sides", lens(sides));
     zoo.add("lens", polygonDisk({5, 4, 5}, {4, 6, 4}));
@@ -105,7 +105,7 @@ inline void addOpenMeshes(MeshZoo& zoo) {
         zoo.add(mode + "octagon", with(octagonPatch(), {}, tags));
         zoo.add(mode + "triangles", with(patch(6, all), {}, tags));
         zoo.add(mode + "triangles and quads", with(patch(6, some), {}, tags));
-        // Away from the boundary, with a crossing in (3, 3).
+        // Creases away from the boundary, which cross in (3, 3).
         zoo.addCreased(mode + "creases inside",
                        with(patch(6),
                             {.edges = creases({crease({15, 16, 17, 24, 25}, {10, 10, 10, 0.75}),
@@ -130,7 +130,7 @@ inline void addOpenMeshes(MeshZoo& zoo) {
         zoo.add(mode + "triangle", with(fans({{1, 2}}), {}, tags));
         zoo.add(mode + "quad", with(patch(1), {}, tags));
         zoo.add(mode + "polygons", with(polygonDisk({3, 4, 5, 6, 7, 8, 9}), {}, tags));
-        // Across the boundary; along it, where marks change nothing.
+        // Creases that end at the boundary, and creases along it, where marks change nothing.
         zoo.addCreased(
             mode + "creases to the boundary",
             with(patch(6),
@@ -141,7 +141,7 @@ inline void addOpenMeshes(MeshZoo& zoo) {
                   .vertices = {{5, 1.3}, {14, 10}, {34, 0.6}}},
                  tags));
     }
-    // Without interpolation, a boundary that is marked sharp stays.
+    // Without boundary interpolation, a boundary that is marked sharp stays.
     std::vector<Index> side = {0, 1, 2, 3, 4, 5, 6};
     zoo.add("none: a sharp side",
             with(patch(6), {.edges = crease(side, {10})}, {.boundary = Boundary::Open}));
@@ -151,7 +151,7 @@ inline void addOpenMeshes(MeshZoo& zoo) {
                                            crease({1, 8, 15}, {10})}),
                          .vertices = {{5, 1.3}}},
                         {.boundary = Boundary::Open}));
-    // With edges only, corners are what is marked.
+    // In mode edge-only, only marked vertices are corners.
     zoo.add("edge only: corners", with(patch(3), {.vertices = {{0, 10}, {3, 0.7}, {12, 2.5}}},
                                        {.boundary = Boundary::EdgeOnly}));
     zoo.add(
@@ -173,20 +173,21 @@ inline void addCreasedMeshes(MeshZoo& zoo) {
     zoo.addCreased("crease of many sharpnesses",
                    with(torus, {.edges = crease({0, 4, 8, 12, 16, 20, 24, 28, 0},
                                                 {0.1, 0.7, 1.0, 2.5, 4.7, 9.9, 10, 0.3})}));
-    // (1, 1) to (3, 1) infinite, (3, 3) to (4, 3) and (1, 5) to (3, 5) semi-sharp.
+    // The crease (1, 1) to (3, 1) is infinite, (3, 3) to (4, 3) and (1, 5) to (3, 5) are
+    // semi-sharp.
     zoo.addCreased(
         "darts",
         with(patch(6), {.edges = creases({crease({8, 9, 10}, {10}), crease({24, 25}, {0.7}),
                                           crease({36, 37, 38}, {2.5, 4.7})})}));
-    // Corners that turn into creases, and these into darts, at different levels.
+    // Corners become creases, and creases darts, at different levels.
     zoo.addCreased(
         "cube of creases",
         with(cubeSurface(), {.edges = creases({crease({0, 1, 2, 3, 0}, {0.25, 1.5, 2.75, 1.0}),
                                                crease({4, 5, 6, 7, 4}, {0.5, 2.0, 1.25, 0.75}),
                                                crease({0, 4}, {3.0}), crease({1, 5}, {2.5}),
                                                crease({2, 6}, {1.75}), crease({3, 7}, {2.25})})}));
-    // Round (1, 1), (4, 1), (1, 4), (4, 4): two infinite and one that fades; two that outlast the
-    // third; four alike; one infinite and two that fade.
+    // The creases at (1, 1): two infinite and one that fades; at (4, 1): two that outlast the
+    // third; at (1, 4): four of equal sharpness; at (4, 4): one infinite and two that fade.
     zoo.addCreased(
         "junctions",
         with(patch(6),
@@ -204,7 +205,8 @@ inline void addCreasedMeshes(MeshZoo& zoo) {
         with(surfaceOf(shapes::bipyramid({.sides = 5})),
              {.edges = creases({crease({0, 6, 1}, {0.25, 1.5}), crease({2, 6, 3}, {2.75, 1.0}),
                                 crease({6, 4}, {2.0})})}));
-    // Vertices that are sharp on creases: for longer than these, for less, and as long.
+    // Sharp vertices on creases stay sharp for more levels than the crease, for fewer, and for as
+    // many.
     zoo.addCreased(
         "sharp vertices on creases",
         with(patch(6),
@@ -212,7 +214,7 @@ inline void addCreasedMeshes(MeshZoo& zoo) {
                                 crease({22, 23, 24, 25, 26}, {4.7}),
                                 crease({36, 37, 38, 39, 40}, {0.7})}),
               .vertices = {{9, 2.5}, {11, 0.7}, {23, 2.5}, {25, 9.9}, {37, 2.5}, {38, 0.7}}}));
-    // The vertex goes over from corner to crease, and later from crease to smooth or to dart.
+    // The vertex changes from corner to crease, and later from crease to smooth or to dart.
     zoo.addCreased(
         "sharp vertices in junctions",
         with(patch(6),
@@ -242,7 +244,7 @@ inline void addSmoothTriangles(MeshZoo& zoo) {
         zoo.add("smooth, " + mode + "triangles and quads",
                 with(patch(6, some), {.holes = {8}}, tags));
     }
-    // Creases between triangles, and between a triangle and a quadrilateral, that fade.
+    // Creases that fade, between triangles, and between a triangle and a quadrilateral.
     zoo.addCreased("smooth: creases",
                    with(patch(6, some),
                         {.edges = creases({crease({8, 16, 17, 24, 25}, {0.7, 1.0, 2.5, 10}),
@@ -256,8 +258,9 @@ inline void addSmoothTriangles(MeshZoo& zoo) {
     }());
 }
 
-/// The start of the names of meshes with a vertex that is a corner here and in OpenSubdiv since
-/// 3.6.1, and a crease before: at two non-manifold edges, with other than fans between both.
+/// Prefix of the names of meshes with a vertex that is a corner in Espalier and in OpenSubdiv since
+/// 3.6.1, and was a crease before: the vertex has two non-manifold edges, and its faces are not
+/// only fans between these two edges.
 inline constexpr std::string_view kCornerSince361 = "corner since 3.6.1: ";
 
 inline void addNonManifoldMeshes(MeshZoo& zoo) {
@@ -279,8 +282,8 @@ inline void addNonManifoldMeshes(MeshZoo& zoo) {
     zoo.add("box with a wall", walled);
     zoo.add("random creases on a box with a wall",
             randomCreases(walled, 7, far::Creasing::Uniform));
-    // Fans between edges (0, 1) and (0, 2): crossed by a crease; with a fan at (0, 1) alone; with a
-    // closed fan, or an open one, that touches in vertex 0.
+    // Fans between edges (0, 1) and (0, 2): with a crease across; with a fan at (0, 1) alone; with
+    // a closed or an open fan that touches only vertex 0.
     const Loops three = {{1, 3, 2}, {1, 4, 5, 2}, {1, 6, 2}};
     zoo.add("fans", fans(three));
     zoo.addCreased("fans with a crease", with(fans(three), {.edges = crease({3, 0, 6}, {1.5, 0.75}),
@@ -295,7 +298,7 @@ inline void addNonManifoldMeshes(MeshZoo& zoo) {
     zoo.add(corner + "fans and a closed fan", fansWith({{7, 8, 9, 7}}));
     zoo.add("fans and an open fan", fansWith({{7, 8, 9}}));
     zoo.add("fans and one that ends", fansWith({{1, 7}, {1, 8, 9}}));
-    // Vertices.
+    // Non-manifold vertices.
     zoo.add("bow tie", fans({{1, 2}, {3, 4}}));
     zoo.add("bow tie of fans", fans({{1, 2, 3}, {4, 5, 6, 7}}));
     zoo.add("edge only: bow tie",
@@ -309,7 +312,7 @@ inline void addNonManifoldMeshes(MeshZoo& zoo) {
             carved([](Index i, Index j, Index k) { return i == j && k == 0; }));
     zoo.add("cubes that touch in a vertex",
             carved([](Index i, Index j, Index k) { return i == j && j == k; }));
-    // Faces that run along an edge the same way.
+    // Adjacent faces that run along their common edge in the same direction.
     zoo.add("two faces wound differently", turned(patch(3), [](Index face) { return face == 0; }));
     zoo.add("a face inside wound differently",
             turned(patch(5), [](Index face) { return face == 12; }));
@@ -322,7 +325,7 @@ inline void addNonManifoldMeshes(MeshZoo& zoo) {
                    with(moebiusStrip(6, 2), {.edges = crease({4, 7, 10, 13}, {2.5, 0.7, 10})}));
 }
 
-/// Faces that pass a vertex more than once, and vertices in no face.
+/// Adds meshes with faces that repeat a vertex, and with vertices in no face.
 inline void addDegenerateMeshes(MeshZoo& zoo) {
     const auto round = [](Index count) {
         std::vector<Point3> positions;
@@ -347,13 +350,13 @@ inline void addDegenerateMeshes(MeshZoo& zoo) {
 }
 
 inline void addPoles(MeshZoo& zoo) {
-    // Vertices of many edges, where sums are long and rounding shows.
+    // Vertices of many edges, whose long sums show rounding errors.
     for (const Index few : {24, 40, 48, 56, 64})
         zoo.add("pole of " + std::to_string(few), pole(few, false));
     const Index sides = 360;
     zoo.add("pole of 360 over a polygon", pole(sides, true));
     zoo.add("two poles of 360", pole(sides, false));
-    // One pole on a crease and the other a corner at first.
+    // One pole is on a crease, and the other is a corner at first.
     zoo.addCreased("poles of 360 with creases",
                    with(pole(sides, false),
                         {.edges = creases({crease({0, 360, 100}, {10}), crease({200, 360}, {0.7}),
@@ -381,7 +384,7 @@ inline void addRandomCreases(MeshZoo& zoo) {
         }
 }
 
-/// Meshes with, among them, every feature of surfaces. No two have the same name.
+/// Returns meshes that together have every feature of surfaces. All names are different.
 inline std::vector<NamedLattice> meshZoo() {
     MeshZoo zoo;
     addClosedMeshes(zoo);

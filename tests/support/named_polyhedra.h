@@ -9,17 +9,17 @@
 #include "support/mesh_shapes.h"
 #include "support/zoo.h"
 
-// The closed meshes whose refinement Azlan & Misro show and count.
+// The closed meshes for which Azlan & Misro show the refinement and its counts.
 namespace espalier::test {
 
-/// Sixty golden rhombi, five round each of 12 vertices, four round each of 30 and three round each
-/// of 20.
+/// Returns sixty golden rhombi: five around each of 12 vertices, four around each of 30 and three
+/// around each of 20.
 ///
-/// With the vertices A, B, C of a face of the icosahedron as vectors, the rhombus A, A + B,
-/// A + B + C, A + C is spanned by B and C from A: its angle at A is that between B and C, arctan 2,
-/// which makes its diagonals have the golden ratio. Each face has three, one from each of its
-/// vertices. So there is a vertex for each vertex, edge and face of the icosahedron, at the sum of
-/// its ends or corners, and these are numbered in this order.
+/// Let the vectors A, B, C be the vertices of a face of the icosahedron. The rhombus A, A + B, A +
+/// B + C, A + C is spanned by B and C from A. Its angle at A is the angle between B and C, arctan
+/// 2, so its diagonals have the golden ratio. Each face gives three rhombi, one from each of its
+/// vertices. So each vertex, edge and face of the icosahedron gives one vertex, at the sum of its
+/// ends or corners; the vertices are numbered in this order.
 inline Lattice rhombicHexecontahedron() {
     const Lattice icosahedron = surfaceOf(shapes::icosahedron());
     const CellComplex& complex = icosahedron.complex;
@@ -43,8 +43,8 @@ inline Lattice rhombicHexecontahedron() {
     return mesh(std::move(positions), loops);
 }
 
-/// The four polyhedra of the paper's tables: cube, pyramid (on a square), dodecahedron and rhombic
-/// hexecontahedron, as closed meshes wound outward.
+/// Returns the four polyhedra of the paper's tables as closed meshes, anticlockwise from outside:
+/// cube, pyramid (on a square), dodecahedron and rhombic hexecontahedron.
 inline std::vector<NamedLattice> namedPolyhedra() {
     return {{"cube", surfaceOf(shapes::cube())},
             {"pyramid", surfaceOf(shapes::pyramid())},

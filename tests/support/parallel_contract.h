@@ -10,7 +10,7 @@
 
 #include "support/test.h"
 
-// What parallelFor() promises, whoever runs its ranges.
+// Tests the promises of parallelFor() for any executor.
 namespace espalier::test {
 
 inline void expectEachItemOnceInFixedRanges() {
@@ -34,8 +34,9 @@ inline void expectTheErrorOfTheLowestRange(int repeats) {
     }
 }
 
-/// That a thread which waits for an inner loop takes up no range of the outer one. A body may hold
-/// a lock round a nested loop, as CellComplex::relation() does, which that range would want too.
+/// Expects that a thread that waits for an inner loop runs no range of the outer loop. A body may
+/// hold a lock around a nested loop, as CellComplex::relation() does, and a range of the outer loop
+/// may need the same lock.
 inline void expectNoOtherWorkWhileWaiting(int repeats) {
     thread_local bool holdsLock = false;
     std::atomic<bool> isEnteredAgain = false;
@@ -43,7 +44,7 @@ inline void expectNoOtherWorkWhileWaiting(int repeats) {
         std::once_flag once;
         parallelFor(64, 1, [&](Offset, Offset) {
             if (holdsLock) {
-                isEnteredAgain = true;  // Waiting for the flag here would never end.
+                isEnteredAgain = true;  // Returns, because waiting for the flag would never end.
                 return;
             }
             std::call_once(once, [&] {

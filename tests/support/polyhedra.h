@@ -19,11 +19,12 @@
 
 namespace espalier::test {
 
-/// Polyhedra being made into a lattice: cells as loops of vertices, anticlockwise from outside.
+/// Builds random polyhedral lattices. Cells are loops of vertices, anticlockwise from outside.
 class Polyhedra {
 public:
-    /// Some cells of a grid of hexahedra, moved about a little; a few of them made into two wedges,
-    /// or into pyramids and tetrahedra round a point inside; some faces cut into two triangles.
+    /// Starts with some cells of a grid of hexahedra, with vertices moved a little. A few cells are
+    /// split into two wedges, or into pyramids and tetrahedra around a point inside; some faces are
+    /// cut into two triangles.
     Polyhedra(const std::array<Index, 3>& n, Draws& draws) {
         for (const Point3& p : gridPositions(n)) {
             Point3 moved = p;
@@ -49,8 +50,8 @@ public:
                 cells_.push_back(loops);
     }
 
-    /// Makes pairs of neighbours into one cell until there are `target`, or no two are left that
-    /// together are bounded by a sphere.
+    /// Merges pairs of neighbouring cells until `target` cells are left, or no pair has a union
+    /// that is bounded by a sphere.
     void mergeCells(std::size_t target, Draws& draws) {
         for (bool hasMerged = true; hasMerged && cells_.size() > target;) {
             std::set<std::pair<std::size_t, std::size_t>> neighbours;
@@ -65,7 +66,7 @@ public:
         }
     }
 
-    /// Makes two faces between the same cells that share one edge, and that alone, into one.
+    /// Merges pairs of faces between the same cells that share exactly one edge.
     void mergeFaces(Draws& draws) {
         const auto places = facePlaces();
         std::map<std::pair<Index, Index>, std::vector<Face>> facesAt;
@@ -92,7 +93,7 @@ public:
         cells_ = std::move(merged);
     }
 
-    /// The lattice, of the vertices that are left.
+    /// Returns the lattice, without unused vertices.
     Lattice lattice() const {
         std::vector<Index> names(positions_.size(), 0);
         for (const Loops& loops : cells_)
@@ -145,7 +146,7 @@ private:
 
     void addHexahedron(const std::array<Index, 8>& v, Draws& draws, std::set<Face>& cutFaces) {
         if (draws.oneIn(6)) {
-            // Two wedges, on either side of the plane through v[0], v[2], v[4] and v[6].
+            // Two wedges, one on each side of the plane through v[0], v[2], v[4] and v[6].
             for (const std::size_t at : {std::size_t{1}, std::size_t{2}})
                 cells_.push_back(
                     loopsOf(far::StandardCell::Wedge,
@@ -159,7 +160,7 @@ private:
         }
     }
 
-    /// A pyramid on each face, with a common apex inside.
+    /// Adds a pyramid on each face, with a common apex inside.
     void addStar(const Loops& loops) {
         std::set<Index> vertices;
         for (const auto& loop : loops) vertices.insert(loop.begin(), loop.end());
@@ -177,8 +178,8 @@ private:
         }
     }
 
-    /// Cuts quadrilaterals in two, from their smallest vertex on: both cells of a face cut it
-    /// alike.
+    /// Cuts quadrilaterals into two triangles, from their smallest vertex, so that both cells of a
+    /// face cut it in the same way.
     static void cut(Loops& loops, const std::set<Face>& cutFaces) {
         Loops result;
         for (auto& loop : loops) {
@@ -193,7 +194,7 @@ private:
         loops = std::move(result);
     }
 
-    /// Whether the loops bound a cell: the library's own judgement.
+    /// Returns true if the library accepts the loops as a cell.
     static bool isSphere(const Loops& loops) {
         std::map<Index, Index> names;
         Loops renamed = loops;
@@ -222,14 +223,14 @@ private:
         return true;
     }
 
-    /// Replaces the loops of two faces that share one edge by the loop round both.
+    /// Replaces the loops of two faces that share one edge by the loop around both.
     static void joinLoops(Loops& loops, const Face& first, const Face& second) {
         const auto find = [&](const Face& face) {
             return std::find_if(loops.begin(), loops.end(),
                                 [&](const auto& loop) { return faceOf(loop) == face; });
         };
         std::vector<Index> a = *find(first), b = *find(second);
-        // Turned so that the edge goes from the last vertex of a to its first, and in b likewise.
+        // Rotates both loops until the edge joins the last vertex of each to its first.
         while (!far::contains(b, a.front()) || !far::contains(b, a.back()))
             std::rotate(a.begin(), a.begin() + 1, a.end());
         while (b.front() != a.back()) std::rotate(b.begin(), b.begin() + 1, b.end());

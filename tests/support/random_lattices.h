@@ -18,10 +18,10 @@
 
 namespace espalier::test {
 
-/// Marks some edges and vertices of a lattice: sharp and semi-sharp ones, most of them on the
-/// surface, and smooth ones where the topology allows it.
+/// Marks some edges and vertices of a lattice as sharp or semi-sharp, mostly on the surface, and
+/// some as smooth where the topology allows it.
 inline void markRandomly(Lattice& lattice, far::Creasing creasing, Draws& draws) {
-    // Without boundary control, sharp is just what the topology makes so.
+    // Without boundary control, only the topology makes entities sharp.
     const far::Strata forced =
         far::classify(lattice.complex, far::Boundary::Open, far::SharpEdges::SingleCell, {});
     const auto choose = [&](int dimension, auto smoothen) {
@@ -49,10 +49,11 @@ inline void markRandomly(Lattice& lattice, far::Creasing creasing, Draws& draws)
     lattice.tags.creasing = creasing;
 }
 
-/// A lattice of a few polyhedra (one to six, more where they do not go together): hexahedra,
+/// Returns a lattice of a few polyhedra (one to six, or more if they cannot be merged): hexahedra,
 /// tetrahedra, pyramids, wedges and unions of these, with faces of three to seven and more sides,
-/// cells of types 2 to 6 and more, cells that touch in an edge or a vertex. Three in four have
-/// marks, and one in four Boundary::EdgeOnly. The same everywhere for the same seed.
+/// cells of types 2 to 6 and more, and cells that touch in an edge or a vertex. Three in four have
+/// marks, and one in four has Boundary::EdgeOnly. The lattice depends only on the seed, on every
+/// platform.
 inline Lattice randomLattice(unsigned seed) {
     Draws draws(seed);
     std::array<Index, 3> n;
@@ -71,8 +72,8 @@ inline Lattice randomLattice(unsigned seed) {
     return lattice;
 }
 
-/// A bipyramid with a prism on one of its sides and a pyramid on the opposite one: vertices where
-/// four and `sides` faces of a cell meet.
+/// Returns a bipyramid with a prism on one side and a pyramid on the opposite side. Four or `sides`
+/// faces of a cell meet at its vertices.
 inline Lattice extendedBipyramid(int sides) {
     Lattice lattice = shapes::bipyramid({.sides = sides, .height = 2});
     const auto middleOf = [&](Index face) {
@@ -83,8 +84,8 @@ inline Lattice extendedBipyramid(int sides) {
                 middle[c] += lattice.positions[vertex][c] / double(loop.size());
         return middle;
     };
-    // The bipyramid is about the origin: the middle of a side is outward from it. Away from the
-    // first side is the one whose middle is the furthest in the other direction.
+    // The bipyramid is centred at the origin, so the middle of a side points outwards. The opposite
+    // side is the one whose middle is farthest in the opposite direction.
     const Point3 outward = middleOf(0);
     Index opposite = 0;
     double least = 1;
@@ -101,7 +102,7 @@ inline Lattice extendedBipyramid(int sides) {
     return shapes::attachPrism(lattice, FaceId(0), outward);
 }
 
-/// Lattices with features of their surface that zoo() has not: cells of types 4, 5 and 6 with
+/// Returns lattices with surface features that zoo() does not have: cells of types 4, 5 and 6 with
 /// neighbours, semi-sharp features, darts.
 inline std::vector<NamedLattice> featureLattices() {
     std::vector<NamedLattice> all;
@@ -125,12 +126,12 @@ inline std::vector<NamedLattice> featureLattices() {
         const std::string text = " of sharpness " + std::to_string(sharpness).substr(0, 4);
         add("box with a dart" + text, box, {.edges = {{{at(1, 0, 0), side}, sharpness}}});
         add("box with a sharp edge inside" + text, box, {.edges = {{{inside, side}, sharpness}}});
-        // A crease across a side, and on it a vertex inside the lattice.
+        // A crease across a side, and a sharp vertex inside the lattice.
         add("box with a crease and a vertex inside" + text, box,
             {.edges = {{{at(1, 0, 0), side}, sharpness}, {{side, at(1, 2, 0)}, 1.2}},
              .vertices = {{inside, sharpness}}});
     }
-    // All that is sharp by rule, made semi-sharp; and some of it smooth.
+    // All entities that are sharp by rule are marked semi-sharp, and some smooth.
     const far::Strata strata =
         far::classify(box.complex, far::Boundary::Sharp, far::SharpEdges::SingleCell, {});
     far::Marks semiSharp, partlySmooth;
@@ -148,7 +149,7 @@ inline std::vector<NamedLattice> featureLattices() {
     add("semi-sharp box", box, semiSharp);
     add("partly smooth box", box, partlySmooth);
 
-    // The edge at the inner corner of an L, and the three that meet inside a tripod.
+    // The edge at the inner corner of an L, and the three edges that meet inside a tripod.
     const auto isInL = [](Index i, Index j, Index) { return i == 0 || j == 0; };
     const auto isInTripod = [](Index i, Index j, Index k) { return i + j + k <= 1; };
     const auto isInRing = [](Index i, Index j, Index) { return i != 1 || j != 1; };

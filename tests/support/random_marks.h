@@ -12,20 +12,20 @@
 
 namespace espalier::test {
 
-/// Random numbers that are the same everywhere: those of std::mt19937 are prescribed, what the
-/// standard distributions and std::shuffle make of them is not. Draw once in a statement: the order
-/// of two draws in one expression may differ between compilers.
+/// Random numbers that are the same on every platform. The standard prescribes the numbers of
+/// std::mt19937, but not the results of its distributions and of std::shuffle. Draw once per
+/// statement, because the order of two draws in one expression may differ between compilers.
 class Draws {
 public:
     explicit Draws(unsigned seed) : engine_(seed) {}
 
-    /// From 0 to count − 1. (All but uniform, for these small counts.)
+    /// Returns a number from 0 to count − 1, nearly uniform for small counts.
     Index below(std::size_t count) { return Index(engine_() % count); }
 
-    /// True once in `count` times.
+    /// Returns true with probability 1 / count.
     bool oneIn(std::size_t count) { return below(count) == 0; }
 
-    /// From −1 to 1, exact in single precision.
+    /// Returns a number from −1 to 1 that is exact in single precision.
     double fromMinusToOne() { return double(below(1 << 21)) / (1 << 20) - 1; }
 
     template <class T>
@@ -40,13 +40,13 @@ private:
     std::mt19937 engine_;
 };
 
-/// Adds marks of random sharpness on the given edges and vertices: one in five infinite, the others
-/// from 0.1 to 9.9, half of these below 3 so that they run out soon.
+/// Adds marks of random sharpness on the given edges and vertices: one in five is infinite, the
+/// others are from 0.1 to 9.9, half of them below 3 so that they fade soon.
 ///
-/// OpenSubdiv adds up sharpness in single precision, in an order of its own. So that sums are exact
-/// and do not depend on it, what meets two other semi-sharp things in a vertex has multiples of
-/// 1/4; the rest tenths. Under Creasing::Chaikin, which divides by the number of semi-sharp edges
-/// at a vertex less one, an edge that would be the fourth is left out.
+/// OpenSubdiv adds sharpness values in single precision, in an order that we do not know. To make
+/// sums exact in any order, a mark that meets two other semi-sharp marks in a vertex gets a
+/// multiple of 1/4; other marks get tenths. Creasing::Chaikin divides by the number of semi-sharp
+/// edges at a vertex less one, so a fourth edge at a vertex gets no mark.
 inline void addRandomSharpness(Lattice& lattice, std::span<const Index> edges,
                                std::span<const Index> vertices, far::Creasing creasing,
                                Draws& draws) {
@@ -95,8 +95,8 @@ inline void addRandomSharpness(Lattice& lattice, std::span<const Index> edges,
         lattice.marks.vertices.push_back({vertex, draw(countAt(semiSharp, vertex) > 2)});
 }
 
-/// The same mesh with a third of its edges and an eighth of its vertices, at random, given random
-/// sharpness.
+/// Returns the mesh with random sharpness on a third of its edges and an eighth of its vertices,
+/// chosen at random.
 inline Lattice randomCreases(Lattice mesh, unsigned seed, far::Creasing creasing) {
     Draws draws(seed);
     std::vector<Index> edges, vertices;

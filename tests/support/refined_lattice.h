@@ -11,13 +11,12 @@
 
 namespace espalier::test {
 
-using stencils::Rules;
 using stencils::StencilTable;
 
-inline constexpr stencils::Rules kLatticeRules[] = {stencils::Rules::Siggraph96,
-                                                    stencils::Rules::Cse96, stencils::Rules::Mlca};
+inline constexpr far::Rules kLatticeRules[] = {far::Rules::Siggraph96, far::Rules::Cse96,
+                                               far::Rules::Mlca};
 
-/// A lattice refined, with the positions of its level.
+/// A refined lattice with the positions of its level.
 struct Refined {
     far::TopologyRefiner refiner;
     int level;
@@ -33,15 +32,15 @@ struct Refined {
     }
     const far::CellComplex& complex() const { return refiner.level(level).complex; }
     std::vector<Point3> pose(const std::vector<Point3>& points) const {
-        return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96, points);
+        return stencils::refinePositions(refiner, level, points);
     }
     embed::Embedding embed(const std::vector<Point3>& points,
                            const embed::EmbeddingOptions& options = {}) const {
         return embed::embedPoints(complex(), positions, points, options);
     }
-    /// D of embedded points.
+    /// Returns D for embedded points.
     stencils::StencilTable<double> table(const embed::Embedding& embedding) const {
-        return embed::buildDeformationTable(refiner, level, stencils::Rules::Siggraph96, embedding);
+        return embed::buildDeformationTable(refiner, level, embedding);
     }
 };
 
@@ -53,7 +52,8 @@ inline Point3 toPoint(const Eigen::Vector3d& v) {
     return {v[0], v[1], v[2]};
 }
 
-/// Random convex combinations of the vertices of random cells; most lie in their cell.
+/// Returns random convex combinations of the vertices of random cells. Most of them are in their
+/// cell.
 inline std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, unsigned seed) {
     std::mt19937 random(seed);
     std::exponential_distribution<double> weight;

@@ -6,15 +6,14 @@
 
 #include "support/test.h"
 
-// The papers' formulas as they are printed: points are rows of weights over the old vertices, so
-// that (F0 + F1 + P0 + P1) / 4 is the row of an edge point.
+// Writes the papers' formulas as they are printed. A point is a row of weights over the old
+// vertices, so that (F0 + F1 + P0 + P1) / 4 is the row of an edge point.
 namespace espalier::test {
 
 using far::CellComplex;
-using stencils::Rules;
 using stencils::StencilTable;
 
-/// A point as an affine combination of old vertices: the weight of each.
+/// A point as an affine combination of old vertices: the weight of each vertex.
 struct Row {
     std::map<Index, double> weights;
 
@@ -43,7 +42,7 @@ inline Row average(const std::vector<Row>& rows) {
     return sum / double(rows.size());
 }
 
-/// The average of the vertices of an entity: P, M, A and C in the papers' letters.
+/// Returns the average of the vertices of an entity: P, M, A or C in the papers.
 inline Row centroid(const CellComplex& complex, Entity entity) {
     std::vector<Row> points;
     for (const Index vertex : complex.relation(entity.dimension, 0)[entity.index])
@@ -58,14 +57,14 @@ inline Row rowOf(const stencils::StencilTable<double>& table, Index index) {
     return row;
 }
 
-/// A row of a table over the rows of the level before: the row over what these are over.
+/// Substitutes the rows of the level before into a row over that level.
 inline Row substituted(const Row& row, const std::vector<Row>& before) {
     Row sum;
     for (const auto& [vertex, weight] : row.weights) sum = sum + weight * before[vertex];
     return sum;
 }
 
-/// The largest difference of two weights of the same vertex.
+/// Returns the largest difference between two weights of the same vertex.
 inline double difference(const Row& a, const Row& b) {
     double largest = 0;
     for (const auto& [vertex, weight] : (a - b).weights)
@@ -73,7 +72,7 @@ inline double difference(const Row& a, const Row& b) {
     return largest;
 }
 
-/// That each row sums to 1, to 1e-14 of the sizes of its weights.
+/// Expects that each row sums to 1, up to 1e-14 times the sum of the sizes of its weights.
 inline void expectRowsSumToOne(const StencilTable<double>& table) {
     for (Index row = 0; row < table.rowCount(); ++row) {
         double sum = 0, sizes = 0;
@@ -87,16 +86,16 @@ inline void expectRowsSumToOne(const StencilTable<double>& table) {
 
 inline void expectRow(const Row& row, const std::map<Index, double>& expected) {
     EXPECT_EQ(row.weights.size(), expected.size());
-    // Some twenty operations on numbers up to 1, rounded each.
+    // The tolerance allows for about twenty rounded operations on numbers up to 1.
     EXPECT_LE(difference(row, {expected}), 1e-15);
 }
 
-/// The new point of an entity of the level before.
+/// Returns the new point of an entity of the level before.
 inline Index pointOf(const far::TopologyRefiner& refiner, int level, Entity entity) {
     return refiner.refinement(level).childOf({entity, entity}).value().index;
 }
 
-/// The entity of the level before that a vertex is the point of.
+/// Returns the entity of the level before whose new point is this vertex.
 inline Entity parentOf(const far::TopologyRefiner& refiner, int level, Index vertex) {
     return refiner.refinement(level).parentOf({0, vertex}).upper;
 }

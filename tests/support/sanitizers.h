@@ -6,16 +6,17 @@
 
 namespace espalier::test {
 
-/// Whether this is a build under the address sanitizer, where a test takes ten times as long. It
-/// looks for errors of memory, which a few shapes show: the Release build tests the numbers of all.
+/// True in builds with the address sanitizer, where a test takes ten times as long. These builds
+/// look for memory errors, for which a few shapes suffice; the Release build tests the numbers of
+/// all shapes.
 #ifdef __SANITIZE_ADDRESS__
 inline constexpr bool kIsSlow = true;
 #else
 inline constexpr bool kIsSlow = false;
 #endif
 
-/// All shapes; under the address sanitizer one of four. zoo(), featureLattices() and meshZoo() give
-/// no more.
+/// Returns all shapes; under the address sanitizer every fourth. zoo(), featureLattices() and
+/// meshZoo() use it.
 template <class Shape>
 std::vector<Shape> someOf(std::vector<Shape> all) {
     if (!kIsSlow) return all;
@@ -24,7 +25,7 @@ std::vector<Shape> someOf(std::vector<Shape> all) {
     return some;
 }
 
-/// How many of something the shapes have to show, where all of them show `count`.
+/// Returns the number of cases that the shapes of someOf() must show if all shapes show `count`.
 constexpr int least(int count) {
     return kIsSlow ? count / 4 : count;
 }

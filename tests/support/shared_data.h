@@ -6,9 +6,9 @@
 
 namespace espalier::test {
 
-/// The folder of models, lattices and surfaces beside the repository, or the one that the
-/// environment variable ESPALIER_SHARED_DATA names. It may be absent: tests that read it say so and
-/// are skipped.
+/// Returns the folder of models, lattices and surfaces beside the repository, or the folder that
+/// the environment variable ESPALIER_SHARED_DATA names. If the folder is missing, tests that need
+/// it say so and are skipped.
 inline std::filesystem::path sharedData() {
     const char* given = std::getenv("ESPALIER_SHARED_DATA");
     return given != nullptr ? std::filesystem::path(given)

@@ -13,7 +13,7 @@ namespace espalier::test {
 
 using Cells = std::array<Index, 3>;
 
-/// Where the grid points of a box lie: a skew parallelepiped, away from the origin.
+/// A skew parallelepiped away from the origin, on which the grid points of a box lie.
 struct Skew {
     Eigen::Vector3d origin{4, -3, 2};
     Eigen::Matrix3d axes{{1.1, 0.4, -0.2}, {0.1, 0.7, 0.3}, {-0.3, 0.2, 0.9}};
@@ -29,7 +29,7 @@ struct Skew {
     }
 };
 
-/// Random points whose coordinate along axis a is from low to cells[a] − low.
+/// Returns random points whose coordinate along axis a is from low to cells[a] − low.
 inline std::vector<Point3> randomPoints(const Cells& cells, double low, std::size_t count,
                                         unsigned seed) {
     const auto values = randomValues(3 * count, seed);

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <utility>
 
-// A program may have functions of its own in the place of the C library's.
+// Replaces functions of the C library, as a program may do.
 namespace {
 
 using espalier::test::SystemCall;
@@ -19,10 +19,10 @@ SystemCall awaited = SystemCall::Open;
 int callsLeft = 0;
 std::function<int()> fault;
 
-/// Whether a call is to fail; errno says why.
+/// Returns true if a call must fail, and sets errno.
 bool fails(SystemCall call) {
     if (call != awaited || callsLeft == 0 || --callsLeft > 0) return false;
-    const std::function<int()> what = fault;  // which may be the end of it
+    const std::function<int()> what = fault;  // a copy, because the call may reset `fault`
     const int error = what();
     if (error != 0) errno = error;
     return error != 0;

@@ -5,14 +5,15 @@
 
 namespace espalier::test {
 
-/// Calls of the system by which files are read and written.
+/// The system calls that read and write files.
 enum class SystemCall { Open, Read, Write, Sync, Link, Rename };
 
-/// While this lives, something happens in this process when such a call is made for the n-th time:
-/// `fault` returns the error that it is to fail with, or 0 if it is to go on. One at a time.
+/// While it lives, the n-th call of this kind in this process first calls `fault`. If that returns
+/// an error, the call fails with it; if it returns 0, the call goes on. Only one may exist at a
+/// time.
 class SystemFault {
 public:
-    /// \param n from 1
+    /// \param n number of the call, from 1
     SystemFault(SystemCall call, int n, std::function<int()> fault);
     SystemFault(SystemCall call, int n, int error) : SystemFault(call, n, [=] { return error; }) {}
     ~SystemFault();

@@ -12,7 +12,6 @@
 
 namespace espalier::test {
 
-using stencils::Rules;
 using stencils::StencilTable;
 
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -21,7 +20,7 @@ inline Positions asMatrix(const std::vector<Point3>& points) {
     return Eigen::Map<const Positions>(points.data()->data(), Eigen::Index(points.size()), 3);
 }
 
-/// Table times points.
+/// Returns the product of a table and points.
 inline Positions times(const stencils::StencilTable<double>& table,
                        const std::vector<Point3>& points) {
     return stencils::SparseView(table).matrix() * asMatrix(points);
@@ -31,7 +30,7 @@ inline double largestDistance(const Positions& a, const Positions& b) {
     return (a - b).rowwise().norm().maxCoeff();
 }
 
-/// Rows of 0 to 20 entries anywhere, all weights different.
+/// Returns a table with rows of 0 to 20 entries in random columns, and with different weights.
 template <class Real = double>
 stencils::StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsigned seed) {
     std::mt19937 random(seed);
@@ -51,9 +50,9 @@ stencils::StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsi
     return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
-/// A table of long rows: the first two thirds share their `length` columns, each row of the rest
-/// has its own.
-/// \param weightOf a weight by the number of the entry
+/// Returns a table of long rows. The first two thirds share their `length` columns; each of the
+/// other rows has different columns.
+/// \param weightOf returns a weight for the number of its entry
 template <class Real, class WeightOf>
 stencils::StencilTable<Real> tableOfLongRows(Index rowCount, Index length, WeightOf weightOf) {
     Array<Offset> offsets = {0};
@@ -69,7 +68,7 @@ stencils::StencilTable<Real> tableOfLongRows(Index rowCount, Index length, Weigh
     return {length + rowCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
-/// D of a box lattice.
+/// Returns D for points in a box lattice.
 inline stencils::StencilTable<double> tableOf(const embed::TensorLattice& lattice,
                                               const std::vector<Point3>& points,
                                               const embed::EmbeddingOptions& options = {}) {

@@ -9,7 +9,7 @@
 
 namespace espalier::test {
 
-/// A fresh folder for the files of one test, removed with all in it at the end.
+/// A new folder for the files of one test. The destructor removes it with its content.
 class TemporaryFolder {
 public:
     TemporaryFolder() {

@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
-// What tests start from: GoogleTest and its matchers, the helpers of support/, and what a call says
-// that is refused.
+// Included by all tests: GoogleTest and its matchers, the helpers of support/, and checks of error
+// messages.
 namespace espalier {
 
 namespace test {}
@@ -41,15 +41,16 @@ namespace test {
 
 using far::Boundary;
 using far::CellComplex;
+using far::Rules;
 using far::TopologyRefiner;
 
-/// What TYPED_TEST_SUITE() goes through.
+/// The types for TYPED_TEST_SUITE().
 using Reals = ::testing::Types<float, double>;
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Numbers between −1 and 1.
+/// Returns random numbers between −1 and 1.
 template <class Real = double>
 std::vector<Real> randomValues(std::size_t count, unsigned seed) {
     std::mt19937 random(seed);
@@ -59,7 +60,7 @@ std::vector<Real> randomValues(std::size_t count, unsigned seed) {
     return values;
 }
 
-/// Points with coordinates between −size and size.
+/// Returns random points with coordinates between −size and size.
 inline std::vector<Point3> randomPoints(std::size_t count, unsigned seed, double size = 1) {
     const auto values = randomValues(3 * count, seed);
     std::vector<Point3> points(count);
@@ -67,7 +68,7 @@ inline std::vector<Point3> randomPoints(std::size_t count, unsigned seed, double
     return points;
 }
 
-/// Points moved by up to `size` in each coordinate.
+/// Returns the points, randomly moved by up to `size` in each coordinate.
 inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed, double size = 0.5) {
     const auto moves = randomPoints(points.size(), seed, size);
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -75,7 +76,7 @@ inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed, dou
     return points;
 }
 
-/// The message of the exception that a call throws; empty if it throws none.
+/// Returns the message of the exception that a call throws; empty if it throws none.
 template <class Refusal = Error, class Call>
 std::string messageOf(Call call) {
     try {
@@ -86,7 +87,7 @@ std::string messageOf(Call call) {
     return {};
 }
 
-/// The TopologyError that a call must throw.
+/// Returns the TopologyError that a call must throw.
 template <class Call>
 far::TopologyError topologyErrorOf(Call call) {
     try {
@@ -105,10 +106,10 @@ far::TopologyCause causeOf(Call call) {
 }  // namespace test
 }  // namespace espalier
 
-/// That a call throws such an exception, and that its message holds this text.
+/// Expects that a call throws this type of exception, with a message that contains the text.
 #define EXPECT_REFUSED(Refusal, text, ...)                                  \
     EXPECT_THAT(::espalier::test::messageOf<Refusal>([&] { __VA_ARGS__; }), \
                 ::testing::HasSubstr(text))
 
-/// That a call throws an Error with this message.
+/// Expects that a call throws an Error with this message.
 #define EXPECT_MESSAGE(text, ...) EXPECT_EQ(::espalier::test::messageOf([&] { __VA_ARGS__; }), text)

@@ -13,16 +13,16 @@
 
 namespace espalier::test {
 
-/// Threads of a host, which know nothing of oneTBB. All of it happens under one mutex, for the
-/// thread sanitizer to see.
+/// A thread pool of a host, independent of oneTBB. It uses a single mutex, which the thread
+/// sanitizer understands.
 class ThreadPool final : public Executor {
 public:
     enum class Waiting {
         Blocks,        ///< a thread that waits for its loop does nothing else
-        HelpsAnybody,  ///< it takes up whatever work there is, as many schedulers do
+        HelpsAnybody,  ///< a waiting thread runs any other work, as in many schedulers
     };
 
-    /// Work of the host's own, for a thread that has nothing else to do.
+    /// Adds work of the host, for a thread that has nothing else to do.
     void post(std::function<void()> job) {
         const std::lock_guard lock(mutex_);
         posted_.push_back(std::move(job));
@@ -62,7 +62,7 @@ private:
     };
 
     Job* open() const {
-        // The oldest, which makes it likely to be another loop's.
+        // Takes the oldest job, which is likely to belong to another loop.
         const auto job = std::find_if(jobs_.begin(), jobs_.end(),
                                       [](const Job* each) { return each->next < each->count; });
         return job == jobs_.end() ? nullptr : *job;
@@ -78,7 +78,7 @@ private:
         changed_.notify_all();
     }
 
-    /// Whether there was anything.
+    /// Runs a job, and returns true if there was one.
     bool runAny(std::unique_lock<std::mutex>& lock) {
         if (Job* job = open()) {
             runNext(*job, lock);

@@ -9,7 +9,7 @@
 
 namespace espalier::test {
 
-/// What `work` returns when so many threads do it: more than the machine has cores, if need be.
+/// Returns the result of `work` on this number of threads, which may exceed the number of cores.
 template <class Work>
 auto withThreads(int threads, Work work) {
     const ThreadLimit limit(threads);

@@ -24,7 +24,7 @@ struct NamedLattice {
     Lattice lattice;
 };
 
-/// The positions of a grid from 0 to its number of cells, of spacing 1.
+/// Returns the positions of a grid with spacing 1, from 0 to its number of cells.
 inline std::vector<Point3> gridPositions(const std::array<Index, 3>& n) {
     std::vector<Point3> positions;
     for (Index k = 0; k <= n[2]; ++k)
@@ -34,7 +34,7 @@ inline std::vector<Point3> gridPositions(const std::array<Index, 3>& n) {
     return positions;
 }
 
-/// A grid without some of its cells.
+/// Returns a grid without some of its cells.
 template <class IsThere>
 Lattice carvedGrid(const std::array<Index, 3>& n, IsThere isThere) {
     far::ComplexBuilder builder(3);
@@ -58,7 +58,7 @@ Lattice carvedGrid(const std::array<Index, 3>& n, IsThere isThere) {
     return {builder.build(), positions, {}, {}};
 }
 
-/// mixedCells() in space.
+/// Returns mixedCells() with positions.
 inline Lattice mixedLattice() {
     return {mixedCells(),
             {{0, 0, 0},
@@ -77,8 +77,8 @@ inline Lattice mixedLattice() {
             {}};
 }
 
-/// Lattices of every kind: regular, with cells of types 3 to 6, thin, L-shaped, ring-shaped, with
-/// notches, in pieces that touch in an edge or a vertex, with marks.
+/// Returns lattices of every kind: regular, with cells of types 3 to 6, thin, L-shaped,
+/// ring-shaped, with notches, in pieces that touch in an edge or a vertex, with marks.
 inline std::vector<NamedLattice> zoo() {
     std::vector<NamedLattice> all;
     const auto add = [&](const std::string& name, Lattice lattice) {
@@ -118,8 +118,8 @@ inline std::vector<NamedLattice> zoo() {
     return someOf(std::move(all));
 }
 
-/// For each level, which vertex of `second` corresponds to each vertex of `first`, given which do
-/// at level 0: entities correspond if their vertices do.
+/// Returns for each level the vertex of `second` that corresponds to each vertex of `first`, given
+/// the correspondence at level 0. Entities correspond if their vertices do.
 inline std::vector<std::vector<Index>> matchLevels(const far::TopologyRefiner& first,
                                                    const far::TopologyRefiner& second,
                                                    std::vector<Index> base) {

@@ -18,14 +18,14 @@
 #include "support/thread_pool.h"
 #include "support/zoo.h"
 
-// Several threads of a host, which do the same with the same objects at the same time.
+// Several threads of a host do the same work with the same objects at the same time.
 namespace espalier::osd {
 namespace {
 
 constexpr int kThreads = 6;
 
-/// Calls work(thread) on all threads at once: each alone, then each on the threads of a pool that
-/// they share. Not in oneTBB's arena, which the thread sanitizer does not see through.
+/// Calls work(thread) on all threads at once: first each thread alone, then each with a shared
+/// thread pool. oneTBB's arena is not used, because the thread sanitizer does not understand it.
 template <class Work>
 void onThreads(Work work) {
     ThreadPool pool(2);
@@ -54,13 +54,13 @@ std::vector<Point3> points(std::size_t count) {
     return pointsIn(Refined(lattice(), 2), count, 7);
 }
 
-/// Of a thread: each has another pose.
+/// Returns the pose of a thread; each thread has a different one.
 std::vector<float> valuesOf(int thread, Index entries) {
     const auto values = randomValues(3 * std::size_t(entries), unsigned(thread));
     return {values.begin(), values.end()};
 }
 
-/// evaluate(source, destination) on all threads gives what it gives on one.
+/// Expects that evaluate(source, destination) gives the same on all threads as on one.
 void expectSame(Index rowCount, Index columnCount,
                 const std::function<void(std::span<const float>, std::span<float>)>& evaluate) {
     std::vector<std::vector<float>> expected;
@@ -124,14 +124,14 @@ TEST(Concurrency, OneBinding) {
         [&](int) { EXPECT_EQ(evaluateBinding(bound.binding, lattice().positions), expected); });
 }
 
-// A refiner is shared, and derives its relations when they are asked for.
+// The threads share a refiner, which derives its relations on first use.
 TEST(Concurrency, BindingToOneLattice) {
     const auto model = points(2000);
     const auto bind = [&](const TopologyRefiner& base) {
         return embed::bindPoints({base, lattice().positions}, model, {.level = 3}).binding;
     };
     const auto expected = bind(TopologyRefiner(shapes::cylinder({.sectors = 5}).complex));
-    // Built again, so that nothing of it has been derived.
+    // A new refiner, which has derived nothing yet.
     const TopologyRefiner fresh(shapes::cylinder({.sectors = 5}).complex);
     onThreads([&](int) { EXPECT_EQ(bind(fresh), expected); });
 }

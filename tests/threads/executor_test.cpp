@@ -25,7 +25,7 @@
 namespace espalier::far {
 namespace {
 
-/// One that does no more than it must: of the calls it makes some, the last first.
+/// An executor that makes only some of the calls, in descending order.
 class LazyExecutor final : public Executor {
 public:
     void run(Offset count, FunctionRef<void(Offset)> task) override {
@@ -57,7 +57,7 @@ TEST(Executor, RethrowsTheErrorOfTheLowestRange) {
     withEachExecutor([] { expectTheErrorOfTheLowestRange(20); });
 }
 
-TEST(Executor, ItsOwnErrorsArrive) {
+TEST(Executor, ErrorsOfTheExecutorReachTheCaller) {
     class Broken final : public Executor {
         void run(Offset, FunctionRef<void(Offset)>) override {
             throw std::runtime_error("no threads today");
@@ -65,11 +65,11 @@ TEST(Executor, ItsOwnErrorsArrive) {
     } broken;
     const ExecutorScope scope(broken);
     EXPECT_THROW(parallelFor(2, 1, [](Offset, Offset) {}), std::runtime_error);
-    // One range is nobody else's business.
+    // A single range runs on the calling thread, without the executor.
     parallelFor(1, 1, [](Offset, Offset) {});
 }
 
-TEST(SerialExecutor, DoesAllOnTheCallingThreadInOrder) {
+TEST(SerialExecutor, RunsEverythingOnTheCallingThreadInOrder) {
     SerialExecutor serial;
     const ExecutorScope scope(serial);
     std::vector<Offset> firsts;
@@ -80,9 +80,9 @@ TEST(SerialExecutor, DoesAllOnTheCallingThreadInOrder) {
     EXPECT_TRUE(std::is_sorted(firsts.begin(), firsts.end()));
 }
 
-// Loops within loops run on the executor's threads, too, and on no others.
-TEST(ExecutorScope, HoldsForNestedLoops) {
-    /// Runs its calls on threads of its own, and knows these.
+// Nested loops run on the executor's threads too, and on no others.
+TEST(ExecutorScope, AppliesToNestedLoops) {
+    /// Runs its calls on new threads, and records them.
     class Recorder final : public Executor {
     public:
         void run(Offset count, FunctionRef<void(Offset)> task) override {
@@ -109,7 +109,7 @@ TEST(ExecutorScope, HoldsForNestedLoops) {
         });
     }
     EXPECT_EQ(recorder.runs, 5);
-    // And not longer, nor on other threads of the host.
+    // The executor is not used after the scope, nor on other threads of the host.
     parallelFor(4, 1, [](Offset, Offset) {});
     const ExecutorScope scope(recorder);
     std::thread([] { parallelFor(4, 1, [](Offset, Offset) {}); }).join();
@@ -124,14 +124,16 @@ TEST(ExecutorScope, HoldsForNestedLoops) {
     EXPECT_EQ(recorder.runs, 6);
 }
 
-// As ParallelFor.WaitingThreadTakesUpNoOtherWork, where the host's scheduler would have it so.
-TEST(Executor, WaitingThreadTakesUpNoOtherWork) {
+// The same as ParallelFor.WaitingThreadRunsNoOtherRanges, with a scheduler that offers other work
+// to waiting threads.
+TEST(Executor, WaitingThreadRunsNoOtherRanges) {
     ThreadPool pool(8, ThreadPool::Waiting::HelpsAnybody);
     const ExecutorScope scope(pool);
     expectNoOtherWorkWhileWaiting(50);
 }
 
-/// Has job() run by a thread of a pool that waits for a loop of ours, in a scope of ours.
+/// Runs job() on a thread of a pool while the thread waits for a loop of the library, in a scope of
+/// the library.
 template <class Work>
 void whileWaiting(ThreadPool& pool, Work job) {
     const auto waiting = std::this_thread::get_id();
@@ -152,8 +154,9 @@ void whileWaiting(ThreadPool& pool, Work job) {
     EXPECT_TRUE(isDone);
 }
 
-// What a host does on a thread that waits for us has nothing to do with the scopes of that thread.
-TEST(Executor, WorkOfTheHostHasNoScopesOfOurs) {
+// Scopes of a thread do not apply to work that the host runs on the thread while it waits for the
+// library.
+TEST(Executor, ScopesDoNotApplyToWorkOfTheHost) {
     ThreadPool pool(1, ThreadPool::Waiting::HelpsAnybody);
     const ExecutorScope scope(pool);
     bool isHeard = false;
@@ -169,7 +172,7 @@ TEST(Executor, WorkOfTheHostHasNoScopesOfOurs) {
         parallelFor(7, 1, [](Offset, Offset) {});
         EXPECT_TRUE(isHeard);
     }
-    // Nor does it end as that work does.
+    // Cancelling the loop does not cancel the work of the host.
     std::atomic<bool> isCancelled = false, isThrough = false;
     const ProgressScope ending([&](const Progress&) { return !(isCancelled = true); },
                                std::chrono::milliseconds(0));
@@ -182,14 +185,14 @@ TEST(Executor, WorkOfTheHostHasNoScopesOfOurs) {
     EXPECT_THROW(parallelFor(7, 1, [](Offset, Offset) {}), Cancelled);
 }
 
-// The work of a host may ask for the very relation that the thread which takes it up derives.
-TEST(Executor, WorkOfTheHostAsksForWhatIsBeingDerived) {
+// The work of a host may request the relation that its thread is deriving.
+TEST(Executor, WorkOfTheHostMayUseARelationThatIsBeingDerived) {
     const Lattice lattice = shapes::box({.cells = {12, 12, 12}});
     const auto deriving = std::this_thread::get_id();
     ThreadPool pool(1, ThreadPool::Waiting::HelpsAnybody);
     const ExecutorScope scope(pool);
     const Incidence* seen = nullptr;
-    // Until the other thread of the pool has had a range of it.
+    // Repeats until the other thread of the pool has run a range.
     for (int repeat = 0; repeat < 1000 && seen == nullptr; ++repeat) {
         TopologyRefiner refiner = refined(lattice.complex, 1);
         const CellComplex complex = refiner.level(1).complex;
@@ -214,9 +217,10 @@ TEST(Executor, WorkOfTheHostAsksForWhatIsBeingDerived) {
     EXPECT_NE(seen, nullptr);
 }
 
-// What is turned away is offered again: loops in its ranges leave an outer loop on all threads.
-TEST(Executor, OffersAgainWhatWasTurnedAway) {
-    /// Makes each call but a few a round, the way a thread does that is busy with another loop.
+// Ranges that busy threads turned away are offered again, so that nested loops do not leave the
+// outer loop to a single thread.
+TEST(Executor, OffersDeclinedRangesAgain) {
+    /// Makes only half of the calls in each run(), as if threads were busy with another loop.
     class Reluctant final : public Executor {
     public:
         void run(Offset count, FunctionRef<void(Offset)> task) override {
@@ -232,7 +236,7 @@ TEST(Executor, OffersAgainWhatWasTurnedAway) {
     EXPECT_EQ(reluctant.counts, (std::vector<Offset>{20, 10, 5, 2}));
 }
 
-/// Points bound to a lattice, by groups on several threads.
+/// Binds points to a lattice, in groups on several threads.
 embed::BindingResult bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
     static const std::vector<Point3> points = pointsIn(Refined(lattice, 2), 20'000, 3);
@@ -251,8 +255,8 @@ TEST(ExecutorScope, ResultsAreTheSameBitForBit) {
 }
 
 #ifdef ESPALIER_WITH_TBB
-// A host's arena: no other threads than those that it lets in, and the same results.
-TEST(Arena, OfTheCallerIsUsed) {
+// In a host's arena, the library uses only the threads of the arena, and gives the same results.
+TEST(Arena, UsesTheArenaOfTheCaller) {
     for (const int threads : {1, 2, 4}) {
         const ThreadLimit limit(8);
         tbb::task_arena arena(threads);
@@ -272,9 +276,9 @@ TEST(Arena, OfTheCallerIsUsed) {
     EXPECT_EQ(arena.execute(bindModel).binding, expected.binding);
 }
 
-// A group of the host's that is cancelled takes nothing of ours with it: a loop that left ranges
-// out would leave its caller with numbers that were never set.
-TEST(Arena, OfAGroupThatIsCancelledComesToItsEnd) {
+// Cancelling a oneTBB group of the host does not cancel our loops: a loop that skipped ranges would
+// leave uninitialized numbers.
+TEST(Arena, LoopInACancelledGroupCompletes) {
     tbb::task_group group;
     std::atomic<bool> isBegun = false;
     std::vector<std::atomic<int>> visits(500);

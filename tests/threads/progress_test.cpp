@@ -30,21 +30,22 @@ TEST(Progress, CountsItemsOfOutermostLoops) {
         },
         0ms);
     parallelFor(25, 10, [](Offset, Offset) {});
-    parallelFor(7, 10, [](Offset, Offset) {});  // One range is no stage; loops within it are.
+    // A single range is not a stage; loops within it are.
+    parallelFor(7, 10, [](Offset, Offset) {});
     parallelFor(1, 1, [](Offset, Offset) {
         parallelFor(2, 1, [](Offset, Offset) { parallelFor(2, 1, [](Offset, Offset) {}); });
     });
     const std::vector<std::array<Offset, 3>> expected = {
         {0, 10, 25}, {0, 20, 25}, {0, 25, 25},              //
         {1, 0, 0},                                          //
-        {1, 0, 2},   {1, 0, 2},   {1, 1, 2},                // two ranges inside, then the outer one
+        {1, 0, 2},   {1, 0, 2},   {1, 1, 2},                // two inner ranges, then the outer one
         {1, 1, 2},   {1, 1, 2},   {1, 2, 2},   {2, 0, 0}};  //
     EXPECT_EQ(heard, expected);
     EXPECT_EQ((Progress{0, 1, 4}.fraction()), 0.25);
     EXPECT_EQ(Progress{}.fraction(), 0);
 }
 
-TEST(Progress, NeverFallsAndIsNeverHeardTwiceAtOnce) {
+TEST(Progress, NeverFallsAndIsReportedByOneThreadAtATime) {
     ThreadPool pool(4);
     const ExecutorScope onPool(pool);
     std::atomic<int> callers = 0;
@@ -66,7 +67,7 @@ TEST(Progress, NeverFallsAndIsNeverHeardTwiceAtOnce) {
     EXPECT_EQ(last.stage, 19);
 }
 
-TEST(Progress, IsHeardNoMoreOftenThanAsked) {
+TEST(Progress, IsReportedAtMostOncePerInterval) {
     int calls = 0;
     const auto count = [&](const Progress&) { return ++calls > 0; };
     {
@@ -93,8 +94,8 @@ TEST(Progress, IsHeardNoMoreOftenThanAsked) {
     EXPECT_EQ(calls, 1010);
 }
 
-// A preview in the callback, say. It runs where all work of this thread does.
-TEST(Progress, WorkOfTheCallbackIsNotHeard) {
+// The callback may compute a preview, for example. Its work uses the executor of this thread.
+TEST(Progress, WorkOfTheCallbackIsNotReported) {
     SerialExecutor serial;
     const ExecutorScope onThisThread(serial);
     int calls = 0;
@@ -113,8 +114,8 @@ TEST(Progress, WorkOfTheCallbackIsNotHeard) {
     EXPECT_EQ(calls, 10);
 }
 
-// Of the very relation that is being derived.
-TEST(Progress, CallbackMayAskForWhatIsBeingDerived) {
+// The callback requests the relation that is being derived.
+TEST(Progress, CallbackMayUseARelationThatIsBeingDerived) {
     TopologyRefiner refiner = refined(shapes::box({.cells = {12, 12, 12}}).complex, 1);
     const CellComplex complex = refiner.level(1).complex;
     const Incidence* seen = nullptr;
@@ -146,8 +147,8 @@ TEST(Cancelled, LastsAsLongAsTheScope) {
     EXPECT_EQ(begun, 13);
 }
 
-// What is done is not thrown away.
-TEST(Cancelled, NotAfterTheLastRange) {
+// A complete result is not thrown away.
+TEST(Cancelled, IsNotThrownAfterTheLastRange) {
     const ProgressScope scope([](const Progress& p) { return p.count == 0 || p.done < p.count; },
                               0ms);
     SerialExecutor serial;
@@ -156,12 +157,12 @@ TEST(Cancelled, NotAfterTheLastRange) {
     EXPECT_THROW(parallelFor(10, 1, [](Offset, Offset) {}), Cancelled);
 }
 
-TEST(Cancelled, IsNoError) {
+TEST(Cancelled, IsNotAnError) {
     EXPECT_FALSE((std::is_base_of_v<Error, Cancelled>));
     EXPECT_STREQ(Cancelled().what(), "cancelled");
 }
 
-TEST(Cancelled, OrWhatTheCallbackThrows) {
+TEST(Cancelled, ExceptionsOfTheCallbackAreThrownInstead) {
     ThreadPool pool(3);
     const ExecutorScope onPool(pool);
     for (int repeat = 0; repeat < 20; ++repeat) {
@@ -183,8 +184,8 @@ TEST(Cancelled, OrWhatTheCallbackThrows) {
     }
 }
 
-/// Calls work() again and again, cancelled after 0, 1, 3, 7 … calls of the callback, until it comes
-/// to its end, and has the result looked at each time that it does.
+/// Repeats work(), cancelled by the 1st, 3rd, 7th … call of the callback, until it completes.
+/// Expects the right result then, and after all cancelled attempts.
 template <class Work>
 void cancelEverywhere(Work work) {
     const auto expected = work();
@@ -203,12 +204,12 @@ void cancelEverywhere(Work work) {
             EXPECT_EQ(calls, limit);
         }
     }
-    // At the least, after a first and a later range.
+    // The work was cancelled at least after a first and after a later range.
     EXPECT_GT(cancelled, 1);
     EXPECT_EQ(work(), expected);
 }
 
-/// Each of them where there are no threads, and on four.
+/// Runs a test without threads and on four threads.
 template <class Test>
 void withAndWithoutThreads(Test test) {
     SerialExecutor serial;
@@ -226,8 +227,8 @@ const Lattice& lattice() {
     return lattice;
 }
 
-// It has the levels that were complete, and goes on from there.
-TEST(Cancelled, LeavesARefinerAsItWas) {
+// A cancelled refiner has the levels that were complete, and continues from there.
+TEST(Cancelled, RefinerKeepsCompleteLevels) {
     TopologyRefiner whole = refined(lattice().complex, 3);
     const auto loops = [](const TopologyRefiner& refiner) {
         const auto values = refiner.level(3).complex.relation(2, 0).values();

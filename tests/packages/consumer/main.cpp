@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A program of somebody else's: a cube in a lattice, which is moved by (1, 2, 3). It exits with 0
-// if the points of the cube went there, too, and a file came back as it was written.
+// A program in another project: moves a lattice with a cube in it by (1, 2, 3). Exits with 0 if the
+// points of the cube moved along, and a file was read as it was written.
 
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
@@ -43,7 +43,7 @@ int main() {
         io::readLattice("none.ovm");
         return 3;
     } catch (const Error& error) {
-        // Across a library's border.
+        // The exception crosses the border of a library.
         std::printf("%s\n", error.what());
     }
     return solve::ValidityCheck(lattice.complex, lattice.positions).badAtRest().empty() ? 0 : 4;

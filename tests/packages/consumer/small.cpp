@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Less than main.cpp: a cube, refined. It needs two of the libraries, which are soon compiled.
+// A smaller program: refines a cube. It needs two libraries only, which compile fast.
 
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/inventory.h>
