@@ -28,11 +28,11 @@ class Check(CliTest):
         return json.loads(result.stdout), result.stderr
 
     def write_folded(self):
-        """The corner (1, 1, 1) pulled to (−2, −2, −2), past all others."""
+        """Writes a pose whose corner (1, 1, 1) is at (−2, −2, −2), beyond all other vertices."""
         self.pose(lambda *p: (-2, -2, -2) if p == (1, 1, 1) else p)
 
     def test_a_valid_pose(self):
-        # Twice as wide: all volumes double. So they would at ten times the way; there is no end.
+        # The pose is twice as wide, so all volumes double. No step on this way folds a cell.
         self.pose(lambda x, y, z: (2 * x, y, z))
         report, errors = self.check("-n", 2, "--max-step", 10)
         self.assertEqual(errors, "")
@@ -60,7 +60,7 @@ class Check(CliTest):
         self.assertLessEqual(report["largest_step"]["length"], 0.5)
 
     def test_ratios_are_finite(self):
-        """A mirror image 1e240 times as large: the ratio is less than any double."""
+        """For a mirror image 1e240 times as large, the ratio is below the range of double."""
         self.pose(lambda x, y, z: (1e-80 * x, 1e-80 * y, 1e-80 * z), name="tiny.ovm")
         self.pose(lambda x, y, z: (-1e80 * x, 1e80 * y, 1e80 * z))
         report = json.loads(self.run_program(
@@ -84,7 +84,7 @@ class Check(CliTest):
             self.assertEqual(len(cell["centre"]), 3)
         least = report["smallest_volume_ratio"]
         self.assertEqual(least["volume_ratio"], min(cell["volume_ratio"] for cell in inverted))
-        # Up to the step there is no such cell, and a little past it there is the one that it names.
+        # No cell is inverted up to the step; just beyond it, the named cell is.
         step = report["largest_step"]
         self.assertTrue(0 < step["length"] < 1)
         for part, code in [(1, 0), (1.001, 3)]:
@@ -113,7 +113,8 @@ class Check(CliTest):
                              ["volume_ratio", "bad_at_rest"])
 
     def test_steps_that_are_not_told(self):
-        # Next to half a turn of the top: bounded work, and what it did not tell.
+        # The top turns by nearly half a turn. The search stops after a bounded amount of work, before
+        # it can tell where the cell folds.
         self.run_program("shape", "box", "-o", "rest.ovm")
         a = math.radians(179.999)
         self.pose(lambda x, y, z: (x, y, z) if z == 0 else
@@ -142,7 +143,7 @@ class Check(CliTest):
                               r"of the lattice folds")
         self.assertEqual(self.info("cells.vtu", "-n", 0)["attributes"],
                          ["volume_ratio", "bad_at_rest"])
-        # Level by level the cells come to it from below: they fold earlier.
+        # The cells of levels approach the limit from below, so they fold earlier.
         self.assertIsNone(self.check("-n", 1, code=3)[0]["limit_level"])
         self.run_program("shape", "box", "-o", "rest.ovm")
         self.assertIn("the complex has no interior vertex", self.error_of(

@@ -76,7 +76,7 @@ class Rats(CliTest):
         return self.read_points("r.obj")
 
     def test_mesh(self):
-        # Of 4 × 4 points 7 × 7, with the corners where they were.
+        # 4 × 4 points become 7 × 7, and the corners stay where they were.
         self.write_mesh()
         points = self.refined()
         self.assertEqual(len(points), 49)
@@ -108,7 +108,7 @@ class Rats(CliTest):
         self.run_program("shape", "box", "-o", "b.ovm")
         error = self.error_of("refine", "b.ovm", "--rules", "rats", "-o", "out.ovm")
         self.assertIn("b.ovm: the rules of RATS are for curves and meshes, not for lattices", error)
-        # Commands of lattices alone do not offer them.
+        # Commands that take lattices only do not offer these rules.
         for command in [["deform", "model.obj", "--rest", "b.ovm", "--to", "b.ovm", "-o", "o.obj"],
                         ["bind", "model.obj", "--rest", "b.ovm", "-o", "o.espb"],
                         ["info", "b.ovm"]]:

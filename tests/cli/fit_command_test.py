@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`espalier fit`: the pose of a lattice from where points of a model are wanted.
+"""`espalier fit`: the pose of a lattice from targets of points of a model.
 
     fit_command_test.py PATH_OF_ESPALIER
 """
@@ -34,7 +34,7 @@ class Fit(CliTest):
         return text
 
     def make_tall_lattice(self):
-        """With layers that far from what is held may move."""
+        """Makes a lattice with layers that are far enough from the held part to move."""
         self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 6, "--from", 0.5, 0.5, -0.2,
                          "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
 
@@ -55,7 +55,7 @@ class Fit(CliTest):
         self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
         self.assert_close([moved[7], moved[30]], [(0.5, 0.5, 1.1), (0.2, 0.2, 0.2)], 1e-12)
-        # With all of the lattice taken along, the rest of the model moves more.
+        # The whole lattice moves along, so the rest of the model moves more.
         smooth = self.fit("t.txt", "--smoothing", "laplacian", "--strength", 0.01, out="s.ovm")
         self.assertGreater(smooth["condition"], 1)
         self.assertGreater(smooth["largest_miss"], 1e-12)
@@ -73,14 +73,14 @@ class Fit(CliTest):
         rest = self.read_ovm_positions("rest.ovm")
         layer = [sum(p[2] < -0.2 + k * 1.4 / 6 + 1e-9 for p in rest) for k in range(3)]
         self.put("t.txt", "7 0.5 0.5 1.1\n")
-        # A cap of the cylinder, in a box without height.
+        # The box has no height and contains a cap of the cylinder.
         for continuity, count in [("c0", layer[0]), ("c1", layer[1]), ("c2", layer[1])]:
             report = self.fit("t.txt", "--hold", -9, -9, -0.2, 9, 9, -0.2, "--continuity", continuity)
             self.assertEqual(report["held_vertices"], count)
             pose = self.read_ovm_positions("pose.ovm")
             self.assertEqual([p for p, q in zip(pose, rest) if q[2] < -0.2 + 1e-9],
                              [q for q in rest if q[2] < -0.2 + 1e-9])
-        # A part of the model.
+        # The box contains a part of the model.
         self.assertGreater(self.fit("t.txt", "--hold", 0, 0, 0, 1, 1, 0.3)["held_vertices"], layer[0])
         self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
@@ -100,12 +100,12 @@ class Fit(CliTest):
                                    "nearest", "--smoothing", "laplacian")["held_vertices"])
             self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2,
                              "--outside", "nearest", out="moved.obj")
-            # Sums of some hundred products of numbers about 1.
+            # The results are sums of some hundred products of numbers about 1.
             self.assert_close([self.read_points("moved.obj")[399]], [self.points[399]], 1e-14)
         self.assertGreater(counts[0], 0)
         self.assertGreater(counts[1], counts[0])
         self.assertEqual(counts[1], counts[2])
-        # With a point inside, the others are held too; without, they stay where they are anyway.
+        # If one point of the box is inside the lattice, vertices are held. Points outside stay anyway.
         self.assertGreater(self.fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2)["held_vertices"], 0)
         (self.path / "pose.ovm").unlink()
         self.assertIn("--hold: all points in the box, such as point 399 of model.obj, are outside the "
@@ -117,7 +117,7 @@ class Fit(CliTest):
 
     def test_what_is_held_does_not_depend_on_the_targets(self):
         self.make_tall_lattice()
-        # Of those held, none, one or all have a target.
+        # None, one or all of the held points have a target.
         few = "7 0.5 0.5 1.1\n"
         self.put("few.txt", few)
         self.put("more.txt", few + "399 0.5 0.5 0.1\n")
@@ -149,7 +149,7 @@ class Fit(CliTest):
                       self.error_of_fit("t.txt"))
         self.put("t.txt", "7 9 9 9\n8 9 -9 9.5\n3 0.5 0.5 0.5\n")
         self.assertIn("t.txt:2: point 8 lies outside", self.error_of_fit("t.txt"))
-        # What is held does not change with them.
+        # The held vertices do not depend on the targets.
         self.make_tall_lattice()
         self.put("t.txt", "30 0.5 0.5 1.1\n")
         held = [self.fit(targets, "--hold", 0, 0, 0, 9, 9, 0.3) for targets in ["t.txt", "model.obj"]]

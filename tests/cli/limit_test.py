@@ -11,7 +11,7 @@ from program import CliTest
 
 
 def bend(p):
-    """Far from affine, and smooth."""
+    """A smooth map that is far from affine."""
     x, y, z = p
     return (x + 0.3 * z * z, y - 0.2 * x * z, z)
 
@@ -84,7 +84,7 @@ class LimitTest(CliTest):
             points = self.deform("-n", level)
             distances.append(max(math.dist(a, b) for a, b in zip(points, limit)))
         self.assertGreater(distances[0], 1e-5)
-        # By a fourth a level, in the long run.
+        # Asymptotically, the difference falls by four for each level.
         self.assertLess(distances[3], distances[0] / 20)
 
     def test_bind_and_apply_do_the_same(self):
@@ -103,7 +103,7 @@ class LimitTest(CliTest):
         """The points of model.obj with normals and tangents, in all formats that carry them, and
         one in which nothing is carried."""
         points, normals = self.vectors("model.obj", "v"), self.vectors("model.obj", "vn")
-        points.append([9, 9, 9])  # stays where it is
+        points.append([9, 9, 9])  # outside: stays where it is
         normals.append([0, 0, 1])
         rows = ["%r %r %r %r %r %r 0 0.6 0.8" % (*p, *n) for p, n in zip(points, normals)]
         self.put("model.ply", "\n".join(
@@ -155,7 +155,7 @@ class LimitTest(CliTest):
                             deformed, applied = (self.bytes(f"{name}{i}.{extension}")
                                                  for name in ("deformed", "applied"))
                             self.assertEqual(applied, deformed)
-                        # Directions were carried in both, and only points moved in the plain one.
+                        # Both files have deformed directions; the plain model has moved points only.
                         version = self.bytes("bound.espb")[8]
                         self.assertEqual(version, 1 if model == "plain.obj" else 2)
 
@@ -177,7 +177,7 @@ class LimitTest(CliTest):
         report = json.loads(self.run_program("info", "rest.ovm", "--smoothness", "--json").stdout)
         axis = [entry for entry in report["smoothness"]
                 if "edge" in entry and entry["stratum"] == "interior"]
-        # Five cells around two edges. The eigenvalues across an edge are 0.55, along it 1/2.
+        # Two interior edges lie in five cells. Their eigenvalues are 0.55 across the edge, 1/2 along it.
         self.assertEqual(len(axis), 2)
         for entry in axis:
             self.assertAlmostEqual(sum(entry["limit_mask"]), 1, places=12)
@@ -193,7 +193,7 @@ class LimitTest(CliTest):
         arguments = ["info", "wide.ovm", "-n", 0, "--smoothness"]
         entries = json.loads(self.run_program(*arguments, "--json").stdout)["smoothness"]
         wide = [entry for entry in entries if entry["limit_mask"] is None]
-        # The two apexes: each with its 3,000 edges, as many faces, and the cell.
+        # The rings of the two apexes have 3,000 edges, 3,000 faces, the cell and the apex itself.
         self.assertEqual([entry["ring_points"] for entry in wide].count(6002), 2)
         for entry in wide:
             self.assertIsNone(entry["eigenvalues"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the program on what would take more memory than there is to be."""
+"""Runs the program on input that would take more memory than --max-memory allows."""
 
 import base64
 import math
@@ -104,7 +104,7 @@ class MemoryTest(CliTest):
                          r"^espalier: bomb.vtu:4: the array '': its data takes about 300.0 MB")
 
     def test_what_is_not_known_beforehand_is_stopped(self):
-        # So wide a tolerance that every point is in every cell of level 9.
+        # The tolerance is so wide that every point is in every cell of level 9.
         self.lattice()
         points = self.points(1000)
         error = self.error_of("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
@@ -113,7 +113,7 @@ class MemoryTest(CliTest):
         self.assertFalse((self.path / "out.espb").exists())
 
     def peak_and_error(self, *arguments):
-        """Bytes of memory that a run held at most, and its message."""
+        """Returns the peak memory of a run in bytes, and its message."""
         with open(self.path / "error", "w+") as error:
             process = subprocess.Popen([program.ESPALIER, *map(str, arguments)], cwd=self.path,
                                        stdout=subprocess.DEVNULL, stderr=error)
@@ -137,8 +137,9 @@ class MemoryTest(CliTest):
         self.put("cube.obj", self.cube_mesh())
         self.run_program("compare", "box.ovm", "-n", 4, "--max-memory", "400MB")
         self.run_program("compare", "cube.obj", "-n", 7, "--max-memory", "400MB")
-        # In megabytes. Of the box, refining takes 63, all of it 155. Of the cube, 16 are held before
-        # OpenSubdiv refines it, 44 after, 55 before its table is made, and 85 while it is.
+        # Memory in megabytes. Refining the box takes 63, the whole comparison 155. For the cube, the
+        # process holds 16 before OpenSubdiv refines it, 44 after, 55 before its table is made, and 85
+        # while the table is made.
         for name, level, limit, step in [
                 ("box.ovm", 4, 90, "matching level 4 with OpenSubdiv's"),
                 ("cube.obj", 7, 35, "OpenSubdiv's topology of levels 1 to 7"),
@@ -151,7 +152,7 @@ class MemoryTest(CliTest):
             self.assertLess(peak, limit * 1e6, error)
 
     def test_long_rows_are_refused_before_they_are_made(self):
-        # Rows of D have 3,000 weights each: 720 MB, and as much while they are gathered.
+        # A row of D has 3,000 weights. D takes 720 MB, and as much again while its rows are gathered.
         self.run_program("shape", "prism", "--sides", 1500, "-o", "prism.vtu")
         points = [(0.9 * i / 20000 * math.cos(i), 0.9 * i / 20000 * math.sin(i), i / 25000 - 0.4)
                   for i in range(20000)]
