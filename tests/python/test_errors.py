@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong is said by a ValueError, which names the argument or what the library names."""
+"""Wrong arguments raise a ValueError that names the argument, or what the library names."""
 
 import numpy as np
 import pytest
@@ -214,7 +214,7 @@ def test_a_level_that_is_refined_is_wanted(rest, pose):
 
 
 def misaligned(array):
-    """A copy whose numbers begin one byte off."""
+    """Returns a copy whose numbers are not aligned."""
     memory = np.zeros(array.nbytes + 1, np.uint8)
     result = np.frombuffer(memory, array.dtype, array.size, 1).reshape(array.shape)
     result[...] = array
@@ -231,7 +231,7 @@ def test_arrays_that_are_not_aligned(rest, points, pose):
 
 
 def test_an_array_that_is_not_aligned_is_copied(rest):
-    """What is read is another array then, so that `out` cannot overlap with it."""
+    """NumPy converts the input to another array, so that `out` cannot overlap with it."""
     compiled = espalier.CompiledTable(espalier.Refiner(rest).stencils(0))
     memory = np.zeros(8 * 37, np.uint8)
     values = np.frombuffer(memory, float, 36, 1)
