@@ -86,7 +86,7 @@ void requireMemory(std::uint64_t bytes, const std::string& what) {
     if (limit == kNoLimit) return;
     const std::uint64_t held = residentMemory();
     if (held <= limit && bytes <= limit - held) return;
-    throw MemoryError(what + " takes some " + formatBytes(bytes) + " of memory; the limit is " +
+    throw MemoryError(what + " takes about " + formatBytes(bytes) + " of memory; the limit is " +
                       formatBytes(limit) + ", of which " + formatBytes(held) + " are in use");
 }
 

@@ -86,9 +86,11 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         const auto& own = c::deref(lattice, "lattice").lattice;
         const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
         const auto model = c::positions(points, point_count, "points");
-        const auto chosen = c::levelBindOptions(options, "these weights are not subdivided");
+        const auto chosen = c::levelBindOptions(options, "this basis has no levels and no limit");
         if (!own.marks.empty())
-            throw Error("the lattice has marks, which only subdivision heeds; clear them");
+            throw Error(
+                "the lattice has marks (sharpness of edges or vertices), which only subdivision "
+                "applies; clear them");
         const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
         return c::newBinding(embed::bindPoints(tensor, model, c::embeddingOptions(chosen)));
     });
@@ -156,7 +158,7 @@ espalier_status espalier_binding_apply(const espalier_binding* binding, int32_t 
         const auto& own = c::dataOf(binding).model.binding;
         c::checkCount(vertex_count, own.table.columnCount(), "positions of vertices");
         const auto from = c::positions(pose, vertex_count, "pose");
-        c::checkCount(point_count, own.table.rowCount(), "points of room for the result");
+        c::checkCount(point_count, own.table.rowCount(), "points in the array for the result");
         c::array(points, point_count, "points", 3);
         const auto moved = osd::evaluateBinding(own, std::span<const Point3>(from));
         if (!moved.empty()) std::memcpy(points, moved.data(), moved.size() * sizeof(Point3));

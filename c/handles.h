@@ -99,7 +99,8 @@ auto withRows(const stencils::StencilTable<double>& table, std::int32_t count,
     const auto some = array(rows, count, "rows");
     for (const std::int32_t row : some)
         if (row < 0 || row >= table.rowCount())
-            throw Error(concat("rows: there is no row ", row, " among ", table.rowCount()));
+            throw Error(concat("rows: there is no row ", row, "; there are ", table.rowCount(),
+                               ", numbered from 0"));
     return use(stencils::selectRows(table, some));
 }
 

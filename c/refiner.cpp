@@ -130,7 +130,8 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
         if (components < 1)
             throw Error(concat("components is ", components, "; expected 1 or more"));
         c::checkCount(size, countOf(0) * components, "numbers on the vertices of the lattice");
-        c::checkCount(result_size, countOf(level) * components, "numbers of room for the result");
+        c::checkCount(result_size, countOf(level) * components,
+                      "numbers in the array for the result");
         const auto carried = stencils::refineValues(own.refiner, level, from, components);
         std::copy(carried.begin(), carried.end(), to.begin());
     });

@@ -47,7 +47,7 @@ template <class Find>
 void putHeld(std::int32_t capacity, std::int32_t all, std::int32_t* held, std::int32_t* count,
              const Find& find) {
     auto& outCount = deref(count, "held_count");
-    checkCount(capacity, all, "vertices of room for the result");
+    checkCount(capacity, all, "vertices in the array for the result");
     const auto out = array(held, capacity, "held");
     const std::vector<Index> vertices = find();
     std::copy(vertices.begin(), vertices.end(), out.begin());
@@ -96,7 +96,7 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
     return c::guarded([&] {
         const auto& table = *c::deref(deformation, "deformation").table;
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
-        c::checkCount(vertex_count, complex.count(0), "vertices of room for the result");
+        c::checkCount(vertex_count, complex.count(0), "vertices in the array for the result");
         c::array(displacements, vertex_count, "displacements", 3);
         const auto chosen = c::fitOptions(c::optionsOrDefaults(
             options, espalier_default_fit_options(), "espalier_default_fit_options"));
@@ -133,7 +133,8 @@ espalier_status espalier_hold_points(const espalier_refiner* refiner, int32_t ve
         const auto& own = c::deref(refiner, "refiner");
         const auto base = c::baseOf(own.refiner);
         const auto wanted = c::continuityOf(continuity);
-        const auto chosen = c::levelBindOptions(options, "points are held in a level");
+        const auto chosen =
+            c::levelBindOptions(options, "points are held in a level, not in the limit");
         c::checkCount(vertex_count, base.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
@@ -198,7 +199,8 @@ espalier_status espalier_validity_base_cell(const espalier_validity* validity, i
         auto& out = c::deref(base_cell, "base_cell");
         const Index count = c::cellCount(own);
         if (cell < 0 || cell >= count)
-            throw Error(concat("there is no cell ", cell, " among ", count));
+            throw Error(
+                concat("there is no cell ", cell, "; there are ", count, ", numbered from 0"));
         out = solve::baseCellOf(own.levels, own.level, cell);
     });
 }
@@ -210,7 +212,7 @@ espalier_status espalier_validity_check(const espalier_validity* validity, int32
         const auto& own = c::deref(validity, "validity");
         auto& out = c::deref(result, "result");
         if (ratios != nullptr)
-            c::checkCount(cell_count, c::cellCount(own), "cells of room for the ratios");
+            c::checkCount(cell_count, c::cellCount(own), "cells in the array for the ratios");
         const auto found = own.check.check(c::posed(own, pose, vertex_count));
         const double none = std::numeric_limits<double>::quiet_NaN();
         if (ratios != nullptr)

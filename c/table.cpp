@@ -73,7 +73,7 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
         if (chosen.derivatives < 0 || chosen.derivatives > 2)
             throw Error(concat("derivatives is ", chosen.derivatives, "; expected 0 to 2"));
         c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
-                      "tables of room for the result");
+                      "tables in the array for the result");
         const auto out = c::array(tables, table_count, "tables");
         auto made = limit::buildLimitStencils(
             own.refiner, level, c::limitLocations(place_count, cells, uvw),
@@ -112,7 +112,8 @@ espalier_status espalier_table_create_nested(
         c::checkCount(parent_vertex_count, complex.count(0), "positions of the parent's vertices");
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
-        const auto chosen = c::levelBindOptions(options, "lattices nest in a level");
+        const auto chosen =
+            c::levelBindOptions(options, "lattices nest in a level, not in the limit");
         return c::newTable(
             embed::nestTables(own, pose, {c::baseOf(outer.refiner), rest},
                               {.level = chosen.level, .embedding = c::embeddingOptions(chosen)}));

@@ -26,8 +26,8 @@ template <class Real>
 constexpr Precision kPrecision = sizeof(Real) == sizeof(float) ? Precision::Float
                                                                : Precision::Double;
 
-/// Seconds of the quickest of repeated runs, as a neighbour on the machine can only make one
-/// slower: of one run at least, and of as many as begin within `seconds`.
+/// Runs `work` at least once, and again until `seconds` have passed. Returns the seconds of the
+/// quickest run: other programs on the machine can only make a run slower.
 template <class Work>
 double quickest(double seconds, Work work) {
     using Clock = std::chrono::steady_clock;
@@ -44,13 +44,14 @@ double quickest(double seconds, Work work) {
     return least;
 }
 
-/// Poses of `count` at once.
+/// `count` poses that are applied at once.
 struct Poses {
     int count;
     std::vector<double> values;
 };
 
-/// A matrix in one form and precision. Refers to the tables that it is made from.
+/// A way to apply the matrix: its form and its precision. Refers to the tables that it is made
+/// from.
 template <class Real>
 struct Form {
     using Evaluate = void(std::span<const Real> source, std::span<Real> result,
@@ -59,7 +60,7 @@ struct Form {
     Evaluator evaluator;
     Index rowCount;
     std::size_t tableBytes;
-    Index betweenCount = 0;  ///< entries that are written and read on the way to the results
+    Index betweenCount = 0;  ///< intermediate values, written once and read once
     ExpectedSums sums;
     std::function<Evaluate> evaluate;
 };
@@ -78,8 +79,8 @@ Form<Real> compiledForm(Evaluator evaluator, const Compiled& compiled, ExpectedS
             }};
 }
 
-/// All that is timed in one precision, the plain form first.
-/// \param chain of tables.factors; null if there are none
+/// Returns the forms that are timed in one precision. The plain form comes first.
+/// \param chain the compiled tables.factors; null if there are none
 template <class Real>
 std::vector<Form<Real>> formsOf(const BenchTables& tables,
                                 const stencils::StencilTable<Real>& table,
@@ -111,7 +112,7 @@ std::string describe(const Form<Real>& form, const Poses& poses, int threads) {
                        nameOf(kPrecision<Real>), poses.count, threads);
 }
 
-/// Times one form with so many threads; the speed-up is not known yet.
+/// Times one form with `threads` threads. The speed-up is filled in later.
 template <class Real>
 ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, double seconds) {
     const int components = 3 * poses.count;
@@ -141,7 +142,8 @@ ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, do
 constexpr Offset kTriadLength = 64'000'000;
 constexpr Offset kTriadGrain = 1 << 18;
 
-/// Written first by the threads that will read it, so that its pages lie near them.
+/// Returns an array that is first written by the threads that will read it, so that its pages lie
+/// in memory near them.
 std::unique_ptr<float[]> filled(float value) {
     auto array = std::make_unique_for_overwrite<float[]>(std::size_t{kTriadLength});
     parallelFor(kTriadLength, kTriadGrain, [&](Offset first, Offset last) {
@@ -211,7 +213,7 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
     for (const auto& form : inFloat)
         if (form.evaluator != Evaluator::Csr) addTimings(form, several);
     for (const auto& form : inDouble) addTimings(form, one);
-    // The first timing of a precision is that of the plain evaluator with one thread.
+    // In each precision, the plain evaluator with one thread was timed first.
     for (ApplyTiming& timing : timings) {
         const auto plain = std::find_if(
             timings.begin(), timings.end(),

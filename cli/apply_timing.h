@@ -14,20 +14,20 @@
 
 namespace espalier::cli {
 
-/// A matrix in every form that it is applied in.
+/// A matrix in all the forms that are timed.
 struct BenchTables {
     const stencils::StencilTable<double>& inDouble;
     stencils::StencilTable<float> inFloat;
     osd::CompiledTable<float> compiledFloat;
     osd::CompiledTable<double> compiledDouble;
 
-    /// The matrix left in its factors.
+    /// The matrix as a product of two tables, which are applied one after the other.
     struct Factors {
         stencils::FactoredTable<double> inDouble;
         osd::CompiledChain<float> compiledFloat;
         osd::CompiledChain<double> compiledDouble;
     };
-    std::optional<Factors> factors;  ///< nothing if it has none
+    std::optional<Factors> factors;  ///< nothing if the matrix is not a product
 };
 
 /// How a matrix was applied, and how long it took.
@@ -35,22 +35,22 @@ struct ApplyTiming {
     enum class Evaluator {
         Csr,
         Compiled,
-        Factors  ///< both compiled, one after the other
+        Factors  ///< both factors compiled, applied one after the other
     };
     enum class Precision { Float, Double };
 
     Evaluator evaluator;
     Precision precision;
-    int poses;       ///< at once: three components each
+    int poses;       ///< applied at once, with three components each
     int threads;     ///< at most
-    double seconds;  ///< a pose, of the quickest run
+    double seconds;  ///< for each pose, in the quickest run
 
-    /// A pose, that must move: the table, once for all poses, and the results. Of factors both
-    /// tables, and the values between them, which are written and read once: those may be as many
-    /// as the results. The vertices of the pose are left out, which a cache holds.
+    /// Bytes that move between memory and processor for each pose: the table, read once for all
+    /// poses, and the results. For factors, both tables, and the values between them, written once
+    /// and read once. The vertices of the pose are not counted, since a cache holds them.
     double bytes;
 
-    /// How many times as fast as the plain evaluator, with one thread and of the same precision.
+    /// Speed over that of the plain evaluator in the same precision with one thread.
     double speedup;
 
     double bytesPerSecond() const { return bytes / seconds; }
@@ -60,32 +60,33 @@ struct ApplyTiming {
 std::string nameOf(ApplyTiming::Evaluator evaluator);
 std::string nameOf(ApplyTiming::Precision precision);
 
-/// Poses of a lattice of which rest positions are given, smooth and bent in every direction:
-/// coordinate a of a vertex moves by d/10 · sin(2π x_b/d + 1 + k/2), where b is the axis after a, d
-/// the diagonal of the bounding box and k the number of the pose, from 0.
+/// Returns `count` smooth poses of a lattice, bent in every direction: coordinate a of a vertex
+/// moves by d/10 · sin(2π x_b/d + 1 + k/2), where b is the axis after a, d the diagonal of the
+/// bounding box and k the number of the pose, from 0.
 ///
-/// \return 3 · count numbers a vertex, vertex by vertex, pose by pose
+/// \return 3 · count numbers for each vertex, in the order of vertices, then of poses
 std::vector<double> bentPoses(std::span<const Point3> rest, int count);
 
-/// Applies a matrix to such poses with osd's evaluators, with each number of threads: one pose, in
-/// both precisions, plain, compiled and, where it has factors, by these; and in float twelve poses
-/// at once, by all but the plain one.
+/// Times osd's evaluators on bentPoses(), with each number of threads. One pose is applied in both
+/// precisions by the plain evaluator, the compiled table and, if there are factors, the compiled
+/// chain. Twelve poses at once are applied in float, by all but the plain evaluator.
 ///
-/// Before it is timed, what each makes is compared with what the reference evaluator does.
+/// Before an evaluator is timed, its results are compared with those of the reference evaluator.
 ///
-/// \param threadCounts the first of them 1
-/// \param seconds for repeated runs of each
-/// \param progress shows what is at work
-/// \throws Error if a result is off
+/// \param threadCounts the first one is 1
+/// \param seconds how long each measurement is repeated
+/// \param progress shows the running measurement
+/// \throws Error if a result is wrong
 std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const Point3> rest,
                                       std::span<const int> threadCounts, double seconds,
                                       Stages& progress);
 
-/// Measures the memory's bandwidth, in bytes a second: a = b + s · c over three arrays of floats,
-/// 768 MB in all, so that no cache holds them. Counts two reads and one write a number.
+/// Measures the bandwidth of the memory, in bytes per second, by a = b + s · c over three arrays of
+/// floats. They take 768 MB together, so that no cache holds them. Each element counts as two reads
+/// and one write.
 ///
 /// \param threads at most
-/// \param seconds for repeated runs, of which the quickest counts
+/// \param seconds how long the measurement is repeated; the quickest run counts
 double triadBytesPerSecond(int threads, double seconds);
 
 }  // namespace espalier::cli

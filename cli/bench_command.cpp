@@ -28,7 +28,7 @@ struct BenchOptions : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
-/// A stage that makes a compiled table, or a chain.
+/// Runs a stage that makes a compiled table or chain, and counts its bytes.
 template <class Make>
 auto compile(const char* stage, Stages& stages, Make make) {
     return stages.run(stage, [&] {
@@ -67,25 +67,26 @@ BenchTables prepare(const stencils::StencilTable<double>& table,
     return tables;
 }
 
-/// Refuses a lattice of which floats cannot hold a pose: coordinates of those are up to 1.35 times
-/// as large as the largest at rest (bentPoses).
+/// Refuses a lattice whose poses overflow in float: their coordinates are up to 1.35 times as large
+/// as the largest coordinate at rest (bentPoses).
 void checkRange(const BenchOptions& options, const Lattice& lattice) {
     constexpr double kLargest = std::numeric_limits<float>::max() / 2;
     for (std::size_t vertex = 0; vertex < lattice.positions.size(); ++vertex)
         for (const double coordinate : lattice.positions[vertex])
             if (std::abs(coordinate) > kLargest)
                 throw io::FileError(
-                    options.rest, fmt::format("vertex {} is at {:.3g}: too far out to be measured "
-                                              "in single precision",
-                                              vertex, coordinate));
+                    options.rest,
+                    fmt::format("vertex {} has the coordinate {:.3g}, which is too large "
+                                "for a measurement in single precision",
+                                vertex, coordinate));
 }
 
-/// The measured times of applying.
+/// The times that were measured.
 struct BenchReport {
     osd::Simd simd;
     const BenchTables& tables;
     std::vector<ApplyTiming> timings;
-    std::map<int, double> triad;  ///< bytes a second, by number of threads: triadBytesPerSecond()
+    std::map<int, double> triad;  ///< triadBytesPerSecond() by number of threads
 };
 
 std::string nameOf(osd::Simd simd) {
@@ -146,21 +147,27 @@ void printText(const RunReport& run, const BenchReport& bench) {
                    timing.bytesPerSecond() / 1e9, timing.speedup, shareOfTriad(bench, timing));
     for (const auto& [threads, bytesPerSecond] : bench.triad)
         fmt::print("{:<25} {:>7} {:>40.3f}\n", "triad", threads, bytesPerSecond / 1e9);
-    fmt::print("kernels: {}\n", nameOf(bench.simd));
+    fmt::print(
+        "csr: plain sparse product; compiled: osd::CompiledTable, by its {} kernels; factors: the "
+        "same for the two factors of the matrix\n"
+        "speed-up: over csr with one thread; triad: bandwidth of the memory; of triad: GB/s as a "
+        "fraction of it\n",
+        nameOf(bench.simd));
 }
 
-/// Prints the report on binding, as the other commands do, with the peak memory before the triad;
-/// and the measured times. In JSON, besides what run_report.h says:
+/// Prints the report on binding, as the other commands do, and the measured times. The peak memory
+/// is taken before the triad runs. The JSON has these keys in addition to those of run_report.h:
 ///
-///     kernels  baseline, avx2 or avx512: what compiled tables are evaluated with
-///     factors  {vertices, entries} of the matrix left in its factors: rows of the table that moves
-///              the vertices of the level, and entries of both; with --basis subdivision only
+///     kernels  baseline, avx2 or avx512: the instruction set of the compiled tables
+///     factors  {vertices, entries}: rows of the first factor, which moves the vertices of the
+///     level,
+///              and entries of both factors; only with --basis subdivision
 ///     apply    [{evaluator, precision, poses, threads, milliseconds, million_points_per_second,
-///              bytes, gigabytes_per_second, speedup, share_of_triad}], all a pose (ApplyTiming)
+///              bytes, gigabytes_per_second, speedup, share_of_triad}], for each pose (ApplyTiming)
 ///     triad    [{threads, gigabytes_per_second}]
 ///
-/// The share of the triad is the bytes that a row moves over those that the triad moves in the same
-/// time, with as many threads. It is no share of the memory where a cache holds the table.
+/// The share of the triad is the bandwidth of a measurement divided by that of the triad with the
+/// same number of threads. If a cache holds the table, it says nothing about memory.
 void print(const RunReport& run, const BenchReport& bench, ReportFormat format) {
     if (format == ReportFormat::Json)
         fmt::print("{}\n", toJson(run, bench).dump(2));
@@ -182,7 +189,7 @@ void runBench(const BenchOptions& options) {
     std::vector<int> threadCounts = {1};
     if (const int all = threadCount(options.common.threads); all > 1) threadCounts.push_back(all);
 
-    // Of their own: what is measured from here on is no stage of the report.
+    // These stages show progress only: they are not part of the report.
     Stages progress(options.common.quiet);
     BenchReport bench{
         osd::bestSimd(),
@@ -201,22 +208,22 @@ void runBench(const BenchOptions& options) {
 void addBenchCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
         program, "bench",
-        "Bind a model to a lattice, and measure that and applying poses: nothing is written",
+        "Measure how long it takes to bind a model to a lattice and to apply poses; writes no file",
         runBench);
     addModelAndRest(command, options);
     addBindingOptions(command, options);
-    // Not CLI::PositiveNumber, which lets infinity pass.
+    // CLI::PositiveNumber would accept infinity.
     const CLI::Validator isDuration(
         [](std::string& text) {
             double number = 0;
             const bool isOne =
                 CLI::detail::lexical_cast(text, number) && number > 0 && number <= 3600;
-            return isOne ? std::string() : "expected more than 0, to 3600, got " + text;
+            return isOne ? std::string() : "expected more than 0 and at most 3600, got " + text;
         },
         "");
     command
         .add_option("--seconds", options.seconds,
-                    "For the repeated runs of each measurement, of which the quickest counts")
+                    "How long to repeat each measurement; the quickest run counts")
         ->check(isDuration)
         ->capture_default_str();
     addRunOptions(command, options.common);

@@ -12,15 +12,18 @@
 namespace espalier::cli {
 namespace {
 
-/// MacCracken & Joy 1996, section 5; without subdivision their section 1.
+/// Binds points as the options say: to a level or the limit (MacCracken & Joy 1996, section 5), or
+/// with the Bézier or B-spline basis (their section 1).
 ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> points,
                            const Lattice& lattice, bool hasGradients,
                            const std::function<void(Offset)>& progress) {
     const auto& embedding = options.common.embedding;
     if (options.basis) {
-        // To go on without them would be another deformation than the file asks for.
+        // Ignoring the marks would give another deformation than the file asks for.
         if (!lattice.marks.empty())
-            throw io::FileError(options.rest, "has marks, which only --basis subdivision heeds");
+            throw io::FileError(options.rest,
+                                "has marks (sharpness of edges or vertices), which only --basis "
+                                "subdivision applies; use that, or remove the marks");
         const auto tensor = ofFile(options.rest, [&] {
             return embed::TensorLattice(lattice.complex, lattice.positions, *options.basis);
         });
@@ -54,20 +57,22 @@ void addModelAndRest(CLI::App& command, BindOptions& options) {
     command.add_option("MODEL", options.model, "The model: .obj, .ply, .stl or .vtu")->required();
     command
         .add_option("--rest", options.rest,
-                    "The lattice as it lies around the model: .ovm, .vtu or .vtk")
+                    "The lattice at rest, around the model: .ovm, .vtu or .vtk")
         ->required();
 }
 
 void addBasisOptions(CLI::App& command, BindOptions& options) {
     addChoice<std::optional<embed::Basis>>(
         command, "--basis", options.basis, embed::kBasisWords,
-        "What weighs the lattice: its subdivision; or, of a box that lies on a "
-        "parallelepiped, Bernstein polynomials or cubic B-splines");
+        "What moves the points. subdivision: the refined lattice; bezier, bspline: the Bézier "
+        "volume "
+        "or the uniform cubic B-splines of a box lattice, which at rest must be a parallelepiped "
+        "divided evenly");
     command
         .add_flag(
             "--limit", options.limit,
-            "Bind to the volume that refining goes to, not to a level on the way; --tolerance "
-            "also says how close. Normals and tangents then go with the points")
+            "Bind to the limit of refinement instead of a level. --tolerance also sets how close "
+            "to the limit points are placed. Normals and tangents are deformed too")
         ->excludes(command.get_option("-n"));
     for (const char* name :
          {"-n", "--limit", "--boundary", "--creasing", "--triangles", "--sharp-edges", "--rules"})
@@ -79,7 +84,7 @@ void addBindingOptions(CLI::App& command, BindOptions& options) {
     addRefinementOptions(command, options.common);
     addBasisOptions(command, options);
     for (CLI::Option* option : options.ofSubdivision)
-        option->group("With --basis subdivision only");
+        option->group("Only with --basis subdivision");
     addEmbeddingOptions(command, options.common);
 }
 
@@ -87,8 +92,7 @@ void checkBasis(const BindOptions& options) {
     if (!options.basis) return;
     for (const CLI::Option* option : options.ofSubdivision)
         if (option->count() > 0)
-            throw CLI::ValidationError(option->get_name(),
-                                       "is of use with --basis subdivision only");
+            throw CLI::ValidationError(option->get_name(), "works with --basis subdivision only");
 }
 
 ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,

@@ -17,44 +17,44 @@
 
 namespace espalier::cli {
 
-/// What the commands take that bind a model to a lattice.
+/// The options of commands that bind a model to a lattice.
 struct BindOptions {
     CommonOptions common;
     std::string model;
     std::string rest;
-    std::optional<embed::Basis> basis;  ///< none: subdivision
+    std::optional<embed::Basis> basis;  ///< nothing for subdivision
     int level = 3;
-    bool limit = false;                       ///< to the limit volume instead of a level
-    std::vector<CLI::Option*> ofSubdivision;  ///< the options that no other basis has a use for
+    bool limit = false;                       ///< bind to the limit volume instead of a level
+    std::vector<CLI::Option*> ofSubdivision;  ///< the options that need --basis subdivision
 };
 
 /// Adds MODEL and --rest to a command.
 void addModelAndRest(CLI::App& command, BindOptions& options);
 
-/// Adds --basis and --limit to a command that has -n and the options of refinement.
+/// Adds --basis and --limit to a command that already has -n and the options of refinement.
 void addBasisOptions(CLI::App& command, BindOptions& options);
 
-/// Adds -n, and the options of refinement, of the basis and of the embedding.
+/// Adds -n and the options of refinement, basis and embedding to a command.
 void addBindingOptions(CLI::App& command, BindOptions& options);
 
-/// Refuses options that the basis has no use for, rather than pass over them.
+/// Refuses options that the chosen basis cannot use.
 /// \throws CLI::ValidationError
 void checkBasis(const BindOptions& options);
 
 /// Points that are bound to a lattice.
 struct ModelBinding {
     embed::BindingResult points;
-    std::optional<io::BoundGradients> gradients = {};  ///< if they were asked for
+    std::optional<io::BoundGradients> gradients = {};  ///< only if they were asked for
 };
 
-/// Binds points to a lattice that was read from options.rest. Errors in the lattice name it.
-/// Stage: binding.
-/// \param hasGradients whether to make the gradients of a binding to the limit
+/// Binds points to a lattice that was read from options.rest, in the stage "binding". Errors in the
+/// lattice name its file.
+/// \param hasGradients whether a binding to the limit gets its gradients
 ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
                        const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
-/// The matrix that bindModel() finds, left in its factors; nothing for the limit and for the
-/// bases other than subdivision. Stage: binding in factors.
+/// Binds like bindModel(), in the stage "binding in factors", but returns the matrix as a product
+/// of two tables. Returns nothing for the limit and for a basis other than subdivision.
 std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,
                                                              std::span<const Point3> points,
                                                              const Lattice& lattice,

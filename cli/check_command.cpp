@@ -25,20 +25,20 @@ struct CheckOptions {
     CommonOptions common;
     std::string pose;
     std::string rest;
-    int level = 3;  ///< that of `deform`, whose cells these are
+    int level = 3;  ///< the default of `deform`
     bool limit = false;
     double maxStep = 2;
-    std::size_t listed = 5;  ///< cells of a kind, by name
+    std::size_t listed = 5;  ///< number of cells that are listed of each kind
     std::string output;
     ReportFormat report = ReportFormat::Text;
 };
 
-/// What was checked, and what came out.
+/// The input and the results of a check.
 struct Checked {
     const CheckOptions& options;
     const far::TopologyRefiner& refiner;
-    int level;                       ///< of the cells: 0 in the limit
-    std::vector<Point3> rest, pose;  ///< of the level
+    int level;                       ///< the level of the cells; 0 in the limit
+    std::vector<Point3> rest, pose;  ///< positions at that level
     std::vector<Index> badAtRest;
     solve::PoseValidity validity;
     solve::LargestStep step;
@@ -57,7 +57,7 @@ struct Checked {
     bool isBadAtRest(Index cell) const {
         return std::binary_search(badAtRest.begin(), badAtRest.end(), cell);
     }
-    /// Those that become anything: in the limit, cells may shrink away.
+    /// The number of cells that have a volume: in the limit, cells may vanish.
     std::ptrdiff_t count() const {
         return std::count_if(validity.ratios.begin(), validity.ratios.end(),
                              [](const auto& ratio) { return ratio.has_value(); }) +
@@ -66,7 +66,7 @@ struct Checked {
     const std::optional<double>& ratio(Index cell) const { return validity.ratios[cell]; }
 };
 
-/// \param positions that tell where the cell is
+/// \param positions of the vertices, for the centre of the cell
 OrderedJson toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
     OrderedJson json = {{"cell", cell},
                         {"base_cell", checked.baseCell(cell)},
@@ -83,19 +83,21 @@ OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
     return {{"count", cells.size()}, {"first", first}};
 }
 
-/// An object:
+/// Returns an object with these keys:
 ///
-///     level, cells           which, and how many there are; of the limit those of the base that
-///                            do not shrink away
-///     limit_level            to which irregular features were refined; null if not of the limit
-///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: at rest, ascending, no
-///                            more than --list
-///     inverted               {count, first: [{cell, base_cell, centre, volume_ratio}]}: of the
-///                            pose
+///     level, cells           the level, and its number of cells; for the limit, the cells of the
+///                            lattice that do not vanish
+///     limit_level            the level that irregular places were refined to; null unless --limit
+///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: cells that are flat or
+///                            folded at rest; at most --list of them, ascending
+///     inverted               {count, first: [{cell, base_cell, centre, volume_ratio}]}: cells that
+///                            the pose inverts
 ///     smallest_volume_ratio  {cell, base_cell, centre, volume_ratio}
-///     largest_step           {length, max, limiting_cell, is_tight}: as parts of the way from rest
-///                            to pose; a cell as above, or null where the length is the most; and
-///                            whether it is sure to go bad right after (solve/validity.h)
+///     largest_step           {length, max, limiting_cell, is_tight}: length and max as fractions
+///     of
+///                            the way from rest to pose; the cell that limits the length, or null
+///                            if the length is max; whether that cell certainly folds just beyond
+///                            it (solve/validity.h)
 OrderedJson toJson(const Checked& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {
@@ -112,16 +114,16 @@ OrderedJson toJson(const Checked& checked) {
           {"is_tight", checked.step.isTight}}}};
 }
 
-/// "cell 12 of base cell 0".
+/// Returns "cell 12 (in cell 0 of the lattice)"; in the limit "cell 0 of the lattice".
 std::string name(const Checked& checked, Index cell) {
-    if (checked.options.limit) return fmt::format("base cell {}", cell);
-    return fmt::format("cell {} of base cell {}", cell, checked.baseCell(cell));
+    if (checked.options.limit) return fmt::format("cell {} of the lattice", cell);
+    return fmt::format("cell {} (in cell {} of the lattice)", cell, checked.baseCell(cell));
 }
 
-/// How many cells there are of a kind, and the first few of them.
+/// Prints the number of cells of a kind, and the first few of them.
 void printCells(const Checked& checked, const char* title, const std::vector<Index>& cells,
                 const std::vector<Point3>& positions) {
-    fmt::print("{:<21} {}\n", title, cells.size());
+    fmt::print("{:<23} {}\n", title, cells.size());
     for (std::size_t i = 0; i < std::min(cells.size(), checked.options.listed); ++i) {
         fmt::print("  {} at ({:.4g})", name(checked, cells[i]),
                    fmt::join(checked.centre(cells[i], positions), ", "));
@@ -139,20 +141,22 @@ std::string title(const Checked& checked) {
 }
 
 void printText(const Checked& checked) {
-    fmt::print("{:<21} {}\n", title(checked), checked.count());
-    printCells(checked, "bad at rest", checked.badAtRest, checked.rest);
-    printCells(checked, "inverted", checked.validity.inverted, checked.pose);
+    fmt::print("{:<23} {}\n", title(checked), checked.count());
+    printCells(checked, "flat or folded at rest", checked.badAtRest, checked.rest);
+    printCells(checked, "inverted by the pose", checked.validity.inverted, checked.pose);
     const auto& [cell, ratio] = *checked.validity.smallest;
-    fmt::print("smallest volume ratio {:.3g} in {}\n", ratio, name(checked, cell));
+    fmt::print("smallest volume ratio   {:.3g} (pose : rest), {}\n", ratio, name(checked, cell));
     if (const auto& limiting = checked.step.limitingCell)
-        fmt::print("largest valid step    {:.6g} of the way{}, for {}\n", checked.step.length,
-                   checked.step.isTight ? "" : " at least", name(checked, *limiting));
+        fmt::print("largest safe step       {}{:.6g} of the way from rest to pose; then {} {}\n",
+                   checked.step.isTight ? "" : "at least ", checked.step.length,
+                   name(checked, *limiting), checked.step.isTight ? "folds" : "may fold");
     else
-        fmt::print("largest valid step    {:.6g} of the way or more\n", checked.step.length);
+        fmt::print("largest safe step       {:.6g} of the way from rest to pose, or more\n",
+                   checked.step.length);
 }
 
-/// The pose refined, and at each vertex what is known of the cells around it: the smallest volume
-/// ratio, 0 if there is none, and how many are bad at rest.
+/// Returns the refined pose with two attributes at each vertex: the smallest volume ratio of the
+/// cells around it, 0 if there is none, and the number of these cells that are bad at rest.
 Lattice withRatios(const Checked& checked) {
     Lattice refined = levelLattice(checked.refiner, checked.level, checked.pose);
     VertexAttribute ratios{"volume_ratio", 1, {}}, bad{"bad_at_rest", 1, {}};
@@ -175,7 +179,7 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
               const std::vector<Point3>& pose, Stages& stages) {
     const int level = refiner.maxLevel();
     const auto refined = [&](const std::vector<Point3>& positions) {
-        return stages.run("placing",
+        return stages.run("computing positions",
                           [&] { return stencils::refinePositions(refiner, level, positions); });
     };
     Checked checked{options, refiner, level, refined(rest.positions), refined(pose), {}, {}, {}};
@@ -190,8 +194,8 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
     });
     if (!checked.validity.smallest)
         throw io::FileError(options.rest,
-                            "all cells are flat or folded at rest: nothing is there to compare a "
-                            "pose with");
+                            "all cells are flat or folded at rest: there is no cell to compare "
+                            "with the pose");
     return checked;
 }
 
@@ -222,7 +226,7 @@ void runCheck(const CheckOptions& options) {
     }
     const auto& inverted = checked.validity.inverted;
     if (!inverted.empty())
-        throw Finding(fmt::format("{}: {} of {} {} are inverted, first {}",
+        throw Finding(fmt::format("{}: this pose turns {} of {} {} inside out, the first {}",
                                   io::shownPath(options.pose), inverted.size(), checked.count(),
                                   title(checked), name(checked, inverted.front())));
 }
@@ -230,30 +234,36 @@ void runCheck(const CheckOptions& options) {
 }  // namespace
 
 void addCheckCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(
-        program, "check",
-        "Find the cells that a pose of a lattice turns inside out, and the largest step towards "
-        "the pose that turns none; exit code 3 if there are such cells, 1 for bad input",
-        runCheck);
+    const auto [command, options] =
+        addCommand(program, "check",
+                   "Find the cells that a pose of a lattice turns inside out, and how far the "
+                   "lattice can move "
+                   "towards the pose before one folds; exit code 3 if there are such cells",
+                   runCheck);
     command.add_option("LATTICE", options.pose, "The pose: .ovm, .vtu or .vtk")->required();
-    command.add_option("--rest", options.rest, "The lattice at rest: same topology")->required();
-    addLevelOption(command, options.level, 1);
-    command.add_flag(
-        "--limit", options.limit,
-        "Check the limit volume of the cells of LATTICE instead: its tricubic patches, "
-        "and what is left around irregular features that are refined to level N");
     command
-        .add_option("--max-step", options.maxStep,
-                    "How far to look for the largest step: 1 is the way from rest to pose")
+        .add_option("--rest", options.rest, "The lattice at rest, with the topology of the pose")
+        ->required();
+    addLevelOption(command, options.level, 1);
+    command.add_flag("--limit", options.limit,
+                     "Check the limits of the cells of LATTICE instead of the cells of level N, "
+                     "which is then the "
+                     "level that irregular places are refined to");
+    command
+        .add_option(
+            "--max-step", options.maxStep,
+            "How far to look for the largest safe step; 1 is the whole way from rest to pose")
         ->check(CLI::Range(std::numeric_limits<double>::min(), 1e6))
         ->capture_default_str();
     command
-        .add_option("--list", options.listed, "How many cells of a kind to name, the first of them")
+        .add_option("--list", options.listed,
+                    "How many cells to name of those that are flat, folded or inverted")
         ->capture_default_str();
-    command.add_option("-o,--output", options.output,
-                       "Write the pose at level N (at level 0 with --limit) with the vertex "
-                       "attributes volume_ratio, the smallest of the cells around, and "
-                       "bad_at_rest, how many of them are: .ovm, .vtu or .vtk");
+    command.add_option(
+        "-o,--output", options.output,
+        "Write the pose at level N (level 0 with --limit) with two vertex attributes: "
+        "volume_ratio, the smallest of the cells at the vertex, and bad_at_rest, the "
+        "number of these cells that are flat or folded at rest: .ovm, .vtu or .vtk");
     addRefinementOptions(command, options.common);
     addRunOptions(command, options.common);
     addReportOption(command, options.report);

@@ -9,25 +9,25 @@
 
 namespace espalier::cli {
 
-// Each adds one command, or a family of them, to the program. A command runs when the arguments
-// have been parsed; what it throws ends the program with exit code 1, or 3 for Finding (see
+// Each function adds one command, or a family of them, to the program. A command runs when the
+// arguments have been parsed. An exception ends the program with exit code 1, or 3 for Finding (see
 // main.cpp).
 
-/// The input is good, and the answer to the question that a command asks of it is no: cells are
-/// inverted, or shapes differ.
+/// The input is good, but the check of a command failed: cells are inverted, or shapes differ.
 class Finding : public Error {
 public:
     using Error::Error;
 };
 
-/// A command, and the options that its arguments are parsed into.
+/// A command, and the options that CLI11 parses its arguments into.
 template <class Options>
 struct Command {
     CLI::App& app;
     Options& options;
 };
 
-/// Adds a command without arguments, which calls `run` with its options once they are parsed.
+/// Adds a command that calls `run` with its options when they have been parsed. The caller adds the
+/// arguments.
 template <class Options>
 Command<Options> addCommand(CLI::App& program, const std::string& name, const std::string& help,
                             void (*run)(const Options&)) {

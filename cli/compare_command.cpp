@@ -28,7 +28,7 @@ struct CompareOptions {
     int level = 3;
 };
 
-/// Compares one file. What it throws is the reason why it could not.
+/// Compares one file. The text of an Error becomes the reason why the file could not be compared.
 compare::ReportedShape compareFile(const CompareOptions& options, const std::string& file,
                                    Stages& stages) {
     compare::ReportedShape shape;
@@ -47,17 +47,18 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
     return shape;
 }
 
-/// "1602", or "1602 (theirs 1600)".
+/// Returns "1602", or "1602 (OpenSubdiv 1600)" if the counts differ.
 std::string countText(Index ours, Index theirs) {
-    return ours == theirs ? fmt::format("{}", ours) : fmt::format("{} (theirs {})", ours, theirs);
+    return ours == theirs ? fmt::format("{}", ours)
+                          : fmt::format("{} (OpenSubdiv {})", ours, theirs);
 }
 
 void print(const compare::ReportedShape& shape, std::size_t nameWidth,
            const compare::Bounds& bounds) {
     for (const compare::LevelAgreement& level : shape.agreement.levels) {
         fmt::print(
-            "{:<{}}  level {}  {:>8} vertices {:>8} faces  position {:<7.1e}  "
-            "weight {:<7.1e}  evaluators {:<7.1e}  {}\n",
+            "{:<{}}  level {}  {:>8} vertices {:>8} faces  differences: positions {:<7.1e}  "
+            "weights {:<7.1e}  evaluators {:<7.1e}  {}\n",
             shape.name, nameWidth, level.level,
             countText(level.counts[0], level.openSubdivCounts[0]),
             countText(level.counts[2], level.openSubdivCounts[2]), level.positionDifference,
@@ -72,7 +73,7 @@ void print(const compare::ReportedShape& shape, std::size_t nameWidth,
         fmt::print("{:<{}}  could not be compared\n", shape.name, nameWidth);
 }
 
-/// What is wrong with a shape: why it could not be compared, or where it differs. Empty if nothing.
+/// Returns why a shape could not be compared, or where it first differs; empty if it agrees.
 std::string offence(const compare::ReportedShape& shape, const compare::Report& report) {
     if (!shape.failure.empty()) return shape.failure;
     for (const compare::LevelAgreement& level : shape.agreement.levels)
@@ -84,7 +85,8 @@ std::string offence(const compare::ReportedShape& shape, const compare::Report& 
     return {};
 }
 
-/// Throws if anything is wrong, naming the first: Finding, if all shapes could be compared.
+/// Throws if a shape differs or could not be compared, and names the first one. Throws Finding if
+/// all shapes could be compared, Error otherwise.
 void checkAll(const compare::Report& report) {
     std::vector<std::string> offences;
     for (const compare::ReportedShape& shape : report.shapes)
@@ -136,14 +138,15 @@ void runCompare(const CompareOptions& options) {
 void addCompareCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
         program, "compare",
-        "Compare meshes, and the boundaries of lattices, with OpenSubdiv's refinement of them, "
-        "level by level; exit code 3 if they differ, 1 for bad input",
+        "Refine meshes, and boundary surfaces of lattices, with Espalier and with OpenSubdiv, and "
+        "compare the levels; exit code 3 if they differ",
         runCompare);
     command.add_option("FILE", options.files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 1);
-    command.add_option("--html", options.html,
-                       "Write a report: all shapes and levels, and pictures of the error");
+    command.add_option(
+        "--html", options.html,
+        "Write a report in HTML with all files, levels and pictures of the differences");
     addRefinementOptions(command, options.common, RulesFor::OpenSubdiv);
     addRunOptions(command, options.common);
 }
@@ -154,10 +157,10 @@ void addCompareCommand(CLI::App& program) {
 
 namespace espalier::cli {
 
-/// In a build without OpenSubdiv: the command says so.
+/// In a build without OpenSubdiv the command only reports that.
 void addCompareCommand(CLI::App& program) {
-    CLI::App& command =
-        *program.add_subcommand("compare", "Not in this build, which has no OpenSubdiv");
+    CLI::App& command = *program.add_subcommand(
+        "compare", "Not available: this program was built without OpenSubdiv");
     command.allow_extras();
     command.callback([] {
         throw Error(

@@ -30,7 +30,7 @@ struct DeformOptions : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
-/// The name of the file of each pose; checked before any work is done.
+/// Returns the output file of each pose. Checks all inputs and outputs before any work is done.
 std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
@@ -47,10 +47,10 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     return paths;
 }
 
-/// The deformation gradient of each point for a pose of the lattice.
+/// Returns the deformation gradient of each point for a pose of the lattice.
 std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradients,
                                                  const std::vector<Point3>& pose) {
-    // Of the displacements, so that what does not move has the identity to the last bit.
+    // Computed from displacements, so that points that do not move have exactly the identity.
     std::vector<double> moved;
     for (std::size_t v = 0; v < pose.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - gradients.rest[v][c]);
@@ -67,7 +67,8 @@ std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradi
     return result;
 }
 
-/// \param gradients which carry the model's directions with the pose, if there are any
+/// Applies a pose and writes the deformed model.
+/// \param gradients deform the normals and tangents of the model, if there are any
 void writePose(const io::Model& model, const Binding& binding,
                const std::optional<io::BoundGradients>& gradients, const std::vector<Point3>& pose,
                const std::filesystem::path& path, Stages& stages) {
@@ -141,12 +142,14 @@ void runApply(const DeformOptions& options) {
     model->checkTarget(paths.front());
     const auto& table = bound.binding.table;
     if (std::ssize(model->positions()) != table.rowCount())
-        throw io::FileError(options.model, "holds a model of other points than were bound");
+        throw io::FileError(options.model,
+                            "is damaged: its model does not have the points that were bound");
     const auto difference = [&](const Lattice& pose) -> std::optional<std::string> {
         if (far::topologyHash(pose.complex) == bound.binding.topologyHash) return std::nullopt;
         return fmt::format(
-            "the lattice that {} was bound to, which has {} vertices: this one has {}, or its "
-            "cells differ",
+            "the lattice that {} was bound to: that one has {} vertices, this one has {}; or they "
+            "have "
+            "different cells",
             printable(options.model), table.columnCount(), pose.complex.count(0));
     };
     const auto poses = readPoses(options.poses, difference, stages);
@@ -157,13 +160,15 @@ void runApply(const DeformOptions& options) {
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
     command
-        .add_option("--to", options.poses,
-                    "The lattice as it is deformed: same topology; one or more")
+        .add_option(
+            "--to", options.poses,
+            "The poses: one or more deformed lattices with the topology of the lattice at rest")
         ->required();
     command
-        .add_option("-o,--output", options.output,
-                    "The deformed model, in the format of the model; of several, %04d gives the "
-                    "number its place")
+        .add_option(
+            "-o,--output", options.output,
+            "The deformed model, in the format of MODEL. With several poses, %04d in the name "
+            "stands for the number of the pose, and .0000, .0001 ... is added without it")
         ->required();
 }
 
@@ -176,22 +181,24 @@ void addRunAndReport(CLI::App& command, DeformOptions& options) {
 
 void addDeformCommands(CLI::App& program) {
     const auto [deform, deformOptions] = addCommand(
-        program, "deform", "Bind a model to a lattice, and apply each pose of the lattice to it",
+        program, "deform",
+        "Deform a model: bind it to a lattice at rest, then apply each pose of the lattice",
         runDeform);
     addModelAndRest(deform, deformOptions);
     addPosesAndOutput(deform, deformOptions);
     addBindingOptions(deform, deformOptions);
     addRunAndReport(deform, deformOptions);
 
-    const auto [bind, bindOptions] =
-        addCommand(program, "bind", "Bind a model to a lattice, and keep the binding", runBind);
+    const auto [bind, bindOptions] = addCommand(
+        program, "bind",
+        "Bind a model to a lattice at rest, and write the binding, for espalier apply", runBind);
     addModelAndRest(bind, bindOptions);
     bind.add_option("-o,--output", bindOptions.output, "The bound model: .espb")->required();
     addBindingOptions(bind, bindOptions);
     addRunAndReport(bind, bindOptions);
 
     const auto [apply, applyOptions] =
-        addCommand(program, "apply", "Apply poses of its lattice to a bound model", runApply);
+        addCommand(program, "apply", "Deform a bound model by each pose of its lattice", runApply);
     apply.add_option("BINDING", applyOptions.model, "The bound model: .espb")->required();
     addPosesAndOutput(apply, applyOptions);
     addRunAndReport(apply, applyOptions);

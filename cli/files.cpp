@@ -50,7 +50,7 @@ bool isSameFile(const struct ::stat& a, const struct ::stat& b) {
     return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// "--rest", "MODEL and --rest", "MODEL, --rest and --to".
+/// Joins words: "--rest", "MODEL and --rest", "MODEL, --rest and --to".
 std::string list(std::span<const std::string> words) {
     std::string text = words.front();
     for (std::size_t i = 1; i < words.size(); ++i)
@@ -64,14 +64,14 @@ void refuseDash(const std::vector<Input>& inputs) {
         if (input.path == "-" && std::ranges::count(arguments, input.argument) == 0)
             arguments.push_back(input.argument);
     if (arguments.empty() || statusOf("-")) return;
-    throw io::FileError("-", "is no file (given for " + list(arguments) +
-                                 "); to read standard input, for one argument, name a link to "
-                                 "/dev/stdin with the extension of the format");
+    throw io::FileError("-", "does not exist (given for " + list(arguments) +
+                                 "). To read one argument from standard input, make a link to "
+                                 "/dev/stdin with the extension of the format, and name the link");
 }
 
-/// The path behind all links, those to what does not exist yet too.
+/// Follows all links of a path, including links to files that do not exist yet.
 std::filesystem::path behindLinks(std::filesystem::path path) {
-    constexpr int kMaxLinks = 40;  // as the system has it
+    constexpr int kMaxLinks = 40;  // the limit of the system
     std::error_code error;
     for (int links = 0; links < kMaxLinks && std::filesystem::is_symlink(path, error); ++links)
         path = path.parent_path() / std::filesystem::read_symlink(path, error);
@@ -101,20 +101,20 @@ void checkInputs(const std::vector<Input>& inputs) {
         const std::string alias =
             first.path == input.path ? "" : " (also called " + io::shownPath(first.path) + ")";
         throw io::FileError(input.path, "is given " + given + alias +
-                                            ", but is no regular file and can be read only once; "
-                                            "copy it to a file first");
+                                            ", but can be read only once, since it is not a "
+                                            "regular file; copy it to a file first");
     }
 }
 
 void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
                  const std::vector<std::string>& extensions) {
     std::error_code ignored;
-    // A terminal may be both, and so may /dev/null.
+    // A character device, such as a terminal or /dev/null, may be both input and output.
     if (const auto status = statusOf(output); status && !S_ISCHR(status->st_mode))
         for (const Input& input : inputs)
             if (const auto other = statusOf(input.path); other && isSameFile(*status, *other))
                 throw io::FileError(output, "is also an input (" + input.argument +
-                                                "): writing it would lose that");
+                                                "), and would be overwritten; choose another name");
     const std::filesystem::path folder = output.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
         throw io::FileError(output,
@@ -126,7 +126,8 @@ void checkOutput(const std::filesystem::path& output, const std::vector<Input>& 
         std::ranges::count(extensions, output.extension().string()) > 0)
         return;
     throw io::FileError(output,
-                        fmt::format("has another extension than {}", fmt::join(extensions, ", ")));
+                        fmt::format("is not of a format that can be written here; expected {}",
+                                    fmt::join(extensions, ", ")));
 }
 
 void checkDistinct(const std::vector<std::filesystem::path>& outputs) {
@@ -138,10 +139,10 @@ void checkDistinct(const std::vector<std::filesystem::path>& outputs) {
             continue;
         const auto [other, isNew] = files.try_emplace(behindLinks(output), output);
         if (!isNew)
-            throw io::FileError(
-                output, fmt::format("is the same file as {}, through a link: one of the two would "
-                                    "be lost. Remove the link",
-                                    printable(other->second.string())));
+            throw io::FileError(output,
+                                fmt::format("is the same file as {}, through a link, and one would "
+                                            "overwrite the other; remove the link",
+                                            printable(other->second.string())));
     }
 }
 
@@ -192,7 +193,8 @@ std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths
                                            Stages& stages) {
     const auto difference = [&](const Lattice& pose) {
         auto text = far::topologyDifference(rest.complex, pose.complex);
-        if (text) *text = io::shownPath(restPath) + ": " + *text;
+        if (text)
+            *text = io::shownPath(restPath) + " (called the first, this file the second): " + *text;
         return text;
     };
     return readPoses(paths, difference, stages);

@@ -19,11 +19,11 @@
 
 namespace espalier::cli {
 
-/// The names of the entities of a lattice, by dimension.
+/// Plural names of the entities, by dimension.
 inline constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
 
-/// Refines a lattice or a mesh that was read from `path`, as the options, its tags and the defaults
-/// say, in this order. Errors name the file.
+/// Refines a lattice or a mesh that was read from `path`. The options win over the tags of the
+/// file, and these over the defaults. Errors name the file.
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
@@ -33,26 +33,27 @@ struct Input {
     std::string path;
 };
 
-/// Several files of one argument.
+/// Returns one Input for each path of an argument.
 std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::string>& paths);
 
-/// Refuses two inputs that are the same pipe or device: the second would wait for ever for what the
-/// first has read. Refuses "-", unless it is a file: a name has to tell the format.
+/// Refuses two inputs that are the same pipe or device: reading the second one would wait for ever.
+/// Refuses "-" unless a file has this name, since the extension of a name tells the format.
 /// \throws FileError naming the file and the arguments
 void checkInputs(const std::vector<Input>& inputs);
 
-/// Refuses an output that would replace one of the inputs, or is the same pipe, whose folder does
-/// not exist, or that must not be written to, before any work is done. With `extensions` (".mtx"),
-/// also one of another extension; devices and pipes may have any. \throws FileError
+/// Refuses an output that is also an input, whose folder does not exist, or that must not be
+/// written to. With `extensions` (".mtx"), refuses other extensions, except for devices and pipes.
+/// To be called before long work. \throws FileError
 void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
                  const std::vector<std::string>& extensions = {});
 
-/// Refuses outputs of one command that are one file, by way of links: all but the last written
-/// would be lost. Devices and pipes may take several outputs.
+/// Refuses outputs of one command that are the same file through links: only the last one written
+/// would remain. Devices and pipes may take several outputs.
 /// \throws io::FileError naming two such outputs
 void checkDistinct(const std::vector<std::filesystem::path>& outputs);
 
-/// Reads a file of this kind in the stage "reading", and prints the notes of its reader.
+/// Reads a file of this kind in the stage "reading", and prints the notes of its reader to standard
+/// error.
 Lattice readLattice(const std::filesystem::path& path, Stages& stages,
                     FileKind kind = FileKind::Lattice);
 
@@ -61,7 +62,7 @@ Lattice readLattice(const std::filesystem::path& path, Stages& stages,
 std::pair<Lattice, far::TopologyRefiner> readAndRefine(const LatticeOptions& options, FileKind kind,
                                                        Stages& stages);
 
-/// Errors of what `work` makes of a file name it.
+/// Runs `work`, and adds the name of the file to its errors.
 template <class Work>
 auto ofFile(const std::filesystem::path& path, const Work& work) {
     try {
@@ -75,21 +76,22 @@ auto ofFile(const std::filesystem::path& path, const Work& work) {
     }
 }
 
-/// Prints the notes on a file on standard error, in one line; nothing if there are none. To be
-/// called between stages.
+/// Prints the notes on a file to standard error, in one line; nothing if there are none. To be
+/// called between stages, so that the line of progress is empty.
 void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes);
 
-/// Reads poses of one lattice, each in the stage "reading", before any is used: a bad one leaves
-/// nothing half done. If consecutive poses have the same notes, only the notes of the first are
-/// printed.
+/// Reads all poses of a lattice, each in the stage "reading". A command reads them before it uses
+/// one, so that a bad pose leaves nothing half done. If consecutive poses have the same notes, only
+/// the notes of the first are printed.
 ///
-/// \param difference what a lattice is no pose of, and why; nothing if it is a pose
-/// \throws FileError naming a file that is no pose, and the difference
+/// \param difference returns nothing for a pose; otherwise the lattice that it should be a pose of,
+///        and how they differ
+/// \throws FileError naming the file that is not a pose, and the difference
 std::vector<std::vector<Point3>> readPoses(
     const std::vector<std::string>& paths,
     const std::function<std::optional<std::string>(const Lattice&)>& difference, Stages& stages);
 
-/// The same for poses of the lattice `rest` that was read from `restPath`.
+/// Reads poses of the lattice `rest`, which was read from `restPath`.
 std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths,
                                            const Lattice& rest, const std::string& restPath,
                                            Stages& stages);

@@ -32,17 +32,16 @@ namespace {
 
 using embed::Continuity;
 
-/// A part of a model, and of the boundary of its lattice, that is to stay as it is: what lies in a
-/// box.
+/// The box of --hold: points of the model and boundary faces of the lattice in it must not move.
 struct HoldOptions {
-    std::optional<std::array<double, 6>> box;  ///< its least coordinates, then its largest
+    std::optional<std::array<double, 6>> box;  ///< lowest coordinates, then highest
     embed::Continuity continuity = embed::Continuity::C0;
 };
 
-/// The points and the faces that lie in the box.
+/// The points and faces that lie in the box of --hold.
 struct HeldPart {
-    std::vector<Index> points;  ///< of the model, ascending
-    std::vector<Index> faces;   ///< of the lattice's boundary, ascending
+    std::vector<Index> points;  ///< points of the model, ascending
+    std::vector<Index> faces;   ///< boundary faces of the lattice, ascending
 };
 
 struct FitCommandOptions : BindOptions {
@@ -59,7 +58,7 @@ bool isIn(const std::array<double, 6>& box, const Point3& point) {
     return true;
 }
 
-/// The faces of the boundary that lie in a box with all their vertices.
+/// Returns the boundary faces whose vertices all lie in a box.
 std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Lattice& lattice) {
     std::vector<Index> faces;
     for (Index face = 0; face < lattice.complex.count(2); ++face) {
@@ -72,50 +71,53 @@ std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Latti
     return faces;
 }
 
-/// Adds --hold and --continuity to a command that binds with the basis of subdivision only.
+/// Adds --hold and --continuity, which need --basis subdivision.
 void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) {
     CLI::Option* box =
         command
-            .add_option("--hold", hold.box,
-                        "What lies in this box stays: points of the model, and faces of the "
-                        "lattice's boundary")
+            .add_option(
+                "--hold", hold.box,
+                "Keep points of the model and boundary faces of the lattice that lie in the box "
+                "from corner X0 Y0 Z0 to corner X1 Y1 Z1 where they are")
             ->type_name("X0 Y0 Z0 X1 Y1 Z1");
-    addChoice<Continuity>(command, "--continuity", hold.continuity, embed::kContinuityWords,
-                          "How what is held meets what moves: in its place, with its tangent "
-                          "planes, or with its curvatures; c1 and c2 hold the same vertices");
+    addChoice<Continuity>(
+        command, "--continuity", hold.continuity, embed::kContinuityWords,
+        "How the part in the box of --hold meets the rest. c0: without a gap; c1: "
+        "with its tangent planes; c2: with its curvatures. c1 and c2 hold the same "
+        "vertices");
     CLI::Option* continuity = command.get_option("--continuity")->needs(box);
     for (CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
 }
 
-/// Finds what is to be held. Nothing without --hold.
+/// Finds the points and faces in the box of --hold; nothing without --hold.
 /// \param points of the model
-/// \throws Error if the box is none, or neither a point nor a face of the boundary lies in it
+/// \throws Error if the corners of the box are exchanged, or the box contains no point and no face
 HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
                       std::span<const Point3> points, const Lattice& lattice) {
     if (!hold.box) return {};
     const auto& box = *hold.box;
     for (std::size_t c = 0; c < 3; ++c)
         if (!(box[c] <= box[c + 3]))
-            throw Error(fmt::format("--hold: the box runs from {} to {}; expected it to ascend",
-                                    box[c], box[c + 3]));
+            throw Error(
+                fmt::format("--hold: the box runs from {} down to {}; expected the lower corner "
+                            "first",
+                            box[c], box[c + 3]));
     HeldPart part;
     for (std::size_t i = 0; i < points.size(); ++i)
         if (isIn(box, points[i])) part.points.push_back(static_cast<Index>(i));
-    // Without boundary control a level does not reach as far as its faces.
+    // With the boundary mode `open` no level reaches the boundary faces.
     const auto boundary = refinerOptions(lattice, options.common.refinement).boundary;
     if (boundary != far::Boundary::Open) part.faces = boundaryFacesIn(box, lattice);
     if (part.points.empty() && part.faces.empty())
         throw Error(
-            fmt::format("--hold: no point of {} lies in the box, and no face of the "
-                        "boundary of {}",
+            fmt::format("--hold: the box contains no point of {} and no boundary face of {}",
                         printable(options.model), printable(options.rest)));
     return part;
 }
 
-/// The vertices of the lattice that must stay, ascending. Stage: holding, if there is a part.
-/// \param points of the model
-/// \param rows of D, of the points of the part, as the options say to bind them
-/// \throws Error if there is a part but none of it asks for a vertex
+/// Returns the lattice vertices that must not move, ascending. Runs in the stage "holding" if
+/// anything is held. \param points of the model \param rows the rows of D of the held points
+/// \throws Error if all held points are outside the lattice and no face is held
 std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
                                 const BindOptions& options, std::span<const Point3> points,
                                 const stencils::StencilTable<double>& rows, const Lattice& lattice,
@@ -123,11 +125,12 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
     if (part.points.empty() && part.faces.empty()) return {};
     if (rows.entryCount() == 0 && part.faces.empty())
         throw Error(
-            fmt::format("--hold: point {} of {}, and what else lies in the box, is outside "
-                        "the lattice {}, and stays anyway",
+            fmt::format("--hold: all points in the box, such as point {} of {}, are outside the "
+                        "lattice {} and stay without --hold",
                         part.points.front(), printable(options.model), printable(options.rest)));
     return stages.run("holding", [&] {
-        // The rows of D tell which vertices move the points; the lattice is not searched again.
+        // The columns of the rows of D are the vertices that move the points, so C⁰ needs no
+        // search.
         auto held = embed::verticesHoldingRows(rows);
         const bool isBeyondPlaces = hold.continuity != Continuity::C0 && rows.entryCount() > 0;
         if (part.faces.empty() && !isBeyondPlaces) return held;
@@ -149,11 +152,11 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
     });
 }
 
-/// Some points of a model, and where they are wanted.
+/// Points of a model, and their targets.
 struct Wishes {
     std::vector<Point3> points;
-    std::vector<Point3> misses;
-    std::vector<io::Target> targets;  ///< where a message would point
+    std::vector<Point3> misses;       ///< target minus point
+    std::vector<io::Target> targets;  ///< with the line in the file, for messages
 
     void add(const Point3& point, const io::Target& target) {
         points.push_back(point);
@@ -173,7 +176,8 @@ struct Wishes {
     }
 };
 
-/// Whether a file is a list of targets; otherwise it is the whole model as it is wanted.
+/// Returns whether a file is a list of targets. Other files hold the whole model in the wanted
+/// shape.
 bool isList(const std::string& path) {
     return io::lowerCase(std::filesystem::path(path).extension().string()) == ".txt";
 }
@@ -191,26 +195,26 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
     const auto wanted =
         stages.read(options.targets, [&] { return io::readModel(options.targets); });
     if (wanted->positions().size() != points.size())
-        throw io::FileError(options.targets,
-                            fmt::format("has {} points; {} has {}", wanted->positions().size(),
-                                        printable(options.model), points.size()));
+        throw io::FileError(options.targets, fmt::format("has {} points, but the model {} has {}",
+                                                         wanted->positions().size(),
+                                                         printable(options.model), points.size()));
     for (std::size_t i = 0; i < points.size(); ++i)
         wishes.add(points[i], {static_cast<Index>(i), wanted->positions()[i], 0});
     return wishes;
 }
 
-/// The points that have targets, and those that are held, bound at once.
+/// Rows of D for the points that have targets and for the held points.
 struct FitRows {
-    stencils::StencilTable<double> ofTargets, ofHeld;  ///< D
+    stencils::StencilTable<double> ofTargets, ofHeld;
 };
 
-/// The end of a message: why a point has no row of D.
+/// Returns the end of a message: why the row of a point in D is empty.
 std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus status) {
     return status == embed::PointStatus::Outside
                ? fmt::format("lies outside the lattice {}", printable(options.rest))
                : fmt::format(
-                     "has no place in the lattice {}: the search for it did not converge, "
-                     "as in a degenerate cell or very far away",
+                     "could not be placed in the lattice {}: its cell is degenerate, or the "
+                     "point is very far away",
                      printable(options.rest));
 }
 
@@ -222,9 +226,9 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
                           : io::FileError(options.model, cause);
 }
 
-/// The targets that the lattice carries its points to, by their rows. Leaves out points that the
-/// lattice does not carry but that are wanted where they are, unless points outside are errors.
-/// \throws FileError for other points that it does not carry, and if no target is left
+/// Returns the rows of the targets whose points move with the lattice. A point that does not move
+/// with it is left out if its target is its own position, unless --outside error is given. \throws
+/// FileError for other points that do not move with the lattice, and if no target is left
 std::vector<Index> carriedTargets(const FitCommandOptions& options,
                                   const embed::BindingResult& bound, const Wishes& wishes) {
     const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
@@ -239,12 +243,12 @@ std::vector<Index> carriedTargets(const FitCommandOptions& options,
     if (carried.empty())
         throw io::FileError(options.targets,
                             fmt::format("no target is left: all {} points lie outside the lattice "
-                                        "{} and are wanted where they are",
+                                        "{}, and their targets are where they are already",
                                         wishes.targets.size(), printable(options.rest)));
     return carried;
 }
 
-/// Fits the lattice. Errors in a target name its point and where the target was read.
+/// Fits the lattice. An error in a target names its point, and the file and line of the target.
 solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRows& rows,
                                    const Wishes& wishes, const Lattice& lattice,
                                    const solve::FitOptions& fitOptions) {
@@ -253,16 +257,16 @@ solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRo
     } catch (const solve::TargetError& error) {
         const io::Target& target = wishes.targets[error.row()];
         const std::string cause = fmt::format(
-            "the target of point {} is too far from the point for the square of the distance to "
-            "be a number",
+            "the target of point {} is too far from the point: the square of the distance "
+            "overflows",
             target.point);
         throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
                               : io::FileError(options.targets, cause);
     }
 }
 
-/// A held point that has a target too is bound once. Takes from `wishes` the targets that
-/// carriedTargets() leaves out.
+/// Binds the points that have targets and the held points at once. A point that is both is bound
+/// once. Removes from `wishes` the targets that carriedTargets() leaves out.
 FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishes& wishes,
                 const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
                 Stages& stages) {
@@ -295,14 +299,16 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     return rows;
 }
 
-/// How many vertices of a lattice are among some. What is no vertex of it, fitting refuses.
+/// Returns how many different vertices of the lattice are listed. Other numbers are ignored here:
+/// solve::fitLattice() refuses them.
 Offset countAmong(std::vector<Index> vertices, const Lattice& lattice) {
     sortUnique(vertices);
     return std::ranges::count_if(
         vertices, [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); });
 }
 
-/// The vertices that stay, of --freeze and of --hold.
+/// Returns the vertices of --freeze and --hold.
+/// \throws Error if these are all vertices of the lattice
 std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::vector<Index>& held,
                                   const Lattice& lattice) {
     const auto& named = options.fit.frozen;
@@ -310,14 +316,14 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
     frozen.insert(frozen.end(), held.begin(), held.end());
     const Offset all = std::ssize(lattice.positions);
     if (countAmong(frozen, lattice) < all) return frozen;
-    throw Error(fmt::format("{} all {} vertices of {}: none is left to move",
+    throw Error(fmt::format("{} all {} vertices of {}: no vertex is left to move",
                             countAmong(held, lattice) == all    ? "--hold keeps"
                             : countAmong(named, lattice) == all ? "--freeze keeps"
                                                                 : "--hold and --freeze keep",
                             all, printable(options.rest)));
 }
 
-/// \param leftOut targets that carriedTargets() leaves out
+/// \param leftOut number of targets that carriedTargets() leaves out
 void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_t leftOut,
               std::size_t heldCount, const solve::LatticeFit& fit) {
     double largest = 0;
@@ -331,21 +337,23 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
             {"largest_miss", fit.largestMiss},
             {"rms_miss", fit.meanMiss},
             {"largest_displacement", largest},
-            // No number of JSON's is infinite.
+            // JSON has no infinity.
             {"condition", std::isinf(fit.condition) ? OrderedJson() : OrderedJson(fit.condition)}};
         fmt::print("{}\n", json.dump(2));
         return;
     }
     fmt::print("targets               {}\n", wishes.targets.size());
-    if (leftOut > 0) fmt::print("left out              {}, outside and not moved\n", leftOut);
-    if (options.hold.box) fmt::print("held vertices         {}\n", heldCount);
-    fmt::print("largest miss          {:.3g}\n", fit.largestMiss);
-    fmt::print("root mean square miss {:.3g}\n", fit.meanMiss);
-    fmt::print("largest displacement  {:.3g}\n", largest);
+    if (leftOut > 0)
+        fmt::print("targets left out      {}: points outside the lattice that are to stay\n",
+                   leftOut);
+    if (options.hold.box) fmt::print("vertices held         {}\n", heldCount);
+    fmt::print("largest distance      {:.3g} from a target\n", fit.largestMiss);
+    fmt::print("root mean square      {:.3g} of these distances\n", fit.meanMiss);
+    fmt::print("largest displacement  {:.3g} of a lattice vertex\n", largest);
     if (std::isinf(fit.condition))
-        fmt::print("condition             infinite: the targets leave some vertices open\n");
+        fmt::print("condition number      infinite: the targets do not determine all vertices\n");
     else
-        fmt::print("condition             {:.3g}\n", fit.condition);
+        fmt::print("condition number      {:.3g}\n", fit.condition);
 }
 
 void runFit(const FitCommandOptions& options) {
@@ -363,7 +371,7 @@ void runFit(const FitCommandOptions& options) {
     const std::size_t wishCount = wishes.targets.size();
     const auto points = model->positions();
     const HeldPart part = findHeldPart(options.hold, options, points, lattice);
-    // A point outside is named by bindAll(), by its number in the model.
+    // bindAll() refuses points outside itself: it knows their numbers in the model.
     BindOptions bind = options;
     if (bind.common.embedding.outside == embed::OutsidePolicy::Error)
         bind.common.embedding.outside = embed::OutsidePolicy::Keep;
@@ -384,30 +392,33 @@ void runFit(const FitCommandOptions& options) {
 
 void addFitCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
-        program, "fit",
-        "Find the pose of a lattice that carries points of a model to where they are wanted",
+        program, "fit", "Find the pose of a lattice that moves points of a model to given targets",
         runFit);
     addModelAndRest(command, options);
     command
         .add_option(
             "--targets", options.targets,
-            "Where points are wanted: a .txt of the number of a point and three coordinates "
-            "a line; or the whole model as it is wanted, in a file of any model format")
+            "Where the points should go: a .txt with the number of a point, from 0, and three "
+            "coordinates on each line; or the whole model in the wanted shape, in any model format")
         ->required();
     addBindingOptions(command, options);
     addChoice<solve::Smoothing>(command, "--smoothing", options.fit.smoothing,
-                                solve::kSmoothingWords, "What is asked of displacements besides");
+                                solve::kSmoothingWords,
+                                "What else is asked of the displacements of the lattice. "
+                                "tikhonov: to be small; laplacian: to be like those of neighbours");
     command
         .add_option("--strength", options.fit.strength,
-                    "How much smoothness weighs against the targets")
+                    "Weight of the smoothing against the targets, 0.0001 to 10000")
         ->capture_default_str();
-    command.add_option("--freeze", options.fit.frozen, "Vertices of the lattice that stay")
+    command
+        .add_option("--freeze", options.fit.frozen,
+                    "Numbers of lattice vertices that must not move")
         ->delimiter(',');
     addHoldOptions(command, options.hold, options);
-    addChoice<solve::Undetermined>(command, "--undetermined", options.fit.undetermined,
-                                   solve::kUndeterminedWords,
-                                   "Where the targets leave vertices open: take the smallest "
-                                   "displacements, or refuse");
+    addChoice<solve::Undetermined>(
+        command, "--undetermined", options.fit.undetermined, solve::kUndeterminedWords,
+        "If the targets do not determine all vertices. smallest: take the "
+        "smallest displacements; refuse: that is an error");
     command.add_option("-o,--output", options.output, "The pose: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options.common);
     addReportOption(command, options.report);

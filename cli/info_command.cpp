@@ -33,7 +33,7 @@ struct InfoOptions : LatticeOptions {
 
 using SortedJson = nlohmann::json;
 
-/// How many there are of each value.
+/// The number of occurrences of each value.
 using Histogram = std::map<Index, Index>;
 
 constexpr const char* kStrata[] = {"corner", "sharp", "boundary", "interior"};
@@ -51,9 +51,9 @@ Vector3d mean(const std::vector<Point3>& positions, std::span<const Index> verti
     return sum / static_cast<double>(vertices.size());
 }
 
-/// The signed volume of a cell whose faces are fans of triangles about their centroids.
+/// Returns the signed volume of a cell. Each face is a fan of triangles around its centroid.
 double cellVolume(const CellComplex& complex, const std::vector<Point3>& positions, Index cell) {
-    // Measured from the cell's own centroid, so that far-off lattices lose no digits.
+    // Relative to the centroid of the cell, so that lattices far from the origin lose no digits.
     const Vector3d origin = mean(positions, complex.relation(3, 0)[cell]);
     const auto faces = complex.relation(3, 2)[cell];
     double volume = 0;
@@ -69,7 +69,7 @@ double cellVolume(const CellComplex& complex, const std::vector<Point3>& positio
     return volume;
 }
 
-/// The smallest determinant of the three unit edges at a corner of a hexahedron.
+/// Returns the smallest determinant of the three unit edge vectors at a corner of a hexahedron.
 double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Point3>& positions) {
     constexpr std::size_t kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                                {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
@@ -84,8 +84,8 @@ double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Poi
     return smallest;
 }
 
-/// n of each cell: of the vertices in their cells for a base lattice, of the cells themselves
-/// above.
+/// Counts the types n. On a base lattice, n is the number of edges of a cell at each of its
+/// vertices; on the levels above, all cells are of type n, with 2n faces.
 Histogram cellTypes(const CellComplex& complex, bool isBase) {
     Histogram types;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
@@ -101,23 +101,22 @@ Histogram cellTypes(const CellComplex& complex, bool isBase) {
     return types;
 }
 
-/// Keys are texts in JSON.
+/// Returns a JSON object; its keys are texts.
 SortedJson toJson(const Histogram& histogram) {
     SortedJson object = SortedJson::object();
     for (const auto& [value, count] : histogram) object[std::to_string(value)] = count;
     return object;
 }
 
-/// One level of a lattice:
+/// Returns the report on one level of a lattice:
 ///
 ///     counts                    by dimension
 ///     euler_characteristic
 ///     strata                    the counts by stratum
 ///     vertex_valences           edges at a vertex
 ///     interior_edge_valences    faces at an interior edge
-///     cell_types                level 0: edges of its cell at a vertex, for each pair of vertex
-///     and
-///                               cell; above: n of a type-n cell
+///     cell_types                level 0: for each vertex of each cell, the number of edges of the
+///                               cell there; levels above: n of each type-n cell
 ///     smallest_cell_volume, largest_cell_volume
 ///                               signed
 ///     inverted_cells            cells whose volume is not positive
@@ -125,7 +124,7 @@ SortedJson toJson(const Histogram& histogram) {
 ///                               below for a folded one; 1 without any
 SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& positions, bool isBase) {
     const CellComplex& complex = level.complex;
-    // Null is left broken if there is no memory to make it an object.
+    // If there is no memory to turn null into an object, the null is left broken.
     SortedJson counts = SortedJson::object(), strata = SortedJson::object();
     for (int d = 0; d <= 3; ++d) {
         counts[kNamesOfParts[d]] = complex.count(d);
@@ -162,9 +161,9 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
             {"smallest_scaled_jacobian", smallestJacobian}};
 }
 
-/// A lattice that was read from `path`. Interior edges of two faces are counted, since by the rules
-/// `siggraph96` their midpoint has a negative weight, and the refined lattice may leave the convex
-/// hull of the lattice near them (MacCracken & Joy 1996, section 2.2, n = 2).
+/// Returns the report on a lattice that was read from `path`. Interior edges with only two faces
+/// are counted because by the rules `siggraph96` their new point has a negative weight, and the
+/// refined lattice may leave the convex hull there (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
                          const far::TopologyRefiner& refiner) {
     Point3 least = lattice.positions.front(), most = least;
@@ -191,33 +190,36 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
             {"levels", levels}};
 }
 
-/// How refinement behaves in the limit around an irregular vertex or edge of a lattice.
+/// The behaviour of refinement in the limit at an irregular vertex or edge of a lattice.
 struct Smoothness {
-    Entity entity;  ///< of level 0: a vertex or an edge
+    Entity entity;  ///< a vertex or an edge of level 0
     int stratum;
-    Index ringPoints;  ///< points of the ring, the point itself among them
-    /// False for rings of more than kMaxRingPoints: they have no eigenvalues and no mask here.
+    Index ringPoints;  ///< points of the ring, including the point itself
+    /// False if the ring is too large: its eigenvalues and mask are then not computed.
     bool isKnown = false;
-    /// Eigenvalues of the matrix from ring to ring without the largest, 1; by descending modulus,
-    /// at most six. Where the lattice is regular inside they are 1/2 three times, then 1/4.
+    /// Eigenvalues of the matrix from ring to ring, except the largest, 1: at most six, by
+    /// descending modulus. At a regular vertex inside the lattice they are 1/2 three times, then
+    /// 1/4.
     std::vector<std::complex<double>> eigenvalues = {};
-    /// The limit: shares of the point itself, and of all points across edges, faces and cells, in
-    /// the ring. Where the lattice is regular inside 8/27, 12/27, 6/27 and 1/27.
+    /// Weights of the limit point: of the point itself, and the sums over the ring's points of
+    /// edges, faces and cells. At a regular vertex inside the lattice they are 8/27, 12/27, 6/27
+    /// and 1/27.
     std::array<double, 4> mask = {};
 };
 
-/// Largest ring whose eigenvalues are computed: they take seconds there, and eight times as long
-/// for twice the points.
+/// The largest ring whose eigenvalues are computed. This takes seconds, and eight times as long for
+/// twice the points.
 inline constexpr Index kMaxRingPoints = limit::kMaxEigenvalues;
 
-/// The number of points in the ring of a vertex: one for each entity that contains it.
+/// Returns the number of points in the ring of a vertex: one for each entity that contains it.
 Index ringPointsAt(const far::CellComplex& complex, Index vertex) {
     std::size_t count = 0;
     for (int d = 0; d <= complex.dimension(); ++d) count += complex.relation(0, d)[vertex].size();
     return static_cast<Index>(count);
 }
 
-/// The number of vertices of the cells at a vertex, all of which its ring is refined with.
+/// Returns the sum of the vertices of the cells at a vertex. Its ring is refined with all these
+/// cells.
 Offset cornersAt(const far::CellComplex& complex, Index vertex) {
     Offset count = 0;
     for (const Index cell : complex.relation(0, 3)[vertex])
@@ -243,9 +245,9 @@ Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index ver
     return result;
 }
 
-/// One for each vertex and each edge of level 0 whose ring is not regular, in their order. An edge
-/// is judged by the ring of its new point: those of the further ones on it are the same.
-/// \cost O(n³) in the points of a ring, for each of up to kMaxRingPoints points
+/// Reports each vertex, then each edge, of level 0 whose ring is not regular, in ascending order.
+/// An edge is represented by its new point, since all later points on the edge have the same ring.
+/// \cost O(n³) for each ring of n points, with n up to kMaxRingPoints
 std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice) {
     far::TopologyRefiner refiner(lattice.level(0), lattice.options());
     refiner.refineUniform(1);
@@ -269,11 +271,13 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice) {
     return result;
 }
 
-/// The line of a ring that is too large for its eigenvalues.
+/// Returns the text for a ring that is too large to compute its eigenvalues.
 std::string noteOf(const Smoothness& entry) {
-    return fmt::format(
-        "ring of {} points: eigenvalues are not computed beyond {}, nor in cells of more vertices",
-        entry.ringPoints, kMaxRingPoints);
+    if (entry.ringPoints > kMaxRingPoints)
+        return fmt::format("eigenvalues are not computed: its ring has {} points; the most is {}",
+                           entry.ringPoints, kMaxRingPoints);
+    return fmt::format("eigenvalues are not computed: its cells have more than {} vertices",
+                       kMaxRingPoints);
 }
 
 SortedJson toJson(const std::vector<Smoothness>& entries) {
@@ -296,7 +300,7 @@ SortedJson toJson(const std::vector<Smoothness>& entries) {
     return list;
 }
 
-/// "3: 8, 4: 12": values and how many there are of each.
+/// Returns values and their counts as text: "3: 8, 4: 12".
 std::string toText(const SortedJson& histogram, const char* prefix = "") {
     Histogram counts;
     for (const auto& [value, count] : histogram.items()) counts[std::stoi(value)] = count;
@@ -319,12 +323,14 @@ void printLevel(std::size_t number, const SortedJson& level) {
     fmt::print("  Euler characteristic      {}\n", level["euler_characteristic"].get<Index>());
     fmt::print("  edges at a vertex         {}\n", toText(level["vertex_valences"]));
     fmt::print("  faces at an interior edge {}\n", toText(level["interior_edge_valences"]));
-    fmt::print("  {} {}\n", number == 0 ? "valences within cells    " : "cell types               ",
+    fmt::print("  {} {}\n", number == 0 ? "edges at a cell's corner " : "cell types               ",
                toText(level["cell_types"], number == 0 ? "" : "type-"));
-    fmt::print("  cell volumes              {:.4g} to {:.4g}, {} not positive\n",
+    fmt::print("  cell volumes              {:.4g} to {:.4g}, {} cells flat or inverted\n",
                real("smallest_cell_volume"), real("largest_cell_volume"),
                level["inverted_cells"].get<Index>());
-    fmt::print("  least scaled Jacobian     {:.3f}\n", real("smallest_scaled_jacobian"));
+    fmt::print(
+        "  worst corner of a cell    {:.3f} (scaled Jacobian: 1 cube, 0 flat, below 0 folded)\n",
+        real("smallest_scaled_jacobian"));
 }
 
 void printText(const SortedJson& report, const InfoOptions& options) {
@@ -332,7 +338,8 @@ void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("bounds      ({:.4g}) to ({:.4g})\n",
                fmt::join(report["bounds"][0].get<Point3>(), ", "),
                fmt::join(report["bounds"][1].get<Point3>(), ", "));
-    fmt::print("marks       {}\n", report["marks"].get<std::size_t>());
+    fmt::print("marks       {} edges and vertices with a sharpness set by hand\n",
+               report["marks"].get<std::size_t>());
     std::string attributes;
     for (const auto& name : report["attributes"])
         attributes += (attributes.empty() ? "" : ", ") + printable(name.get<std::string>());
@@ -340,23 +347,29 @@ void printText(const SortedJson& report, const InfoOptions& options) {
     const auto edgesOfTwoFaces = report["interior_edges_of_two_faces"].get<Index>();
     if (edgesOfTwoFaces > 0 && options.common.rules == far::Rules::Siggraph96)
         fmt::print(
-            "note        {} interior edges have two faces: their midpoint has a negative "
-            "weight, and the region may leave the convex hull there\n",
+            "note        {} of the interior edges have only two faces: their new points have a "
+            "negative "
+            "weight, and the refined lattice may leave the convex hull there\n",
             edgesOfTwoFaces);
+    fmt::print(
+        "\nRows count by place: at corners, on sharp edges, on the boundary surface, in the "
+        "interior.\n"
+        "\"3: 8, 4: 12\" means 3 at 8 places and 4 at 12. A type-n cell has 2n faces; type-3 is a "
+        "hexahedron.\n");
     for (std::size_t level = 0; level < report["levels"].size(); ++level)
         printLevel(level, report["levels"][level]);
 }
 
 std::string toText(const std::complex<double>& value) {
-    // Below rounding: real values of matrices that are not symmetric may come out so.
+    // An imaginary part below this is rounding: the matrix is not symmetric.
     constexpr double kReal = 1e-9;
     if (std::abs(value.imag()) < kReal) return fmt::format("{:.4f}", value.real());
     return fmt::format("{:.4f}{:+.4f}i", value.real(), value.imag());
 }
 
 void printSmoothness(const std::vector<Smoothness>& entries) {
-    fmt::print("\nsmoothness, where it is not that of the tricubic spline\n");
-    if (entries.empty()) fmt::print("  everywhere\n");
+    fmt::print("\nsmoothness: that of the tricubic B-spline {}\n",
+               entries.empty() ? "everywhere" : "except at");
     for (const Smoothness& entry : entries) {
         if (!entry.isKnown) {
             fmt::print("  {:<6} {:>6}  {:<8}  {}\n", dimensionName(entry.entity.dimension),
@@ -365,11 +378,12 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
         }
         std::vector<std::string> values;
         for (const auto& value : entry.eigenvalues) values.push_back(toText(value));
-        fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues 1 {}\n",
+        fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues of refinement 1 {}\n",
                    dimensionName(entry.entity.dimension), entry.entity.index,
                    kStrata[entry.stratum], fmt::join(values, " "));
         fmt::print(
-            "  {:25}limit {:.4f} of itself, {:.4f} of edges, {:.4f} of faces, {:.4f} of cells\n",
+            "  {:25}weights of its limit: itself {:.4f}, edges {:.4f}, faces {:.4f}, cells "
+            "{:.4f}\n",
             "", entry.mask[0], entry.mask[1], entry.mask[2], entry.mask[3]);
     }
 }
@@ -387,7 +401,7 @@ void runInfo(const InfoOptions& options) {
                                 [&, &refiner = refiner] { return reportSmoothness(refiner); });
     if (options.json) {
         if (options.smoothness) report["smoothness"] = toJson(smoothness);
-        // Only ASCII, since the names in it come from outside; a byte that is not UTF-8 is U+FFFD.
+        // ASCII only, since names come from files; a byte that is not UTF-8 becomes U+FFFD.
         using Handler = SortedJson::error_handler_t;
         fmt::print("{}\n", report.dump(2, ' ', true, Handler::replace));
     } else if (!options.common.quiet) {
@@ -399,14 +413,15 @@ void runInfo(const InfoOptions& options) {
 }  // namespace
 
 void addInfoCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(
-        program, "info",
-        "Counts per level, valences, types of cells, strata and quality of a lattice", runInfo);
+    const auto [command, options] = addCommand(program, "info",
+                                               "Print what a lattice and its levels consist of: "
+                                               "counts, sharp parts, valences, cell quality",
+                                               runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     command.add_flag("--json", options.json, "Print JSON");
     command.add_flag("--smoothness", options.smoothness,
-                     "Of each irregular vertex and edge the leading eigenvalues of refinement, and "
-                     "the limit mask");
+                     "Also print how smooth the limit is at each irregular vertex and edge: the "
+                     "largest eigenvalues of refinement, and the weights of the limit point");
 }
 
 }  // namespace espalier::cli

@@ -32,15 +32,14 @@ using namespace espalier;
 
 #ifdef ESPALIER_WITH_TBB
 
-/// While this lives, signals that end the program come to the main thread alone: the threads that
-/// work for it block them. So where the main thread blocks them too (io::SignalsBlocked), they
-/// wait.
+/// While an object lives, the worker threads block all signals, so that signals that end the
+/// program reach the main thread only. If that one blocks them too (io::SignalsBlocked), they wait.
 class SignalsToMainThread : public tbb::task_scheduler_observer {
 public:
     SignalsToMainThread() { observe(true); }
     ~SignalsToMainThread() override { observe(false); }
 
-    /// A thread begins to work.
+    /// oneTBB calls this when a thread begins to work.
     void on_scheduler_entry(bool isWorker) override {
         if (!isWorker) return;
         ::sigset_t all;
@@ -51,28 +50,28 @@ public:
 
 #endif
 
-/// Bytes of memory that there are for this process: the machine's, or its container's.
+/// Returns the bytes of memory of the machine, or of the container if that has less.
 std::uint64_t machineMemory() {
     auto bytes = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
                  static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
     std::uint64_t ofContainer = 0;
-    if (std::ifstream("/sys/fs/cgroup/memory.max") >> ofContainer)  // "max" is no number
+    if (std::ifstream("/sys/fs/cgroup/memory.max") >> ofContainer)  // "max" is not a number
         bytes = std::min(bytes, ofContainer);
     return bytes;
 }
 
 /// The limit that --max-memory sets. A MemoryLimit refuses work that takes more, before or while it
-/// runs; the system gives the process no more either.
+/// runs; a resource limit makes the system refuse more as well.
 struct MemoryOption {
     std::uint64_t bytes = machineMemory() / 2;
     std::optional<MemoryLimit> limit;
 
     void apply() {
         limit.emplace(bytes);
-        // The system counts what is promised, not what is used, and the stacks of threads.
+        // The system counts reserved memory, used or not, and the stacks of threads.
         constexpr std::uint64_t kPerThread = 16 << 20;
         const std::uint64_t slack = kPerThread * (2 + std::thread::hardware_concurrency());
-        const std::uint64_t most = std::max(bytes, bytes + slack);  // It may be the largest number.
+        const std::uint64_t most = std::max(bytes, bytes + slack);  // The sum may overflow.
         ::rlimit data{};
         if (::getrlimit(RLIMIT_DATA, &data) != 0) return;
         data.rlim_cur = std::min<std::uint64_t>(data.rlim_max, most);
@@ -80,19 +79,20 @@ struct MemoryOption {
     }
 };
 
-/// Adds --max-memory to a command and those in it.
+/// Adds --max-memory to a command and its subcommands.
 void addTo(CLI::App& command, MemoryOption& setting) {
     const CLI::Validator asSize(
         [](std::string& text) {
-            // Not for CLI::AsSizeValue, to which -1 is the largest number.
+            // CLI::AsSizeValue would read -1 as the largest number.
             const std::string error =
                 text.starts_with('-') ? "expected more than 0" : CLI::AsSizeValue(true)(text);
             return error.empty() && text == "0" ? "expected more than 0" : error;
         },
         "");
     command
-        .add_option("--max-memory", setting.bytes,
-                    "Memory at most: work that would take more is an error. 500MB, 4GB ...")
+        .add_option(
+            "--max-memory", setting.bytes,
+            "Limit on the memory, such as 500MB or 4GB: work that would take more is an error")
         ->transform(asSize)
         ->option_text("SIZE [half of the machine's]");
     for (CLI::App* inner : command.get_subcommands({})) addTo(*inner, setting);
@@ -104,7 +104,8 @@ enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kFinding = 3 };
 int run(int argumentCount, char** arguments) {
     using namespace espalier::cli;
     CLI::App program(
-        "Deforms models by lattices of arbitrary topology, and gives away the matrices",
+        "Deforms 3D models by lattices of any polyhedral topology, and writes the matrices that do "
+        "it",
         "espalier");
     program.set_version_flag("--version", ESPALIER_VERSION);
     // Printed as the version is: without a subcommand, and with exit code 0.
@@ -122,6 +123,11 @@ int run(int argumentCount, char** arguments) {
     addFitCommand(program);
     addCheckCommand(program);
     addCompareCommand(program);
+    program.footer(
+        "espalier COMMAND --help lists the options of a command.\n"
+        "Exit codes: 0 success; 1 bad input; 2 wrong usage; 3 check found inverted cells, or "
+        "compare "
+        "found differences.");
     const auto memory = std::make_shared<MemoryOption>();
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
     program.parse_complete_callback([memory] { memory->apply(); });
@@ -156,7 +162,7 @@ int main(int argumentCount, char** arguments) {
     } catch (const std::bad_alloc&) {
         printError("out of memory");
     } catch (const std::length_error&) {
-        // Of a container that would hold more than memory could.
+        // A container would have become larger than memory.
         printError("out of memory");
     } catch (const std::system_error& error) {
         printError(error);

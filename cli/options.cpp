@@ -9,7 +9,7 @@ void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options
     const bool isAny = kind == FileKind::Refinable;
     command
         .add_option(isAny ? "LATTICE|MESH|CURVE" : "LATTICE", options.lattice,
-                    isAny ? "The lattice: .ovm, .vtu or .vtk; or the mesh or curve: .obj"
+                    isAny ? "A lattice (.ovm, .vtu or .vtk), or a mesh or a curve (.obj)"
                           : "The lattice: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 0);
@@ -21,31 +21,39 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor ru
     const std::string unlessTagged = ", unless the file says otherwise";
     addChoice<far::Boundary>(
         command, "--boundary", options.refinement.boundary, far::kBoundaryWords,
-        "Corners, sharp edges and boundary surfaces by their own rules; the same without the "
-        "corners of single cells or faces; or a region that shrinks",
+        "How the boundary is refined. sharp: corners, sharp edges and the boundary surface follow "
+        "rules of their own; edge-only: the same, but the corner of a single cell or face is "
+        "rounded; open: no rules of their own, and the refined region is smaller",
         "sharp" + unlessTagged);
-    addChoice<far::Creasing>(command, "--creasing", options.refinement.creasing,
-                             far::kCreasingWords, "How semi-sharp edges lose sharpness",
-                             "uniform" + unlessTagged);
-    addChoice<far::TriangleSubdivision>(
-        command, "--triangles", options.refinement.triangles, far::kTriangleSubdivisionWords,
-        "Weights of triangles on a surface", "catmark" + unlessTagged);
+    addChoice<far::Creasing>(
+        command, "--creasing", options.refinement.creasing, far::kCreasingWords,
+        "How semi-sharp edges lose sharpness from level to level. uniform: by 1; "
+        "chaikin: also averaged along the crease",
+        "uniform" + unlessTagged);
+    addChoice<far::TriangleSubdivision>(command, "--triangles", options.refinement.triangles,
+                                        far::kTriangleSubdivisionWords,
+                                        "How triangles of a surface are refined. catmark: as all "
+                                        "faces; smooth: by weights that make "
+                                        "the surface smoother",
+                                        "catmark" + unlessTagged);
     addChoice<far::SharpEdges>(
         command, "--sharp-edges", options.sharpEdges, far::kSharpEdgesWords,
-        "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
+        "Which boundary edges are sharp. single-cell: those in one cell; literal: those between "
+        "vertices that lie in at most two cells");
     std::vector<Word<far::Rules>> rules;
     for (const auto& word : far::kRulesWords)
         if ((word.choice != far::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&
             (word.choice != far::Rules::Rats || rulesFor == RulesFor::Anything))
             rules.push_back(word);
-    std::string help = "Catmull-Clark, in two editions for the edges inside a lattice";
-    if (rulesFor != RulesFor::OpenSubdiv) help += "; multilinear cell averaging";
-    if (rulesFor == RulesFor::Anything) help += "; or RATS splines, for curves and meshes";
+    std::string help =
+        "siggraph96, cse96: Catmull-Clark, in two versions for edges inside a lattice";
+    if (rulesFor != RulesFor::OpenSubdiv) help += "; mlca: multilinear cell averaging";
+    if (rulesFor == RulesFor::Anything) help += "; rats: RATS splines, for curves and meshes";
     addChoice<far::Rules>(command, "--rules", options.rules, rules, help);
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
-    // Not CLI::Range, which lets NaN pass.
+    // CLI::Range would accept NaN.
     const CLI::Validator isFraction(
         [](std::string& text) {
             double number = 0;
@@ -56,26 +64,32 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
         "");
     addChoice<embed::OutsidePolicy>(command, "--outside", options.embedding.outside,
                                     embed::kOutsidePolicyWords,
-                                    "Points outside the lattice stay in place, go with the "
-                                    "nearest place in it, or are an error");
+                                    "Points outside the lattice. keep: they stay where they are; "
+                                    "nearest: they move with the nearest cell; error: they are an "
+                                    "error");
     command
-        .add_option("--tolerance", options.embedding.tolerance,
-                    "How far outside still counts as inside, as a fraction of the lattice's size")
+        .add_option(
+            "--tolerance", options.embedding.tolerance,
+            "How far outside a point still counts as inside, as a fraction of the diagonal of "
+            "the lattice's bounding box")
         ->check(isFraction)
         ->capture_default_str();
 }
 
 void addRunOptions(CLI::App& command, CommonOptions& options) {
     command.add_flag("--quiet", options.quiet, "Print nothing but errors");
-    command.add_option("--threads", options.threads, "Threads at most; 0 is one a core")
+    command
+        .add_option("--threads", options.threads,
+                    "Largest number of threads; 0: one for each core. The results do not "
+                    "depend on it")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {
-    // Level 15 of a single cell would have 8¹⁵ cells, far more than an index counts.
+    // Level 15 of a single cell has 8¹⁵ cells, far more than an index can count.
     constexpr int kMaxLevel = 15;
-    command.add_option("-n,--level", level, "Refinement level")
+    command.add_option("-n,--level", level, "Refinement level: how many times to refine")
         ->check(CLI::Range(least, kMaxLevel))
         ->capture_default_str();
 }

@@ -15,9 +15,10 @@
 
 namespace espalier::cli {
 
-/// An option that takes one of a few words; the help shows them and the default.
+/// Adds an option that takes one of a few words. The help shows the words and the default.
 ///
-/// \param value a Choice, or a std::optional of one that says what is done without the option
+/// \param value a Choice, or a std::optional of one, with the default
+/// \param fallback the default that the help shows if `value` is an empty optional
 template <class Choice, class Value>
 CLI::Option* addChoice(CLI::App& command, const std::string& name, Value& value,
                        std::type_identity_t<std::span<const Word<Choice>>> words,
@@ -42,9 +43,9 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, Value& value,
         ->default_str(fallback);
 }
 
-/// What every command takes.
+/// The options that most commands have.
 struct CommonOptions {
-    RefinementTags refinement;  ///< set where an option was given; it wins over the file's tags
+    RefinementTags refinement;  ///< set by options, which win over the tags of the file
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
     far::Rules rules = far::Rules::Siggraph96;
     embed::EmbeddingOptions embedding;
@@ -52,14 +53,14 @@ struct CommonOptions {
     int threads = 0;
 };
 
-/// What the commands take that look at one lattice or, some of them, mesh or curve.
+/// The options of commands that read one lattice, mesh or curve.
 struct LatticeOptions {
     CommonOptions common;
     std::string lattice;
     int level = 2;
 };
 
-/// Which files a command takes.
+/// The kinds of files that a command reads.
 enum class FileKind {
     Lattice,
     Refinable  ///< a lattice, a mesh or a curve
@@ -68,11 +69,11 @@ enum class FileKind {
 /// Adds LATTICE, -n, and the options of refinement and of the run.
 void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options);
 
-/// The rules that a command offers.
+/// The sets of rules that --rules offers.
 enum class RulesFor {
-    OpenSubdiv,  ///< Catmull-Clark's alone
-    Lattices,    ///< `mlca` too
-    Anything     ///< and `rats`, which are none for lattices
+    OpenSubdiv,  ///< only Catmull-Clark
+    Lattices,    ///< also `mlca`
+    Anything     ///< also `rats`, which are for curves and meshes only
 };
 
 /// Adds --boundary, --creasing, --triangles, --sharp-edges and --rules to a command.

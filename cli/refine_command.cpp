@@ -19,8 +19,9 @@ struct RefineOptions : LatticeOptions {
     std::string output;
 };
 
-/// Says on standard error, in one line per attribute, how many values of a lattice that was read
-/// from `path` are not finite, and where the first stands. To be called between stages.
+/// Prints a line to standard error for each attribute with values that are not finite: how many
+/// there are, and the first one. To be called between stages. \param path the file that the lattice
+/// was read from
 void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
     const auto isNotFinite = [](double value) { return !std::isfinite(value); };
     for (const auto& [name, components, values] : lattice.attributes) {
@@ -28,8 +29,9 @@ void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) 
         if (first == values.end()) continue;
         const auto count = std::count_if(first, values.end(), isNotFinite);
         const std::string text = fmt::format(
-            "{}: the attribute {} has {} {} not finite, the first at vertex {} ({}); values that "
-            "are refined from such are not finite either",
+            "{}: the attribute {} has {} {} not finite, the first at vertex {} ({}); refined "
+            "values "
+            "that depend on them are not finite either",
             io::shownPath(path), inQuotes(name), count,
             count == 1 ? "value that is" : "values that are", (first - values.begin()) / components,
             *first);
@@ -48,8 +50,9 @@ void runRefine(const RefineOptions& options) {
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
-    const Lattice refined = stages.run(
-        "placing", [&] { return stencils::refinedLattice(refiner, options.level, base); });
+    const Lattice refined = stages.run("computing positions", [&] {
+        return stencils::refinedLattice(refiner, options.level, base);
+    });
     stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)
         fmt::print("{}: level {}, {} vertices, {} {}\n", printable(options.output), options.level,
@@ -62,12 +65,12 @@ void runRefine(const RefineOptions& options) {
 void addRefineCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
         program, "refine",
-        "Write level N of a lattice, a mesh or a curve: positions, topology, attributes and marks",
+        "Refine a lattice, a mesh or a curve N times, and write it with its attributes and marks",
         runRefine);
     addLatticeOptions(command, FileKind::Refinable, options);
     command
         .add_option("-o,--output", options.output,
-                    "The refined lattice: .ovm, .vtu or .vtk; or mesh or curve: .obj")
+                    "The refined lattice (.ovm, .vtu or .vtk), mesh or curve (.obj)")
         ->required();
 }
 

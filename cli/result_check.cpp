@@ -17,8 +17,8 @@ using osd::BufferDescriptor;
 
 constexpr Offset kGrain = 2048;
 
-/// Numbers that were rounded, packed: how large the sums are that each was made of, Σ |w · x|
-/// through all tables so far, and how far it may be off.
+/// Bounds on rounded numbers, packed: for each number the size of its sum, Σ |w · x| through all
+/// tables so far, and its largest error.
 struct Rounded {
     std::vector<double> sizes, errors;
 
@@ -28,12 +28,12 @@ struct Rounded {
 template <class Real>
 constexpr double kUlp = std::numeric_limits<Real>::epsilon();
 
-/// Numbers below the normal ones are rounded to multiples of this.
+/// Subnormal numbers are rounded to multiples of this.
 template <class Real>
 constexpr double kLeast = std::numeric_limits<Real>::denorm_min();
 
-/// Whether weights and values, which are in double, are rounded before they are applied: by half an
-/// ulp each.
+/// True if weights and values, which are given in double, are rounded before they are applied, by
+/// half an ulp each.
 template <class Real>
 constexpr bool kRounds = sizeof(Real) < sizeof(double);
 
@@ -50,7 +50,7 @@ Rounded roundedValues(std::span<const double> values, const BufferDescriptor& la
     return result;
 }
 
-/// What a table makes of them.
+/// Returns the bounds after a table has been applied.
 template <class Real>
 Rounded apply(const stencils::StencilTable<double>& table, const Rounded& source, Offset length,
               UlpBound bound) {
@@ -96,7 +96,7 @@ ExpectedSums::ExpectedSums(const Table& matrix, const stencils::FactoredTable<do
       summed_{&matrix, &factors.points},
       bound_(bound) {
     if (factors.rowCount() != matrix.rowCount() || factors.columnCount() != matrix.columnCount())
-        throw Error(fmt::format("the product of the factors is {} × {}, but the matrix {} × {}",
+        throw Error(fmt::format("the product of the factors is {} × {}, but the matrix is {} × {}",
                                 factors.rowCount(), factors.columnCount(), matrix.rowCount(),
                                 matrix.columnCount()));
 }
@@ -115,9 +115,9 @@ ExpectedSums::Numbers ExpectedSums::of(std::span<const double> values,
                                           {static_cast<Index>(first), static_cast<Index>(last)});
         for (Offset i = first * length; i < last * length; ++i) {
             const auto row = static_cast<Index>(i / length);
-            // A weight of D = W · S is itself off by the roundings of a sum over the row of W,
-            // relative to Σ_k |W_ik · S_kj|: times |x_j| and over all j, that is again the size of
-            // the sums of the factors. Next to roundings to float, all of this is nothing.
+            // A weight of D = W · S has the rounding error of a sum over a row of W, relative to
+            // Σ_k |W_ik · S_kj|. Multiplied by |x_j| and summed over j, this is again the size of
+            // the sums of the factors. All of it is negligible if results are rounded to float.
             for (const Table* table : summed_) {
                 const auto entries = static_cast<double>(table->columns(row).size());
                 numbers.allowed[i] += plainUlpBound(entries) * kUlp<double> * rounded.sizes[i] +
@@ -138,11 +138,12 @@ void checkResults(const ExpectedSums& sums, std::span<const double> values,
         const Offset component = static_cast<Offset>(i) % layout.length;
         const double wanted = expected.values[i];
         const double got = double{results[layout.offset + point * layout.stride + component]};
-        // Not as >, which NaN would pass.
+        // Written this way, the condition also catches NaN.
         if (!(std::abs(got - wanted) <= expected.allowed[i]))
             throw Error(fmt::format(
-                "{}: coordinate {} of point {} is {:.17g}, but {:.17g} by the reference "
-                "evaluator: {:.3g} apart, where {:.3g} are allowed",
+                "{}: coordinate {} of point {} is {:.17g}, but the reference evaluator computes "
+                "{:.17g}; "
+                "they differ by {:.3g}, and {:.3g} is allowed",
                 who, component, point, got, wanted, std::abs(got - wanted), expected.allowed[i]));
     }
 }

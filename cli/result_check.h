@@ -10,47 +10,48 @@
 
 namespace espalier::cli {
 
-/// How far a result may be off the exact sum of its row: so many ulp of Σ |w · x|, by the number of
-/// entries of the row.
+/// Returns the largest error of the sum over a row, in ulp of Σ |w · x|, for the number of entries
+/// of the row.
 using UlpBound = double (*)(double entries);
 
-/// Of sums in the order of the table: one rounding, half an ulp, a product and a sum.
+/// The bound for a sum in the order of the table: each product and each sum is rounded by half an
+/// ulp.
 double plainUlpBound(double entries);
 
-/// Of osd::CompiledTable.
+/// The bound for osd::CompiledTable.
 double compiledUlpBound(double entries);
 
-/// What results should be, and how far each may be off, by the sums that it was made of. Refers to
-/// the tables that it is made from.
+/// Computes the expected results of an evaluator, and the largest error that each may have. Refers
+/// to the tables that it is made from.
 ///
-/// What results should be is always D · x by osd's reference evaluator, in double precision. How
-/// far they may be off goes by the tables that were applied, one after the other: the sums of each
-/// are off by its bound, and the next one carries that on. So where factors have large weights of
-/// both signs, the bound is that of their sums, Σ_k |W_ik| Σ_j |S_kj · x_j|, though D may have
-/// small weights. The reference is not exact either, nor is the rounding of weights and values to
-/// float: the bound is the larger by what these may be off.
+/// The expected results are D · x by osd's reference evaluator in double precision. The allowed
+/// errors follow the tables that the evaluator applies one after the other: each table adds the
+/// bound of its own sums, and multiplies the errors of the one before. If factors have large
+/// weights of both signs, the allowed error is that of their sums, Σ_k |W_ik| Σ_j |S_kj · x_j|,
+/// even if the weights of D are small. The errors of the reference, and of rounding weights and
+/// values to float, are added.
 class ExpectedSums {
 public:
-    /// \param matrix D, in double; what was applied is this, or this rounded to float
-    /// \param bound of what applied it
+    /// \param matrix D in double. The evaluator applies it, or it rounded to float
+    /// \param bound the bound of the evaluator
     ExpectedSums(const stencils::StencilTable<double>& matrix, UlpBound bound);
 
-    /// \param matrix D, in double
-    /// \param factors whose product it is, but for rounding; what was applied is these, or these
+    /// \param matrix D in double
+    /// \param factors the product of these is D, to rounding. The evaluator applies them, or them
     ///        rounded to float
-    /// \param bound of what applied each
-    /// \throws Error if the product has not the rows and columns of D
+    /// \param bound the bound of the evaluator for each factor
+    /// \throws Error if the product has other rows or columns than D
     ExpectedSums(const stencils::StencilTable<double>& matrix,
                  const stencils::FactoredTable<double>& factors, UlpBound bound);
 
-    /// One number a row and component.
+    /// Numbers for each row and component.
     struct Numbers {
-        std::vector<double> values;   ///< what the results should be
-        std::vector<double> allowed;  ///< how far they may be off
+        std::vector<double> values;   ///< expected results
+        std::vector<double> allowed;  ///< largest errors of the results
     };
 
     /// \tparam Real the precision of the results
-    /// \param values of the columns, in double, before they were rounded
+    /// \param values of the columns in double, before rounding to Real
     /// \cost O(entries × components), in parallel
     template <class Real>
     Numbers of(std::span<const double> values, const osd::BufferDescriptor& layout) const;
@@ -59,22 +60,22 @@ private:
     using Table = stencils::StencilTable<double>;
 
     const Table* matrix_;
-    std::vector<const Table*> applied_;  ///< one after the other
+    std::vector<const Table*> applied_;  ///< in this order
 
-    /// Tables with the rows of D, which are the sums that the reference is made of: D, and where D
-    /// is a product, also the left factor, by which its weights were summed up.
+    /// The tables whose row sums cause the error of the reference: D and, if D is a product, the
+    /// left factor, whose rows the weights of D were summed over.
     std::vector<const Table*> summed_;
 
     UlpBound bound_;
 };
 
-/// Compares results with what they should be.
+/// Compares results with the expected ones.
 ///
-/// \param values of the columns, in double, before they were rounded
+/// \param values of the columns in double, before rounding
 /// \param results of the rows
-/// \param layout of both: which components of theirs are compared
-/// \param who made the results, for the message
-/// \throws Error naming the first point that is off, and by how much
+/// \param layout of values and results: the components to compare
+/// \param who the evaluator, for the message
+/// \throws Error naming the first wrong result, and its error
 /// \cost O(entries × components), in parallel
 template <class Real>
 void checkResults(const ExpectedSums& sums, std::span<const double> values,

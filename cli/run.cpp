@@ -23,14 +23,16 @@ namespace {
 constexpr char kClearLine[] = "\r\033[K";
 constexpr std::array<int, 3> kEndingSignals = {SIGINT, SIGTERM, SIGHUP};
 
-/// Of those that it is set for, the default comes next: the program ends by the signal.
+/// Clears the line of progress, and raises the signal again. The handler is reset to the default by
+/// then (SA_RESETHAND), so that the signal ends the program.
 extern "C" void clearLineAndEnd(int signal) {
     const int before = errno;
     if (::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) < 0) errno = before;
     ::raise(signal);
 }
 
-/// Does so for those that are handled by `from` now, and no others: some may be ignored.
+/// Replaces the handler `from` of the ending signals by `to`. Signals with another handler, such as
+/// ignored ones, keep it.
 void exchangeHandlers(void (*from)(int), void (*to)(int)) {
     for (const int signal : kEndingSignals) {
         struct sigaction action {};
@@ -49,7 +51,7 @@ OutOfMemory::OutOfMemory(std::string_view stage) noexcept {
                   static_cast<int>(stage.size()), stage.data());
 }
 
-// What is shown goes to the terminal by functions that throw nothing: stages end in destructors.
+// Progress is written by functions that do not throw, since stages end in destructors.
 
 Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
     if (isShown_) exchangeHandlers(SIG_DFL, clearLineAndEnd);

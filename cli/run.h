@@ -17,8 +17,8 @@
 
 namespace espalier::cli {
 
-/// No memory was left in a stage of the run. what() is "out of memory while binding". An object
-/// takes no memory of its own.
+/// Memory ran out in a stage of the run. what() is "out of memory while binding". Making the
+/// exception allocates nothing.
 class OutOfMemory : public std::bad_alloc {
 public:
     explicit OutOfMemory(std::string_view stage) noexcept;
@@ -28,9 +28,9 @@ private:
     std::array<char, 80> text_ = {};
 };
 
-/// The stages of a run: times each, and shows on a terminal which one is at work and how far it is.
-/// Nothing is shown if the run is quiet or standard error is not a terminal, and the line is empty
-/// in the end, also if a signal ends the program. That it cannot be shown is no error.
+/// Times the stages of a run, and shows on a terminal which stage runs and how much of it is done.
+/// Shows nothing if the run is quiet or standard error is not a terminal. At the end the line is
+/// empty, also if a signal ends the program. Failing to write to the terminal is not an error.
 class Stages {
 public:
     explicit Stages(bool quiet);
@@ -38,18 +38,19 @@ public:
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
 
-    /// A stage that came again, for the next file or pose, is here once, with the sums of all.
+    /// A stage that ran several times, for several files or poses, is listed once, with its sums.
     struct Finished {
         std::string name;
         double seconds;
 
-        /// Read or made (run_report.h says of what); nothing if one of its runs did not say.
+        /// Bytes read or made (run_report.h says of what); nothing if one of its runs did not tell.
         std::optional<std::size_t> bytes;
     };
 
-    /// Runs one stage, unless the process holds more memory than MemoryLimit allows already.
-    /// \throws OutOfMemory in place of std::bad_alloc and std::length_error; MemoryError, with
-    /// the stage in its message; what else `work` throws
+    /// Runs one stage.
+    /// \throws MemoryError if the process already holds more memory than MemoryLimit allows.
+    /// OutOfMemory in place of std::bad_alloc and std::length_error from `work`. Its other
+    /// exceptions pass; the message of a MemoryError gets the name of the stage
     template <class Work>
     auto run(std::string_view name, Work work) {
         try {
@@ -65,7 +66,7 @@ public:
         } catch (const std::bad_alloc&) {
             throw OutOfMemory(name);
         } catch (const std::length_error&) {
-            // A container would hold more than memory could.
+            // A container would have become larger than memory.
             throw OutOfMemory(name);
         }
     }
@@ -79,16 +80,16 @@ public:
         });
     }
 
-    /// Says, from within the work of a stage, that it has read or made so many bytes more.
+    /// Adds to the bytes that the current stage has read or made. To be called by its work.
     void addBytes(std::size_t bytes);
 
-    /// The same of a file that it has read or written. The size of a device or a pipe is not known.
+    /// Adds the size of a file that the stage has read or written; nothing for a device or a pipe.
     void addFile(const std::filesystem::path& path);
 
-    /// Shows how much of the current stage is done; from any thread.
+    /// Shows how much of the current stage is done. May be called from any thread.
     void showProgress(std::size_t done, std::size_t total) const noexcept;
 
-    /// In the order in which they first began.
+    /// Returns the stages in the order in which they first began.
     const std::vector<Finished>& finished() const { return finished_; }
 
 private:
@@ -97,30 +98,30 @@ private:
     void clearLine() const noexcept;
 
     bool isShown_;
-    std::size_t current_ = 0;  ///< the one of finished_ that is at work
+    std::size_t current_ = 0;  ///< index in finished_ of the stage that runs
     std::chrono::steady_clock::time_point start_;
     std::optional<std::size_t> bytes_;  ///< of the current stage
     std::vector<Finished> finished_;
 };
 
-/// A table's offsets, columns and weights.
+/// Returns the bytes of a table's offsets, columns and weights.
 template <class Real>
 std::size_t bytesOf(const stencils::StencilTable<Real>& table) {
     return table.offsets().size_bytes() + table.columns().size_bytes() +
            table.weights().size_bytes();
 }
 
-/// Both tables'.
+/// Returns the bytes of both tables.
 template <class Real>
 std::size_t bytesOf(const stencils::FactoredTable<Real>& table) {
     return bytesOf(table.vertices) + bytesOf(table.points);
 }
 
-/// The most memory that this process has had, in bytes.
+/// Returns the peak memory of this process so far, in bytes.
 std::size_t peakMemory();
 
-/// How many threads work under ThreadLimit(limit): never more than there are cores for this
-/// process, and one in a build without oneTBB.
+/// Returns the number of threads that work under ThreadLimit(limit): at most the number of cores
+/// available to this process, and 1 in a build without oneTBB.
 int threadCount(int limit);
 
 }  // namespace espalier::cli

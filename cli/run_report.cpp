@@ -13,7 +13,7 @@ namespace {
 
 using embed::PointStatus;
 
-/// Billions of bytes a second; nothing if the bytes are not known.
+/// Returns billions of bytes per second; nothing if the bytes are not known.
 std::optional<double> gigabytesPerSecond(const Stages::Finished& stage) {
     if (!stage.bytes || !(stage.seconds > 0)) return std::nullopt;
     return static_cast<double>(*stage.bytes) / stage.seconds / 1e9;
@@ -34,7 +34,7 @@ OrderedJson toJson(const Stages& stages) {
     return array;
 }
 
-/// Of the column of labels, which has the names of the stages too.
+/// Returns the width of the column of labels, which includes the names of the stages.
 std::size_t labelWidth(const Stages& stages) {
     std::size_t width = 17;
     for (const Stages::Finished& stage : stages.finished())
@@ -53,13 +53,13 @@ void printStage(const Stages::Finished& stage, std::size_t labelWidth) {
 
 void addReportOption(CLI::App& command, ReportFormat& format) {
     addChoice<ReportFormat>(command, "--report", format, kReportFormatWords,
-                            "How to say what was done, on standard output");
+                            "Format of the report on standard output");
 }
 
 OrderedJson toJson(const RunReport& report) {
     const auto& table = report.binding.table;
     OrderedJson json =
-        OrderedJson::object();  // null is left broken if there is no memory to make it one
+        OrderedJson::object();  // If memory runs out later, null would be left broken.
     if (report.points) {
         json["points"] = {{"inside", report.points->count(PointStatus::Inside)},
                           {"outside", report.points->count(PointStatus::Outside)},
@@ -85,17 +85,23 @@ void printText(const RunReport& report) {
         fmt::print("{:<{}} {}\n", label, width, text);
     };
     if (report.points)
-        printLine("points", fmt::format("{} inside, {} outside, {} not converged",
+        printLine("points", fmt::format("{} inside the lattice, {} outside, {} could not be placed",
                                         report.points->count(PointStatus::Inside),
                                         report.points->count(PointStatus::Outside),
                                         report.points->count(PointStatus::NotConverged)));
-    if (kept > 0) printLine("kept in place", std::to_string(kept));
+    if (kept > 0)
+        printLine("left in place",
+                  fmt::format("{} {}, whatever the pose", kept, kept == 1 ? "point" : "points"));
     if (report.points)
-        printLine("largest residual", fmt::format("{:.2g}", report.points->largestResidual));
-    printLine("matrix", fmt::format("{} × {}, {:.1f} entries a bound row, {}", table.rowCount(),
-                                    table.columnCount(),
-                                    bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
-                                    formatBytes(bytesOf(table))));
+        printLine("placement error",
+                  fmt::format("{:.2g}: how far the rest pose moves a point at most",
+                              report.points->largestResidual));
+    printLine("matrix",
+              fmt::format("{} points × {} lattice vertices, {:.1f} weights for each point that "
+                          "moves, {}",
+                          table.rowCount(), table.columnCount(),
+                          bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
+                          formatBytes(bytesOf(table))));
     for (const Stages::Finished& stage : report.stages.finished()) printStage(stage, width);
     printLine("peak memory", formatBytes(report.peakMemory));
 }

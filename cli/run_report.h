@@ -12,10 +12,10 @@
 
 namespace espalier::cli {
 
-/// Keys stay in their order.
+/// JSON whose keys stay in their order.
 using OrderedJson = nlohmann::ordered_json;
 
-/// How a command says what it did.
+/// The format of a report.
 enum class ReportFormat {
     Text,
     Json  ///< one object
@@ -26,28 +26,29 @@ inline constexpr Word<ReportFormat> kReportFormatWords[] = {{"text", ReportForma
 /// Adds --report to a command.
 void addReportOption(CLI::App& command, ReportFormat& format);
 
-/// What the commands have to tell that bind a model or apply a binding. In JSON:
+/// The report of commands that bind a model or apply a binding. In JSON:
 ///
-///     points            {inside, outside, not_converged}; of a run that bound
-///     largest_residual  the same
-///     kept              points with empty rows
+///     points            {inside, outside, not_converged}: numbers of points; only after binding
+///     largest_residual  largest distance of a point from its place at rest; only after binding
+///     kept              number of points with empty rows, which no pose moves
 ///     matrix            {rows, columns, entries, bytes}
 ///     stages            [{name, seconds, bytes, gigabytes_per_second}], in order
-///     peak_memory       bytes that the process has had at most
+///     peak_memory       largest memory of the process, in bytes
 ///
-/// What the bytes of a stage are; null, as bytes a second, where they are not known:
+/// The bytes of a stage depend on its kind. They are null, like gigabytes_per_second, if unknown:
 ///
-///     reading, writing   of the files; not known of devices and pipes
-///     binding            of the matrix
-///     binding in factors of both factors
+///     reading, writing   bytes of the files; unknown for devices and pipes
+///     binding            bytes of the matrix
+///     binding in factors bytes of both factors
 ///     rounding to float, compiling float, compiling double
-///                        of the table that is made
+///                        bytes of the new table
 ///     compiling factors, float; compiling factors, double
-///                        of both; those in float are rounded first, in the same stage
-///     applying           that must move: the matrix, the vertices of the pose and the deformed
-///                        points, for each pose
+///                        bytes of both new tables; the former stage also rounds them to float
+///     applying           for each pose, bytes of the matrix, of the vertices of the pose and of
+///     the
+///                        deformed points
 struct RunReport {
-    const embed::BindingResult* points;  ///< null where the binding was read from a file
+    const embed::BindingResult* points;  ///< null if the binding was read from a file
     const embed::Binding& binding;
     const Stages& stages;
     std::size_t peakMemory;
@@ -57,7 +58,7 @@ OrderedJson toJson(const RunReport& report);
 
 void printText(const RunReport& report);
 
-/// Prints it to standard output in the format that was asked for, unless the run is quiet.
+/// Prints a report to standard output in the chosen format, unless the run is quiet.
 void print(const RunReport& report, ReportFormat format, const CommonOptions& options);
 
 }  // namespace espalier::cli

@@ -18,8 +18,8 @@
 namespace espalier::cli {
 namespace {
 
-/// Adds the command of one shape: its options are filled in by `addOptions`, the lattice made of
-/// them by `make`, after `check` of the options and of the path of the output.
+/// Adds the command of one shape. `addOptions` adds its options. When the command runs, `check`
+/// checks the options and the path of the output, and `make` makes the lattice.
 template <class Options>
 void addShape(
     CLI::App& parent, const std::string& name, const std::string& help,
@@ -41,7 +41,7 @@ void addShape(
         io::checkLatticeTarget(state->output);
         check(state->shape, state->output);
         Stages stages(state->common.quiet);
-        const Lattice lattice = stages.run("making", [&] { return make(state->shape); });
+        const Lattice lattice = stages.run("building", [&] { return make(state->shape); });
         stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
         if (!state->common.quiet)
             fmt::print("{}: {} vertices, {} cells\n", printable(state->output),
@@ -49,16 +49,16 @@ void addShape(
     });
 }
 
-/// An option that shows its default in the help.
+/// Adds an option whose default is shown in the help.
 template <class Value>
 void add(CLI::App& command, const std::string& name, Value& value, const std::string& help) {
     command.add_option(name, value, help)->capture_default_str();
 }
 
 void addPattern(CLI::App& command, shapes::DiskPattern& pattern) {
-    add(command, "--rings", pattern.rings, "Rings of cells in the disk, the core counted");
+    add(command, "--rings", pattern.rings, "Rings of cells in the disk, counting the core");
     addChoice<shapes::Core>(command, "--core", pattern.core, shapes::kCoreWords,
-                            "Middle of the disk: wedges round a vertex, or one prism");
+                            "Core of the disk: wedges around a vertex, or one polygonal prism");
 }
 
 /// Reads "x,y,z,radius" or "x,y,z,radius,twist" (degrees).
@@ -68,50 +68,56 @@ shapes::ArmJoint parseJoint(const std::string& text) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
         double number = 0;
         if (!io::parseNumber(std::string_view(text).substr(begin, end - begin), number))
-            throw CLI::ValidationError("--joint", text + ": expected numbers x,y,z,radius[,twist]");
+            throw CLI::ValidationError("--joint",
+                                       text + ": expected 4 or 5 numbers x,y,z,radius[,twist]");
         numbers.push_back(number);
         begin = end + 1;
     }
     if (numbers.size() != 4 && numbers.size() != 5)
-        throw CLI::ValidationError("--joint", text + ": expected x,y,z,radius[,twist]");
+        throw CLI::ValidationError("--joint",
+                                   text + ": expected 4 or 5 numbers x,y,z,radius[,twist]");
     const double degrees = numbers.size() == 5 ? numbers[4] : 0;
     return {{numbers[0], numbers[1], numbers[2]}, numbers[3], degrees * std::numbers::pi / 180};
 }
 
 void addRoundShapes(CLI::App& shape) {
     addShape<shapes::CylinderOptions>(
-        shape, "cylinder", "A disk extruded along an axis (Figures 1 and 5)",
+        shape, "cylinder",
+        "A disk of cells swept along an axis (Figures 1 and 5 of MacCracken & Joy 1996)",
         [](CLI::App& command, shapes::CylinderOptions& options) {
             add(command, "--sectors", options.sectors, "Sides of the disk");
             addPattern(command, options.pattern);
             add(command, "--layers", options.layers, "Layers of cells");
-            add(command, "--radius", options.radius, "Of the outermost vertices");
+            add(command, "--radius", options.radius, "Radius of the outermost vertices");
             add(command, "--from", options.from, "Centre of the first end");
             add(command, "--to", options.to, "Centre of the last end");
         },
         shapes::cylinder);
     addShape<shapes::TorusOptions>(
-        shape, "torus", "A cross-section swept round the z axis",
+        shape, "torus", "A ring around the z axis, of a square or a disk of cells",
         [](CLI::App& command, shapes::TorusOptions& options) {
-            add(command, "--segments", options.segments, "Cells round the ring");
+            add(command, "--segments", options.segments, "Cells around the ring");
             addChoice<shapes::TorusSection>(command, "--section", options.section,
                                             shapes::kTorusSectionWords,
-                                            "Cross-section: a square, or a disk");
-            add(command, "--grid", options.gridCells, "Cells along each side of the square");
-            add(command, "--sides", options.sides, "Sides of the disk");
+                                            "Cross-section: a square (grid) or a disk");
+            add(command, "--grid", options.gridCells,
+                "Cells along each side of the square (--section grid)");
+            add(command, "--sides", options.sides, "Sides of the disk (--section disk)");
             addPattern(command, options.pattern);
-            add(command, "--major-radius", options.majorRadius, "Of the ring");
-            add(command, "--minor-radius", options.minorRadius, "Of the cross-section");
+            add(command, "--major-radius", options.majorRadius, "Radius of the ring");
+            add(command, "--minor-radius", options.minorRadius,
+                "Radius of the disk, or half the side of the square");
         },
         shapes::torus);
     addShape<shapes::StarOptions>(
-        shape, "star", "A flat star; with equal radii its round rest pose (Figure 7)",
+        shape, "star",
+        "A flat star, or with equal radii the round shape that it is a pose of (Figure 7)",
         [](CLI::App& command, shapes::StarOptions& options) {
             add(command, "--points", options.points, "Points of the star");
             addPattern(command, options.pattern);
             add(command, "--layers", options.layers, "Layers of cells");
-            add(command, "--inner-radius", options.innerRadius, "Of the notches");
-            add(command, "--outer-radius", options.outerRadius, "Of the points");
+            add(command, "--inner-radius", options.innerRadius, "Radius of the notches");
+            add(command, "--outer-radius", options.outerRadius, "Radius of the points");
             add(command, "--height", options.height, "Thickness");
         },
         shapes::star);
@@ -121,15 +127,16 @@ void addJointedShapes(CLI::App& shape) {
     addShape<shapes::BarbellOptions>(
         shape, "barbell", "Two ends joined by a bar (Figure 8)",
         [](CLI::App& command, shapes::BarbellOptions& options) {
-            add(command, "--end-segments", options.endSegments, "Edges round an end");
+            add(command, "--end-segments", options.endSegments, "Edges around an end");
             add(command, "--bar-segments", options.barSegments, "Cells along the bar");
             add(command, "--bar-across", options.barAcross, "Cells across the bar");
             addPattern(command, options.pattern);
             add(command, "--layers", options.layers, "Layers of cells");
-            add(command, "--end-radius", options.endRadius, "Of an end");
-            add(command, "--bar-length", options.barLength, "From end to end");
+            add(command, "--end-radius", options.endRadius, "Radius of an end");
+            add(command, "--bar-length", options.barLength, "Length of the bar, from end to end");
             add(command, "--bar-half-width", options.barHalfWidth, "Half the width of the bar");
-            add(command, "--roundness", options.roundness, "Of the ends: 0 square to 1 round");
+            add(command, "--roundness", options.roundness,
+                "Roundness of the ends, from 0 (square) to 1 (round)");
             add(command, "--height", options.height, "Thickness");
         },
         shapes::barbell);
@@ -138,15 +145,17 @@ void addJointedShapes(CLI::App& shape) {
         std::vector<std::string> joints;
     };
     addShape<Arm>(
-        shape, "arm", "A tube round a limb (Figure 9)",
+        shape, "arm", "A tube around a limb (Figure 9)",
         [](CLI::App& command, Arm& arm) {
-            command.add_option("--joint", arm.joints,
-                               "x,y,z,radius[,twist in degrees] of a joint; repeat from the "
-                               "shoulder to the hand");
+            command.add_option(
+                "--joint", arm.joints,
+                "A joint of the limb: x,y,z,radius[,twist in degrees]. Repeat the option "
+                "for each joint, from the shoulder to the hand");
             add(command, "--segments", arm.options.segments, "Cells from joint to joint");
-            add(command, "--sides", arm.options.sides, "Of the cross-section");
+            add(command, "--sides", arm.options.sides, "Sides of the cross-section");
             addPattern(command, arm.options.pattern);
-            add(command, "--up", arm.options.up, "Where the cross-section begins");
+            add(command, "--up", arm.options.up,
+                "Direction in which the first vertex of the cross-section lies");
         },
         [](const Arm& arm) {
             shapes::ArmOptions options = arm.options;
@@ -159,35 +168,40 @@ void addJointedShapes(CLI::App& shape) {
 void addSolids(CLI::App& shape) {
     using Regular = shapes::RegularSolidOptions;
     const auto addRadius = [](CLI::App& command, Regular& options) {
-        add(command, "--radius", options.radius, "Of the sphere through the vertices");
+        add(command, "--radius", options.radius, "Radius of the sphere through the vertices");
     };
-    addShape<Regular>(shape, "tetrahedron", "One cell", addRadius, shapes::tetrahedron);
-    addShape<Regular>(shape, "cube", "One cell", addRadius, shapes::cube);
-    addShape<Regular>(shape, "octahedron", "One cell of type-4 corners", addRadius,
+    addShape<Regular>(shape, "tetrahedron", "One cell of four triangles", addRadius,
+                      shapes::tetrahedron);
+    addShape<Regular>(shape, "cube", "One cell of six squares", addRadius, shapes::cube);
+    addShape<Regular>(shape, "octahedron",
+                      "One cell of eight triangles; 4 edges meet at each vertex", addRadius,
                       shapes::octahedron);
     addShape<Regular>(shape, "dodecahedron", "One cell of twelve pentagons", addRadius,
                       shapes::dodecahedron);
-    addShape<Regular>(shape, "icosahedron", "One cell of type-5 corners", addRadius,
+    addShape<Regular>(shape, "icosahedron",
+                      "One cell of twenty triangles; 5 edges meet at each vertex", addRadius,
                       shapes::icosahedron);
     using Polygonal = shapes::PolygonalSolidOptions;
     const auto addPolygon = [](CLI::App& command, Polygonal& options) {
-        add(command, "--sides", options.sides, "Of the polygon");
-        add(command, "--radius", options.radius, "Of the polygon");
-        add(command, "--height", options.height, "Of the solid");
+        add(command, "--sides", options.sides, "Sides of the polygon");
+        add(command, "--radius", options.radius, "Radius of the polygon");
+        add(command, "--height", options.height, "Height of the solid");
     };
     addShape<Polygonal>(shape, "prism", "One cell between two polygons", addPolygon, shapes::prism);
-    addShape<Polygonal>(shape, "pyramid", "One cell over a polygon", addPolygon, shapes::pyramid);
-    addShape<Polygonal>(shape, "bipyramid", "One cell on both sides of a polygon: type-n apexes",
+    addShape<Polygonal>(shape, "pyramid", "One cell between a polygon and an apex", addPolygon,
+                        shapes::pyramid);
+    addShape<Polygonal>(shape, "bipyramid", "One cell with an apex on each side of a polygon",
                         addPolygon, shapes::bipyramid);
 }
 
 }  // namespace
 
 void addShapeCommand(CLI::App& program) {
-    CLI::App& shape = *program.add_subcommand("shape", "Make a lattice of the inventory");
+    CLI::App& shape = *program.add_subcommand(
+        "shape", "Make one of the built-in lattices, or merge lattices into one");
     shape.require_subcommand(1);
     addShape<shapes::BoxOptions>(
-        shape, "box", "Hexahedra (Figure 1)",
+        shape, "box", "A box of hexahedra (Figure 1 of MacCracken & Joy 1996)",
         [](CLI::App& command, shapes::BoxOptions& options) {
             add(command, "--cells", options.cells, "Cells along x, y and z");
             add(command, "--min", options.min, "Lowest corner");
@@ -202,13 +216,16 @@ void addShapeCommand(CLI::App& program) {
         shapes::MergeOptions options;
     };
     addShape<Merge>(
-        shape, "merge", "Several lattices as one: coincident vertices are welded",
+        shape, "merge", "Merge lattices into one: vertices at the same place are joined",
         [](CLI::App& command, Merge& merge) {
-            command.add_option("LATTICE", merge.lattices, "Two or more lattices")
+            command
+                .add_option("LATTICE", merge.lattices, "Two or more lattices: .ovm, .vtu or .vtk")
                 ->required()
                 ->expected(2, 1000);
             add(command, "--tolerance", merge.options.tolerance,
-                "How far apart vertices may be, as a fraction of the size of all");
+                "Largest distance between vertices that are joined, as a fraction of the diagonal "
+                "of "
+                "the box around all lattices");
         },
         [](const Merge& merge) {
             std::vector<Lattice> lattices;

@@ -16,8 +16,8 @@
 namespace espalier::cli {
 namespace {
 
-/// Out of memory where no exception can go: before main(), or in a destructor of a library that we
-/// use (nlohmann's of JSON allocates).
+/// Reports that memory ran out where no exception can pass: before main(), or in a destructor of a
+/// library (nlohmann's destructor of JSON allocates).
 class EndsWithoutMemory {
 public:
     EndsWithoutMemory() { previous_ = std::set_terminate(end); }
@@ -38,7 +38,7 @@ private:
     static inline std::terminate_handler previous_ = nullptr;
 };
 
-// Before what else is made before main().
+// Constructed before all other static objects.
 [[gnu::init_priority(101)]] EndsWithoutMemory endsWithoutMemory;
 
 }  // namespace
@@ -46,7 +46,8 @@ private:
 void holdStandardStreams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(stream, F_GETFD) == -1 && errno == EBADF) {
-            // It gets the lowest number that is free, which is this one; and the wrong direction.
+            // open() returns the lowest free number, which is this stream. It is opened in the
+            // wrong direction, so that using it is an error.
             if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) return;
         }
 }
@@ -58,7 +59,7 @@ void flushOutput() {
 }
 
 void printError(const char* cause) noexcept {
-    // Messages of the command line and of the system hold arguments and paths as they are.
+    // Messages of CLI11 and of the system contain arguments and paths unescaped.
     constexpr std::size_t kMaxBytes = 2000;
     std::string text;
     try {

@@ -5,22 +5,22 @@
 
 namespace espalier::cli {
 
-/// To be called first of all. A standard stream that is closed is taken up, so that no file that is
-/// opened gets its number, and is written to in its stead. To use it is an error, as before.
+/// Occupies the numbers of standard streams that are closed, so that no file gets such a number and
+/// is overwritten by output. Using such a stream remains an error. To be called first in main().
 void holdStandardStreams();
 
-/// Hands all that was printed to the system.
-/// \throws std::system_error if that fails, or has failed before
+/// Flushes standard output.
+/// \throws std::system_error if this fails, or an earlier write has failed
 void flushOutput();
 
-/// Says on standard error, in one printable line, what is wrong: "espalier: cause". Without memory
-/// for a long line it says that instead. Does nothing if that stream cannot be written either.
+/// Prints "espalier: cause" to standard error, in one printable line; or "out of memory" if there
+/// is no memory for it. Does nothing if standard error cannot be written to.
 void printError(const char* cause) noexcept;
 
-/// The same of a cause that is printable as it is. Takes no memory.
+/// Does the same for a cause that is known to be printable. Allocates nothing.
 void printPrintableError(const char* cause) noexcept;
 
-/// The same of an error of the system: of standard output, if that is what has failed.
+/// Prints an error of the system. Says so if it is standard output that has failed.
 void printError(const std::system_error& error) noexcept;
 
 }  // namespace espalier::cli

@@ -20,7 +20,7 @@ namespace {
 
 struct StencilsOptions : LatticeOptions {
     std::string points;
-    BindOptions bind;  ///< --basis and --limit alone
+    BindOptions bind;  ///< only --basis and --limit are used
     bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;
@@ -30,7 +30,7 @@ struct StencilsOptions : LatticeOptions {
 constexpr Word<io::PetscInt> kPetscIntWords[] = {{"32", io::PetscInt::Bits32},
                                                  {"64", io::PetscInt::Bits64}};
 
-/// A matrix, the file that it goes to, and what its rows and columns are.
+/// A matrix, its file, and a description of its rows and columns.
 struct Export {
     std::filesystem::path path;
     stencils::StencilTable<double> table;
@@ -41,14 +41,15 @@ std::filesystem::path levelPath(const StencilsOptions& options, int k) {
     return io::numberedPath(options.output, k, options.level);
 }
 
-/// The file of the gradients by coordinate `axis` at rest: D.dx.npz for D.npz and 0.
+/// Returns the file of the gradients with respect to coordinate `axis` at rest: D.dx.npz for D.npz
+/// and axis 0.
 std::filesystem::path gradientPath(const StencilsOptions& options, std::size_t axis) {
     std::filesystem::path path = options.output;
     const std::string extension = path.extension().string();
     return path.replace_extension(fmt::format(".d{}{}", "xyz"[axis], extension));
 }
 
-/// All matrices' files.
+/// Returns the files of all matrices.
 std::vector<std::filesystem::path> matrixPaths(const StencilsOptions& options) {
     if (options.levelTables) {
         std::vector<std::filesystem::path> paths;
@@ -61,7 +62,7 @@ std::vector<std::filesystem::path> matrixPaths(const StencilsOptions& options) {
     return paths;
 }
 
-/// The name of D in comments of files: "D at level 3".
+/// Returns the name of D for comments in files: "D at level 3".
 std::string nameOfD(const StencilsOptions& options) {
     if (options.bind.basis == embed::Basis::Bezier) return "D of the Bézier volume";
     if (options.bind.basis == embed::Basis::BSpline) return "D of the uniform cubic B-splines";
@@ -69,7 +70,7 @@ std::string nameOfD(const StencilsOptions& options) {
     return fmt::format("D at level {}", options.level);
 }
 
-/// How the points are bound, by the options of the lattice.
+/// Returns the options for binding the points.
 BindOptions bindOptions(const StencilsOptions& options) {
     BindOptions bind = options.bind;
     bind.common = options.common;
@@ -78,7 +79,7 @@ BindOptions bindOptions(const StencilsOptions& options) {
     return bind;
 }
 
-/// D, and its gradients if they were asked for.
+/// Returns D, and its gradients if they were asked for.
 std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) {
     const auto model = stages.read(options.points, [&] { return io::readModel(options.points); });
     const Lattice lattice = readLattice(options.lattice, stages);
@@ -125,7 +126,7 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
     return result;
 }
 
-/// The files of a matrix, for people.
+/// Returns the names of the files of a matrix, for the output of the command.
 std::string namesOf(const std::filesystem::path& path) {
     std::vector<std::string> names;
     for (const auto& each : io::matrixPaths(path)) names.push_back(io::shownPath(each));
@@ -134,7 +135,7 @@ std::string namesOf(const std::filesystem::path& path) {
 
 void write(const Export& matrix, const StencilsOptions& options) {
     const io::MatrixFileOptions format{{matrix.description}, options.petscIntegers};
-    // Devices and pipes have no extension to go by: they get text.
+    // Devices and pipes have no extension that tells the format: they get Matrix Market.
     if (std::ranges::count(io::matrixExtensions(), matrix.path.extension().string()) == 0)
         io::writeMatrixMarket(matrix.path, matrix.table, format.comments);
     else
@@ -148,7 +149,8 @@ void runStencils(const StencilsOptions& options) {
     if (!options.points.empty()) inputs.push_back({"--points", options.points});
     checkInputs(inputs);
     if (options.levelTables && options.level == 0)
-        throw CLI::ValidationError("--level-tables", "there are none before level 1");
+        throw CLI::ValidationError("--level-tables",
+                                   "there are no level tables before level 1; use -n 1 or more");
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& output : matrixPaths(options)) {
         checkOutput(output, inputs, io::matrixExtensions());
@@ -170,38 +172,42 @@ void runStencils(const StencilsOptions& options) {
 }  // namespace
 
 void addStencilsCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(program, "stencils",
-                                               "Write the matrix that refines a lattice, mesh or "
-                                               "curve, or that deforms a model by a lattice",
-                                               runStencils);
+    const auto [command, options] =
+        addCommand(program, "stencils",
+                   "Write the sparse matrix that refines a lattice, mesh "
+                   "or curve, or the one that deforms a model",
+                   runStencils);
     addLatticeOptions(command, FileKind::Refinable, options);
     CLI::Option* const points = command.add_option(
         "--points", options.points,
-        "A model: write D, the weights of its points over the vertices of the lattice, in place of "
-        "S_N, those of the level-N vertices");
+        "A model: write D, the matrix that deforms its points (points × lattice vertices), instead "
+        "of "
+        "S_N, the matrix of level N (vertices of level N × vertices of the input)");
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
     addBasisOptions(command, options.bind);
     addEmbeddingOptions(command, options.common);
     command
         .add_flag("--gradients", options.gradients,
-                  "Write the gradients of D too, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
+                  "Also write the gradients of D, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
                   "their products with a pose are the columns of the deformation gradient")
         ->needs(command.get_option("--limit"));
     const auto all = command.get_options();
     for (auto option = all.begin() + others; option != all.end(); ++option)
         (*option)->needs(points);
     command
-        .add_flag("--level-tables", options.levelTables,
-                  "Write R_1 to R_N, each level over the one before, to a numbered file each")
+        .add_flag(
+            "--level-tables", options.levelTables,
+            "Write the matrices R_1 to R_N, each from one level to the next, to numbered files")
         ->excludes(points);
     command
         .add_option(
             "-o,--output", options.output,
-            "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), its arrays as a file "
-            "each (.npy), or PETSc's binary (.petsc)")
+            "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), the same arrays in three "
+            "files (.npy), or PETSc's binary format (.petsc)")
         ->required();
-    addChoice<io::PetscInt>(command, "--petsc-indices", options.petscIntegers, kPetscIntWords,
-                            "The bits of an index in the PETSc that is to read .petsc");
+    addChoice<io::PetscInt>(
+        command, "--petsc-indices", options.petscIntegers, kPetscIntWords,
+        "Bits of an index in the build of PETSc that will read the .petsc file");
 }
 
 }  // namespace espalier::cli

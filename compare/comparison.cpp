@@ -178,8 +178,8 @@ struct Comparison::Data {
 Comparison::Comparison(const far::TopologyRefiner& refiner) {
     if (refiner.dimension() == 3 && refiner.boundary() == far::Boundary::Open)
         throw Error(
-            "without boundary control, what is left of a lattice's boundary is not a subdivision "
-            "surface, and OpenSubdiv has nothing to compare it with");
+            "with the boundary mode 'open' the boundary of a refined lattice is not a subdivision "
+            "surface, so OpenSubdiv has nothing to compare it with");
     const far::CellComplex& base = refiner.level(0).complex;
     auto data = std::make_unique<Data>(Data{refiner, surfaceOf(base), {}, {}, {}, nullptr});
     data->openSubdiv = makeOpenSubdivRefiner(refiner, data->base);
@@ -373,11 +373,11 @@ SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Sur
 std::string Comparison::noteOn(const Agreement& agreement) const {
     std::string note;
     if (const Index count = correctedCorners(); count > 0)
-        note = concat(
-            "OpenSubdiv ", openSubdivVersion(), " takes ", count,
-            count == 1 ? " non-manifold vertex" : " non-manifold vertices",
-            " for creases that form none (corrected in its release 3.6.1); marked as corners for "
-            "it. ");
+        note = concat("OpenSubdiv ", openSubdivVersion(), " treats ", count,
+                      count == 1 ? " non-manifold vertex" : " non-manifold vertices",
+                      " as on a crease, although no crease passes there (corrected in its release "
+                      "3.6.1); for "
+                      "the comparison they are marked as corners. ");
     // True if weights differ by the rounding of single precision.
     const bool isRounded =
         std::any_of(agreement.levels.begin(), agreement.levels.end(), [](const auto& level) {
@@ -385,9 +385,9 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
         });
     if (isRounded && data_->ours.level(0).strata.hasSemiSharp())
         note +=
-            "Where three or more semi-sharp values meet in a vertex, their sum is rounded in "
-            "single precision, and OpenSubdiv adds them in another order: that may be the "
-            "difference. ";
+            "OpenSubdiv adds three or more semi-sharp values at a vertex in another order, in "
+            "single "
+            "precision: this may explain the difference. ";
     if (!note.empty()) note.pop_back();
     return note;
 }
@@ -395,8 +395,9 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
 Agreement Comparison::compareAll(std::span<const Point3> positions) const {
     const far::Rules rules = data_->ours.rules();
     if (rules == far::Rules::Rats || rules == far::Rules::Mlca)
-        throw Error(std::string("OpenSubdiv has no rules of ") +
-                    (rules == far::Rules::Rats ? "RATS" : "MLCA") + " to compare with");
+        throw Error(std::string("OpenSubdiv does not have the rules of ") +
+                    (rules == far::Rules::Rats ? "RATS" : "MLCA") +
+                    ": there is nothing to compare");
     if (vertices(data_->maxLevel()).empty())
         throw Error(
             "OpenSubdiv leaves out every face, since each has a vertex on the boundary: there is "

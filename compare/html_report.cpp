@@ -119,14 +119,14 @@ struct Measure {
 
 constexpr Measure kMeasures[] = {
     {"Positions", &LevelAgreement::positionDifference, &Bounds::position,
-     "The largest distance of two matching vertices, for random positions of the control "
-     "vertices, as a fraction of the size of the cube that these fill."},
+     "The largest distance between two matching vertices, for random positions of the control "
+     "vertices in a cube, as a fraction of the side of the cube."},
     {"Weights", &LevelAgreement::weightDifference, &Bounds::weight,
-     "The largest difference of two weights of matching stencils: how much a control vertex counts "
-     "for a vertex of the level."},
+     "The largest difference between two weights of matching stencils. A weight is the share of a "
+     "control vertex in a vertex of the level."},
     {"Evaluators", &LevelAgreement::evaluatorDifference, &Bounds::evaluator,
-     "The largest difference, measured as positions are, between the evaluators of the two run on "
-     "the same stencil table, ours or theirs. OpenSubdiv's take single precision."}};
+     "The largest distance, measured as for positions, between the results of the two evaluators "
+     "for the same stencil table. OpenSubdiv's evaluator computes in single precision."}};
 
 /// True also for NaN.
 bool isOver(const Measure& measure, const LevelAgreement& level, const Bounds& bounds) {
@@ -346,7 +346,7 @@ std::string pictures(const Report& report) {
     if (figures.empty()) return "";
     return fmt::format(R"(<section>
 <h2>Error over the surface</h2>
-<p class="note">How far the points of OpenSubdiv are from ours, as a fraction of the size of the
+<p class="note">How far the points of OpenSubdiv are from those of Espalier, as a fraction of the size of the
 shape. A face has the colour of the largest error of its corners: grey where there is none, green to
 blue up to the bound, red to purple above it. A ring is round the vertex of the largest error,
 broken where that is behind the surface.</p>

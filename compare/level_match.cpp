@@ -212,9 +212,11 @@ public:
                                       0);
             for (const Index index : entities[d]) {
                 const std::optional<Index> match = match_.of({d, index});
-                if (!match) return name({d, index}) + " has no match";
+                if (!match) return name({d, index}) + " has no match in OpenSubdiv's level";
                 if (isTaken[*match]++)
-                    return concat(name({d, index}), " has the match of another, ", *match);
+                    return concat(name({d, index}),
+                                  " has the same match in OpenSubdiv's level as another one, ",
+                                  *match);
             }
         }
         // Under Boundary::Open, OpenSubdiv's holes are not in the region; our holes must be among
@@ -223,7 +225,7 @@ public:
             for (const Index hole : level_.holes) {
                 const std::optional<Index> match = match_.of({2, hole});
                 if (match && !openSubdiv_.IsFaceHole(*match))
-                    return name({2, hole}) + " is a hole; theirs is not";
+                    return name({2, hole}) + " is a hole; in OpenSubdiv it is not";
             }
         // Inspect faces first: if their vertices differ, the features of the vertices are less
         // important.
@@ -233,7 +235,7 @@ public:
                                          : d == 1 ? inspectEdge(index)
                                                   : inspectFace(index);
                 if (!text.empty())
-                    return concat(name({d, index}), " (theirs: ", *match_.of({d, index}), ") ",
+                    return concat(name({d, index}), " (OpenSubdiv: ", *match_.of({d, index}), ") ",
                                   text);
             }
         return {};
@@ -259,9 +261,13 @@ private:
     static std::string differ(float ours, float openSubdiv) {
         std::ostringstream text;
         text.precision(std::numeric_limits<float>::max_digits10);
-        text << "has sharpness " << ours << "; theirs " << openSubdiv;
+        text << "has sharpness " << ours << "; in OpenSubdiv " << openSubdiv;
         return text.str();
     }
+
+    /// By stratum.
+    static constexpr std::array kPlaces = {"at a corner", "on a sharp edge",
+                                           "on the smooth surface", "inside"};
 
     std::string inspectVertex(Index vertex) const {
         using Rule = OpenSubdiv::Sdc::Crease::Rule;
@@ -273,7 +279,8 @@ private:
         const Rule rule = openSubdiv_.GetVertexRule(match);
         const int stratum = rule == Rule::RULE_CORNER ? 0 : rule == Rule::RULE_CREASE ? 1 : 2;
         if (level_.strata.of(entity) != stratum)
-            return concat("lies on stratum ", level_.strata.of(entity), "; theirs on ", stratum);
+            return concat("lies ", kPlaces[level_.strata.of(entity)], "; in OpenSubdiv ",
+                          kPlaces[stratum]);
         return {};
     }
 
@@ -282,7 +289,7 @@ private:
         const Index match = *match_.of(entity);
         for (const Index end : level_.complex.relation(1, 0)[edge])
             if (!contains(openSubdiv_.GetEdgeVertices(match), *match_.of({0, end})))
-                return concat("ends in vertex ", end, "; theirs does not");
+                return concat("ends in vertex ", end, "; in OpenSubdiv it does not");
         if (!level_.strata.isOpen(entity) &&
             !isSameSharpness(sharpness(entity), openSubdiv_.GetEdgeSharpness(match)))
             return differ(sharpness(entity), openSubdiv_.GetEdgeSharpness(match));
@@ -301,10 +308,12 @@ private:
             std::rotate(loop.begin(), loop.begin() + 1, loop.end());
             ++turns;
         }
-        if (turns == loop.size()) return "has other vertices than theirs, or in another order";
+        if (turns == loop.size())
+            return "has other vertices than in OpenSubdiv, or in another order";
         const bool isHole = std::binary_search(level_.holes.begin(), level_.holes.end(), face);
         if (!isOpen_ && isHole != openSubdiv_.IsFaceHole(match))
-            return isHole ? "is a hole; theirs is not" : "is not a hole; theirs is";
+            return isHole ? "is a hole; in OpenSubdiv it is not"
+                          : "is not a hole; in OpenSubdiv it is";
         return {};
     }
 

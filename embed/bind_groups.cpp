@@ -94,7 +94,7 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
         vertexTotal += part.table.vertices.rowCount();
     if (vertexTotal > kMaxIndex)
         throw Error("the factors would have " + std::to_string(vertexTotal) +
-                    " vertices, more than an index counts: bind fewer points at once");
+                    " vertices, more than an index can count; bind fewer points at once");
     std::vector<Index> shifts;
     Array<Offset> lengths = {0};
     for (const BoundPart<stencils::FactoredTable<double>>& part : parts) {

@@ -10,8 +10,8 @@ namespace espalier::embed {
 Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
                     std::span<const Point3> points) {
     if (points.size() != embedding.points.size())
-        throw Error("got " + std::to_string(points.size()) + " points; embedded were " +
-                    std::to_string(embedding.points.size()));
+        throw Error("got " + std::to_string(points.size()) + " points, but " +
+                    std::to_string(embedding.points.size()) + " were embedded");
     Binding binding;
     binding.table = buildDeformationTable(lattice, embedding);
     binding.topologyHash = far::topologyHash(lattice.complex());

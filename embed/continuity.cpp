@@ -70,7 +70,7 @@ ByEntity<std::uint8_t> closureOf(const far::CellComplex& complex, std::span<cons
     for (const Index face : faces) {
         if (face < 0 || face >= complex.count(2))
             throw Error("there is no face " + std::to_string(face) + " to hold; the lattice has " +
-                        std::to_string(complex.count(2)));
+                        std::to_string(complex.count(2)) + " faces");
         isIn[2][face] = 1;
         for (int d = 0; d < 2; ++d)
             for (const Index part : complex.relation(2, d)[face]) isIn[d][part] = 1;
@@ -99,10 +99,11 @@ void checkFinite(std::span<const Point3> points) {
 std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base,
                                         std::span<const Index> faces, Continuity continuity) {
     if (base.dimension() != 3 || base.maxLevel() != 0)
-        throw Error("faces are held of a lattice that has not been refined");
+        throw Error("faces can be held only in a lattice (dimension 3) that has not been refined");
     if (base.boundary() == far::Boundary::Open)
         throw Error(
-            "without boundary control no face can be held: the region is smaller than the lattice");
+            "no face can be held with the boundary mode 'open': the refined region does not reach "
+            "the boundary of the lattice");
     if (faces.empty()) throw Error("there are no faces to hold");
     // Level 1 has a vertex for each entity, and a vertex in the cells at the faces still depends on
     // its own entity alone. From level 2 on, the vertices there all depend on the same base

@@ -69,8 +69,8 @@ ESPALIER_API std::vector<Index> verticesHoldingRows(
 /// vertices change first and second derivatives by the place in a base cell by at most about 1e-10
 /// of the displacements.
 ///
-/// For a point outside the lattice, OutsidePolicy::Nearest freezes the vertices that move the nearest
-/// cell; OutsidePolicy::Keep freezes none.
+/// For a point outside the lattice, OutsidePolicy::Nearest freezes the vertices that move the
+/// nearest cell; OutsidePolicy::Keep freezes none.
 ///
 /// \param options the options that the model is bound with
 /// \throws Error if there are no points, or a point is not finite; and as bindPoints()

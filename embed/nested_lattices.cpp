@@ -30,8 +30,8 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
         const Index vertex = bound.binding.kept.front();
         const bool isOutside = bound.statuses[vertex] == PointStatus::Outside;
         throw Error("vertex " + std::to_string(vertex) + " of the child " +
-                    (isOutside ? "lies outside of the parent lattice"
-                               : "has no place in the parent lattice: its cell is degenerate"));
+                    (isOutside ? "lies outside the parent lattice"
+                               : "cannot be placed in the parent lattice: its cell is degenerate"));
     }
     return stencils::multiply(child, bound.binding.table);
 }

@@ -29,12 +29,15 @@ void checkRest(const RestLattice& lattice, int level) {
         throw Error("points can be bound to a lattice only, not to a complex of dimension " +
                     std::to_string(base.dimension()));
     if (base.maxLevel() != 0)
-        throw Error("points are bound to a base that has not been refined; this one has " +
-                    std::to_string(base.maxLevel()) + " levels more");
+        throw Error(
+            "points can be bound only with a refiner that has not been refined; this one has been "
+            "refined to level " +
+            std::to_string(base.maxLevel()));
     if (level < 1)
-        throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
+        throw Error("points can be bound to level 1 or above, not to level " +
+                    std::to_string(level));
     if (level > kMaxLevelOfPoints)
-        throw Error("points are bound to level " + std::to_string(kMaxLevelOfPoints) +
+        throw Error("points can be bound to level " + std::to_string(kMaxLevelOfPoints) +
                     " at most, not to level " + std::to_string(level));
     const far::Level& level0 = base.level(0);
     checkPositions(level0.complex, lattice.positions);
@@ -86,7 +89,8 @@ void checkPointCount(std::span<const Point3> points) {
 void checkVertexCount(Index placedIn, Index vertexCount) {
     if (placedIn != vertexCount)
         throw Error("the points were embedded in a lattice of " + std::to_string(placedIn) +
-                    " vertices, not of " + std::to_string(vertexCount) + ": another level?");
+                    " vertices, but this one has " + std::to_string(vertexCount) +
+                    "; it may be another level");
 }
 
 void checkAllInside(std::span<const Point3> points, std::span<const PointStatus> statuses) {
@@ -101,7 +105,8 @@ void refusePoint(Offset index, const Point3& point, PointStatus status) {
             << ") "
             << (status == PointStatus::Outside
                     ? "is outside the lattice"
-                    : "has no place in the lattice: its cell is degenerate, or it is not finite");
+                    : "cannot be placed in the lattice: its cell is degenerate, or a coordinate is "
+                      "not finite");
     throw Error(message.str());
 }
 

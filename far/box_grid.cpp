@@ -79,7 +79,7 @@ FaceId farFace(const CellComplex& complex, const PlacedCell& placed, std::size_t
             isFar = isFar && (!(i & kAxisBits[axis]) || contains(loop, placed.corners[i]));
         if (isFar) return face;
     }
-    refuse(placed.cell, concat("cell ", placed.cell.value, " lacks a face"));
+    refuse(placed.cell, concat("cell ", placed.cell.value, " lacks one of its six faces"));
 }
 
 /// Returns the next cell along an axis; nothing at the boundary.
@@ -129,8 +129,8 @@ private:
             return {CellId(cells[0]), seenFrom(corners, vertex, next)};
         }
         refuse(CellId(0),
-               "no cell has a vertex of its own, as corners have: neither cell 0 nor "
-               "any other");
+               "there is no corner: each vertex of cell 0, and of all others, is in two or "
+               "more cells");
     }
 
     /// Counts the cells along an axis. The loop ends at the boundary: a step straight on can be
@@ -171,7 +171,7 @@ private:
             auto& known = points_[placed.corners[i]];
             if (known && *known != point)
                 refuse(VertexId(placed.corners[i]),
-                       concat("vertex ", placed.corners[i], " would be both at ",
+                       concat("vertex ", placed.corners[i], " would have two places in the box, ",
                               inBrackets(*known), " and ", inBrackets(point)));
             known = point;
         }
@@ -182,14 +182,15 @@ private:
         if (next) return *next;
         const FaceId face = farFace(complex_, placed, axis);
         refuse(face, concat("face ", face.value, " of cell ", placed.cell.value,
-                            " is on the boundary, where ", sizes(), " cells would go on"));
+                            " is on the boundary, but a box of ", sizes(), " cells goes on there"));
     }
 
     void checkCells() const {
         for (Index cell = 0; cell < complex_.count(3); ++cell)
             if (!isPlaced_[cell])
-                refuse(CellId(cell), concat("cell ", cell, " is not one of the ", sizes(),
-                                            " from vertex ", first_.corners[0], " on"));
+                refuse(CellId(cell),
+                       concat("cell ", cell, " is not part of the box of ", sizes(),
+                              " cells with its corner at vertex ", first_.corners[0]));
     }
 
     /// Fills the grid. Every grid point has a vertex of some cell, but it has two vertices if cells
@@ -201,8 +202,9 @@ private:
             if (!point) refuse(VertexId(vertex), concat("vertex ", vertex, " is in no cell"));
             auto& there = vertices[grid_.indexOf(*point)];
             if (there)
-                refuse(VertexId(vertex), concat("vertices ", *there, " and ", vertex,
-                                                " would both be at ", inBrackets(*point)));
+                refuse(VertexId(vertex),
+                       concat("vertices ", *there, " and ", vertex,
+                              " would have the same place in the box, ", inBrackets(*point)));
             there = vertex;
         }
         for (const auto& vertex : vertices) grid_.vertices.push_back(vertex.value());
@@ -224,7 +226,8 @@ private:
             for (std::size_t axis = 0; axis < 3; ++axis)
                 isOutside = isOutside || high[axis] == 0 || low[axis] == grid_.cells[axis];
             if (!isOutside)
-                refuse(FaceId(face), concat("face ", face, " is on the boundary, inside the box"));
+                refuse(FaceId(face),
+                       concat("face ", face, " is inside the box, but lies in one cell only"));
         }
     }
 
@@ -243,9 +246,10 @@ private:
 
 BoxGrid asBoxGrid(const CellComplex& complex) {
     if (complex.dimension() != 3)
-        throw TopologyError(TopologyCause::WrongDimension, {complex.dimension(), 0},
-                            concat("a box of hexahedra is a lattice, not a complex of dimension ",
-                                   complex.dimension()));
+        throw TopologyError(
+            TopologyCause::WrongDimension, {complex.dimension(), 0},
+            concat("expected a lattice that is a box of hexahedra, got a complex of dimension ",
+                   complex.dimension()));
     // First of all, so that the error names the first cell that is not a hexahedron.
     for (Index cell = 0; cell < complex.count(3); ++cell) cornersOf(complex, CellId(cell));
     return Placing(complex).takeGrid();

@@ -99,10 +99,9 @@ void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary 
         if (kind != SurfaceFans::EdgeKind::Manifold) {
             const Index faces = fans.faceCount(edge);
             force(marked, {1, edge},
-                  faces == 2
-                      ? std::string("its two faces do not run along it once each, in opposite ways")
-                      : concat("it lies in ", faces, faces == 1 ? " face" : " faces",
-                               " of the surface; a smooth edge has 2"),
+                  faces == 2 ? std::string("its two faces do not pass it in opposite directions")
+                             : concat("it lies in ", faces, faces == 1 ? " face" : " faces",
+                                      " of the surface; expected 2"),
                   sharpness);
         } else if (complex.dimension() == 3 && boundary != Boundary::Open &&
                    marked.edges.count(edge) == 0 && isSharpByRule(complex, rule, edge)) {
@@ -120,10 +119,12 @@ void sharpenVertices(const CellComplex& complex, const SurfaceFans& fans, Bounda
         if (kind == SurfaceFans::VertexKind::None && dimension == 2)
             sharpness.vertices[vertex] = kInfinitelySharp;
         else if (kind == SurfaceFans::VertexKind::NonManifold)
-            force(marked, {0, vertex}, "its surface faces do not form one fan", sharpness);
+            force(marked, {0, vertex}, "the surface faces around it do not form one fan",
+                  sharpness);
         else if (isAlone && boundary == Boundary::Sharp && dimension == 2)
             force(marked, {0, vertex},
-                  "it belongs to one face, and the corners of the boundary are sharp", sharpness);
+                  "it lies in one face, and the boundary mode 'sharp' keeps such corners sharp",
+                  sharpness);
         else if (isAlone && boundary == Boundary::Sharp && marked.vertices.count(vertex) == 0)
             sharpness.vertices[vertex] = kInfinitelySharp;
     }
@@ -133,7 +134,7 @@ void sharpenEnds(const CellComplex& curve, const MarkedSharpness& marked,
                  SharpnessValues& sharpness) {
     for (Index vertex = 0; vertex < curve.count(0); ++vertex)
         if (curve.relation(0, 1)[vertex].size() != 2)
-            force(marked, {0, vertex}, "it is not between two edges", sharpness);
+            force(marked, {0, vertex}, "it is not between two edges of the curve", sharpness);
 }
 
 }  // namespace

@@ -211,8 +211,9 @@ Refinement::Refinement(const CellComplex& parent, const Kept* kept)
     numberChildren(kept);
     if (childCounts_[dimension_] == 0)
         throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
-                            std::string("refined without boundary control, the complex has no ") +
-                                dimensionName(dimension_) + " left: it has no interior vertex");
+                            std::string("the boundary mode 'open' leaves no ") +
+                                dimensionName(dimension_) +
+                                " to refine: the complex has no interior vertex");
     requireMemory(leastBytes(), "the refined complex");
     CellComplex::Boundaries boundaries;
     boundaries[0] = childEdges();
@@ -241,7 +242,7 @@ void Refinement::numberChildren(const Kept* kept) {
             if (count + familyCount > kMaxIndex)
                 throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
                                     concat("the refined complex has more than ", kMaxIndex,
-                                           " entities of one dimension"));
+                                           " entities of dimension ", d, "; refine fewer times"));
             family.firstChild = static_cast<Index>(count);
             family.childCount = static_cast<Index>(familyCount);
             count += familyCount;

@@ -60,7 +60,7 @@ Strata strataOf(const CellComplex& complex, const Strata& strata, const ByEntity
 
 Star starOf(const Level& level, Index vertex, int rings) {
     if (vertex < 0 || vertex >= level.complex.count(0))
-        throw Error(concat("there is no vertex ", vertex, " to take a star of"));
+        throw Error(concat("there is no vertex ", vertex, " to take the star of"));
     Star star;
     star.entities = entitiesAround(level.complex, {&vertex, 1});
     if (rings > 1) star.entities = entitiesAround(level.complex, star.entities[0]);

@@ -59,13 +59,14 @@ private:
 
 std::optional<std::string> topologyDifference(const CellComplex& first, const CellComplex& second) {
     if (first.dimension() != second.dimension())
-        return concat("the first is of dimension ", first.dimension(), ", the second of ",
+        return concat("the dimensions differ: the first has ", first.dimension(), ", the second ",
                       second.dimension());
     const int dimension = first.dimension();
     for (const int d : {0, dimension})
         if (first.count(d) != second.count(d))
-            return concat("the number of ", d == 0 ? "vertices" : "cells", ": the first has ",
-                          first.count(d), ", the second ", second.count(d));
+            return concat("the numbers of ", d == 0 ? "vertices" : "cells",
+                          " differ: the first has ", first.count(d), ", the second ",
+                          second.count(d));
     const auto firstCells = sortedCells(first), secondCells = sortedCells(second);
     for (std::size_t i = 0; i < firstCells.size(); ++i) {
         const auto& [firstKey, firstCell] = firstCells[i];

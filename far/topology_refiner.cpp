@@ -28,8 +28,8 @@ void checkNotSemiSharp(const Level& level) {
             }
             throw TopologyError(TopologyCause::BadMark, {dimension, index},
                                 name +
-                                    " is semi-sharp; the rules of RATS know what is smooth "
-                                    "and what is infinitely sharp only");
+                                    " is semi-sharp; under the rules of RATS everything is "
+                                    "smooth or infinitely sharp");
         }
 }
 
@@ -39,11 +39,11 @@ void checkRules(const Level& level, const RefinerOptions& options) {
     if (isRats && level.complex.dimension() == kMaxDimension)
         throw Error("the rules of RATS are for curves and meshes, not for lattices");
     if (isRats && options.boundary == Boundary::Open)
-        throw Error("the rules of RATS reach the border; there are none without boundary control");
+        throw Error("the rules of RATS do not have the boundary mode 'open'");
     if (isRats || options.rules == Rules::Mlca)
         if (options.triangles == TriangleSubdivision::Smooth)
-            throw Error(
-                concat("the rules of ", isRats ? "RATS" : "MLCA", " have no smooth triangles"));
+            throw Error(concat("the rules of ", isRats ? "RATS" : "MLCA",
+                               " do not have smooth triangles; use catmark"));
     if (isRats) checkNotSemiSharp(level);
 }
 
@@ -158,7 +158,7 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
 
 /// Removes the mark of entities that have no vertex of one of `cells`.
 void unmarkOutside(const CellComplex& complex, std::span<const Index> cells,
-                  ByEntity<std::uint8_t>& marks) {
+                   ByEntity<std::uint8_t>& marks) {
     std::vector<std::uint8_t> isCorner(complex.count(0), 0);
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])

@@ -50,7 +50,8 @@ void checkEdge(const CellComplex& complex, Index edge) {
         refuse(TopologyCause::RepeatedVertex, {1, edge}, " does not join two different vertices");
     const auto signs = complex.boundary(1).signs(edge);
     if (signs[0] != -1 || signs[1] != 1)
-        refuse(TopologyCause::NotOrientable, {1, edge}, " does not run from its first vertex on");
+        refuse(TopologyCause::NotOrientable, {1, edge},
+               " does not run from its first vertex to its second");
 }
 
 void checkFace(const CellComplex& complex, Index face) {
@@ -122,8 +123,8 @@ void checkCell(const CellComplex& complex, Index cell) {
         const auto name = [&] { return edgeName(complex, sides[i].edge); };
         if (end - i == 1)
             refuse(TopologyCause::OpenCell, entity,
-                   concat(" is open: its ", name(), " lies in one of its faces, face ",
-                          faces[sides[i].face], ", only"));
+                   concat(" is open: its ", name(), " lies in only one of its faces, face ",
+                          faces[sides[i].face]));
         if (end - i > 2)
             refuse(TopologyCause::CrowdedEdge, entity,
                    concat(" has ", end - i, " faces at its ", name(), "; expected 2"));
@@ -162,7 +163,8 @@ void checkCell(const CellComplex& complex, Index cell) {
                                  static_cast<std::ptrdiff_t>(faces.size());
     if (euler != 2)
         refuse(TopologyCause::NotASphere, entity,
-               concat(" has a surface of Euler characteristic ", euler, "; a sphere has 2"));
+               concat(" has a surface that is no sphere: its Euler characteristic is ", euler,
+                      "; expected 2"));
 }
 
 /// Checks that one or two cells contain a face, from opposite sides.

@@ -166,7 +166,8 @@ BoundModel decodeBoundModel(std::string_view bytes) {
 
     // The checksum is right, so the checks below only fail for a file that was made to mislead.
     if (sizes.columns < 0 || sizes.columns > kMaxIndex)
-        throw CodingError(concat("claims ", sizes.columns, " lattice vertices"));
+        throw CodingError(
+            concat("claims ", sizes.columns, " lattice vertices; expected 0 to ", kMaxIndex));
     auto offsets = readNumbers<Offset>(in, sizes.rows + 1);
     auto weights = readWeights(in, sizes.entries);
     model.binding.keptAt = readPoints(in, sizes.kept, "kept point");
@@ -175,7 +176,8 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
     for (const Index kept : model.binding.kept)
         if (kept < 0 || kept >= sizes.rows)
-            throw CodingError(concat("keeps point ", kept, " of ", sizes.rows));
+            throw CodingError(
+                concat("leaves point ", kept, " in place; there are ", sizes.rows, " points"));
     model.binding.table =
         makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     if (sizes.gradientEntries) model.gradients = readGradients(sizes, in);

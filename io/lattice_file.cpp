@@ -78,15 +78,15 @@ bool isMeshFile(const Path& path) {
 
 const LatticeFormat& formatOf(const Path& path) {
     if (const LatticeFormat* format = findFormat(path)) return *format;
-    throw FileError(path, (isMeshFile(path) ? "an OBJ holds a mesh or a curve, not a lattice"
-                                            : "not a lattice format that is known") +
+    throw FileError(path, (isMeshFile(path) ? "an OBJ file holds a mesh or a curve, not a lattice"
+                                            : "is not of a known lattice format") +
                               ("; expected " + latticeExtensions()));
 }
 
 LatticeReader refinableReaderOf(const Path& path) {
     if (isMeshFile(path)) return readObjMesh;
     if (const LatticeFormat* format = findFormat(path)) return format->read;
-    throw FileError(path, "not a format of curves, meshes or lattices that is known; expected " +
+    throw FileError(path, "is not of a known format of curves, meshes or lattices; expected " +
                               std::string(kMeshExtension) + ", " + latticeExtensions());
 }
 
@@ -135,7 +135,7 @@ void checkRefinableTarget(const Path& path, int dimension) {
         throw FileError(
             path, "a lattice cannot be written in this format; expected " + latticeExtensions());
     if (dimension < 1 || dimension > 3)
-        throw FileError(path, concat("what is of dimension ", dimension,
+        throw FileError(path, concat("a complex of dimension ", dimension,
                                      " cannot be written; expected a curve (1), a mesh (2) or a "
                                      "lattice (3)"));
 }

@@ -34,7 +34,7 @@ const ModelFormat& requireFormat(const std::filesystem::path& path) {
     std::string known;
     for (const ModelFormat& format : kModelFormats)
         known.append(known.empty() ? "" : ", ").append(format.extension);
-    throw FileError(path, "is not of a model format; expected the extension " + known);
+    throw FileError(path, "is not of a known model format; expected " + known);
 }
 
 /// Throws unless there is one set of finite numbers per point.

@@ -48,7 +48,7 @@ std::filesystem::path numberedPath(const std::filesystem::path& pattern, int num
         throw Error(std::string("'").append(printable(text)).append("' ").append(why));
     };
     if (!pattern.has_filename()) refuse("names no file");
-    if (number < 0) refuse("cannot be numbered from below 0");
+    if (number < 0) refuse("cannot be numbered with a number below 0");
     const std::size_t percent = text.find('%');
     if (percent == std::string::npos) {
         if (count <= 1) return pattern;
@@ -56,7 +56,7 @@ std::filesystem::path numberedPath(const std::filesystem::path& pattern, int num
         return pattern.parent_path() / (name + pattern.extension().string());
     }
     const std::optional<NumberPlace> place = placeAt(text, percent);
-    if (!place) refuse("has a % that does not begin %d or, for four digits, %04d");
+    if (!place) refuse("has a % that does not begin %d, or %04d for four digits");
     if (text.find('%', place->begin + place->size) != std::string::npos)
         refuse("has more than one %; expected one place for the number of a pose");
     return text.substr(0, place->begin) + padded(number, place->width) +

@@ -23,10 +23,10 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
         target.point = reader.number<Index>("the number of a point");
         target.line = reader.line();
         if (targets.size() > 0 && targets.back().line == target.line)
-            reader.fail("expected one target a line");
+            reader.fail("expected one target on each line");
         if (target.point < 0 || target.point >= pointCount)
             reader.fail(concat("there is no point ", target.point, "; the model has ", pointCount,
-                               ", from 0 on"));
+                               " points, numbered from 0"));
         std::size_t& before = lines[target.point];
         if (before != 0)
             reader.fail(concat("point ", target.point, " has a target already, on line ", before));
@@ -35,12 +35,15 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
             coordinate = reader.number<double>("a coordinate");
             if (reader.line() != target.line)
                 throw FileError(path, target.line,
-                                "expected the number of a point and three coordinates");
+                                "expected the number of a point and three coordinates on the line");
             if (!std::isfinite(coordinate)) reader.fail("the coordinate is not finite");
         }
         targets.push_back(target);
     }
-    if (targets.empty()) throw FileError(path, "has no targets");
+    if (targets.empty())
+        throw FileError(
+            path,
+            "has no target; expected the number of a point and three coordinates on each line");
     return targets;
 }
 

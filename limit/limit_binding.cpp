@@ -133,9 +133,8 @@ void checkSides(const far::CellComplex& complex) {
             if (std::ssize(relation[i]) > kMaxSides)
                 throw Error(std::string(entity) + " " + std::to_string(i) + " has " +
                             std::to_string(relation[i].size()) + " " + sides +
-                            "; points are bound to the limit around at most " +
-                            std::to_string(kMaxSides) +
-                            ": split it, or bind the points to a level");
+                            "; to bind points to the limit, at most " + std::to_string(kMaxSides) +
+                            " are allowed: split it, or bind the points to a level");
     };
     check(3, 2, "cell", "faces");
     check(2, 1, "face", "edges");

@@ -55,8 +55,8 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
     if (level < 1 || level > kMaxLevelOfParts)
-        throw Error("the limit was asked for with features refined to level " +
-                    std::to_string(level) + "; expected 1 to " + std::to_string(kMaxLevelOfParts));
+        throw Error("the level that irregular features are refined to is " + std::to_string(level) +
+                    "; expected 1 to " + std::to_string(kMaxLevelOfParts));
     auto refined = std::make_shared<Refined>(
         Refined{stencils::Levels(far::TopologyRefiner(base.level(0), base.options()))});
     stencils::Levels& levels = refined->levels;

@@ -100,7 +100,7 @@ void refine(Walk& walk, std::vector<Walker>& walkers, std::span<const LimitLocat
         if (!child)
             throw Error("place " + std::to_string(walker.location) + ", in cell " +
                         std::to_string(locations[walker.location].cell) +
-                        ", is on what shrinks away without boundary control");
+                        ", is in the part of the lattice that the boundary mode 'open' removes");
         walker.frame = *child;
     }
 }
@@ -178,15 +178,15 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
 void checkOptions(const LimitStencilOptions& options) {
     checkLimitTolerance(options.tolerance);
     if (options.derivatives < 0 || options.derivatives > 2)
-        throw Error("there are no derivatives of order " + std::to_string(options.derivatives) +
-                    " of limits: 0, 1 or 2");
+        throw Error("limits do not have derivatives of order " +
+                    std::to_string(options.derivatives) + "; expected 0, 1 or 2");
 }
 
 Walker walkerAt(const far::CellComplex& complex, std::size_t location, const LimitLocation& at) {
     const std::string name = "place " + std::to_string(location);
     if (at.cell < 0 || at.cell >= complex.count(3))
-        throw Error(name + " is in cell " + std::to_string(at.cell) + ", of " +
-                    std::to_string(complex.count(3)));
+        throw Error(name + " is in cell " + std::to_string(at.cell) + "; there are " +
+                    std::to_string(complex.count(3)) + " cells");
     // A coordinate that is a sum may exceed 1 by rounding.
     constexpr double kRounding = 1e-14;
     std::array<double, 3> uvw;
@@ -225,7 +225,9 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
                                  const LimitStencilOptions& options) {
     const far::Level& here = refiner.level(level);
     if (here.complex.dimension() != 3)
-        throw Error("places in the limit are of lattices; vertices have limits on any complex");
+        throw Error(
+            "places in cells have limits in lattices only; on meshes and curves, vertices have "
+            "limits");
     checkOptions(options);
     const std::vector<Orders> orders = ordersUpTo(options.derivatives);
     // Locations of a chunk share the cells that they refine. Each chunk repeats some of the work of

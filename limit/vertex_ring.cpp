@@ -93,7 +93,8 @@ std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex)
 
 VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, Index vertex) {
     if (options.rules == far::Rules::Rats)
-        throw Error("the limits of RATS are not known by vertices' rings");
+        throw Error(
+            "limits are not known under the rules of RATS, which look beyond the ring of a vertex");
     const bool looksFurther =
         options.creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp();
     const far::Star star = far::starOf(level, vertex, looksFurther ? 2 : 1);

@@ -43,8 +43,9 @@ std::vector<Step> compiled(std::span<const StencilTable<Real>> tables, Simd simd
 template <class Step, class Real>
 std::vector<Step> compiled(const FactoredTable<Real>& table, Simd simd) {
     if (table.points.columnCount() != table.vertices.rowCount())
-        throw Error(concat("the points are of ", table.points.columnCount(),
-                           " vertices; the table of these has ", table.vertices.rowCount()));
+        throw Error(concat("the table of points has ", table.points.columnCount(),
+                           " columns; the table of vertices has ", table.vertices.rowCount(),
+                           " rows"));
     std::vector<Step> steps;
     steps.emplace_back(table.vertices, simd);
     steps.emplace_back(table.points, simd);

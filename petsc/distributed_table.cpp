@@ -187,8 +187,9 @@ DistributedTable::DistributedTable(MPI_Comm comm, const embed::Binding& own, Off
     : DistributedTable(comm, own.table, ownVertexCount, 3) {
     checkOnAllRanks(comm, [&] {
         if (own.kept.size() != own.keptAt.size())
-            throw Error(
-                concat(own.kept.size(), " points are kept, at ", own.keptAt.size(), " places"));
+            throw Error(concat(own.kept.size(),
+                               " points are kept, but the number of their positions is ",
+                               own.keptAt.size()));
         for (const Index point : own.kept)
             if (point < 0 || point >= own.table.rowCount())
                 throw Error(

@@ -18,19 +18,19 @@ std::string typeName(const py::handle& object) {
 
 namespace {
 
-/// An array of numbers; `kinds` are NumPy's letters for those that will do.
+/// Returns an object as an array of numbers. `kinds` are NumPy's letters for the accepted types.
 py::array numberArray(const py::handle& object, const std::string& name, const std::string& kinds,
                       const std::string& expected) {
     auto array = py::array::ensure(object);
     if (!array)
         throw Error(name + ": expected an array of " + expected + ", got " + typeName(object));
-    // An empty list has a type by default only.
+    // The type of an empty list says nothing.
     if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
         throw Error(name + ": expected an array of " + expected + ", got " + textOf(array.dtype()));
     return array;
 }
 
-/// "[3, 1]": where entry `at` of an array lies.
+/// Returns the indices of entry `at` of an array as text: "[3, 1]".
 std::string placeText(const py::array& array, py::ssize_t at) {
     std::string text;
     for (py::ssize_t axis = array.ndim() - 1; axis >= 0; --axis) {
@@ -43,7 +43,7 @@ std::string placeText(const py::array& array, py::ssize_t at) {
 template <class Real>
 void checkFinite(const py::array_t<Real>& array, const std::string& name) {
     const std::span<const Real> values(array.data(), array.size());
-    // Without a way out, so that the compiler makes a few instructions of it.
+    // No early exit, so that the compiler vectorises the loop.
     bool areFinite = true;
     for (const Real value : values)
         areFinite &= std::abs(value) <= std::numeric_limits<Real>::max();
@@ -93,7 +93,7 @@ std::vector<Point3> toPoints(const py::handle& object, const std::string& name,
 py::array_t<Index> indexArray(const py::handle& object, const std::string& name) {
     const py::array array = numberArray(object, name, "iu", "integers");
     const bool isUnsigned = array.dtype().kind() == 'u';
-    // Through the widest type of its sign, so that nothing is cut off unseen.
+    // Converts by the widest type of the same sign, so that no integer is truncated unnoticed.
     py::array_t<Index> result(
         std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
     const auto narrow = [&](const auto& wide) {
@@ -102,7 +102,7 @@ py::array_t<Index> indexArray(const py::handle& object, const std::string& name)
             const auto value = wide.data()[i];
             if (!std::in_range<Index>(value))
                 throw Error(concat(name, placeText(array, i), " is ", value,
-                                   "; expected a number of 32 bits"));
+                                   "; expected an integer that fits into 32 bits"));
             result.mutable_data()[i] = static_cast<Index>(value);
         }
     };

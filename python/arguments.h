@@ -19,16 +19,16 @@
 
 #include "module.h"
 
-// What comes from Python and goes there: arrays, names, words and shared objects. What does not fit
-// is refused by an Error that names the argument, what was expected and what was there.
+// Conversion of arrays, names, words and shared objects from and to Python. A wrong argument throws
+// an Error that names the argument, what was expected and what was given.
 //
-// An array that comes in is anything that NumPy makes an array of numbers of. Names that files
-// have, such as those of attributes, are bytes, mostly UTF-8, and str in Python. As in Python's
-// names of files, each byte that is not UTF-8 is a surrogate ("\xff" is "\udcff"), so that a name
-// that goes out and comes back has the same bytes.
+// An array argument is anything that NumPy can convert to an array of numbers. Names in files, such
+// as the names of attributes, are bytes, mostly UTF-8; in Python they are str. As in Python's file
+// names, a byte that is not UTF-8 becomes a surrogate ("\xff" is "\udcff"), so that a name that
+// goes to Python and back keeps its bytes.
 namespace espalier::python {
 
-/// Any object, by the name that signatures give it: Kind::kName.
+/// Any object. Signatures in docstrings show its type as Kind::kName.
 template <class Kind>
 class Like : public py::object {
     PYBIND11_OBJECT_DEFAULT(Like, object, [](PyObject*) { return true; })
@@ -39,45 +39,46 @@ struct ArrayKind {
 };
 using ArrayLike = Like<ArrayKind>;
 
-/// What str() says of an object, and the name of its type.
+/// Return str() of an object, and the name of its type.
 std::string textOf(const py::handle& object);
 std::string typeName(const py::handle& object);
 
-/// "(27, 3)".
+/// Returns a shape as text: "(27, 3)".
 std::string shapeText(std::span<const py::ssize_t> shape);
 inline std::string shapeText(const py::array& array) {
     return shapeText(std::span(array.shape(), array.ndim()));
 }
 
-/// Whether numbers are of 32 bits, in any order of their bytes.
+/// Returns whether a type is a 32-bit float, of either byte order.
 bool isFloat32(const py::dtype& type);
 
-/// What arrays have to be whose numbers C++ reads: in C order, each where the processor wants it.
-/// NumPy makes a copy of any other, and of numbers of another type.
+/// The requirements on arrays that C++ reads: C order, and aligned numbers. NumPy copies other
+/// arrays, and arrays of another type.
 inline constexpr int kReadable =
     py::array::c_style | py::array::forcecast | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
 
-/// Whether each number of an array is where the processor wants it.
+/// Returns whether the numbers of an array are aligned.
 inline bool isAligned(const py::array& array) {
     return (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0;
 }
 
-/// Finite numbers of any shape, in C order; a copy only where they are not such an array already.
-/// Real is float or double.
+/// Returns an array of finite numbers, of any shape, in C order. Copies only if the object is not
+/// such an array already. Real is float or double.
 template <class Real>
 py::array_t<Real> realArray(const py::handle& object, const std::string& name);
 
-/// The positions of an array of shape (N, 3), or with `count` of (count, 3).
+/// Returns the positions in an array of shape (N, 3), or (count, 3) if `count` is given.
 std::vector<Point3> toPoints(const py::handle& object, const std::string& name,
                              std::optional<std::size_t> count = {});
 
-/// Integers of any shape, in C order, that an Index can hold.
+/// Returns an array of integers, of any shape, in C order.
+/// \throws Error for an integer that an Index cannot hold
 py::array_t<Index> indexArray(const py::handle& object, const std::string& name);
 
-/// The integers of an array of one dimension.
+/// Returns the integers of a one-dimensional array.
 std::vector<Index> toIndices(const py::handle& object, const std::string& name);
 
-/// A read-only array of numbers that belong to `owner`, which it keeps alive.
+/// Returns a read-only array over numbers that belong to `owner`. The array keeps the owner alive.
 template <class T>
 py::array viewOf(std::span<const T> values, std::vector<py::ssize_t> shape, py::handle owner) {
     py::array array(py::dtype::of<T>(), std::move(shape), values.data(), owner);
@@ -85,19 +86,19 @@ py::array viewOf(std::span<const T> values, std::vector<py::ssize_t> shape, py::
     return array;
 }
 
-/// The same for all of them in a row.
+/// Returns a one-dimensional view of all values.
 template <class T>
 py::array viewOf(std::span<const T> values, py::handle owner) {
     return viewOf(values, {static_cast<py::ssize_t>(values.size())}, owner);
 }
 
-/// The same for positions: shape (N, 3).
+/// Returns a view of positions, of shape (N, 3).
 inline py::array viewOf(std::span<const Point3> points, py::handle owner) {
     return viewOf(std::span(points.data()->data(), 3 * points.size()),
                   {static_cast<py::ssize_t>(points.size()), 3}, owner);
 }
 
-/// What keeps a vector for an array of its numbers.
+/// Returns an object that owns a vector, for an array over its numbers.
 template <class T>
 py::capsule ownerOf(std::unique_ptr<std::vector<T>> values) {
     py::capsule owner(values.get(), [](void* held) {
@@ -107,7 +108,7 @@ py::capsule ownerOf(std::unique_ptr<std::vector<T>> values) {
     return owner;
 }
 
-/// An array that owns what was a vector.
+/// Moves a vector into an array.
 template <class T>
 py::array_t<T> toArray(std::vector<T> values) {
     auto kept = std::make_unique<std::vector<T>>(std::move(values));
@@ -116,7 +117,7 @@ py::array_t<T> toArray(std::vector<T> values) {
     return py::array_t<T>(size, data, ownerOf(std::move(kept)));
 }
 
-/// The same for positions: shape (N, 3).
+/// Moves positions into an array of shape (N, 3).
 inline py::array_t<double> toArray(std::vector<Point3> points) {
     auto kept = std::make_unique<std::vector<Point3>>(std::move(points));
     const double* const data = kept->data()->data();
@@ -124,7 +125,7 @@ inline py::array_t<double> toArray(std::vector<Point3> points) {
     return py::array_t<double>({size, py::ssize_t{3}}, data, ownerOf(std::move(kept)));
 }
 
-/// The str of a name.
+/// Converts a name to str.
 inline py::str strOfName(std::string_view name) {
     PyObject* const text =
         PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "surrogateescape");
@@ -132,8 +133,8 @@ inline py::str strOfName(std::string_view name) {
     return py::reinterpret_steal<py::str>(text);
 }
 
-/// The name of a str.
-/// \throws py::error_already_set, a ValueError, for a surrogate that stands for no byte
+/// Converts a str to a name.
+/// \throws py::error_already_set, a ValueError, for a surrogate that does not encode a byte
 inline std::string nameOfStr(const py::str& text) {
     const auto bytes = py::reinterpret_steal<py::bytes>(
         PyUnicode_AsEncodedString(text.ptr(), "utf-8", "surrogateescape"));
@@ -141,8 +142,8 @@ inline std::string nameOfStr(const py::str& text) {
     return bytes;
 }
 
-/// The choice that a word names; the words are the same as those of the program's options.
-/// \throws Error naming the argument, the words that there are, and the one that was given
+/// Returns the choice that a word names. The words are those of the program's options.
+/// \throws Error naming the argument, the possible words, and the given one
 template <class Choice, std::size_t n>
 Choice chosen(const Word<Choice> (&words)[n], const std::string& argument,
               const std::string& given) {
@@ -155,14 +156,14 @@ Choice chosen(const Word<Choice> (&words)[n], const std::string& argument,
     throw Error(argument + ": expected " + names + ", got \"" + printable(given) + "\"");
 }
 
-/// The same where None names no choice.
+/// Returns the choice that a word names, or nothing for None.
 template <class Choice, std::size_t n>
 std::optional<Choice> chosen(const Word<Choice> (&words)[n], const std::string& argument,
                              const std::optional<std::string>& given) {
     return given ? std::optional(chosen(words, argument, *given)) : std::nullopt;
 }
 
-/// The word of a choice, and None for none.
+/// Returns the word of a choice; nothing, which becomes None, if there is no choice.
 template <class Choice, std::size_t n>
 std::optional<std::string_view> wordOf(const Word<Choice> (&words)[n],
                                        std::optional<Choice> choice) {
@@ -171,12 +172,12 @@ std::optional<std::string_view> wordOf(const Word<Choice> (&words)[n],
     return std::nullopt;
 }
 
-/// What an argument shares with its caller. Never null: pybind11 makes a null std::shared_ptr of
-/// None, where a function takes one.
+/// A shared pointer argument that is never null. (For a plain std::shared_ptr, pybind11 would
+/// accept None and pass null.)
 template <class T>
 class Shared {
 public:
-    Shared() = default;  ///< for the caster alone, until it has found what to share
+    Shared() = default;  ///< only for the caster, until it has found the object
     explicit Shared(std::shared_ptr<T> pointer) : pointer_(std::move(pointer)) {}
 
     T& operator*() const { return *pointer_; }
@@ -187,8 +188,8 @@ private:
     std::shared_ptr<T> pointer_;
 };
 
-/// What a property calls. Given a method itself, pybind11 would call that on a null pointer for
-/// None.
+/// Returns a function for a property. (Given the method itself, pybind11 would call it on a null
+/// pointer for None.)
 template <class Result, class T>
 auto getter(Result (T::*method)() const) {
     return [method](const T& self) -> Result { return (self.*method)(); };

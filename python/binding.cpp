@@ -28,17 +28,20 @@ namespace {
 
 using BoundPointer = std::shared_ptr<BoundPoints>;
 
-/// \param hasDirections whether the binding to the limit keeps gradients, for directions of the
-/// model
+/// Binds result.points, and stores the binding and the statuses in `result`.
+/// \param hasDirections whether a binding to the limit keeps gradients, for normals and tangents of
+///        the model
 void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Basis> basis,
             bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
     const std::vector<Point3>& points = *result.points;
     embed::BindingResult found;
     if (basis) {
-        // To go on without them would be another deformation than the lattice asks for.
+        // Ignoring the marks would give another deformation than the lattice asks for.
         if (!lattice.marks.empty())
-            throw Error("basis: the lattice has marks, which only subdivision heeds");
+            throw Error(
+                "basis: the lattice has marks (sharpness of edges or vertices), which only "
+                "\"subdivision\" applies");
         found = embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, *basis),
                                   points, options);
     } else if (isLimit) {
@@ -66,7 +69,8 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
                                           tolerance};
     const auto weights = chosen(embed::kBasisWords, "basis", basis);
     if (limit && weights)
-        throw Error("limit: what \"" + basis + "\" weighs has no levels, and no limit of these");
+        throw Error("limit: expected False with the basis \"" + basis +
+                    "\", which has no levels and no limit");
     auto result = std::make_shared<BoundPoints>();
     bool hasDirections = false;
     if (py::isinstance<ModelFile>(points)) {
@@ -94,20 +98,19 @@ BoundPointer load(const std::filesystem::path& path) {
 }
 
 void save(const BoundPoints& self, const std::filesystem::path& path) {
-    // No model has no points.
+    // A model cannot be empty, so no points are stored without one.
     if (!self.bound.modelName.empty() || !self.points || self.points->empty()) {
         io::writeBoundModel(path, self.bound);
         return;
     }
-    // A file of the points stands in for that of a model, so that `espalier apply` has one.
+    // Stores the points as a model, so that `espalier apply` can use the binding.
     auto file = modelOfPoints(*self.points);
     io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes),
                                self.bound.gradients});
 }
 
-/// Evaluates a form of D, `to` results of `from` values each: in float for an array of float32, in
-/// double for all else.
-/// \param finish called with the result and its layout
+/// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array
+/// of float32, otherwise in double. \param finish called with the result and its layout
 template <template <class> class Form, class Finish>
 py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
                        const ArrayLike& values, const std::optional<ArrayLike>& out,
@@ -128,15 +131,13 @@ py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to
     return isSingle ? inPrecision(float{}) : inPrecision(double{});
 }
 
-/// The positions of a pose that is a lattice, which has to be one of this lattice.
+/// Returns the positions of a pose. If it is a Lattice, it must have the topology of the bound one.
 ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     if (!py::isinstance<Lattice>(pose)) return pose;
     const auto& lattice = pose.cast<const Lattice&>();
     const auto hash = withoutGil([&] { return far::topologyHash(lattice.complex); });
     if (hash != self.bound.binding.topologyHash)
-        throw Error(
-            "pose: the lattice has another topology than that which the points are "
-            "bound to");
+        throw Error("pose: its topology is not that of the lattice that the points are bound to");
     return viewOf(lattice.positions, pose);
 }
 
@@ -173,23 +174,27 @@ void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
                 if (!points) return py::none();
                 return viewOf(*points, self);
             },
-            "Where the points were bound: array (N, 3) of float64, read-only, not a copy; None of "
-            "a binding that was loaded from a file without a model.")
+            "The positions of the points when they were bound: array (N, 3) of float64, read-only, "
+            "not a copy; None for a binding that was loaded from a file without a model.")
         .def_property_readonly(
             "kept",
             [](const py::object& self) {
                 const auto& kept = self.cast<const BoundPoints&>().bound.binding.kept;
                 return viewOf(std::span(kept), self);
             },
-            "The points that stay where they are, since nothing carries them; their rows of D are "
-            "empty. Array (K,) of int32, ascending, read-only.")
+            "The points that stay where they are in every pose, since they are outside the lattice "
+            "or "
+            "could not be placed; their rows of D are empty. Array (K,) of int32, ascending, "
+            "read-only.")
         .def_property_readonly("statuses", &statusesOf,
-                               "How binding went for each point: array (N,) of uint8, of the "
-                               "values of PointStatus; None of a binding that was loaded.")
+                               "Whether each point is inside the lattice, outside, or could not be "
+                               "placed: array (N,) of uint8, with the values of PointStatus; None "
+                               "for a binding that was loaded.")
         .def_property_readonly(
             "largest_residual", [](const BoundPoints& self) { return self.largestResidual; },
-            "The largest distance of a point from the position of its place, in the units of the "
-            "lattice: float; None of a binding that was loaded.");
+            "How far a point moves at most when the lattice is in its rest pose, by rounding, in "
+            "the "
+            "units of the lattice: float; None for a binding that was loaded.");
 }
 
 }  // namespace
@@ -209,14 +214,14 @@ std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
     if (bound.modelName.empty()) return std::nullopt;
     auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
     if (std::ssize(points) != count)
-        throw Error(concat("binds ", count, " points; its model has ", points.size()));
+        throw Error(concat("binds ", count, " points, but its model has ", points.size()));
     return points;
 }
 
 void addBinding(py::module_& module) {
     py::class_<BoundPoints, BoundPointer> type(module, "Binding", R"(
-Points that are bound to a lattice: the matrix D, with x' = D @ p' for a pose p' of the lattice.
-bind() and load_binding() make it. Any number of threads may use it.
+Points that are bound to a lattice. The sparse matrix D deforms them: x' = D @ p' for a pose p' of
+the lattice. Made by bind() and load_binding(). Any number of threads may use it.
 )");
     type.def_property_readonly(
             "shape",
@@ -224,29 +229,30 @@ bind() and load_binding() make it. Any number of threads may use it.
                 const auto& table = self.bound.binding.table;
                 return std::pair(table.rowCount(), table.columnCount());
             },
-            "Points and vertices of the lattice: tuple of 2 int.")
+            "Number of points, and number of lattice vertices: tuple of 2 int.")
         .def_property_readonly(
             "table", [](const Shared<BoundPoints>& self) { return tableIn(self); },
-            "D as a StencilTable: rows sum to 1, or are empty.")
+            "D as a StencilTable. A row sums to 1; it is empty for a point in `kept`.")
         .def_property_readonly(
             "matrix", [](const Shared<BoundPoints>& self) { return csrOf(tableIn(self)); },
             "D as a scipy.sparse.csr_matrix (N, V) over the same memory: see StencilTable.csr(). "
-            "It is made anew each time.")
+            "Each access makes a new object.")
         .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
-The points for a pose of the lattice.
+Returns the positions of the points for a pose of the lattice.
 
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
-out  : array (N, 3), or (P, N, 3), in C order, for the result; a new one without
-Returns the array. Of an array of float32 all is done in float32, of any other in float64.
+out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
+An array of float32 is evaluated in float32, any other in float64.
 
-D is compiled at the first call (see CompiledTable), and kept in that form as well.
+The first call compiles D (see CompiledTable); the compiled form is kept for later calls.
 )")
         .def("adjoint", &adjoint, "gradients"_a, "out"_a = py::none(), R"(
-Gradients by the points carried to the vertices of the lattice: D.T @ gradients.
+Returns gradients with respect to the lattice vertices, given those with respect to the points:
+D.T @ gradients.
 
-gradients : array (N, 3), or (P, N, 3) for P of them at once
-out       : array (V, 3), or (P, V, 3), in C order, for the result; a new one without
-Returns the array; float32 and compiling as in deform().
+gradients : array (N, 3), or (P, N, 3) for P arrays at once
+out       : array (V, 3), or (P, V, 3), in C order, for the result; by default a new array
+Precision and compiling are as in deform().
 )")
         .def(
             "save",
@@ -254,16 +260,14 @@ Returns the array; float32 and compiling as in deform().
                 withoutGil([&] { save(self, path); });
             },
             "path"_a,
-            "Writes the binding (.espb), for load_binding() and `espalier apply`, which carries "
-            "the "
-            "normals and tangents of a Model that was bound with limit=True. Without the file "
-            "of a model, one of the points alone, points.obj, goes with it, unless they are not "
-            "known either.")
+            "Writes the binding (.espb), for load_binding() and `espalier apply`. For a Model that "
+            "was bound with limit=True, apply also deforms its normals and tangents. Points that "
+            "did not come from a Model are stored as points.obj, if they are known.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.bound.binding.table;
             return concat("<espalier.Binding: ", table.rowCount(), " points x ",
                           table.columnCount(), " vertices, ", self.bound.binding.kept.size(),
-                          " kept in place>");
+                          " left in place>");
         });
     addPoints(type);
     addPickling(type, &stateOfBinding, &bindingOfState);
@@ -274,18 +278,20 @@ Binds points to a level of a lattice at rest, or to its limit. Returns a Binding
 
 lattice   : Lattice, or Refiner where the rules are not the usual ones
 points    : array (N, 3), in the units of the lattice; or a Model
-level     : of the lattice, 1 to 20
-outside   : what becomes of a point outside: "keep" leaves it where it is, "nearest" carries it with
-            the nearest cell, "error" refuses it
-tolerance : how far outside still counts as inside, in diagonals of the box round the lattice
-basis     : "subdivision"; or of a box on a parallelepiped "bezier" or "bspline", without levels
-limit     : whether to bind to the volume that refining goes to, whatever the level; how close to it
-            says tolerance, too: 1e-14 to 0.1
+level     : the refinement level to bind to, 1 to 20
+outside   : a point outside the lattice: "keep" leaves it where it is, "nearest" moves it with the
+            nearest cell, "error" raises an error
+tolerance : how far outside a point still counts as inside, as a fraction of the diagonal of the
+            lattice's bounding box
+basis     : "subdivision"; or, for a box lattice that is an evenly divided parallelepiped at rest,
+            "bezier" or "bspline", which have no levels
+limit     : whether to bind to the limit of refinement instead of a level. The tolerance, 1e-14 to
+            0.1, is then also how close to the limit points are placed
 )");
     module.def(
         "load_binding",
         [](const std::filesystem::path& path) { return withoutGil([&] { return load(path); }); },
-        "path"_a, "Reads a Binding from .espb. Its points are None where no model is in the file.");
+        "path"_a, "Reads a Binding from .espb. Its points are None if the file contains no model.");
 }
 
 }  // namespace espalier::python

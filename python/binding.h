@@ -21,31 +21,32 @@
 
 namespace espalier::python {
 
-/// The file of a model, and what is read from it.
+/// A model, and the file that it was read from.
 struct ModelFile {
     std::string name;  ///< without folders
     std::string bytes;
     std::shared_ptr<const io::Model> model;
 };
 
-/// A copy of the points of a model.
+/// Returns a copy of the points of a model.
 std::vector<Point3> pointsOf(const ModelFile& file);
 
-/// A model of points alone, as a file that says so: points.obj.
+/// Returns a model that consists of points only, as a file points.obj.
 ModelFile modelOfPoints(std::span<const Point3> points);
 
-/// \param name whose extension is that of the format
+/// Reads a model from the bytes of a file.
+/// \param name of the file; its extension tells the format
 ModelFile modelOfBytes(std::string name, std::string bytes);
 
-/// Points that are bound to a lattice; what io::BoundModel has, where they were, how binding went,
-/// and the forms of D that were asked for.
+/// Points that are bound to a lattice: the bound model, the positions of the points at binding, the
+/// results of the search for them, and the compiled forms of D, which are made on first use.
 struct BoundPoints {
-    /// Without a name for the model where the points are those of an array, or of a model that is
-    /// not there.
+    /// The name of the model is empty if the points came from an array, or from a file without a
+    /// model.
     io::BoundModel bound;
-    std::optional<std::vector<Point3>> points = {};  ///< as far as they are known
+    std::optional<std::vector<Point3>> points = {};  ///< nothing if they are not known
 
-    // A file tells neither of these.
+    // A binding that is loaded from a file has neither of these.
     std::vector<embed::PointStatus> statuses = {};
     std::optional<double> largestResidual = {};
 
@@ -54,14 +55,14 @@ struct BoundPoints {
         forms = {};
 };
 
-/// How binding went, as NumPy has it: PointStatus in espalier/__init__.py.
+/// Returns statuses as bytes for NumPy, with the values of PointStatus in espalier/__init__.py.
 std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& statuses);
 
-/// The points of what was bound, where its model tells.
+/// Returns the points of a bound model; nothing if the file has no model.
 /// \throws Error if the model cannot be read, or has another number of points
 std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound);
 
-/// D, which lives as long as the binding.
+/// Returns D. The pointer keeps the binding alive.
 inline std::shared_ptr<Table> tableIn(const std::shared_ptr<BoundPoints>& bound) {
     return {bound, &bound->bound.binding.table};
 }

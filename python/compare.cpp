@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A module of its own, so that `import espalier` needs no OpenSubdiv.
+// This is a separate module, so that `import espalier` does not need OpenSubdiv.
 #include <espalier/compare/comparison.h>
 #include <pybind11/stl.h>
 
@@ -28,33 +28,38 @@ py::tuple toTuple(const std::array<Index, 3>& counts) {
 
 void addResults(py::module_& module) {
     py::class_<LevelAgreement>(module, "LevelAgreement",
-                               "How one level of a surface agrees with OpenSubdiv's.")
-        .def_readonly("level", &LevelAgreement::level, "From 1 on: int.")
+                               "The differences between a level of a surface and OpenSubdiv's.")
+        .def_readonly("level", &LevelAgreement::level, "The level, 1 or more: int.")
         .def_property_readonly(
             "counts", [](const LevelAgreement& self) { return toTuple(self.counts); },
-            "Vertices, edges and faces of the surface: tuple of 3 int.")
+            "Numbers of vertices, edges and faces of the surface: tuple of 3 int.")
         .def_property_readonly(
             "open_subdiv_counts",
             [](const LevelAgreement& self) { return toTuple(self.openSubdivCounts); },
-            "Those of OpenSubdiv.")
-        .def_readonly("topology_difference", &LevelAgreement::topologyDifference,
-                      "The first difference of topology, features or holes: str, empty if none.")
-        .def_readonly("position_difference", &LevelAgreement::positionDifference,
-                      "The largest, of random positions in a cube, as a fraction of its side.")
+            "The same numbers in OpenSubdiv: tuple of 3 int.")
+        .def_readonly(
+            "topology_difference", &LevelAgreement::topologyDifference,
+            "The first difference in topology, features or holes: str, empty if there is none.")
+        .def_readonly(
+            "position_difference", &LevelAgreement::positionDifference,
+            "The largest distance of matching vertices, for random positions in a cube, as a "
+            "fraction of its side: float.")
         .def_readonly("weight_difference", &LevelAgreement::weightDifference,
-                      "The largest between the two stencil tables.")
+                      "The largest difference between weights of the two stencil tables: float.")
         .def_readonly("evaluator_difference", &LevelAgreement::evaluatorDifference,
-                      "The largest between the evaluators, in single precision, as a fraction.")
+                      "The largest distance between results of the two evaluators, in single "
+                      "precision, as a fraction of the side: float.")
         .def_property_readonly(
             "agrees", [](const LevelAgreement& self) { return self.isWithin({}); },
-            "Whether all of it is within rounding: bool.");
-    py::class_<Agreement>(module, "Agreement",
-                          "How a surface agrees with OpenSubdiv's, level by level: see compare().")
-        .def_readonly("levels", &Agreement::levels, "list of LevelAgreement, from level 1 on.")
-        .def_readonly("note", &Agreement::note, "What else should be known: str, mostly empty.")
+            "Whether all differences are within rounding: bool.");
+    py::class_<Agreement>(
+        module, "Agreement",
+        "The differences between a surface and OpenSubdiv's, level by level: see compare().")
+        .def_readonly("levels", &Agreement::levels, "List of LevelAgreement, from level 1 on.")
+        .def_readonly("note", &Agreement::note, "A remark on the comparison: str, mostly empty.")
         .def_property_readonly(
             "agrees", [](const Agreement& self) { return self.isWithin({}); },
-            "Whether every level does: bool.");
+            "Whether every level agrees: bool.");
 }
 
 }  // namespace
@@ -63,13 +68,13 @@ void addResults(py::module_& module) {
 PYBIND11_MODULE(_compare, module) {
     using namespace espalier::python;
     module.doc() = "The part of espalier that needs OpenSubdiv; use espalier.compare().";
-    py::module_::import("espalier._core");  // whose types this takes
+    py::module_::import("espalier._core");  // for its types
     translateErrors();
     module.attr("__module__") = "espalier";
     addResults(module);
     module.attr("open_subdiv_version") = espalier::compare::openSubdivVersion();
     module.def("compare", &compareWithOpenSubdiv, py::arg("refiner"), py::arg("level"),
-               "Compares the surface of what a Refiner holds with OpenSubdiv's: see "
+               "Compares the surface of a Refiner's lattice with OpenSubdiv's: see "
                "espalier.compare().");
     protectClasses(module);
     py::delattr(module, "__module__");

@@ -20,7 +20,7 @@ using namespace py::literals;
 
 namespace {
 
-/// What evaluates a table in either precision. Evaluator is osd::CompiledTable,
+/// An evaluator of a table in float or double. Evaluator is osd::CompiledTable,
 /// osd::CompiledAdjoint or osd::ChangeEvaluator.
 template <template <class> class Evaluator>
 class InEither {
@@ -70,7 +70,7 @@ py::array evaluateBy(const InEither<Evaluator>& either, const ArrayLike& values,
         either.variant());
 }
 
-/// The properties that all of them have.
+/// Adds the properties that all evaluators have.
 template <template <class> class Evaluator>
 void addProperties(py::class_<InEither<Evaluator>>& type) {
     using Either = InEither<Evaluator>;
@@ -80,7 +80,8 @@ void addProperties(py::class_<InEither<Evaluator>>& type) {
                                "Memory that it takes, in bytes.");
 }
 
-/// Whether a dtype is float32; of others only float64 will do.
+/// Returns whether a dtype is float32.
+/// \throws Error for a dtype that is neither float32 nor float64
 bool isSingle(const py::object& dtype) {
     const py::dtype type = py::dtype::from_args(dtype);
     const char kind = type.kind();
@@ -118,7 +119,7 @@ void addCompiled(py::module_& module, const char* name, const char* text,
     addProperties(type);
 }
 
-/// A ChangeEvaluator in the precision of a compiled table.
+/// Returns a ChangeEvaluator in the precision of a compiled table.
 InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTable>& table) {
     return std::visit(
         []<class Real>(const osd::CompiledTable<Real>& compiled) {
@@ -127,24 +128,26 @@ InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTab
         table.variant());
 }
 
-/// Which of the columns have changed.
+/// Returns the changed columns.
+/// \throws Error for a column that does not exist
 std::vector<Index> columnsOf(const ArrayLike& changed,
                              const InEither<osd::ChangeEvaluator>& evaluator) {
     auto columns = toIndices(changed, "changed");
     const Index count = evaluator.shape().second;
     for (const Index column : columns)
         if (column < 0 || column >= count)
-            throw Error(concat("changed: there is no column ", column, " among ", count));
+            throw Error(concat("changed: there is no column ", column, "; there are ", count,
+                               ", numbered from 0"));
     return columns;
 }
 
 void addChangeEvaluator(py::module_& module) {
     using Either = InEither<osd::ChangeEvaluator>;
     py::class_<Either> type(module, "ChangeEvaluator", R"(
-Evaluates again what a few moved vertices carry, and nothing else: while one of them is dragged, for
-example. It shares the numbers of the compiled table. Any number of threads may use it.
+Updates only the results that depend on a few changed vertices, for example while a vertex is dragged.
+Shares the memory of the compiled table. Any number of threads may use it.
 
-table : CompiledTable, whose precision it has
+table : CompiledTable; its precision is used
 )");
     type.def(py::init([](const InEither<osd::CompiledTable>& table) {
                  return withoutGil([&] { return changeEvaluatorOf(table); });
@@ -163,13 +166,12 @@ table : CompiledTable, whose precision it has
                                   });
             },
             "values"_a, "changed"_a, "out"_a, R"(
-Writes the rows of table @ values that depend on what has changed, as CompiledTable.evaluate() does,
-bit for bit, and no others. So `out` has to hold what that gave for values which differ from these
-in the changed columns only.
+Writes the rows of table @ values that depend on changed columns, with the same bits as
+CompiledTable.evaluate(). Other rows of `out` are left as they are: they must be the result for values
+that differed from these in the changed columns only.
 
-values  : array (columns, k), or (P, columns, k) for P poses at once, or (columns,), of the values
-          as they are now
-changed : array (C,) of int, the columns whose values are others, in any order
+values  : array (columns, k), or (P, columns, k) for P poses at once, or (columns,), with the changes
+changed : array (C,) of int, the columns whose values have changed, in any order
 out     : array (rows, k), (P, rows, k) or (rows,), in C order and of this dtype
 Returns `out`.
 )")
@@ -184,8 +186,9 @@ Returns `out`.
                 }));
             },
             "changed"_a,
-            "The rows that evaluate_changed() writes: array (R,) of int32, ascending. changed : "
-            "array (C,) of int, columns");
+            "Returns the rows that evaluate_changed() writes: array (R,) of int32, ascending. "
+            "changed "
+            ": array (C,) of int, the changed columns");
     addProperties(type);
 }
 
@@ -193,31 +196,29 @@ Returns `out`.
 
 void addCompiledTables(py::module_& module) {
     addCompiled<osd::CompiledTable>(module, "CompiledTable", R"(
-A table in the form that is quickest to evaluate, again and again. Any number of threads may.
+A table in a compact form that is fast to evaluate many times. Any number of threads may use it.
 
 table : StencilTable, Binding, or a sparse matrix of SciPy
 dtype : float64, or float32 for weights and values in single precision
 )",
                                     R"(
-table @ values.
+Returns table @ values: an array (rows, k), (P, rows, k) or (rows,).
 
 values : array (columns, k), or (P, columns, k) for P poses at once, or (columns,)
-out    : array for the result, in C order and of this dtype; a new one without
-Returns an array (rows, k), (P, rows, k) or (rows,).
+out    : array for the result, in C order and of this dtype; by default a new array
 )");
     addCompiled<osd::CompiledAdjoint>(module, "CompiledAdjoint", R"(
-The transpose of a table in the form that is quickest to evaluate: gradients by the rows of the table
-become gradients by its columns.
+The transpose of a table in a form that is fast to evaluate: it turns gradients with respect to the
+rows of the table into gradients with respect to its columns.
 
 table : StencilTable, Binding, or a sparse matrix of SciPy: D, not its transpose
 dtype : float64, or float32 for weights and values in single precision
 )",
                                       R"(
-table.T @ values.
+Returns table.T @ values: an array (columns, k), (P, columns, k) or (columns,).
 
-values : array (rows of the table, k), or (P, rows, k) for P of them at once, or (rows,)
-out    : array for the result, in C order and of this dtype; a new one without
-Returns an array (columns of the table, k), (P, columns, k) or (columns,).
+values : array (rows, k), or (P, rows, k) for P arrays at once, or (rows,)
+out    : array for the result, in C order and of this dtype; by default a new array
 )");
     addChangeEvaluator(module);
 }

@@ -14,7 +14,7 @@ Shape shapeOf(const py::array& array) {
     return {array.shape(), array.shape() + array.ndim()};
 }
 
-/// The sets and components of a shape.
+/// The numbers of sets and components of a shape.
 struct Parts {
     py::ssize_t sets = 1;
     py::ssize_t components = 1;
@@ -61,7 +61,7 @@ py::array_t<Real> checkedOut(const py::handle& object, const Shape& shape,
         return begin(each) + static_cast<std::uintptr_t>(each.nbytes());
     };
     if (begin(array) < end(values) && begin(values) < end(array))
-        throw Error("out: the array overlaps with what it is computed from");
+        throw Error("out: the array overlaps the input array");
     return py::reinterpret_borrow<py::array_t<Real>>(array);
 }
 

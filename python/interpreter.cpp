@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What this module has to tell the interpreter: errors, signals, and classes that it cannot misuse.
+// The module and the interpreter: errors, signals, and protection of classes.
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 
@@ -15,15 +15,15 @@ namespace espalier::python {
 namespace {
 
 constexpr const char* kNoValue =
-    "the object was made by __new__ and has no value; call its class instead";
+    "the object was made by __new__ and has no value; call the class instead";
 
-/// Called by pybind11 where an object has no value yet: it would take memory without a value in it.
+/// Called by pybind11 for an object without a value, instead of allocating memory for one.
 void* refuseWithoutValue(std::size_t) {
     throw py::type_error(kNoValue);
 }
 
-/// What pickle makes an object of. Not as object.__reduce__() does for protocols 0 and 1, by a call
-/// of the base class of pybind11, which ends the interpreter.
+/// Returns what pickle needs to make an object. (For protocols 0 and 1, object.__reduce__() would
+/// call the base class of pybind11, which ends the interpreter.)
 py::tuple reduce(const py::object& self, const py::args&) {
     const py::object type = py::type::of(self);
     if (!py::hasattr(type, "__setstate__"))
@@ -33,16 +33,16 @@ py::tuple reduce(const py::object& self, const py::args&) {
                           self.attr("__getstate__")());
 }
 
-/// Lets a class, and objects of it, be changed in nothing: an object of one class that is given
-/// another, `lattice.__class__ = Binding`, would be read as what it is not. Python 3.9 cannot.
+/// Makes a class immutable, and fixes the class of its objects: after `lattice.__class__ =
+/// Binding`, a lattice would be read as a binding. Python 3.9 has no such flag.
 void makeImmutable([[maybe_unused]] PyTypeObject* type) {
 #ifdef Py_TPFLAGS_IMMUTABLETYPE
     type->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
 #endif
 }
 
-/// In place of pybind11_object_new(), which throws through Python where a class has nothing of C++:
-/// pybind11_object itself, and classes that Python derives from that alone.
+/// Replaces pybind11_object_new(), which throws a C++ exception through Python for a class without
+/// a C++ type: pybind11_object itself, and Python classes derived from it only.
 PyObject* newObject(PyTypeObject* type, PyObject*, PyObject*) {
     try {
         if (py::detail::all_type_info(type).empty())
@@ -58,8 +58,8 @@ PyObject* newObject(PyTypeObject* type, PyObject*, PyObject*) {
     }
 }
 
-/// Raises an exception with a message that may have bytes which are not UTF-8: names of files, and
-/// texts of theirs. These bytes are shown as "\\xff".
+/// Raises an exception. Bytes of the message that are not UTF-8, in names and texts of files, are
+/// shown as "\\xff".
 void raise(PyObject* type, std::string_view message) {
     const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
         message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
@@ -100,7 +100,7 @@ void translateErrors() {
         } catch (const Error& error) {
             raise(PyExc_ValueError, error.what());
         } catch (const py::cast_error& error) {
-            // pybind11 says so of an object without a value, where it is to be shared.
+            // pybind11 throws this if an object without a value is to be shared.
             const std::string_view message = error.what();
             raise(PyExc_TypeError, message.find("non-held") == message.npos ? message : kNoValue);
         }
@@ -109,8 +109,7 @@ void translateErrors() {
 
 InterruptScope::InterruptScope()
     : scope_([caller = std::this_thread::get_id()](const Progress&) {
-          // Python answers signals on its main thread alone; that of another call does nothing
-          // here.
+          // Python handles signals on its main thread only, so other threads have nothing to do.
           if (std::this_thread::get_id() != caller) return true;
           const py::gil_scoped_acquire acquire;
           if (PyErr_CheckSignals() != 0) throw py::error_already_set();

@@ -30,18 +30,17 @@ namespace {
 
 using far::StandardCell;
 
-/// What vertices carry besides their positions.
+/// The values of vertices besides their positions.
 struct VertexArrays {
     std::vector<VertexAttribute> attributes;
     std::vector<VertexIntegers> integers;
 };
 
-/// By the two vertices of an edge.
+/// Sharpness by the two vertices of an edge.
 using EdgeSharpness = std::map<std::pair<Index, Index>, double>;
 using VertexSharpness = std::map<Index, double>;
 
-/// How io/lattices/lattice_parts.h names what a lattice has besides its attributes, in a file of
-/// these.
+/// Files store marks under names that begin so (io/lattices/lattice_parts.h).
 constexpr std::string_view kReservedNames = "espalier:";
 
 std::optional<StandardCell> standardCell(std::size_t vertexCount) {
@@ -85,7 +84,7 @@ std::optional<IndexRows> rowsOf(const py::object& object, const std::string& nam
     return rows;
 }
 
-/// Whether each entry of a cell is a list, or an array, in its turn.
+/// Returns whether the entries of a cell are lists or arrays (loops), not vertices.
 bool holdsLoops(const py::sequence& cell) {
     return cell.size() == 0 || py::isinstance<py::sequence>(cell[0]);
 }
@@ -104,7 +103,7 @@ void addCell(far::ComplexBuilder& builder, const py::sequence& cell, const std::
     builder.addCell(loops);
 }
 
-/// The numbers that each vertex has in an array (V,) or (V, k).
+/// Returns the numbers per vertex of an array (V,) or (V, k): 1 or k.
 int componentsOf(const py::array& array, const std::string& name, std::size_t vertexCount) {
     const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
                       static_cast<std::size_t>(array.shape(0)) == vertexCount;
@@ -118,7 +117,7 @@ bool isOfIntegers(const py::array& array) {
     return array.dtype().kind() == 'i' || array.dtype().kind() == 'u';
 }
 
-/// In any order of their bytes.
+/// Returns the type of integers, of either byte order.
 IntegerType integerType(const py::dtype& type) {
     const bool isUnsigned = type.kind() == 'u';
     switch (type.itemsize()) {
@@ -133,7 +132,7 @@ IntegerType integerType(const py::dtype& type) {
     }
 }
 
-/// Of integers of 64 bits without sign the bits.
+/// Returns the integers of an array. Unsigned 64-bit integers keep their bits.
 std::vector<std::int64_t> entriesOf(const py::array& array) {
     const auto copied = [](const auto& wide) {
         if (!wide) throw py::error_already_set();
@@ -144,9 +143,9 @@ std::vector<std::int64_t> entriesOf(const py::array& array) {
                : copied(py::array_t<std::int64_t, kReadable>::ensure(array));
 }
 
-/// The complex of cells: an array (C, 4), (C, 5), (C, 6) or (C, 8) of standard cells, or a list of
-/// cells that are each 4, 5, 6 or 8 vertices or a list of loops.
-/// \throws Error naming the first cell that is neither; TopologyError as far::ComplexBuilder
+/// Builds the complex of cells: an array (C, 4), (C, 5), (C, 6) or (C, 8) of standard cells, or a
+/// list of cells that are each 4, 5, 6 or 8 vertices or a list of loops. \throws Error naming the
+/// first cell that is neither; TopologyError as far::ComplexBuilder
 far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     far::ComplexBuilder builder(3, vertexCount);
     if (const auto rows = rowsOf(cells, "cells", "(C, 4), (C, 5), (C, 6) or (C, 8)")) {
@@ -165,7 +164,7 @@ far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     return withoutGil([&] { return builder.build(); });
 }
 
-/// The complex of faces: an array (F, k), or a list of loops.
+/// Builds the complex of faces: an array (F, k), or a list of loops.
 far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     far::ComplexBuilder builder(2, vertexCount);
     if (const auto rows = rowsOf(faces, "faces", "(F, k)"))
@@ -179,8 +178,8 @@ far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     return withoutGil([&] { return builder.build(); });
 }
 
-/// Attributes of a dictionary from names to arrays (V,) or (V, k) of real numbers, and integers of
-/// arrays of integers, as the files of lattices have them.
+/// Splits a dictionary from names to arrays (V,) or (V, k) into attributes, for arrays of real
+/// numbers, and integers, for arrays of integers.
 VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
     VertexArrays result;
     for (const auto& [key, value] : arrays) {
@@ -190,7 +189,7 @@ VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
         const std::string name = "attributes[\"" + printable(attribute) + "\"]";
         if (attribute.starts_with(kReservedNames))
             throw Error(name + ": names that begin with \"" + std::string(kReservedNames) +
-                        "\" are reserved, for what files of lattices hold besides attributes");
+                        "\" are reserved for marks in files; choose another name");
         if (const auto integers = py::array::ensure(value); integers && isOfIntegers(integers)) {
             const int components = componentsOf(integers, name, vertexCount);
             result.integers.push_back(
@@ -205,16 +204,16 @@ VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
     return result;
 }
 
-/// Checked against the complex.
+/// Returns marks that have been checked against the complex.
 far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
                    const VertexSharpness& vertices, std::vector<Index> holes) {
     far::Marks marks;
     for (const auto& [ends, sharpness] : edges) {
         const auto& [a, b] = ends;
-        // Which of them were to count would be chance.
+        // Otherwise it would be arbitrary which of the two values counts.
         if (a < b && edges.contains({b, a}))
             throw Error(concat("edge_sharpness: the edge of vertices ", a, " and ", b,
-                               " is there twice, in both directions"));
+                               " is given twice, once in each direction"));
         marks.edges.push_back({{a, b}, sharpness});
     }
     for (const auto& [vertex, sharpness] : vertices) marks.vertices.push_back({vertex, sharpness});
@@ -226,7 +225,7 @@ far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
     return marks;
 }
 
-/// A lattice is never changed once it is made, so that any number of threads may read it.
+/// A lattice never changes after it has been made, so any number of threads may read it.
 using LatticePointer = std::shared_ptr<Lattice>;
 
 struct Extras {
@@ -238,7 +237,7 @@ struct Extras {
 
 Index vertexCountOf(const std::vector<Point3>& positions) {
     if (!std::in_range<Index>(positions.size()))
-        throw Error("positions: there are more than an index of 32 bits counts");
+        throw Error("positions: there are too many; expected at most 2147483647");
     return static_cast<Index>(positions.size());
 }
 
@@ -285,7 +284,7 @@ LatticePointer withPositions(const Lattice& lattice, const ArrayLike& positions)
     return std::make_shared<Lattice>(std::move(posed));
 }
 
-/// Holes stay.
+/// Returns the lattice with other marks; its holes stay.
 LatticePointer withMarks(const Lattice& lattice, const EdgeSharpness& edges,
                          const VertexSharpness& vertices) {
     Lattice marked = lattice;
@@ -300,8 +299,8 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
     return sharedWithoutGil([&] { return shapes::transformed(lattice, map); });
 }
 
-// What may derive a relation does so without the GIL. Whoever derives the same at the moment may
-// want that (InterruptScope), and be waited for.
+// Functions that may derive a relation release the GIL first: another thread that derives the same
+// relation may need the GIL (InterruptScope), and this thread would wait for it for ever.
 
 std::vector<std::vector<Index>> loopsOf(const far::CellComplex& complex) {
     return withoutGil([&] {
@@ -331,8 +330,9 @@ py::array_t<Index> hexahedra(const Lattice& lattice) {
                for (Index cell = 0; cell < count; ++cell) {
                    const auto corners = far::hexahedronVertices(lattice.complex, CellId(cell));
                    if (!corners)
-                       throw Error(concat("cell ", cell,
-                                          " is not a hexahedron; cells gives the faces of any"));
+                       throw Error(concat(
+                           "cell ", cell,
+                           " is not a hexahedron; use `cells`, which has the faces of every cell"));
                    vertices.insert(vertices.end(), corners->begin(), corners->end());
                }
                return vertices;
@@ -361,7 +361,7 @@ EdgeSharpness edgeSharpness(const Lattice& lattice) {
     EdgeSharpness sharpness;
     for (const auto& mark : lattice.marks.edges) {
         const auto& [a, b] = mark.vertices;
-        sharpness.erase({b, a});  // the later mark counts
+        sharpness.erase({b, a});  // the last mark counts
         sharpness.insert_or_assign({a, b}, mark.sharpness);
     }
     return sharpness;
@@ -374,7 +374,8 @@ VertexSharpness vertexSharpness(const Lattice& lattice) {
     return sharpness;
 }
 
-/// The values of attributes or integers of a lattice, which is `self` and owns them.
+/// Returns views of the attributes or integers of a lattice. `self` is the lattice, which owns
+/// them.
 template <class List>
 py::dict arraysOf(const List& list, const py::object& self) {
     const auto count = static_cast<py::ssize_t>(self.cast<const Lattice&>().positions.size());
@@ -422,8 +423,9 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
             [](const py::object& self) {
                 return viewOf(self.cast<const Lattice&>().positions, self);
             },
-            "Where the vertices are: array (V, 3) of float64, read-only, not a copy. The unit of "
-            "length is yours.")
+            "Positions of the vertices: array (V, 3) of float64, read-only, not a copy, in any "
+            "unit of "
+            "length.")
         .def_property_readonly(
             "dimension", [](const Lattice& self) { return self.complex.dimension(); },
             "3 for a lattice, 2 for a mesh, 1 for a curve.")
@@ -434,57 +436,62 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
                 return std::tuple(complex.count(0), complex.count(1), complex.count(2),
                                   complex.count(3));
             },
-            "Vertices, edges, faces and cells: tuple of 4 int.")
-        .def_property_readonly("edges", &edgesOf, "The ends of each edge: array (E, 2) of int32.")
+            "Numbers of vertices, edges, faces and cells: tuple of 4 int.")
+        .def_property_readonly("edges", &edgesOf,
+                               "The two vertices of each edge: array (E, 2) of int32.")
         .def_property_readonly(
             "faces", [](const Lattice& self) { return loopsOf(self.complex); },
-            "The vertices round each face: list of lists of int.")
+            "The vertices around each face: list of lists of int.")
         .def_property_readonly(
             "cells", [](const Lattice& self) { return cellsOf(self.complex); },
-            "The faces of each cell, loops of vertices anticlockwise from outside: list of lists "
-            "of lists of int.")
+            "The faces of each cell, as loops of vertices, anticlockwise seen from outside: list "
+            "of "
+            "lists of lists of int.")
         .def_property_readonly("hexahedra", &hexahedra,
-                               "The vertices of cells that are all hexahedra, in VTK's order: "
-                               "array (C, 8) of int32. ValueError names a cell that is none.")
+                               "The vertices of the cells in VTK's order, if all cells are "
+                               "hexahedra: array (C, 8) of int32. Otherwise a ValueError names a "
+                               "cell that is not.")
         .def_property_readonly("boundary_faces", &boundaryFaces,
                                "The faces of a lattice that are in one cell only, ascending: array "
                                "(B,) of int32.")
         .def_property_readonly("edge_sharpness", &edgeSharpness,
-                               "Edges that are marked by hand: dict from pairs of vertices to "
-                               "float; inf is sharp, 0 smooth, semi-sharp between.")
+                               "Edges whose sharpness is set by hand: dict from pairs of vertices "
+                               "to float; inf is sharp, 0 is smooth, numbers between are "
+                               "semi-sharp.")
         .def_property_readonly("vertex_sharpness", &vertexSharpness,
-                               "Vertices that are marked by hand: dict from int to float.")
+                               "Vertices whose sharpness is set by hand: dict from int to float.")
         .def_property_readonly("attributes", &attributesIn,
-                               "Real numbers of vertices, which are refined with the positions: "
-                               "dict from names to arrays (V, k) of float64, read-only, not "
-                               "copies.")
-        .def_property_readonly("integers", &integersIn,
-                               "Integers of vertices, which are never averaged; a vertex of a "
-                               "refined level that comes from no single vertex has -1, or the "
-                               "largest number of an unsigned type: dict from names to arrays "
-                               "(V, k) of int64, or of uint64 where they were given so, read-only, "
+                               "Real numbers at the vertices, which are refined like the "
+                               "positions: dict from names to arrays (V, k) of float64, read-only, "
                                "not copies.")
+        .def_property_readonly(
+            "integers", &integersIn,
+            "Integers at the vertices, which are never averaged: dict from names "
+            "to arrays (V, k) of int64, or uint64 if they were given so, "
+            "read-only, not copies. In a refined lattice a vertex that is not "
+            "the child of a vertex has -1, or the largest number of an unsigned "
+            "type.")
         .def_property_readonly("tags", &tagsOf,
-                               "How the file asks to be refined, where it does: dict with any of "
-                               "boundary, creasing and triangles.");
+                               "How the file asks to be refined: dict with those of boundary, "
+                               "creasing and triangles that the file sets.");
 }
 
 }  // namespace
 
 void addLattice(py::module_& module) {
     py::class_<Lattice, LatticePointer> type(module, "Lattice", R"(
-A control lattice: vertices in space, and polyhedral cells of any shape on them. Immutable.
+A control lattice: positions of vertices, and polyhedral cells of any shape. Immutable.
 
 positions : array (V, 3) of float64, in any unit of length
 cells     : array (C, 8) of int, hexahedra in VTK's order; (C, 4) tetrahedra, (C, 5) pyramids and
             (C, 6) wedges likewise; or a list whose entries are 4, 5, 6 or 8 vertices, or the faces
             of any polyhedron as loops of vertices
-edge_sharpness   : dict from pairs of vertices to a sharpness: inf (10 and more) is sharp, 0
-                   smooth, what lies between semi-sharp, as OpenSubdiv has them
+edge_sharpness   : dict from pairs of vertices to a sharpness, as in OpenSubdiv: inf (or 10 and
+                   more) is sharp, 0 is smooth, numbers between are semi-sharp
 vertex_sharpness : dict from vertices to a sharpness
-attributes       : dict from names to arrays (V,) or (V, k). Those of real numbers are refined with
-                   the positions; those of integers, such as identifiers, are never averaged, and
-                   come back as `integers`
+attributes       : dict from names to arrays (V,) or (V, k). Arrays of real numbers are refined
+                   like the positions. Arrays of integers, such as identifiers, are never averaged,
+                   and are found in `integers`
 
 Meshes and curves are lattices of dimension 2 and 1: mesh() and curve() make them.
 )");
@@ -508,14 +515,14 @@ positions : array (V, 3) of float64
 closed    : whether an edge joins the last vertex to the first
 )")
         .def("with_positions", &withPositions, "positions"_a,
-             "The same lattice in another pose. positions : array (V, 3)")
+             "Returns the same lattice in another pose. positions : array (V, 3)")
         .def("with_marks", &withMarks, py::kw_only(), "edge_sharpness"_a = EdgeSharpness(),
              "vertex_sharpness"_a = VertexSharpness(),
-             "The same lattice with these marks in place of its own.")
+             "Returns the same lattice with these sharpness values instead of its own.")
         .def("transformed", &transformed, "linear"_a, "translation"_a = Point3{},
              R"(
-The lattice moved by an affine map, p -> linear @ p + translation. A map that mirrors turns the
-faces as well, so that volumes stay positive.
+Returns the lattice moved by an affine map, p -> linear @ p + translation. If the map mirrors, the
+faces are reversed, so that volumes stay positive.
 
 linear : array (3, 3); translation : 3 float
 )")
@@ -526,16 +533,16 @@ linear : array (3, 3); translation : 3 float
                     [&] { return far::topologyDifference(self.complex, other.complex); });
             },
             "other"_a,
-            "What differs between two lattices as cells on numbered vertices: str; None if one can "
-            "be a pose of the other.")
+            "Returns how the cells of two lattices differ: str; None if they are the same cells on "
+            "the same vertex numbers, so that one can be a pose of the other.")
         .def(
             "write",
             [](const Lattice& self, const std::filesystem::path& path) {
                 withoutGil([&] { io::writeRefinable(path, self); });
             },
             "path"_a,
-            "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). The file is "
-            "replaced when all is written.")
+            "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). An existing file is "
+            "replaced only when the new one is complete.")
         .def("__repr__", &summaryOf);
     addArrays(type);
     addPickling(type, &stateOfLattice, &latticeOfState);
@@ -550,9 +557,9 @@ linear : array (3, 3); translation : 3 float
             return lattice;
         },
         "path"_a,
-        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices that no "
-        "cell, or no line of a curve, uses are dropped with a UserWarning; the vertices after them "
-        "get lower numbers.");
+        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices in no "
+        "cell of a lattice, or no line of a curve, are dropped with a UserWarning; the vertices "
+        "after them get lower numbers.");
 }
 
 }  // namespace espalier::python

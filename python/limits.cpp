@@ -13,13 +13,14 @@ namespace espalier::python {
 
 namespace {
 
-/// A limit of the library for the length of a `with` block.
+/// A limit of the library that holds during a `with` block.
 template <class Limit, class Value>
 class LimitBlock {
 public:
     explicit LimitBlock(Value value) : value_(value) {}
     void enter() {
-        if (limit_) throw Error("this limit is in use already");
+        if (limit_)
+            throw Error("this limit is in use already: make a new one for a nested with block");
         limit_ = std::make_unique<Limit>(value_);
     }
     void leave() { limit_.reset(); }
@@ -30,8 +31,8 @@ private:
 };
 
 /// Adds the class of a limit.
-/// \param parameter what it is of, for messages
-/// \param least that it can be
+/// \param parameter name of the parameter
+/// \param least smallest value of the parameter
 template <class Limit, class Value>
 void addLimit(py::module_& module, const char* name, const char* parameter, std::int64_t least,
               const char* doc) {
@@ -58,14 +59,14 @@ void addLimits(py::module_& module) {
 Limits the threads that Espalier uses, in a with block: `with espalier.ThreadLimit(2): ...`. Results do
 not depend on their number, bit for bit.
 
-threads : at most so many, of the whole process; 0 is one a core
+threads : largest number of threads of the whole process; 0 is one for each core
 )");
     addLimit<MemoryLimit, std::uint64_t>(module, "MemoryLimit", "bytes", 1, R"(
-Limits the memory of the process, in a with block: `with espalier.MemoryLimit(4 * 10**9): ...`. What
-Espalier knows to take more raises MemoryError before memory is taken for it; what turns out to take
-more, soon after.
+Limits the memory of the process, in a with block: `with espalier.MemoryLimit(4 * 10**9): ...`. Work
+that would exceed the limit raises MemoryError: before it starts if the memory that it takes is known
+then, otherwise soon after the limit is exceeded.
 
-bytes : at most so many, of the whole process, that of Python and of arrays included
+bytes : largest memory of the whole process, including Python and its arrays
 )");
 }
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Packs the installed package espalier as a wheel, offline: make_wheel.py INSTALLED OUT VERSION
 
-INSTALLED is the folder that the package was installed to (.../dist-packages), OUT that of the wheel.
-It needs python3-wheel. The wheel is for this Python and this kind of machine, with the libraries of
+INSTALLED is the folder that the package was installed to (.../dist-packages), OUT the folder for the
+wheel. The script needs python3-wheel. The wheel is for this Python and this kind of machine, with the libraries of
 the system that it was built on.
 """
 
@@ -32,7 +32,7 @@ Tag: {tag}
 
 
 def tag():
-    """PEP 425's of this Python: cp311-cp311-linux_x86_64."""
+    """Returns the tag of this Python by PEP 425: cp311-cp311-linux_x86_64."""
     version = "cp{}{}".format(*sys.version_info)
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     return f"{version}-{version}-{platform}"

@@ -27,7 +27,7 @@ std::vector<Point3> pointsOf(const ModelFile& file) {
 
 ModelFile modelOfPoints(std::span<const Point3> points) {
     std::string bytes;
-    std::array<char, 32> digits{};  // more than the 24 that a double takes at most
+    std::array<char, 32> digits{};  // a double takes at most 24
     for (const Point3& point : points) {
         bytes += 'v';
         for (const double coordinate : point) {
@@ -43,7 +43,7 @@ ModelFile modelOfPoints(std::span<const Point3> points) {
 
 namespace {
 
-/// As os.fsdecode() has it: bytes that are not UTF-8 become surrogates.
+/// Converts the name as os.fsdecode() does: bytes that are not UTF-8 become surrogates.
 py::str nameOf(const ModelFile& file) {
     PyObject* const name = PyUnicode_DecodeFSDefaultAndSize(
         file.name.data(), static_cast<Py_ssize_t>(file.name.size()));
@@ -55,8 +55,8 @@ py::str nameOf(const ModelFile& file) {
 
 void addModel(py::module_& module) {
     py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
-The thing that is deformed: a file with points in it. Written with other points it keeps all else as
-it was, byte for byte. read_model() makes it.
+A model to deform: a file that contains points. Writing it with other points keeps everything else
+byte for byte. Made by read_model().
 )")
         .def_property_readonly(
             "positions",

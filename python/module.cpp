@@ -7,7 +7,7 @@ using namespace espalier::python;
 PYBIND11_MODULE(_core, module) {
     module.doc() = "The compiled part of espalier; import that.";
     module.attr("__version__") = ESPALIER_VERSION;
-    // Where types and functions say that they are from.
+    // Types and functions take the name of their module from here.
     module.attr("__module__") = "espalier";
     translateErrors();
     protectBaseClass();

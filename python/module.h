@@ -11,7 +11,8 @@ namespace espalier::python {
 
 namespace py = pybind11;
 
-// What each source of the module adds to it; types before the functions that take them.
+// Each function adds the classes and functions of one source to the module. Types come before the
+// functions that take them.
 void addLattice(py::module_& module);
 void addShapes(py::module_& module);
 void addModel(py::module_& module);
@@ -25,20 +26,22 @@ void addValidity(py::module_& module);
 void addHolding(py::module_& module);
 void addLimits(py::module_& module);
 
-/// Lets no call of the class that pybind11 derives all classes from end the interpreter. That class
-/// is Espalier's alone (PYBIND11_COMPILER_TYPE). For _core, which is loaded first; before any
-/// class is added, since classes inherit from it.
+/// Changes the base class of all pybind11 classes so that calling it cannot end the interpreter.
+/// Only Espalier uses this base class (PYBIND11_COMPILER_TYPE). To be called by _core, which is
+/// loaded first, before any class is added.
 void protectBaseClass();
 
-/// Lets no object of the classes of a module be used before it has a value, pickle raise where it
-/// would end the interpreter, and no class be changed. After all classes were added.
+/// Protects the classes of a module: objects without a value cannot be used, pickle raises an error
+/// where it would end the interpreter, and classes cannot be changed. To be called when all classes
+/// have been added.
 void protectClasses(const py::module_& module);
 
-/// Makes ValueError of Error, with the same text, in what this shared object throws.
+/// Translates Error to ValueError and MemoryError to MemoryError, with the same text, for
+/// exceptions of this shared object.
 void translateErrors();
 
-/// Ends what this thread asks of the library when a signal comes that Python answers by an
-/// exception: Ctrl-C. The exception arrives where the call was. Made without the GIL.
+/// While it lives, a signal that Python answers by an exception, such as Ctrl-C, ends calls of this
+/// thread to the library with that exception. To be made without the GIL.
 class InterruptScope {
 public:
     InterruptScope();
@@ -47,7 +50,7 @@ private:
     ProgressScope scope_;
 };
 
-/// Calls a function that touches no Python object, while other threads run Python.
+/// Calls a function that touches no Python object, so that other threads can run Python meanwhile.
 template <class Function>
 auto withoutGil(Function&& function) {
     const py::gil_scoped_release release;
@@ -55,7 +58,7 @@ auto withoutGil(Function&& function) {
     return std::forward<Function>(function)();
 }
 
-/// The same for an object that Python is to hold.
+/// Does the same for a function that makes an object for Python.
 template <class Function>
 auto sharedWithoutGil(Function&& function) {
     return withoutGil(

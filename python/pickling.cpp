@@ -19,7 +19,7 @@ namespace espalier::python {
 namespace {
 
 [[noreturn]] void refuseState() {
-    throw Error("the pickled state is not one of this version of Espalier");
+    throw Error("the pickled state was not made by this version of Espalier");
 }
 
 void requireState(bool isAsExpected) {
@@ -31,7 +31,7 @@ std::string nameIn(const py::handle& object) {
     return nameOfStr(py::reinterpret_borrow<py::str>(object));
 }
 
-/// The numbers of an array of any shape. Container is a vector or a Array.
+/// Returns the numbers of an array of any shape. Container is a vector or an Array.
 template <class Container>
 Container numbersOf(const py::handle& object) {
     using Number = typename Container::value_type;
@@ -40,7 +40,7 @@ Container numbersOf(const py::handle& object) {
     return Container(array.data(), array.data() + array.size());
 }
 
-/// The offsets of rows, or the length that all of them have.
+/// Returns the offsets of rows, or their length if all rows have the same.
 py::object lengthsOf(const far::Incidence& rows) {
     const Index count = rows.rowCount();
     std::vector<Offset> offsets{0};
@@ -168,7 +168,7 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
         requireState(py::isinstance<py::tuple>(object) && py::len(object) == size);
         return py::reinterpret_borrow<py::tuple>(object);
     };
-    // \param list of attributes, or of integers
+    // \param list the attributes, or the integers
     const auto add = [&](auto& list, auto each) {
         requireState(each.components > 0 &&
                      each.values.size() == count * static_cast<std::size_t>(each.components));
@@ -249,7 +249,7 @@ py::tuple stateOfBinding(const py::object& self) {
     const auto& bound = shared->bound;
     const auto& binding = bound.binding;
     py::object at = py::none(), statuses = py::none(), residual = py::none();
-    // Of a model they are in its file.
+    // If there is a model, its file contains the points.
     if (bound.modelName.empty() && shared->points) at = viewOf(*shared->points, self);
     if (shared->largestResidual) {
         statuses = viewOf(bytesOf(shared->statuses), self);

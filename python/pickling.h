@@ -8,21 +8,21 @@
 
 #include "binding.h"
 
-// Objects that nobody can change, as pickle wants them: in arrays, and made of these again, the
-// same to the last bit.
+// Pickling of immutable objects: as tuples of arrays, from which they are made again bit for bit.
 namespace espalier::python {
 
-/// \param lattice the object of Python, to whose numbers the arrays of the result refer
+/// Return the state of an object. Its arrays refer to the numbers of the object.
 py::tuple stateOfLattice(const py::object& lattice);
 py::tuple stateOfTable(const py::object& table);
 py::tuple stateOfBinding(const py::object& binding);
 
+/// Make an object from its state.
 /// \throws Error if it is not the state of such an object
 std::shared_ptr<Lattice> latticeOfState(const py::tuple& state);
 std::shared_ptr<Table> tableOfState(const py::tuple& state);
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state);
 
-/// Lets a class be pickled, and copied: a copy is the object itself, as one of a tuple is.
+/// Lets a class be pickled and copied. A copy is the object itself, as for a tuple.
 template <class Class, class ToState, class OfState>
 void addPickling(Class& type, ToState toState, OfState ofState) {
     using namespace py::literals;

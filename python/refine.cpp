@@ -89,17 +89,20 @@ py::array_t<std::uint8_t> strataOf(const Refiner& refiner, int level, int dimens
 
 void addRefiner(py::module_& module) {
     py::class_<Refiner, std::shared_ptr<Refiner>>(module, "Refiner", R"(
-A lattice, mesh or curve with the rules that it is refined by.
+A lattice, mesh or curve, and the rules that it is refined by.
 
-What takes a lattice to refine takes a Refiner too: give one where the rules are not the usual ones.
+Functions that refine a lattice also take a Refiner: use one for rules other than the defaults.
 Levels are made when they are first asked for, and kept.
 
 lattice     : Lattice
 rules       : "siggraph96", "cse96", "mlca"; "rats" for meshes and curves
-boundary    : "sharp", "edge-only" or "open"; as the lattice's tags say, or "sharp"
-sharp_edges : "single-cell" or "literal": which boundary edges of a lattice are sharp
-creasing    : "uniform" or "chaikin"; as the tags say, or "uniform"
-triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
+boundary    : how the boundary is refined: "sharp", "edge-only" (corners are rounded) or "open" (no
+              boundary rules; the region shrinks)
+sharp_edges : which boundary edges of a lattice are sharp: "single-cell", those in one cell, or
+              "literal", those between vertices that lie in at most two cells
+creasing    : how semi-sharp edges lose sharpness: "uniform" or "chaikin"
+triangles   : how triangles of a surface are weighted: "catmark" or "smooth"
+None for boundary, creasing or triangles means the lattice's tags, or else the first of the words.
 )")
         .def(py::init(&makeRefiner), "lattice"_a, py::kw_only(), "rules"_a = "siggraph96",
              "boundary"_a = py::none(), "sharp_edges"_a = "single-cell", "creasing"_a = py::none(),
@@ -110,37 +113,39 @@ triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
             [](const Refiner& self) { return wordOf(far::kRulesWords, {self.base().rules()}); },
             "The name of the rules: str.")
         .def("counts", &countsOf, "level"_a,
-             "Vertices, edges, faces and cells of a level: tuple of 4 int.")
+             "Numbers of vertices, edges, faces and cells of a level: tuple of 4 int.")
         .def("strata", &strataOf, "level"_a, "dimension"_a = 0, R"(
-The stratum of each entity of a dimension: the dimension of the feature that it lies on.
-
-Returns an array (count,) of uint8: 0 corner, 1 sharp edge, 2 boundary surface, 3 interior.
+Returns the stratum of each vertex (dimension 0), edge (1), face (2) or cell (3) of a level: the kind
+of feature that it lies on. Array (count,) of uint8: 0 corner, 1 sharp edge, 2 boundary surface, 3
+interior.
 )")
         .def("positions", &refinedPositions, "level"_a, "pose"_a = py::none(), R"(
-Positions of the vertices of a level, in the units of the lattice.
+Returns the positions of the vertices of a level: array (V_level, 3) of float64.
 
-pose : array (V, 3), where the V vertices of the base are; at rest without
-Returns an array (V_level, 3) of float64.
+pose : array (V, 3), the positions of the vertices of level 0; by default those of the lattice
 )")
         .def("refine", &refined, "level"_a = 1,
-             "A level as a Lattice of its own, with its attributes, and marks that keep its "
-             "features.")
+             "Returns a level as a Lattice, with its attributes, and with the sharpness values "
+             "that keep "
+             "its features when it is refined further.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
-S_level: a StencilTable of shape (V_level, V). Row i holds the weights of vertex i of the level over
-the base vertices; rows sum to 1.
+Returns S_level, a StencilTable of shape (V_level, V). Row i holds the weights of the vertices of
+level 0 in vertex i of the level; rows sum to 1.
 
-vertices : array (R,) of int, vertices of the level: just these rows, in this order
+vertices : array (R,) of int, vertices of the level: only these rows, in this order
 )")
         .def("level_table", &levelTable, "level"_a, R"(
-R_level: a StencilTable of shape (V_level, V_(level-1)), of a level over the one before.
+Returns R_level, a StencilTable of shape (V_level, V_(level-1)): the weights from one level to the
+next.
 )");
     module.def(
         "refine",
         [](const RefinerLike& lattice, int level) { return refined(*refinerOf(lattice), level); },
         "lattice"_a, "level"_a = 1, R"(
-Refines a Lattice, or what a Refiner holds, `level` times. Returns a Lattice.
+Refines a Lattice, or the lattice of a Refiner, `level` times. Returns a Lattice.
 
-A level has about 8 times (lattice), 4 times (mesh) or twice (curve) the entities of that before.
+Each level has about 8 times (lattice), 4 times (mesh) or twice (curve) the cells, faces or edges of
+the level before.
 )");
 }
 

@@ -11,19 +11,19 @@
 
 namespace espalier::python {
 
-/// A lattice, how it is refined, and the levels made so far. Calls are safe from any number of
-/// threads; make them without the GIL.
+/// A lattice, the rules that refine it, and the levels made so far. Any number of threads may call
+/// it, without the GIL.
 class Refiner {
 public:
     Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options);
 
     const std::shared_ptr<Lattice>& lattice() const { return lattice_; }
 
-    /// Level 0 alone.
+    /// Returns the refiner with level 0 only.
     const far::TopologyRefiner& base() const { return base_; }
 
-    /// Levels 0 to `level` at least.
-    /// \throws Error for a level below 0; what far::TopologyRefiner::refineUniform() throws
+    /// Returns a refiner with levels 0 to `level` or more.
+    /// \throws Error for a level below 0, and as far::TopologyRefiner::refineUniform()
     std::shared_ptr<const far::TopologyRefiner> upTo(int level) const;
 
 private:
@@ -33,16 +33,17 @@ private:
     mutable std::shared_ptr<const far::TopologyRefiner> deepest_;
 };
 
-/// A Refiner, or a Lattice that is refined as is usual.
+/// An argument that is a Refiner, or a Lattice that is refined by the default rules.
 struct RefinerKind {
     static constexpr auto kName = py::detail::const_name("Refiner | Lattice");
 };
 using RefinerLike = Like<RefinerKind>;
 
-/// For what needs a level that is refined.
+/// Checks the level of a function that needs a refined level.
 /// \throws Error for a level below 1
 void checkLevel(int level);
 
+/// Returns the Refiner, or a new one for a Lattice.
 /// \throws py::type_error if it is neither
 std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object);
 

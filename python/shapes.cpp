@@ -78,9 +78,9 @@ void addRoundShapes(py::module_& module) {
 A disk swept along an axis (MacCracken & Joy 1996, figures 1 and 5).
 
 sectors : sides of the disk, 3 or more
-rings, core : rings of cells in the disk, and its middle: "wedges" round the axis or one "polygon"
-layers : of cells along the axis
-radius : of the outermost vertices; start, end : 3 float each, the centres of the ends
+rings, core : rings of cells in the disk, counting its core: "wedges" around the axis, or one "polygon"
+layers : layers of cells along the axis
+radius : radius of the outermost vertices; start, end : 3 float each, the centres of the two ends
 )");
     module.def(
         "torus",
@@ -92,11 +92,12 @@ radius : of the outermost vertices; start, end : 3 float each, the centres of th
         },
         py::kw_only(), "segments"_a = 8, "section"_a = "grid", "grid_cells"_a = 1, "sides"_a = 6,
         "rings"_a = 1, "core"_a = "wedges", "major_radius"_a = 1.0, "minor_radius"_a = 0.4, R"(
-A cross-section swept round the z axis, about the origin.
+A ring around the z axis, with its centre at the origin.
 
-segments : cells round the ring, 3 or more
-section : "grid", a square of grid_cells by grid_cells; or "disk" of `sides`, `rings` and `core`
-major_radius, minor_radius : of the ring, and of its section (half the side of the square)
+segments : cells around the ring, 3 or more
+section : cross-section: "grid", a square of grid_cells by grid_cells, or "disk" of `sides`, `rings`
+and `core`, as for cylinder()
+major_radius, minor_radius : radius of the ring; radius of the disk, or half the side of the square
 )");
     module.def(
         "star",
@@ -107,10 +108,10 @@ major_radius, minor_radius : of the ring, and of its section (half the side of t
         },
         py::kw_only(), "points"_a = 5, "rings"_a = 1, "core"_a = "wedges", "layers"_a = 1,
         "inner_radius"_a = 0.5, "outer_radius"_a = 1.0, "height"_a = 0.25, R"(
-A flat star about the origin (figure 7); with equal radii its round rest pose.
+A flat star with its centre at the origin (figure 7). With equal radii it is round: the rest pose.
 
-points : 2 or more; rings, core, layers : as of cylinder()
-inner_radius, outer_radius, height : in your unit of length
+points : points of the star, 2 or more; rings, core, layers : as for cylinder()
+inner_radius, outer_radius, height : radius of the notches, radius of the points, thickness
 )");
 }
 
@@ -129,10 +130,10 @@ void addJointedShapes(py::module_& module) {
         "bar_length"_a = 2.0, "bar_half_width"_a = 0.4, "roundness"_a = 1.0, "height"_a = 0.5, R"(
 Two ends joined by a bar along x (figure 8).
 
-end_segments : edges round an end, 3 or more; bar_segments, bar_across : cells along the bar and
-across it; rings, core, layers : as of cylinder()
-end_radius, bar_length, bar_half_width, height : in your unit of length
-roundness : of the ends, from 0, square, to 1, round
+end_segments : edges around an end, 3 or more; bar_segments, bar_across : cells along the bar and
+across it; rings, core, layers : as for cylinder()
+end_radius, bar_length, bar_half_width, height : sizes in any unit of length; height is the thickness
+roundness : roundness of the ends, from 0 (square) to 1 (round)
 )");
     const shapes::ArmOptions usual;
     std::vector<std::array<double, 4>> usualJoints;
@@ -148,26 +149,26 @@ roundness : of the ends, from 0, square, to 1, round
         },
         py::kw_only(), "joints"_a = usualJoints, "segments"_a = 2, "sides"_a = 4, "rings"_a = 1,
         "core"_a = "polygon", "up"_a = Point3{0, 0, 1}, R"(
-A tube round a limb (figure 9). Other positions and twists give a pose of the same lattice.
+A tube around a limb (figure 9). Other positions and twists give a pose of the same lattice.
 
-joints : array (J, 4) or (J, 5): x, y, z and radius of each, and its twist in radians
-segments : cells from joint to joint; sides : of the cross-section, 3 or more
-rings, core : as of cylinder()
-up : 3 float, the side of the first bone where the cross-section begins
+joints : array (J, 4) or (J, 5): x, y, z, radius and, if given, twist in radians of each joint
+segments : cells from joint to joint; sides : sides of the cross-section, 3 or more
+rings, core : as for cylinder()
+up : 3 float, the direction from the first bone to the first vertex of the cross-section
 )");
 }
 
 void addSolids(py::module_& module) {
     using Regular = shapes::RegularSolidOptions;
     const std::tuple<const char*, Lattice (*)(const Regular&), const char*> solids[] = {
-        {"tetrahedron", shapes::tetrahedron, "4, type-3."},
-        {"cube", shapes::cube, "8, type-3."},
-        {"octahedron", shapes::octahedron, "6, type-4."},
-        {"dodecahedron", shapes::dodecahedron, "20, type-3."},
-        {"icosahedron", shapes::icosahedron, "12, type-5."}};
+        {"tetrahedron", shapes::tetrahedron, "4, with 3 edges at each."},
+        {"cube", shapes::cube, "8, with 3 edges at each."},
+        {"octahedron", shapes::octahedron, "6, with 4 edges at each."},
+        {"dodecahedron", shapes::dodecahedron, "20, with 3 edges at each."},
+        {"icosahedron", shapes::icosahedron, "12, with 5 edges at each."}};
     for (const auto& [name, shape, vertices] : solids) {
         const std::string text =
-            "One cell with its vertices on a sphere of `radius` about the origin: ";
+            "One cell with its vertices on a sphere of `radius` around the origin. Vertices: ";
         module.def(
             name, [shape = shape](double radius) { return make(shape, Regular{radius}); },
             py::kw_only(), "radius"_a = 1.0, (text + vertices).c_str());
@@ -185,16 +186,16 @@ void addSolids(py::module_& module) {
     addPolygonal("prism", shapes::prism,
                  "One cell between two polygons of `sides` and `radius`, `height` apart.");
     addPolygonal("pyramid", shapes::pyramid,
-                 "One cell over a polygon of `sides` and `radius`, with an apex of type `sides`.");
+                 "One cell between a polygon of `sides` and `radius` and an apex at `height`.");
     addPolygonal("bipyramid", shapes::bipyramid,
-                 "One cell on both sides of a polygon, with two apexes of type `sides`.");
+                 "One cell with an apex on each side of a polygon of `sides` and `radius`.");
 }
 
 }  // namespace
 
 void addShapes(py::module_& module) {
-    auto shapesModule = module.def_submodule(
-        "_shapes", "The inventory of lattices (MacCracken & Joy 1996, section 5).");
+    auto shapesModule =
+        module.def_submodule("_shapes", "Ready-made lattices (MacCracken & Joy 1996, section 5).");
     shapesModule.attr("__module__") = "espalier.shapes";
     shapesModule.def(
         "box",
@@ -205,7 +206,7 @@ void addShapes(py::module_& module) {
         "max"_a = Point3{1, 1, 1}, R"(
 A box of hexahedra (figure 1).
 
-cells : 3 int, how many along x, y and z; min, max : 3 float each, the corners
+cells : 3 int, cells along x, y and z; min, max : 3 float each, the lowest and the highest corner
 Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions reshaped to (cells[2] +
 1, cells[1] + 1, cells[0] + 1, 3) are indexed by [k, j, i].
 )");
@@ -222,10 +223,11 @@ Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions res
             });
         },
         "lattices"_a, py::kw_only(), "tolerance"_a = shapes::MergeOptions().tolerance, R"(
-Joins lattices by welding the vertices that coincide; faces whose vertices are all welded are shared.
+Merges lattices: vertices at the same place become one, and faces with the same vertices are shared.
 
 lattices : list of Lattice, all of one dimension and with the same attributes
-tolerance : how far apart vertices may be, as a fraction of the diagonal of the box round all
+tolerance : largest distance of vertices that become one, as a fraction of the diagonal of the box
+around all lattices
 )");
     py::delattr(shapesModule, "__module__");
 }

@@ -36,7 +36,8 @@ solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, cons
     const auto chosenRows = indicesOf(rows, "rows");
     for (const Index row : chosenRows)
         if (row < 0 || row >= table->rowCount())
-            throw Error(concat("rows: there is no row ", row, " among ", table->rowCount()));
+            throw Error(concat("rows: there is no row ", row, "; there are ", table->rowCount(),
+                               ", numbered from 0"));
     const auto wanted = toPoints(misses, "misses", rows ? chosenRows.size() : table->rowCount());
     solve::FitOptions options;
     options.smoothing = chosen(solve::kSmoothingWords, "smoothing", smoothing);
@@ -94,7 +95,7 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
 
 using solve::DesignVariables;
 
-/// One vertex, or several.
+/// Returns the vertices of an integer or a one-dimensional array.
 std::vector<Index> verticesOf(const ArrayLike& object) {
     const auto array = indexArray(object, "vertices");
     if (array.ndim() > 1)
@@ -107,34 +108,40 @@ std::vector<Index> verticesOf(const ArrayLike& object) {
 
 void addFit(py::module_& module) {
     py::class_<solve::LatticeFit, std::shared_ptr<solve::LatticeFit>>(
-        module, "LatticeFit", "Displacements of a lattice, and how well they do: see fit().")
+        module, "LatticeFit",
+        "The displacements that fit() finds, and how closely they reach the targets.")
         .def_property_readonly(
             "displacements",
             [](const py::object& self) {
                 return viewOf(self.cast<const solve::LatticeFit&>().displacements, self);
             },
-            "Of the vertices: array (V, 3) of float64, read-only, in the units of the targets.")
+            "Displacements of the lattice vertices: array (V, 3) of float64, read-only, in the "
+            "units of "
+            "the targets.")
         .def_readonly("largest_miss", &solve::LatticeFit::largestMiss,
-                      "How far a point is from its target at most: float.")
+                      "The largest distance of a point from its target: float.")
         .def_readonly("rms_miss", &solve::LatticeFit::meanMiss,
                       "The root mean square of these distances: float.")
-        .def_readonly("condition", &solve::LatticeFit::condition,
-                      "The largest singular value of the problem over its least: float; inf where "
-                      "the targets leave some displacements open.");
+        .def_readonly(
+            "condition", &solve::LatticeFit::condition,
+            "Condition number of the problem, its largest singular value over its smallest: "
+            "float; inf if the targets do not determine all displacements.");
     module.def("fit", &fit, "lattice"_a, "deformation"_a, "misses"_a, py::kw_only(),
                "rows"_a = py::none(), "smoothing"_a = "none", "strength"_a = 1e-3,
                "frozen"_a = py::none(), "undetermined"_a = "smallest", R"(
-The displacements of the lattice that carry points to where they are wanted, in the sense of least
-squares. Returns a LatticeFit.
+Finds displacements of a lattice that move points to given targets, by least squares. Returns a
+LatticeFit.
 
 lattice      : Lattice
 deformation  : D: Binding, StencilTable or a sparse matrix of SciPy, of shape (N, V)
-misses       : array (N, 3): the target of each point, less where it is at rest
-rows         : array (K,) of int: the points that have targets; misses is (K, 3) then
-smoothing    : "none"; "tikhonov", small displacements; "laplacian", like those of the neighbours
-strength     : of smoothing against targets, 1e-4 to 1e4; 1 is about as much
-frozen       : array of int: vertices that stay
-undetermined : "smallest" of all displacements that fit as well; or "refuse" these
+misses       : array (N, 3): for each point its target minus its position at rest
+rows         : array (K,) of int: the points that have targets, if not all have; misses is then (K, 3)
+smoothing    : "none"; "tikhonov", small displacements; "laplacian", displacements like those of
+               neighbouring vertices
+strength     : weight of the smoothing, 1e-4 to 1e4; with 1 it counts about as much as the targets
+frozen       : array of int: lattice vertices that must not move
+undetermined : if the targets do not determine all vertices: "smallest" takes the smallest
+               displacements, "refuse" raises an error
 )");
 }
 
@@ -142,33 +149,35 @@ void addHolding(py::module_& module) {
     module.def("hold", &hold, "lattice"_a, py::kw_only(), "faces"_a = py::none(),
                "points"_a = py::none(), "level"_a = 3, "continuity"_a = "c1", "outside"_a = "keep",
                "tolerance"_a = 1e-6, R"(
-The vertices to freeze so that a part of what a lattice deforms stays, and meets what moves smoothly:
-array of int32, ascending, for fit(frozen=...) and DesignVariables.freeze().
+Returns the lattice vertices to freeze so that given faces or points stay where they are, and the rest
+joins them smoothly: array of int32, ascending, for fit(frozen=...) and DesignVariables.freeze().
 
 lattice    : Lattice at rest, or Refiner
 faces      : array of int, faces of the lattice to hold
-points     : array (N, 3), points to hold; level, outside and tolerance are as bind() takes them
-continuity : "c0", in place; "c1", with tangent planes; "c2", with curvatures, by the same vertices
+points     : array (N, 3), points to hold; level, outside and tolerance are as for bind()
+continuity : how the held part meets the rest: "c0", without a gap; "c1", with the same tangent planes;
+             "c2", with the same curvatures. "c1" and "c2" freeze the same vertices
 )");
     module.def("nest", &nest, "child"_a, "child_pose"_a, "parent"_a, "level"_a = 3, py::kw_only(),
                "outside"_a = "error", "tolerance"_a = 1e-6, R"(
-Carries points by a lattice, the child, that lies in another, the parent. Returns a StencilTable of
-shape (N, vertices of the parent).
+Combines two lattices: points move with a lattice, the child, whose vertices move with another, the
+parent. Returns a StencilTable of shape (N, vertices of the parent).
 
 child      : D of the child: Binding, StencilTable or a sparse matrix of SciPy, of shape (N, V)
-child_pose : array (V, 3): the child posed, where the parent is at rest
-parent     : Lattice at rest, or Refiner; level : of the parent
-outside    : of a vertex of the child that is outside of the parent: "nearest" takes it along, any
-             other word refuses it
+child_pose : array (V, 3): the pose of the child while the parent is at rest
+parent     : Lattice at rest, or Refiner
+level      : the level of the parent to bind the child's vertices to
+outside    : a vertex of the child outside the parent: "nearest" moves it with the nearest cell, any
+             other word raises an error
 )");
 }
 
 void addDesignVariables(py::module_& module) {
     py::class_<DesignVariables>(module, "DesignVariables", R"(
-The variables of a design: which displacements of the lattice an optimiser may choose. At first each
-coordinate of each vertex is one. matrix() is B, which makes displacements of variables.
+The variables that an optimiser may choose: at first one for each coordinate of each lattice vertex.
+matrix() returns B, which turns variables into displacements.
 
-vertex_count : V
+vertex_count : V, the number of lattice vertices
 )")
         .def(py::init<Index>(), "vertex_count"_a)
         .def(
@@ -182,7 +191,7 @@ vertex_count : V
             "or array (K,) of int")
         .def("link", &DesignVariables::link, "vertex"_a, "to"_a,
              "factors"_a = std::array<double, 3>{1, 1, 1},
-             "Makes a vertex move as another does, each coordinate times its factor.")
+             "Makes a vertex move like the vertex `to`, with each coordinate times its factor.")
         .def(
             "mirror",
             [](DesignVariables& self, const ArrayLike& positions, int axis, double at,
@@ -191,11 +200,11 @@ vertex_count : V
                 self.mirror(points, axis, at, tolerance);
             },
             "positions"_a, "axis"_a, "at"_a = 0.0, "tolerance"_a = 1e-9, R"(
-Links each vertex with its mirror image at a plane across an axis.
+Links each vertex with its mirror image in a plane that is normal to an axis.
 
 positions : array (V, 3), at rest
-axis, at  : the axis, 0 to 2, and where the plane is on it
-tolerance : how far an image may be from its vertex, in the units of the positions
+axis, at  : the axis, 0 to 2, and the coordinate of the plane on it
+tolerance : largest distance of a vertex from the mirror image of its partner
 )")
         .def(
             "scale",
@@ -205,15 +214,16 @@ tolerance : how far an image may be from its vertex, in the units of the positio
                     axis ? self.scale(vertex, *axis, unit) : self.scale(vertex, unit);
             },
             "vertices"_a, "unit"_a, "axis"_a = py::none(),
-            "Sets by how much vertices, or one coordinate of them, move when their variable grows "
-            "by 1. vertices : int, or array (K,) of int")
+            "Sets how far vertices, or one coordinate of them, move when their variable grows by "
+            "1. "
+            "vertices : int, or array (K,) of int")
         .def(
             "matrix",
             [](const DesignVariables& self) {
                 return sharedWithoutGil([&] { return self.matrix(); });
             },
-            "B: a StencilTable of shape (3 V, variables). Row 3 v + c is coordinate c of vertex "
-            "v, so that (B @ variables).reshape(V, 3) are displacements.");
+            "Returns B, a StencilTable of shape (3 V, variables). Row 3 v + c is coordinate c of "
+            "vertex v: (B @ variables).reshape(V, 3) are the displacements.");
     module.def(
         "jacobian",
         [](const TableLike& deformation, const TableLike& design) {
@@ -222,8 +232,8 @@ tolerance : how far an image may be from its vertex, in the units of the positio
             return sharedWithoutGil([&] { return solve::buildJacobian(*d, *b); });
         },
         "deformation"_a, "design"_a, R"(
-The derivatives of the points by the variables: a StencilTable of shape (3 N, variables), whose row
-3 i + c is coordinate c of point i.
+Returns the derivatives of the points with respect to the variables: a StencilTable of shape
+(3 N, variables), whose row 3 i + c is coordinate c of point i.
 
 deformation : D: Binding, StencilTable or a sparse matrix of SciPy, of shape (N, V)
 design      : B: DesignVariables.matrix()

@@ -16,14 +16,15 @@ using namespace py::literals;
 
 namespace {
 
-// SciPy converts a sparse matrix in C, by the arrays of the matrix, which anybody may have changed.
+// SciPy converts a sparse matrix in C and trusts its arrays, but anybody may have changed them. So
+// they are checked first.
 
 std::pair<Offset, Offset> shapeOf(const py::object& matrix) {
     return matrix.attr("shape").cast<std::pair<Offset, Offset>>();
 }
 
-/// An array of a matrix, which has to be one of integers, of one dimension.
-/// \throws Error naming it
+/// Returns an array of a matrix.
+/// \throws Error naming the array if it is not a one-dimensional array of integers
 py::array_t<Offset> integersOf(const py::object& matrix, const char* name) {
     const auto array = py::array::ensure(matrix.attr(name));
     if (!array || array.ndim() != 1 || array.dtype().kind() != 'i')
@@ -38,7 +39,8 @@ py::array_t<Offset> integersOf(const py::object& matrix, const char* name) {
     throw Error(concat(name, "[", at, "] is ", value, "; expected ", expected));
 }
 
-/// That the first `count` of some integers are there, and are numbers of rows or columns.
+/// Checks that an array of row or column numbers has `count` entries or more, all from 0 to bound
+/// - 1.
 void checkNumbers(const py::object& matrix, const char* name, Offset count, Offset bound) {
     const auto numbers = integersOf(matrix, name);
     if (numbers.size() < count)
@@ -54,8 +56,9 @@ Offset lengthOfData(const py::object& matrix) {
     return data.shape(0);
 }
 
-/// \param major how many rows, or columns, or rows of blocks
-/// \param minor how many of the other
+/// Checks the arrays of a compressed matrix.
+/// \param major number of rows (csr), columns (csc) or rows of blocks (bsr)
+/// \param minor number of the other
 void checkCompressed(const py::object& matrix, Offset major, Offset minor) {
     const auto offsets = integersOf(matrix, "indptr");
     if (offsets.size() != major + 1)
@@ -94,7 +97,7 @@ void checkMatrix(const py::object& matrix) {
     }
 }
 
-/// An array of a table, which lives as long as the array.
+/// Returns a view of an array of a table. The view keeps the table alive.
 template <class T>
 py::array arrayOf(std::span<const T> values, const std::shared_ptr<Table>& table) {
     return viewOf(values, py::cast(table));
@@ -102,7 +105,7 @@ py::array arrayOf(std::span<const T> values, const std::shared_ptr<Table>& table
 
 std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
     checkMatrix(matrix);
-    // Ascending columns, each once, without a change to what the caller has.
+    // Makes columns ascending and unique in a copy, since the matrix is the caller's.
     const py::object rows = matrix.attr("tocsr")("copy"_a = true);
     rows.attr("sum_duplicates")();
     const auto shape = shapeOf(rows);
@@ -138,7 +141,7 @@ std::shared_ptr<Table> tableOf(const TableLike& object) {
 py::object csrOf(const std::shared_ptr<Table>& table) {
     py::object columns = arrayOf(table->columns(), table);
     py::object offsets = arrayOf(table->offsets(), table);
-    // SciPy wants both in one width, and would make them so itself, by a copy.
+    // SciPy wants both in the same width, and would otherwise copy them itself.
     if (table->entryCount() <= kMaxIndex)
         offsets = offsets.attr("astype")("int32");
     else
@@ -147,7 +150,8 @@ py::object csrOf(const std::shared_ptr<Table>& table) {
     py::object matrix =
         type(py::make_tuple(arrayOf(table->weights(), table), columns, offsets),
              "shape"_a = py::make_tuple(table->rowCount(), table->columnCount()), "copy"_a = false);
-    // It is so; and SciPy could not sort what it must not write to.
+    // The columns are sorted and unique. Otherwise SciPy would try to sort arrays that are
+    // read-only.
     matrix.attr("has_canonical_format") = true;
     return matrix;
 }
@@ -157,17 +161,18 @@ void addStencilTable(py::module_& module) {
 A sparse matrix of weights in compressed sparse rows, double precision, immutable: result i is the
 sum over k from offsets[i] to offsets[i + 1] of weights[k] * source[columns[k]].
 
-matrix : a sparse matrix of SciPy, or a Binding. Of a matrix it is a copy, with columns ascending
+matrix : a sparse matrix of SciPy, which is copied, with columns ascending; or a Binding
 )");
     type.def(py::init([](const TableLike& matrix) { return tableOf(matrix); }), "matrix"_a)
         .def_property_readonly(
             "shape",
             [](const Table& self) { return std::pair(self.rowCount(), self.columnCount()); },
-            "Rows and columns: tuple of 2 int.")
+            "Numbers of rows and columns: tuple of 2 int.")
         .def_property_readonly("nnz", getter(&Table::entryCount), "Number of entries: int.")
         .def_property_readonly(
             "offsets", [](const Shared<Table>& self) { return arrayOf(self->offsets(), self); },
-            "Where rows begin: array (rows + 1,) of int64, read-only, not a copy.")
+            "The first entry of each row, and the end: array (rows + 1,) of int64, read-only, not "
+            "a copy.")
         .def_property_readonly(
             "columns",
             [](const Shared<Table>& self) { return arrayOf(std::as_const(*self).columns(), self); },
@@ -178,10 +183,10 @@ matrix : a sparse matrix of SciPy, or a Binding. Of a matrix it is a copy, with 
             "The weight of each entry: array (nnz,) of float64, read-only, not a copy.")
         .def(
             "csr", [](const Shared<Table>& self) { return csrOf(self); }, R"(
-The table as a scipy.sparse.csr_matrix over the same memory, which it keeps alive.
+Returns the table as a scipy.sparse.csr_matrix over the same memory, which the matrix keeps alive.
 
-Columns and weights are not copied, and are read-only; the offsets are, to 32 bits, since SciPy wants
-them in the width of the columns. (With 2^31 entries and more the columns are copied instead.)
+Columns and weights are read-only and not copied. The offsets are copied to 32 bits, since SciPy wants
+offsets and columns of the same width. (With 2^31 entries or more the columns are copied instead.)
 )")
         .def(
             "write",
@@ -189,14 +194,14 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
                 withoutGil([&] { io::writeMatrix(path, self); });
             },
             "path"_a,
-            "Writes the table for Matrix Market (.mtx), scipy.sparse.load_npz (.npz), numpy.load "
-            "(.npy: three files) or PETSc (.petsc).")
+            "Writes the table as Matrix Market (.mtx), for scipy.sparse.load_npz (.npz), for "
+            "numpy.load (.npy: three files) or for PETSc (.petsc).")
         .def(
             "transpose",
             [](const Table& self) {
                 return sharedWithoutGil([&] { return stencils::transposeTable(self); });
             },
-            "The transpose: a StencilTable of shape (columns, rows).")
+            "Returns the transpose: a StencilTable of shape (columns, rows).")
         .def("__repr__", [](const Table& self) {
             return concat("<espalier.StencilTable: ", self.rowCount(), " x ", self.columnCount(),
                           ", ", self.entryCount(), " entries>");

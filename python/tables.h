@@ -12,17 +12,17 @@ namespace espalier::python {
 
 using Table = stencils::StencilTable<double>;
 
-/// A StencilTable, a Binding or a sparse matrix of SciPy.
+/// An argument that is a StencilTable, a Binding or a sparse matrix of SciPy.
 struct TableKind {
     static constexpr auto kName = py::detail::const_name("StencilTable | Binding | csr_matrix");
 };
 using TableLike = Like<TableKind>;
 
-/// Its table; a copy of a matrix of SciPy's, no copy of what is ours.
-/// \throws py::type_error if it is none of these; Error for a matrix that is no table
+/// Returns the table of an argument. A matrix of SciPy is copied.
+/// \throws py::type_error if it is none of these; Error for a matrix that is not a valid table
 std::shared_ptr<Table> tableOf(const TableLike& object);
 
-/// A table compiled in a precision. Compiled is osd::CompiledTable or osd::CompiledAdjoint.
+/// Compiles a table in a precision. Compiled is osd::CompiledTable or osd::CompiledAdjoint.
 template <template <class> class Compiled, class Real>
 Compiled<Real> compile(const Table& table) {
     if constexpr (std::is_same_v<Real, double>)
@@ -31,7 +31,7 @@ Compiled<Real> compile(const Table& table) {
         return Compiled<Real>(stencils::convertTable<Real>(table));
 }
 
-/// A table as a scipy.sparse.csr_matrix over the same memory.
+/// Returns a table as a scipy.sparse.csr_matrix over the same memory.
 py::object csrOf(const std::shared_ptr<Table>& table);
 
 }  // namespace espalier::python

@@ -19,10 +19,11 @@ using namespace py::literals;
 
 namespace {
 
-/// The check of a level, or of the limit, for poses of the base.
+/// Checks poses of a lattice at one of its levels, or in the limit.
 class PoseCheck {
 public:
-    /// \param limit whether to check the limit of the base's cells; features are refined to `level`
+    /// \param limit whether to check the limits of the lattice's cells; irregular places are then
+    ///        refined to `level`
     PoseCheck(std::shared_ptr<const Refiner> refiner, int level, bool limit)
         : refiner_(std::move(refiner)),
           level_(limit ? 0 : level),
@@ -56,7 +57,7 @@ private:
     }
 
     std::shared_ptr<const Refiner> refiner_;
-    int level_;  ///< of the cells
+    int level_;  ///< level of the cells
     std::shared_ptr<const far::TopologyRefiner> levels_;
     solve::ValidityCheck check_;
 };
@@ -81,14 +82,14 @@ py::array_t<double> ratiosOf(const solve::PoseValidity& validity) {
 }
 
 void addResults(py::module_& module) {
-    py::class_<solve::PoseValidity>(
-        module, "PoseValidity",
-        "What a pose does to the cells of a level, or of a limit: see check().")
+    py::class_<solve::PoseValidity>(module, "PoseValidity",
+                                    "How a pose changes the volumes of cells: see check().")
         .def_property_readonly(
             "ratios", &ratiosOf,
-            "By what factor each cell's volume changes, the least over the "
-            "cell: array (C,) of float64; nan for cells that are bad at rest, or "
-            "shrink away in the limit.")
+            "For each cell the factor by which its volume changes, the smallest over the cell: "
+            "array "
+            "(C,) of float64; nan for cells that are flat or folded at rest, or that vanish in the "
+            "limit.")
         .def_property_readonly(
             "inverted", [](const solve::PoseValidity& self) { return toArray(self.inverted); },
             "The cells that the pose turns inside out, ascending: array of int32.")
@@ -98,18 +99,18 @@ void addResults(py::module_& module) {
                 if (!self.smallest) return std::nullopt;
                 return std::pair(self.smallest->cell, self.smallest->value);
             },
-            "The cell of the least ratio, and the ratio: tuple of int and float; None if all cells "
-            "are bad at rest, or shrink away.");
+            "The cell with the smallest ratio, and the ratio: tuple of int and float; None if no "
+            "cell has a ratio.");
     py::class_<solve::LargestStep>(module, "LargestStep",
-                                   "How far a lattice can go towards a pose.")
+                                   "How far a lattice can move towards a pose before a cell folds.")
         .def_readonly("length", &solve::LargestStep::length,
-                      "Up to here no cell is inverted, as a part of the way from rest to pose: "
+                      "No cell is inverted up to this fraction of the way from rest to pose: "
                       "float.")
         .def_readonly("limiting_cell", &solve::LargestStep::limitingCell,
-                      "A cell of the level that could not be proved valid further on: int; None "
-                      "where the length is the most.")
+                      "A cell that could not be proved valid beyond the length: int; None if the "
+                      "length is `most`.")
         .def_readonly("is_tight", &solve::LargestStep::isTight,
-                      "Whether that cell is sure to go bad right after: bool.");
+                      "Whether that cell certainly folds just beyond the length: bool.");
 }
 
 }  // namespace
@@ -117,19 +118,19 @@ void addResults(py::module_& module) {
 void addValidity(py::module_& module) {
     addResults(module);
     py::class_<PoseCheck>(module, "ValidityCheck", R"(
-Tells where poses of a lattice turn cells of a level inside out. Cells are numbered as in
-refine(lattice, level). In the limit they are those of the lattice itself.
+Finds the cells of a level that poses of a lattice turn inside out. Cells are numbered as in
+refine(lattice, level); with limit=True they are the cells of the lattice itself.
 
 lattice : Lattice at rest, or Refiner
-level   : 1 or more; in the limit, how far irregular features are refined, 1 to 15
-limit   : whether to check the limit volume of the lattice's cells instead
+level   : 1 or more; with limit=True the level that irregular places are refined to, 1 to 15
+limit   : whether to check the limits of the lattice's cells instead of the cells of a level
 )")
         .def(py::init(&makeCheck), "lattice"_a, "level"_a = 3, "limit"_a = false)
         .def_property_readonly(
             "bad_at_rest", [](const PoseCheck& self) { return toArray(self.badAtRest()); },
             "The cells that are flat or folded at rest, ascending: array of int32.")
         .def("check", &checkPose, "pose"_a,
-             "What a pose, array (V, 3) of the base vertices, does: PoseValidity.")
+             "Checks a pose, array (V, 3) of the lattice vertices. Returns a PoseValidity.")
         .def(
             "largest_step",
             [](const PoseCheck& self, const ArrayLike& pose, double most) {
@@ -137,24 +138,27 @@ limit   : whether to check the limit volume of the lattice's cells instead
                 return withoutGil([&] { return self.largestStep(points, most); });
             },
             "pose"_a, "most"_a = 1.0, R"(
-How far the lattice can go from rest towards a pose before a cell folds: LargestStep.
+Finds how far the lattice can move from rest towards a pose before a cell folds. Returns a
+LargestStep.
 
-pose : array (V, 3); most : how far to look, 1 is the whole way, up to 1e6
+pose : array (V, 3)
+most : how far to look, up to 1e6; 1 is the whole way
 )")
         .def("base_cell", &PoseCheck::baseCell, "cell"_a,
-             "The cell of the base that a cell of the level descends from: int.");
+             "Returns the cell of the lattice that contains a cell of the level: int.");
     module.def(
         "check",
         [](const RefinerLike& lattice, const ArrayLike& pose, int level, bool limit) {
             return checkPose(*makeCheck(lattice, level, limit), pose);
         },
         "lattice"_a, "pose"_a, "level"_a = 3, "limit"_a = false, R"(
-What a pose does to the cells of a level of a lattice: PoseValidity. For many poses: ValidityCheck.
+Finds the cells of a level that a pose of a lattice turns inside out. Returns a PoseValidity. For many
+poses of one lattice use ValidityCheck.
 
 lattice : Lattice at rest, or Refiner
 pose    : array (V, 3)
 level   : 1 or more
-limit   : as of ValidityCheck
+limit   : as for ValidityCheck
 )");
 }
 

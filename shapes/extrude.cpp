@@ -164,8 +164,8 @@ void requireVolumes(const Lattice& mesh, const Lattice& lattice, const Point3& d
         if (cosine > kAlong) continue;
         const std::string name = concat("extrude: face ", face, " of the mesh ");
         if (cosine < -kAlong)
-            throw Error(name + "looks against the direction " + textOf(direction) +
-                        ", other than its neighbours; its cells would have a negative volume");
+            throw Error(name + "faces away from the direction " + textOf(direction) +
+                        ", unlike its neighbours; its cells would have a negative volume");
         throw Error(name + "lies along the direction " + textOf(direction) +
                     " or has no area; its cells would have no volume");
     }

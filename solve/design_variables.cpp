@@ -107,9 +107,10 @@ void DesignVariables::scale(Index vertex, double unit) {
 double DesignVariables::joinedFactor(Index coordinate, Index to, double factor) {
     const double joined = factor * rootOf(to).factor / rootOf(coordinate).factor;
     if (!std::isnormal(joined) || !std::isnormal(1 / joined))
-        throw Error(concat(
-            "vertices ", coordinate / 3, " and ", to / 3,
-            " cannot be linked: with the links that they have, the factor between is ", joined));
+        throw Error(
+            concat("vertices ", coordinate / 3, " and ", to / 3,
+                   " cannot be linked: with their other links, the factor between them would be ",
+                   joined));
     return joined;
 }
 

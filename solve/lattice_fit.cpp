@@ -56,7 +56,7 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
                 concat("vertex ", vertex, " cannot be frozen; the lattice has ", base.count(0)));
     constexpr double kLeast = 1e-4, kMax = 1e4;
     if (!(options.strength >= kLeast && options.strength <= kMax))
-        throw Error(concat("a strength of ", options.strength, "; expected 0.0001 to 10000"));
+        throw Error(concat("the strength is ", options.strength, "; expected 0.0001 to 10000"));
 }
 
 /// Throws an error that names the target farthest from its point.
@@ -67,9 +67,9 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
     };
     const auto farthest = std::ranges::max_element(misses, {}, size);
     const auto row = static_cast<Index>(farthest - misses.begin());
-    throw TargetError(row, concat("the target of point ", row,
-                                  " is too far from the point for the square of the distance to be "
-                                  "a number"));
+    throw TargetError(row,
+                      concat("the target of point ", row,
+                             " is too far from the point: the square of the distance overflows"));
 }
 
 /// The vertices that may move.
@@ -81,7 +81,7 @@ struct FreeVertices {
         for (const Index vertex : frozen) isFree[vertex] = 0;
         for (Index vertex = 0; vertex < count; ++vertex)
             if (isFree[vertex]) vertices.push_back(vertex);
-        if (vertices.empty()) throw Error("all vertices are frozen");
+        if (vertices.empty()) throw Error("all vertices are frozen: no vertex is left to move");
     }
 
     Index count() const { return static_cast<Index>(vertices.size()); }
@@ -212,7 +212,8 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
         Eigen::Index most = 0;
         least.direction.cwiseAbs().maxCoeff(&most);
         throw Error(concat("the targets leave vertex ", free.vertices[static_cast<Index>(most)],
-                           " of the lattice undetermined"));
+                           " of the lattice undetermined; add targets or smoothing, or take "
+                           "the smallest displacements"));
     }
 
     Columns wanted(deformation.rowCount(), 3);

@@ -212,7 +212,7 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
 LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most) const {
     constexpr double kMaxAsked = 1e6;
     if (!(most > 0 && most <= kMaxAsked))
-        throw Error(concat("the largest step was asked for up to ", most,
+        throw Error(concat("the largest step to look for is ", most,
                            "; expected a number above 0, up to a million"));
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), pose, "pose");

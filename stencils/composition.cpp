@@ -50,7 +50,8 @@ void checkVertices(const far::TopologyRefiner& refiner, int level,
     for (const Index vertex : vertices)
         if (vertex < 0 || vertex >= count)
             throw Error("there is no vertex " + std::to_string(vertex) + " on level " +
-                        std::to_string(level) + ", which has " + std::to_string(count));
+                        std::to_string(level) + ", which has " + std::to_string(count) +
+                        " vertices");
 }
 
 CompactTable compactColumns(StencilTable<double> table) {

@@ -145,7 +145,8 @@ StencilTable<Real> interleaveRows(const std::vector<const StencilTable<Real>*>& 
     for (std::size_t t = 1; t < tables.size(); ++t)
         if (tables[t]->rowCount() != rowCount || tables[t]->columnCount() != columnCount)
             throw Error("table " + std::to_string(t) + " is " + size(*tables[t]) +
-                        ", but table 0 is " + size(*tables[0]) + ": they can not be interleaved");
+                        ", but table 0 is " + size(*tables[0]) +
+                        "; tables that are interleaved have the same size");
     const auto count = static_cast<Offset>(tables.size());
     if (rowCount * count > kMaxIndex)
         throw Error(std::to_string(count) + " tables of " + std::to_string(rowCount) +

@@ -91,8 +91,7 @@ public:
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             const auto number = loadNumber<Stored>(stored.data() + i * sizeof(Stored), order_);
             if (!fitsInto<Number>(number))
-                throw CodingError(
-                    concat("number ", i, " is ", number, ", beyond what can be held"));
+                throw CodingError(concat("number ", i, " is ", number, ", which is out of range"));
             numbers[i] = static_cast<Number>(number);
         }
         return numbers;

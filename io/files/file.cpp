@@ -162,7 +162,7 @@ void writeFiles(const std::vector<FileToWrite>& files) {
     moveToTargets(written);
     blocked.reset();
     for (const Written& each : written)
-        withFileErrors(each.toWrite.path, "is written, but may not outlast a loss of power",
+        withFileErrors(each.toWrite.path, "is written, but may be lost if power fails now",
                        [&] { each.file.syncFolder(); });
 }
 

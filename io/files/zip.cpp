@@ -21,7 +21,7 @@ ByteInput inputAt(std::string_view bytes) {
 /// Returns the bytes from offset `place` on. Throws if the archive is shorter.
 std::string_view bytesFrom(std::string_view archive, std::uint64_t place) {
     if (place > archive.size())
-        throw CodingError(concat("is damaged: it names byte ", place, " of ", archive.size()));
+        throw CodingError(concat("is damaged: it refers to byte ", place, " of ", archive.size()));
     return archive.substr(place);
 }
 
@@ -38,7 +38,7 @@ std::size_t findDirectoryEnd(std::string_view archive) {
             if (commentSize == in.left()) return at;
         }
     }
-    throw CodingError("is not a ZIP archive, or is cut off: the end of its directory is not there");
+    throw CodingError("is not a ZIP archive, or is cut off: the end of its directory is missing");
 }
 
 struct Directory {
@@ -109,13 +109,13 @@ ZipReader::ZipReader(std::string_view archive) : archive_(archive) {
             throw CodingError("claims more bytes in its members than the file has");
         left -= member.compressedSize;
         if (!members_.emplace(std::move(name), member).second)
-            throw CodingError("has two members of one name");
+            throw CodingError("has two members of the same name");
     }
 }
 
 ZipReader::Member ZipReader::readMember(ByteInput& in, std::string& name) {
     if (in.number<std::uint32_t>() != kZipDirectoryEntry)
-        throw CodingError("is damaged: its directory is not one");
+        throw CodingError("is damaged: its directory cannot be read");
     Member member{};
     in.bytes(2 + 2);  // versions
     member.flags = in.number<std::uint16_t>();
@@ -140,7 +140,7 @@ ZipReader::Member ZipReader::readMember(ByteInput& in, std::string& name) {
 std::string_view ZipReader::compressedBytes(std::string_view name, const Member& member) const {
     ByteInput in = inputAt(bytesFrom(archive_, member.place));
     if (in.number<std::uint32_t>() != kZipLocalHeader)
-        throw CodingError("is damaged: it is not where the directory says");
+        throw CodingError("is damaged: it is not at the place that the directory names");
     in.bytes(5 * 2 + 3 * 4);  // as in the directory
     const auto nameSize = in.number<std::uint16_t>();
     const auto extraSize = in.number<std::uint16_t>();

@@ -117,10 +117,11 @@ Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder bui
     checkFinite(path, parts.positions);
     for (const VertexAttribute& attribute : parts.attributes)
         if (attribute.name.starts_with(kReservedNames))
-            throw FileError(path, concat("the attribute ", inQuotes(attribute.name), " has ",
-                                         attribute.components,
-                                         " components and is no known mark; names that begin with ",
-                                         inQuotes(kReservedNames), " are kept for marks"));
+            throw FileError(
+                path,
+                concat("the attribute ", inQuotes(attribute.name), " has ", attribute.components,
+                       " components and is not a known mark; names that begin with ",
+                       inQuotes(kReservedNames), " are reserved for marks: rename the attribute"));
     parts.complex = withPathAndDroppedInErrors(path, dropped, [&] { return builder.build(); });
     parts.marks = withPathInErrors(path, [&] {
         return canonicalMarks(parts.complex, marksWithout(dropped, parts.complex, parts.marks));
@@ -148,8 +149,9 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
         if (attribute.name.empty())
             throw FileError(path, "cannot be written: an attribute has no name");
         if (attribute.name.starts_with(kReservedNames))
-            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
-                                      " has a name that is kept for marks");
+            throw FileError(path,
+                            "cannot be written: the attribute " + inQuotes(attribute.name) +
+                                " has a name that is reserved for marks: rename the attribute");
         const std::size_t components = std::max(attribute.components, 0);
         if (components == 0 || attribute.values.size() != components * vertexCount)
             throw FileError(

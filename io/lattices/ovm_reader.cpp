@@ -118,7 +118,7 @@ private:
     void readFaces() {
         faces_.resize(beginSection("Faces", 2));
         for (std::size_t face = 0; face < faces_.size(); ++face) {
-            const std::size_t valence = text_.count("the valence of a face", 2);
+            const std::size_t valence = text_.count("the number of edges of a face", 2);
             Index firstTail = 0;
             Index before = 0;
             for (std::size_t i = 0; i < valence; ++i) {
@@ -146,7 +146,7 @@ private:
         cellCount_ = beginSection("Polyhedra", 2);
         std::vector<Loop> loops;
         for (std::size_t cell = 0; cell < cellCount_; ++cell) {
-            loops.resize(text_.count("the valence of a polyhedron", 2));
+            loops.resize(text_.count("the number of faces of a polyhedron", 2));
             for (Loop& loop : loops) {
                 const std::size_t halfFace = readIndex(2 * faces_.size(), "a half-face");
                 isFaceUsed_[halfFace / 2] = true;

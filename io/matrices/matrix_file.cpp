@@ -21,7 +21,8 @@ Reader readerOf(const std::filesystem::path& path) {
         throw FileError(path,
                         "cannot be read as a matrix: arrays in .npy files do not have its "
                         "number of columns; expected .mtx, .npz or .petsc");
-    throw FileError(path, "is not a matrix format that is read; expected .mtx, .npz or .petsc");
+    throw FileError(path,
+                    "is not of a matrix format that can be read; expected .mtx, .npz or .petsc");
 }
 
 }  // namespace
@@ -44,7 +45,7 @@ void writeMatrix(const std::filesystem::path& path, const StencilTable<Real>& ta
     if (extension == ".npz") return writeNpz(path, table);
     if (extension == ".npy") return writeNpyArrays(path, table);
     if (extension == ".petsc") return writePetscBinary(path, table, options.petscIntegers);
-    throw FileError(path, "is not a matrix format; expected .mtx, .npz, .npy or .petsc");
+    throw FileError(path, "is not of a matrix format; expected .mtx, .npz, .npy or .petsc");
 }
 
 StencilTable<double> readMatrix(const std::filesystem::path& path) {

@@ -32,9 +32,10 @@ public:
         };
         for (const Index column : columns)
             if (column < 0 || column >= columnCount_)
-                fail(concat("names column ", column, " of ", columnCount_));
+                fail(concat("names column ", column, "; there are ", columnCount_));
         for (const double weight : weights)
-            if (!std::isfinite(weight)) fail(concat("has a weight of ", weight));
+            if (!std::isfinite(weight))
+                fail(concat("has the weight ", weight, ", which is not finite"));
         if (isAscending()) return;
 
         entries_.clear();
@@ -68,8 +69,9 @@ StencilTable<double> tableOfRows(Index columnCount, Array<Offset> offsets, Array
     const auto entryCount = static_cast<Offset>(columns.size());
     if (weights.size() != columns.size())
         throw CodingError(concat("has ", entryCount, " columns and ", weights.size(),
-                                 " weights; expected as many"));
-    if (offsets.empty()) throw CodingError("has no offsets of rows; expected one more than rows");
+                                 " weights; expected the same number"));
+    if (offsets.empty())
+        throw CodingError("has no row offsets; expected one more than there are rows");
     matrixSize(static_cast<std::int64_t>(offsets.size()) - 1, "rows");
     if (offsets.front() != 0 || offsets.back() != entryCount)
         throw CodingError(concat("has rows from entry ", offsets.front(), " to ", offsets.back(),

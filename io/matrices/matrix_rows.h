@@ -31,8 +31,8 @@ void checkFinite(const stencils::StencilTable<Real>& table) {
     for (Index row = 0; row < table.rowCount(); ++row)
         for (const Real weight : table.weights(row))
             if (!std::isfinite(weight))
-                throw Error(concat("row ", row, " of the table has a weight of ", weight,
-                                   "; matrices are written of finite weights"));
+                throw Error(concat("row ", row, " of the table has the weight ", weight,
+                                   "; only finite weights can be written"));
 }
 
 }  // namespace espalier::io

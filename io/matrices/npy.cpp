@@ -129,7 +129,7 @@ private:
     }
 
     [[noreturn]] void fail(const std::string& expected) const {
-        throw CodingError("has a malformed head; expected " + expected +
+        throw CodingError("has a malformed header; expected " + expected +
                           (text_.empty() ? " before its end" : ", got " + inQuotes(text_)));
     }
 

@@ -82,7 +82,7 @@ StencilTable<double> readArchive(const ZipReader& zip) {
     auto offsets = readArray(zip, "indptr", offsetCount, npyNumbers<Offset>);
     if (offsets.size() != offsetCount)
         throw CodingError(concat("indptr.npy: has ", offsets.size(), " numbers for ", rowCount,
-                                 " rows; expected one more than rows"));
+                                 " rows; expected one more than there are rows"));
     const std::size_t entries = std::max<Offset>(offsets[offsets.size() - 1], 0);
     auto columns = readArray(zip, "indices", entries, npyNumbers<Index>);
     auto weights = readArray(zip, "data", entries, npyNumbers<double>);

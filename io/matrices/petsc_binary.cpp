@@ -48,7 +48,7 @@ StencilTable<double> read(ByteInput& in) {
     const Index columnCount = matrixSize(in.number<Integer>(), "columns");
     const Offset entryCount = in.number<Integer>();
     constexpr Offset kDense = -1;  // MATRIX_BINARY_FORMAT_DENSE
-    if (entryCount == kDense) throw CodingError("is of a dense matrix; expected a sparse one");
+    if (entryCount == kDense) throw CodingError("holds a dense matrix; expected a sparse one");
 
     const std::uint64_t left = in.left();
     const std::uint64_t lengthBytes = static_cast<std::uint64_t>(rowCount) * sizeof(Integer);
@@ -75,7 +75,7 @@ void writePetscBinary(const std::filesystem::path& path, const StencilTable<Real
     if (integers == PetscInt::Bits32 &&
         table.entryCount() > std::numeric_limits<std::int32_t>::max())
         throw Error(concat("the table has ", table.entryCount(),
-                           " entries, which take a PETSc of 64-bit indices"));
+                           " entries, which needs PETSc with 64-bit indices"));
     writeFile(path, [&](std::ostream& stream) {
         ByteOutput out(stream, std::endian::big);
         if (integers == PetscInt::Bits32)

@@ -40,8 +40,9 @@ const char* axisName(std::size_t axis) {
 
 double roundTo(Precision precision, double value, std::size_t point) {
     if (isTooLarge(precision, value))
-        throw Error(concat("the new position of point ", point, " holds ", formatNumber(value),
-                           ", which is more than the floats of its format hold"));
+        throw Error(concat("the new position of point ", point, " has the coordinate ",
+                           formatNumber(value),
+                           ", which is too large for the single precision of the file"));
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
@@ -86,7 +87,7 @@ double parseCoordinate(std::string_view word, std::size_t axis, Precision precis
     if (word.empty()) fail("the line ends");
     if (!parseNumber(word, value)) fail(inQuotes(word) + " is not a number");
     if (!std::isfinite(value)) fail(inQuotes(word) + " is not finite");
-    if (isTooLarge(precision, value)) fail(inQuotes(word) + " is more than a float holds");
+    if (isTooLarge(precision, value)) fail(inQuotes(word) + " is too large for single precision");
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 

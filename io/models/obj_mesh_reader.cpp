@@ -336,8 +336,9 @@ public:
         });
         const bool isCurve = faces_.count() == 0 && !lineStatements_.empty();
         if (faces_.count() == 0 && !isCurve)
-            throw far::TopologyError(far::TopologyCause::EmptyComplex, {2, 0},
-                                     shownPath(path_) + ": there is no face, and no line");
+            throw far::TopologyError(
+                far::TopologyCause::EmptyComplex, {2, 0},
+                shownPath(path_) + ": there is no face and no line, so neither a mesh nor a curve");
         std::vector<Index> dropped;
         mesh_.complex = isCurve ? buildCurve(dropped) : buildMesh();
         mesh_.marks = tags_.marks(mesh_.complex, dropped);

@@ -188,7 +188,7 @@ private:
                   const PlyProperty& property) const {
         std::uint64_t left = 0;
         if (!parseNumber(length, left))
-            lines_.fail(inQuotes(length) + " is not the length of a list; expected that of " +
+            lines_.fail(inQuotes(length) + " is not a length; expected the length of the list " +
                         inQuotes(property.name));
         for (; left > 0; --left) needWord(line, property);
     }
@@ -252,7 +252,9 @@ private:
         const NumberType type = *property.lengthType;
         const std::size_t at = take(1, byteSize(type), property);
         const std::int64_t length = loadInteger(bytes_.data() + at, type, order_);
-        if (length < 0) fail(concat("a list ", inQuotes(property.name), " of length ", length));
+        if (length < 0)
+            fail(concat("a list ", inQuotes(property.name), " has the length ", length,
+                        "; expected 0 or more"));
         take(static_cast<std::uint64_t>(length), byteSize(property.type), property);
     }
 

@@ -135,7 +135,7 @@ private:
     static void expect(TextReader& reader, const char* keyword) {
         const std::string_view word = reader.token(keyword);
         if (lowerCase(word) != keyword)
-            reader.fail(inQuotes(word) + "; expected " + inQuotes(keyword));
+            reader.fail("expected " + inQuotes(keyword) + ", got " + inQuotes(word));
     }
 
     void readSolid(TextReader& reader, const std::filesystem::path& path) {

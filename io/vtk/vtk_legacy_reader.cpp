@@ -273,8 +273,8 @@ private:
         owner_ = owner;
         tupleCount_ = text().number<std::uint64_t>(what);
         if (tupleCount_ != expected)
-            text().fail(concat("there are data for ", tupleCount_, " ", what,
-                               ", of which there are ", expected));
+            text().fail(
+                concat("the data are for ", tupleCount_, " ", what, ", but there are ", expected));
     }
 
     void readAttribute(const std::string& keyword) {

@@ -421,10 +421,12 @@ template <class Real>
 CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> kept,
                                      std::span<const Point3> keptAt) {
     if (kept.size() != keptAt.size())
-        throw Error(concat(kept.size(), " points are kept, at ", keptAt.size(), " positions"));
+        throw Error(concat("got ", kept.size(), " kept points, but ", keptAt.size(),
+                           " positions for them"));
     for (const Index point : kept)
         if (point < 0 || point >= pointCount)
-            throw Error(concat("the kept point ", point, " is not one of ", pointCount));
+            throw Error(
+                concat("there is no point ", point, " to keep; there are ", pointCount, " points"));
     std::vector<Real> positions;
     for (const Point3& position : keptAt)
         for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));

@@ -135,7 +135,8 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     const auto addStep = [&](std::vector<Offset> stepOffsets) {
         if (placeCount > std::numeric_limits<Index>::max())
             throw Error(concat("the adjoint of this table has ", placeCount,
-                               " sums on the way, which are too many"));
+                               " partial sums; at most ", std::numeric_limits<Index>::max(),
+                               " are possible"));
         SparseArrays<Real> rows;
         rows.ownOffsets = std::move(stepOffsets);
         rows.ownColumns.assign(summands.begin(), summands.end());

@@ -14,16 +14,16 @@ it. That makes one sparse matrix D: for a pose p' of the lattice the points are 
     gradient = binding.adjoint(by_points)            # array (V, 3): D.T @ by_points
     D = binding.matrix                               # scipy.sparse.csr_matrix (N, V)
 
-Arrays of positions have shape (count, 3) and any unit of length; angles are in radians. What is
-wrong with an argument is said by a ValueError that names it; what would take more memory than a
-MemoryLimit allows is a MemoryError.
+Arrays of positions have shape (count, 3) and any unit of length; angles are in radians. A wrong
+argument raises a ValueError that names it. Work that would take more memory than a MemoryLimit allows
+raises a MemoryError.
 
-Other threads of Python run during long calls, but not while arguments and results become arrays and
-lists. Ctrl-C ends refining, binding, evaluating and checking before long; what one core does alone
+Other threads of Python run during long calls, but not while arguments and results are converted to
+arrays and lists. Ctrl-C soon ends refining, binding, evaluating and checking; work on a single core
 (reading and writing files, compiling tables, fit()) is finished first. Everything but
 DesignVariables may be used from many threads at once.
 
-Lattice, StencilTable and Binding can be pickled. A copy of one is itself, since they never change.
+Lattice, StencilTable and Binding can be pickled. They never change, so a copy is the object itself.
 """
 
 import enum
@@ -66,27 +66,27 @@ __all__ = [
 
 
 class PointStatus(enum.IntEnum):
-    """How binding went for a point: the values of Binding.statuses."""
+    """Whether a bound point is inside the lattice: the values of Binding.statuses."""
 
-    INSIDE = 0  # in a cell, in the gap between two, or within the tolerance
-    OUTSIDE = 1  # of what the cells fill
-    NOT_CONVERGED = 2  # no place gives it back: a degenerate cell
+    INSIDE = 0  # in a cell, in a gap between two cells, or within the tolerance
+    OUTSIDE = 1  # outside the region that the cells fill
+    NOT_CONVERGED = 2  # could not be placed: its cell is degenerate, or a coordinate is not finite
 
 
 def compare(lattice, level=3):
     """Compares the surface of a lattice, or a mesh, with OpenSubdiv's, level by level.
 
-    lattice : Lattice, or Refiner where the rules are not the usual ones
-    level   : the last one to compare, 1 or more
+    lattice : Lattice, or Refiner for rules other than the defaults
+    level   : the last level to compare, 1 or more
 
     Returns an Agreement: agrees, levels (each with counts, topology_difference, and the largest
-    differences of positions and weights) and a note. ImportError where Espalier was built without
-    OpenSubdiv, or that is not installed.
+    differences of positions and weights) and a note. Raises ImportError if Espalier was built without
+    OpenSubdiv, or OpenSubdiv is not installed.
     """
     try:
         from . import _compare
     except ImportError as error:
-        raise ImportError("espalier.compare() needs OpenSubdiv, and a build with it: "
+        raise ImportError("espalier.compare() needs OpenSubdiv, and Espalier built with it: "
                           f"{error}") from error
     refiner = lattice if isinstance(lattice, Refiner) else Refiner(lattice)
     return _compare.compare(refiner, level)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The inventory of lattices (MacCracken & Joy 1996, section 5), and merging them."""
+"""Ready-made lattices (MacCracken & Joy 1996, section 5), and merging of lattices."""
 
 from ._core._shapes import *
 

@@ -22,9 +22,10 @@ TEST(MemoryLimit, WithoutALimitNothingIsRefused) {
 TEST(MemoryLimit, RefusesWorkBeyondTheLimitByName) {
     const MemoryLimit limit(residentMemory() + kGigabyte);
     EXPECT_NO_THROW(requireMemory(kGigabyte / 2, "a part"));
-    EXPECT_THAT([] { requireMemory(2 * kGigabyte, "level 15"); },
-                ThrowsMessage<MemoryError>(AllOf(StartsWith("level 15 takes some 2.0 GB of memory"),
-                                                 HasSubstr("the limit is"))));
+    EXPECT_THAT(
+        [] { requireMemory(2 * kGigabyte, "level 15"); },
+        ThrowsMessage<MemoryError>(
+            AllOf(StartsWith("level 15 takes about 2.0 GB of memory"), HasSubstr("the limit is"))));
     EXPECT_THROW(requireMemory(~std::uint64_t{0}, "everything"), MemoryError);
 }
 
@@ -58,7 +59,7 @@ TEST(MemoryLimit, RefusesALevelBeforeMakingTheLevelsBelow) {
     TopologyRefiner refiner = refined(grid({4, 4, 4}), 1);
     const MemoryLimit limit(residentMemory() + kGigabyte);
     EXPECT_THAT([&] { refiner.refineUniform(7); },
-                ThrowsMessage<MemoryError>(StartsWith("level 7 takes some ")));
+                ThrowsMessage<MemoryError>(StartsWith("level 7 takes about ")));
     EXPECT_EQ(refiner.maxLevel(), 1);
     refiner.refineUniform(2);
     EXPECT_EQ(refiner.maxLevel(), 2);

@@ -192,7 +192,7 @@ static void check_poses(int32_t of_limit) {
     ratios[0] = result.smallest_ratio = step.length = -7;
     INVALID(espalier_validity_check(validity, 26, pose, 0, NULL, &result), "got 26");
     INVALID(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count - 1, ratios, &result),
-            "cells of room");
+            "cells in the array");
     INVALID(espalier_validity_check(NULL, BOX_VERTICES, pose, 0, NULL, &result),
             "validity is null");
     INVALID(espalier_validity_check(validity, BOX_VERTICES, NULL, 0, NULL, &result),

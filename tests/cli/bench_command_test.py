@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What bench measures, and that its figures fit one another. Not how quick anything is.
+"""Checks what bench measures, and that its figures are consistent. Speed is not checked.
 
     bench_command_test.py PATH_OF_ESPALIER
 """
@@ -42,11 +42,11 @@ class Bench(CliTest):
         return {name: self.bytes(name) for name in os.listdir(self.path)}
 
     def assert_close_ratio(self, number, expected):
-        # Each is a few products and quotients: a rounding of 1.1e-16 each.
+        # Each figure is a few products and quotients, rounded by 1.1e-16 each.
         self.assertAlmostEqual(number / expected, 1, delta=1e-14)
 
     def check(self, report, has_factors=True):
-        """Every row is there, once, and each figure follows from the others."""
+        """Every row is listed once, and each figure follows from the others."""
         threads = [triad["threads"] for triad in report["triad"]]
         rows = {(row["evaluator"], row["precision"], row["poses"], row["threads"]): row
                 for row in report["apply"]}
@@ -62,7 +62,7 @@ class Bench(CliTest):
         vertices = 0
         if has_factors:
             vertices = report["factors"]["vertices"]
-            # Offsets of 8 bytes, columns of 4, weights of 8.
+            # Offsets take 8 bytes, columns 4, weights 8.
             self.assertEqual(stages["binding in factors"], 8 * (vertices + 1) + 8 * (points + 1) +
                              12 * report["factors"]["entries"])
         for (evaluator, precision, poses, count), row in rows.items():
@@ -70,7 +70,7 @@ class Bench(CliTest):
             table, between = {
                 "csr": (8 * (points + 1) + (4 + real) * entries, 0),
                 "compiled": (stages["compiling " + precision], 0),
-                # Values of vertices are written, and read.
+                # The values of the vertices are written once and read once.
                 "factors": (stages.get("compiling factors, " + precision), 2 * vertices),
             }[evaluator]
             self.assertGreater(row["milliseconds"], 0)
@@ -91,11 +91,11 @@ class Bench(CliTest):
         self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0})
         self.assertIn(report["kernels"], ["baseline", "avx2", "avx512"])
         threads = self.check(report)
-        # One thread alone on one core, and in a build without oneTBB.
+        # On one core, and in a build without oneTBB, there is only one thread.
         cores = len(os.sched_getaffinity(0))
         self.assertIn(threads, [[1], *([1, most] for most in range(2, cores + 1))])
         stages = {stage["name"]: stage for stage in report["stages"]}
-        # Offsets of 8 bytes; columns and weights of 4.
+        # Offsets take 8 bytes, columns and weights 4.
         self.assertEqual(stages["rounding to float"]["bytes"],
                          8 * 501 + 8 * report["matrix"]["entries"])
         self.assertGreater(report["peak_memory"], report["matrix"]["bytes"])
@@ -125,8 +125,8 @@ class Bench(CliTest):
         self.assertEqual(report["matrix"]["entries"], 0)
         self.assertEqual(report["factors"], {"vertices": 0, "entries": 0})
         self.check(report)
-        # Far along the tangent weights are large and of both signs: results are within the bound
-        # all the same, which goes by the sizes of products, not by their sum. So they are in W.
+        # Far along the tangent, the weights of D and W are large and of both signs. Results are still
+        # within the bound, which depends on the sizes of products, not on their sum.
         report = self.report("--outside", "nearest", "--threads", 1)
         self.assertGreater(report["factors"]["vertices"], 0)
         self.check(report)
@@ -135,7 +135,7 @@ class Bench(CliTest):
             self.check(self.report("--outside", "nearest", "--threads", 1))
 
     def test_factors_of_many_points_are_small(self):
-        # Rows of 8 vertices for those of D of up to 18, all that there are; and few vertices.
+        # A row of W has 8 entries, a row of D up to 18, which are all vertices of the lattice.
         self.write_model(icosphere_points(5000))
         report = self.report("-n", 2, "--threads", 1)
         self.check(report)
@@ -143,21 +143,21 @@ class Bench(CliTest):
         self.assertLess(report["factors"]["entries"], report["matrix"]["entries"] / 2)
 
     def test_lattices_of_all_sizes(self):
-        # Also where floats end: what is small is rounded to multiples of the least.
+        # Also at the ends of the range of float: small numbers are rounded to multiples of the smallest.
         for scale in [1e-43, 1e-20, 1e20]:
             self.write_model([(x * scale, y * scale, z * scale)
                               for x, y, z in icosphere_points(20)])
             self.run_program("shape", "box", "--max", scale, scale, scale, "-o", "rest.ovm")
             self.check(self.report("-n", 1, "--threads", 1))
         self.run_program("shape", "box", "--max", 1e100, 1, 1, "-o", "rest.ovm")
-        self.assertIn("rest.ovm: vertex 1 is at 1e+100", self.error_of(*self.command))
+        self.assertIn("rest.ovm: vertex 1 has the coordinate 1e+100", self.error_of(*self.command))
 
     def test_text(self):
         lines = self.run_program(*self.command, "-n", 1).stdout.splitlines()
         stages = [re.split("  +", line)[0] for line in lines]
         for stage in STAGES:
             self.assertEqual(stages.count(stage), 1, stage)
-        # One column for the labels, as wide as the longest of them.
+        # The column of labels is as wide as the longest label.
         matrix = next(line for line in lines if line.startswith("matrix"))
         self.assertEqual(len(matrix) - len(matrix[6:].lstrip()),
                          max(len(stage) for stage in STAGES) + 1)
@@ -170,7 +170,7 @@ class Bench(CliTest):
         self.assertIn(len(triads), [1, 2])
         for case in [[*map(str, case)] for case in CASES + FACTORS_CASES]:
             self.assertEqual(len([row for row in rows if row[:3] == case]), len(triads), case)
-        self.assertEqual(len({len(line) for line in lines[head:-1 - len(triads)]}), 1, "aligned")
+        self.assertEqual(len({len(line) for line in lines[head:-2 - len(triads)]}), 1, "aligned")
 
     def test_quiet_is_silent(self):
         for options in [[], ["--report", "json"]]:

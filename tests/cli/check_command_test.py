@@ -28,11 +28,11 @@ class Check(CliTest):
         return json.loads(result.stdout), result.stderr
 
     def write_folded(self):
-        """The corner (1, 1, 1) pulled to (−2, −2, −2), past all others."""
+        """Writes a pose whose corner (1, 1, 1) is at (−2, −2, −2), beyond all other vertices."""
         self.pose(lambda *p: (-2, -2, -2) if p == (1, 1, 1) else p)
 
     def test_a_valid_pose(self):
-        # Twice as wide: all volumes double. So they would at ten times the way; there is no end.
+        # The pose is twice as wide, so all volumes double. No step on this way folds a cell.
         self.pose(lambda x, y, z: (2 * x, y, z))
         report, errors = self.check("-n", 2, "--max-step", 10)
         self.assertEqual(errors, "")
@@ -43,8 +43,9 @@ class Check(CliTest):
         self.assertEqual(report["largest_step"],
                          {"length": 10, "max": 10, "limiting_cell": None, "is_tight": True})
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
-        for line in ["cells of level 1      64", "inverted              0",
-                     "smallest volume ratio 2 in cell", "largest valid step    2 of the way or more"]:
+        for line in ["cells of level 1        64", "inverted by the pose    0",
+                     "smallest volume ratio   2 (pose : rest), cell ",
+                     "largest safe step       2 of the way from rest to pose, or more"]:
             self.assertIn(line, out)
         self.assertEqual(self.run_program("check", "pose.ovm", "--rest", "rest.ovm",
                                           "--quiet").stdout, "")
@@ -59,7 +60,7 @@ class Check(CliTest):
         self.assertLessEqual(report["largest_step"]["length"], 0.5)
 
     def test_ratios_are_finite(self):
-        """A mirror image 1e240 times as large: the ratio is less than any double."""
+        """For a mirror image 1e240 times as large, the ratio is below the range of double."""
         self.pose(lambda x, y, z: (1e-80 * x, 1e-80 * y, 1e-80 * z), name="tiny.ovm")
         self.pose(lambda x, y, z: (-1e80 * x, 1e80 * y, 1e80 * z))
         report = json.loads(self.run_program(
@@ -75,15 +76,15 @@ class Check(CliTest):
         self.assertEqual(report["inverted"]["count"], len(inverted))
         self.assertGreater(len(inverted), 0)
         self.assertLess(len(inverted), report["cells"])
-        self.assertIn("pose.ovm: %d of 512 cells of level 2 are inverted, first cell %d of base "
-                      "cell %d" % (len(inverted), inverted[0]["cell"], inverted[0]["base_cell"]),
-                      error)
+        self.assertIn("pose.ovm: this pose turns %d of 512 cells of level 2 inside out, the first "
+                      "cell %d (in cell %d of the lattice)" %
+                      (len(inverted), inverted[0]["cell"], inverted[0]["base_cell"]), error)
         for cell in inverted:
             self.assertLessEqual(cell["volume_ratio"], 0)
             self.assertEqual(len(cell["centre"]), 3)
         least = report["smallest_volume_ratio"]
         self.assertEqual(least["volume_ratio"], min(cell["volume_ratio"] for cell in inverted))
-        # Up to the step there is no such cell, and a little past it there is the one that it names.
+        # No cell is inverted up to the step; just beyond it, the named cell is.
         step = report["largest_step"]
         self.assertTrue(0 < step["length"] < 1)
         for part, code in [(1, 0), (1.001, 3)]:
@@ -97,11 +98,12 @@ class Check(CliTest):
     def test_text_names_the_first_few(self):
         self.write_folded()
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 2, code=3).stdout
-        self.assertRegex(out, r"  cell \d+ of base cell \d at \(.*\): volume ratio -")
+        self.assertRegex(out, r"  cell \d+ \(in cell \d of the lattice\) at \(.*\): volume ratio -")
         self.assertRegex(out, r"  and \d+ more\n")
         self.assertEqual(out.count("  cell "), 5)
         self.assertEqual(len(self.check("-n", 2, "--list", 2, code=3)[0]["inverted"]["first"]), 2)
-        self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for cell \d+ of base cell")
+        self.assertRegex(out, r"largest safe step       0\.\d+ of the way from rest to pose; then cell "
+                              r"\d+ \(in cell \d of the lattice\) folds")
 
     def test_the_refined_pose_with_its_ratios(self):
         self.write_folded()
@@ -111,7 +113,8 @@ class Check(CliTest):
                              ["volume_ratio", "bad_at_rest"])
 
     def test_steps_that_are_not_told(self):
-        # Next to half a turn of the top: bounded work, and what it did not tell.
+        # The top turns by nearly half a turn. The search stops after a bounded amount of work, before
+        # it can tell where the cell folds.
         self.run_program("shape", "box", "-o", "rest.ovm")
         a = math.radians(179.999)
         self.pose(lambda x, y, z: (x, y, z) if z == 0 else
@@ -120,7 +123,8 @@ class Check(CliTest):
         self.assertEqual(report["inverted"]["count"], 0)
         self.assertFalse(report["largest_step"]["is_tight"])
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
-        self.assertRegex(out, r"largest valid step    0\.\d+ of the way at least, for cell")
+        self.assertRegex(out, r"largest safe step       at least 0\.\d+ of the way from rest to pose; "
+                              r"then cell \d .* may fold")
 
     def test_the_limit(self):
         # The pinched bar of tests/solve/limit_validity_test.cpp: 1 - 5a/4 in the middle.
@@ -131,17 +135,18 @@ class Check(CliTest):
         self.assertEqual(report["inverted"]["first"][0]["cell"], 1)
         self.assertAlmostEqual(report["smallest_volume_ratio"]["volume_ratio"], -0.25, delta=1e-3)
         self.assertAlmostEqual(report["largest_step"]["length"], 0.8, delta=1e-5)
-        self.assertIn("1 of 3 cells in the limit are inverted, first base cell 1", error)
+        self.assertIn("1 of 3 cells in the limit inside out, the first cell 1 of the lattice", error)
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "--limit", "-o",
                                "cells.vtu", code=3).stdout
-        self.assertIn("cells in the limit    3\n", out)
-        self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for base cell 1")
+        self.assertIn("cells in the limit      3\n", out)
+        self.assertRegex(out, r"largest safe step       0\.\d+ of the way from rest to pose; then cell 1 "
+                              r"of the lattice folds")
         self.assertEqual(self.info("cells.vtu", "-n", 0)["attributes"],
                          ["volume_ratio", "bad_at_rest"])
-        # Level by level the cells come to it from below: they fold earlier.
+        # The cells of levels approach the limit from below, so they fold earlier.
         self.assertIsNone(self.check("-n", 1, code=3)[0]["limit_level"])
         self.run_program("shape", "box", "-o", "rest.ovm")
-        self.assertIn("it has no interior vertex", self.error_of(
+        self.assertIn("the complex has no interior vertex", self.error_of(
             "check", "rest.ovm", "--rest", "rest.ovm", "--limit", "--boundary", "open"))
 
     def test_cells_bad_at_rest_do_not_count(self):
@@ -162,7 +167,7 @@ class Check(CliTest):
         self.write_folded()
         self.run_program("shape", "cylinder", "-o", "other.ovm")
         for arguments, why in [(["pose.ovm", "--rest", "other.ovm"],
-                                "pose.ovm: is not a pose of other.ovm: the number of"),
+                                "pose.ovm: is not a pose of other.ovm (called the first,"),
                                (["pose.ovm", "--rest", "none.ovm"], "none.ovm"),
                                (["none.ovm", "--rest", "rest.ovm"], "none.ovm"),
                                (["pose.ovm", "--rest", "rest.ovm", "-o", "rest.ovm"],

@@ -29,7 +29,7 @@ class Shapes(CliTest):
                 self.run_program("shape", name, "-o", file, "--quiet")
                 report = self.info(file, "-n", 1)["levels"]
                 self.assertEqual(report[0]["inverted_cells"], 0, name)
-                # Volumes are sums in the order of faces, which formats may change.
+                # Volumes are sums over faces, and formats may change the order of faces.
                 levels.append([{key: level[key] for key in level if "volume" not in key}
                                for level in report])
             self.assertEqual(levels[0], levels[1], name)
@@ -83,15 +83,16 @@ class Info(CliTest):
         self.run_program("shape", "bipyramid", "--sides", 5, "-o", "b.ovm")
         report = self.info("b.ovm", "-n", 2)
         types = [level["cell_types"] for level in report["levels"]]
-        # Two apexes of valence 5 and five girdle vertices of valence 4; types double at each level.
+        # There are two apexes of valence 5 and five vertices of valence 4 around the middle. The number
+        # of cells of each type doubles at each level.
         self.assertEqual(types, [{"4": 5, "5": 2}, {"4": 5, "5": 2},
                                  {"3": 5 * 8 + 2 * 10, "4": 10, "5": 4}])
         self.assertEqual(report["levels"][0]["strata"]["vertices"]["corner"], 7)
         self.assertIn("type-5: 4", self.run_program("info", "b.ovm", "-n", 2).stdout)
 
     def test_interior_edges_of_two_faces_are_reported(self):
-        # A box cut in two by a folded wall: the fold, from vertex 5 to 12, has the two halves of the
-        # wall and nothing else.
+        # A folded wall cuts a box in two. The edge of the fold, from vertex 5 to 12, lies in the two halves
+        # of the wall only.
         plan = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (1.3, 1), (1, 2)]
         points = [(x, y, z) for z in (0, 1) for x, y in plan]
         cells = []
@@ -149,18 +150,18 @@ class RefineAndStencils(CliTest):
         refined = self.read_points("r2.obj")
         self.assertEqual(len(refined), 13 * 13)
         self.assert_close(self.product("s.mtx", self.read_points("mesh.obj")), refined, 1e-15)
-        # Sharpness that is left goes on in the next step.
+        # The sharpness that remains is used in the next step.
         self.run_program("refine", "mesh.obj", "-n", 1, "-o", "r1.obj")
         self.assertIn("t crease 2/1/0 5 ", self.text("r1.obj"))
         self.run_program("refine", "r1.obj", "-n", 1, "-o", "r11.obj")
         self.assert_close(sorted(self.read_points("r11.obj")), sorted(refined), 1e-14)
-        # A smooth mesh is another.
+        # Without sharpness the mesh is different.
         self.write_mesh()
         self.run_program("refine", "mesh.obj", "-n", 2, "-o", "smooth.obj")
         self.assertGreater(max(map(math.dist, refined, self.read_points("smooth.obj"))), 1e-3)
 
     def test_refining_twice_keeps_corners_under_every_boundary_mode(self):
-        # Vertex 0 is sharp by hand; under edge-only that is all that makes it so.
+        # Vertex 0 is marked as sharp. With edge-only, nothing else makes it sharp.
         self.put("cube.ovm", "".join([
             "OVM ASCII\nVertices\n8\n", *(f"{i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8)),
             "Edges\n12\n0 1\n1 3\n3 2\n2 0\n4 5\n5 7\n7 6\n6 4\n0 4\n1 5\n2 6\n3 7\n",
@@ -180,7 +181,7 @@ class RefineAndStencils(CliTest):
 
     def test_tags_win_over_the_default_and_options_over_tags(self):
         def corner_of(*options):
-            """How far the corner at the origin has gone."""
+            """Returns how far the corner at the origin has moved."""
             self.run_program("refine", "mesh.obj", "-n", 1, "-o", "r.obj", *options)
             return min(math.dist(p, (0, 0, 0)) for p in self.read_points("r.obj"))
         self.write_mesh()
@@ -221,7 +222,7 @@ class RefineAndStencils(CliTest):
         self.assertIn("(0, 9)", error)
 
     def test_attributes_are_refined_with_the_positions(self):
-        # z of a cube as an attribute: on the refined lattice it is z again.
+        # The attribute is the z coordinate of a cube, so on the refined lattice it is z again.
         self.run_program("shape", "box", "-o", "b.vtk")
         text = self.text("b.vtk")
         points = text.split("double\n")[1].split("CELLS")[0].split()
@@ -236,7 +237,7 @@ class RefineAndStencils(CliTest):
         self.assertEqual(heights, [p[2] for p in self.read_ovm_positions("r.ovm")])
 
     def test_integers_are_carried_and_never_averaged(self):
-        # Identifiers beyond 2^53, which no double holds, and types that have no −1.
+        # The identifiers exceed 2^53, so a double could not hold them, and unsigned types have no −1.
         gids = [2**53 + 1 + 2 * i for i in range(8)]
         large = [2**64 - 2 - i for i in range(8)]
         self.run_program("shape", "box", "-o", "b.vtk")
@@ -363,13 +364,13 @@ class Compare(CliTest):
         self.assertEqual([line.split()[-1] for line in lines if line.startswith("mesh.obj")],
                          ["agrees"] * 3)
         self.assertRegex(result.stdout, r"\ncreased.obj  level 3 [^\n]* DIFFERS\n")
-        self.assertIn("note: Where three or more semi-sharp values meet", result.stdout)
+        self.assertIn("note: OpenSubdiv adds three or more semi-sharp values", result.stdout)
         self.assertNotIn("files agree", result.stdout)
         self.assertIn("differs", self.text("report.html"))
         self.assertEqual(self.run_program("compare", *arguments, "--quiet", code=3).stdout, "")
-        # A file that cannot be compared counts for more.
+        # A file that cannot be compared decides the exit code.
         self.run_program("compare", *arguments, "none.obj", "--quiet", code=1)
-        # The tags are what differs: without them both agree.
+        # The tags cause the difference: without them both agree.
         text = self.text("creased.obj")
         self.put("creased.obj", text.split("t crease")[0])
         self.run_program("compare", *arguments)
@@ -385,8 +386,8 @@ class Compare(CliTest):
         self.assertIn("none.obj: cannot open", error)
         self.assertIn("1 more of 3", error)
         error = self.error_of("compare", "box.ovm", "--boundary", "open")
-        self.assertIn("box.ovm: without boundary control", error)
-        # Without boundary control nothing is left of so small a mesh.
+        self.assertIn("box.ovm: with the boundary mode 'open'", error)
+        # With the boundary mode open, nothing is left of such a small mesh.
         self.put("small.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
         self.error_of("compare", "small.obj", "--boundary", "open")
         self.assertIn("no folder", self.error_of("compare", "mesh.obj", "--html", "none/r.html"))
@@ -406,8 +407,8 @@ class Deform(CliTest):
     def test_affine_pose_moves_the_model_by_the_same_map(self):
         out = self.deform("model.obj", "rest.vtu", "pose.vtk", "-n", 2, out="out.obj").stdout
         self.assert_close(self.read_points("out.obj"), self.expected, 1e-13)
-        self.assertIn("500 inside, 0 outside, 0 not converged", out)
-        for word in ["largest residual", "entries a bound row", "peak memory", "binding"]:
+        self.assertIn("500 inside the lattice, 0 outside, 0 could not be placed", out)
+        for word in ["placement error", "weights for each point", "peak memory", "binding"]:
             self.assertIn(word, out)
         text = self.text("out.obj")
         self.assertTrue(text.startswith("# a comment\nv "))
@@ -454,13 +455,13 @@ class Deform(CliTest):
                      "-n", 1, "-o", "out.obj"]
         link = self.path / "out.0001.obj"
         for target in ["out.0000.obj", str(self.path / "." / "out.0000.obj")]:
-            link.symlink_to(target)  # first to a file that does not exist yet, then to one
+            link.symlink_to(target)  # first to a file that does not exist yet, then to an existing one
             error = self.error_of(*arguments)
             self.assertIn("out.0001.obj: is the same file as out.0000.obj, through a link", error)
             link.unlink()
             self.put("out.0000.obj", "kept")
         self.assertEqual(self.text("out.0000.obj"), "kept")
-        # Another file, and a device that takes several.
+        # Links to another file, and to a device, which takes several outputs, are accepted.
         link.symlink_to("else.obj")
         self.run_program(*arguments)
         self.assert_close(self.read_points("else.obj"), self.expected, 1e-12)
@@ -482,7 +483,7 @@ class Deform(CliTest):
                      "out.obj", "--outside"]
         out = self.run_program(*arguments, "keep").stdout
         self.assertIn("1 outside", out)
-        self.assertIn("kept in place     1", out)
+        self.assertIn("left in place     1 point, whatever the pose", out)
         self.assertEqual(self.read_points("out.obj")[-1], (1.5, 0.5, 0.5))
         self.run_program(*arguments, "nearest")
         self.assert_close(self.read_points("out.obj")[-1:], [(5, 0, 0.5)], 1e-12)
@@ -505,7 +506,7 @@ class Deform(CliTest):
         self.assertIn("1 -0.5 1.25", self.text("out.ply"))
 
     def add_unused_vertex(self, name, to):
-        """The same .ovm with one vertex more, before the others, that no edge uses."""
+        """Writes the same .ovm with one more vertex before the others, which no edge uses."""
         lines = self.text(name).splitlines()
         at, edges = lines.index("Vertices"), lines.index("Edges")
         count = int(lines[edges + 1])
@@ -536,7 +537,7 @@ class Deform(CliTest):
             names = [name for name in [rest, pose] if "+" in name]
             self.assertEqual(deform(rest, pose), note(*names))
             self.assertEqual(self.bytes("out.obj"), plain)
-        # Of many poses with the same vertex, the first has the note.
+        # If several poses have the same unused vertex, only the first one gets a note.
         self.assertEqual(deform("rest+.ovm", "pose+.ovm", "rest+.ovm", "pose.ovm", "pose+.ovm"),
                          note("rest+.ovm", "pose+.ovm", "pose+.ovm"))
 
@@ -556,7 +557,7 @@ class Deform(CliTest):
         self.assertEqual(self.bytes("out.obj"), plain)
         self.assertEqual(self.run_program("check", "pose+.ovm", "--rest", "rest+.ovm", *quiet).stderr,
                          note("rest+.ovm", "pose+.ovm"))
-        # A pose that is written lacks the vertex, and is one of either lattice.
+        # A written pose lacks the vertex, and is a pose of both lattices.
         result = self.run_program("fit", "model.obj", "--rest", "rest+.ovm", "--targets",
                                   "plain.obj", "-o", "fitted.ovm", *quiet)
         self.assertEqual(result.stderr, note("rest+.ovm"))
@@ -623,7 +624,7 @@ class Deform(CliTest):
         self.assertEqual(self.bytes("out.ply"), self.bytes("m.ply"))
 
     def test_rules_reach_the_weights(self):
-        # Five wedges meet in the axis of a pentagonal cylinder: there they all differ.
+        # Five wedges meet at the axis of a pentagonal cylinder, where all rules differ.
         self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 2, "-o", "c.ovm")
         outputs = set()
         for rules in ["siggraph96", "cse96", "mlca"]:
@@ -632,7 +633,7 @@ class Deform(CliTest):
         self.assertEqual(len(outputs), 3)
         error = self.error_of("refine", "c.ovm", "-n", 1, "--rules", "mlca", "--triangles", "smooth",
                               "-o", "out.ovm")
-        self.assertIn("c.ovm: the rules of MLCA have no smooth triangles", error)
+        self.assertIn("c.ovm: the rules of MLCA do not have smooth triangles", error)
 
     def test_usage_errors(self):
         for arguments in [[], ["unknown"], ["deform"], ["info", "rest.vtu", "-n", "many"],

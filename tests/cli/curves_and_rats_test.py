@@ -76,7 +76,7 @@ class Rats(CliTest):
         return self.read_points("r.obj")
 
     def test_mesh(self):
-        # Of 4 × 4 points 7 × 7, with the corners where they were.
+        # 4 × 4 points become 7 × 7, and the corners stay where they were.
         self.write_mesh()
         points = self.refined()
         self.assertEqual(len(points), 49)
@@ -108,13 +108,13 @@ class Rats(CliTest):
         self.run_program("shape", "box", "-o", "b.ovm")
         error = self.error_of("refine", "b.ovm", "--rules", "rats", "-o", "out.ovm")
         self.assertIn("b.ovm: the rules of RATS are for curves and meshes, not for lattices", error)
-        # Commands of lattices alone do not offer them.
+        # Commands that take lattices only do not offer these rules.
         for command in [["deform", "model.obj", "--rest", "b.ovm", "--to", "b.ovm", "-o", "o.obj"],
                         ["bind", "model.obj", "--rest", "b.ovm", "-o", "o.espb"],
                         ["info", "b.ovm"]]:
             self.assertIn("got rats", self.error_of(*command, "--rules", "rats", code=2))
         self.write_mesh()
-        self.assertIn("border", self.error_of("refine", "mesh.obj", "--boundary", "open", *rats))
+        self.assertIn("boundary mode", self.error_of("refine", "mesh.obj", "--boundary", "open", *rats))
         self.assertIn("triangles", self.error_of("refine", "mesh.obj", "--triangles", "smooth", *rats))
         self.write_mesh(["t crease 2/1/0 6 5 2.5"])
         error = self.error_of("refine", "mesh.obj", *rats)

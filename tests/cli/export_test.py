@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Matrices as `espalier stencils` writes them, read by those whom they are for.
+"""Matrices that `espalier stencils` writes, read by SciPy, NumPy and a reader for PETSc.
 
     export_test.py PATH_OF_ESPALIER
 """
@@ -41,7 +41,7 @@ class Export(CliTest):
         return self.run_program("stencils", "c.ovm", *arguments).stdout
 
     def assert_same(self, matrix, expected):
-        """To the last bit, and as many entries."""
+        """Checks that matrices have the same entries, bit for bit."""
         self.assertEqual(matrix.shape, expected.shape)
         self.assertEqual(matrix.nnz, expected.nnz)
         self.assertEqual((matrix != expected).nnz, 0)
@@ -76,7 +76,7 @@ class Export(CliTest):
         self.assertEqual(len(out.splitlines()), 3)
         self.write("-n", 3, "-o", "s.npz")
         product = self.npz("r3.npz") @ self.npz("r2.npz") @ self.npz("r1.npz")
-        # Sums of up to some hundred products, each rounded.
+        # The entries are sums of up to some hundred products, each rounded.
         self.assertLess(abs(product - self.npz("s.npz")).max(), 1e-14)
         self.write("-n", 1, "--level-tables", "-o", "one.mtx")
         self.assertTrue((self.path / "one.mtx").exists())
@@ -95,16 +95,16 @@ class Export(CliTest):
         matrix = self.npz("d.npz")
         base = numpy.array(self.read_ovm_positions("c.ovm"))
         self.assertEqual(matrix.shape, (51, len(base)))
-        # At rest the points come back; the one outside has an empty row.
+        # At rest the product gives the points; the point outside has an empty row.
         numpy.testing.assert_allclose((matrix @ base)[:50], points[:50], rtol=0, atol=1e-14)
         self.assertEqual(matrix[50].nnz, 0)
-        # As deform moves them.
+        # deform moves the points in the same way.
         pose = base * [1, 1.5, 1] + [0, 0, 0.25]
         self.write_positions("pose.ovm", "c.ovm", pose)
         self.deform("model.obj", "c.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         numpy.testing.assert_allclose((matrix @ pose)[:50], self.read_points("moved.obj")[:50],
                                       rtol=0, atol=1e-14)
-        # And the nearest cell carries it, if it is asked to.
+        # With --outside nearest, the nearest cell moves it.
         self.write("-n", 2, "--points", "model.obj", "--outside", "nearest", "-o", "n.npz")
         numpy.testing.assert_allclose(self.npz("n.npz") @ base, points, rtol=0, atol=1e-12)
 
@@ -129,7 +129,7 @@ class Export(CliTest):
         numpy.testing.assert_allclose((matrix @ base)[:50], points[:50], rtol=0, atol=1e-14)
         numpy.testing.assert_allclose((matrix @ pose)[:50], moved[:50], rtol=0, atol=1e-14)
         self.assertEqual(matrix[50].nnz, 0)
-        # No level is it.
+        # The limit differs from every level.
         self.write("--points", "model.obj", "-n", 3, "-o", "level.npz")
         self.assertGreater(abs((self.npz("level.npz") - matrix) @ pose).max(), 1e-5)
 
@@ -148,11 +148,11 @@ class Export(CliTest):
         for axis, name in enumerate(["d.dx.npz", "d.dy.npz", "d.dz.npz"]):
             gradient = self.npz(name)
             self.assertEqual(gradient.shape, alone.shape)
-            # An affine pose has its matrix everywhere; a point that stays has no row.
+            # The gradient of an affine pose is its matrix everywhere; a point that stays has no row.
             numpy.testing.assert_allclose((gradient @ (base @ turn.T))[:20],
                                           numpy.tile(turn[:, axis], (20, 1)), rtol=0, atol=1e-6)
             self.assertEqual(gradient[20].nnz, 0)
-            # Of any pose it is the quotient of differences of D.
+            # For any pose the gradient is the difference quotient of D.
             moved = []
             for sign in (1, -1):
                 there = numpy.array(points)
@@ -190,7 +190,7 @@ class Export(CliTest):
     def test_a_full_disk(self):
         for name in ["s.mtx", "s.npz", "s.petsc"]:
             self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output=name)
-        # Three files: there is room for the first of them, of the offsets of rows.
+        # Three files are written; there is room for the first one only, the row offsets.
         for name in ["indptr", "indices", "data"]:
             self.put(f"s.{name}.npy", "old")
         self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output="s.npy",
@@ -198,7 +198,7 @@ class Export(CliTest):
 
     def test_refusals(self):
         self.write_model(icosphere_points(5) + [(9, 9, 9)])
-        self.assertIn("s.mat: has another extension than .mtx, .npz, .npy, .petsc",
+        self.assertIn("s.mat: is not of a format that can be written here; expected .mtx, .npz, .npy, .petsc",
                       self.error_of("stencils", "c.ovm", "-o", "s.mat"))
         self.assertIn("point 5", self.error_of("stencils", "c.ovm", "-n", 1, "--points",
                                                "model.obj", "--outside", "error", "-o", "d.npz"))
@@ -214,7 +214,7 @@ class Export(CliTest):
             self.error_of("stencils", "c.ovm", *options, "-o", "d.npz", code=2)
         self.assertIn("the lattice is not a box", self.error_of(
             "stencils", "c.ovm", "--points", "model.obj", "--basis", "bezier", "-o", "d.npz"))
-        # None is written where the name of one is taken.
+        # If the name of one file is taken, no file is written.
         (self.path / "d.dy.npz").mkdir()
         self.assertIn("d.dy.npz", self.error_of("stencils", "c.ovm", "--points", "model.obj",
                                                 "--limit", "--gradients", "-o", "d.npz"))

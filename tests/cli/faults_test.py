@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of files when a run is stopped, or the system refuses something in the middle.
+"""What happens to files when a run is stopped, or the system refuses an operation in the middle.
 
     faults_test.py PATH_OF_ESPALIER [LIBRARY_THAT_LETS_ALLOCATIONS_FAIL LIBRARY_THAT_SENDS_SIGNALS]
 """
@@ -30,7 +30,7 @@ class FaultsTest(CliTest):
         self.run_program("shape", "box", "--cells", 4, 4, 4, "-o", "rest.vtu", "--quiet")
 
     def contents(self):
-        """What is in the folder, by path; of folders and what may not be read, that it is there."""
+        """Returns the files in the folder by path, with their bytes; None for folders and unreadable files."""
         return {path: path.read_bytes() if path.is_file() and os.access(path, os.R_OK) else None
                 for path in self.path.rglob("*")}
 
@@ -39,7 +39,7 @@ class FaultsTest(CliTest):
                                 **options)
 
     def assert_fails(self, cause, *arguments, **options):
-        """With exit code 1 and one line that is this, and no file other than before."""
+        """Checks exit code 1, this one line, and that no file has changed."""
         before = self.contents()
         options = {"stdout": subprocess.PIPE, **options}
         process = self.start(*arguments, stderr=subprocess.PIPE, text=True, **options)
@@ -49,22 +49,22 @@ class FaultsTest(CliTest):
 
 
 class OnATerminal(FaultsTest):
-    """Where it says which stage it is at."""
+    """Runs on a terminal, where the program shows its stage."""
 
     def setUp(self):
         super().setUp()
         self.write_model(icosphere_points(20000))
         self.put("m.espb", "old")
-        # A test that runs in the background may have been told to ignore some.
+        # A test in the background may have inherited ignored signals.
         for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]:
             self.handle(number, signal.SIG_DFL)
 
     def handle(self, number, handler):
-        """Here, and in what is started from here, until the test ends."""
+        """Sets a handler in this process and in its children, until the test ends."""
         self.addCleanup(signal.signal, number, signal.signal(number, handler))
 
     def bind_until(self, stage, then, output="m.espb", level=4):
-        """What the program is killed by, or its exit code, and what is on the terminal."""
+        """Returns the signal that killed the program, or its exit code, and the text on the terminal."""
         master, slave = pty.openpty()
         process = self.start("bind", "model.obj", "--rest", "rest.vtu", "-n", level, "-o", output,
                              stdout=subprocess.DEVNULL, stderr=slave)
@@ -132,11 +132,11 @@ class OnATerminal(FaultsTest):
 
 
 class Signals(FaultsTest):
-    """No file other than before and the outputs is there after a signal that can be blocked."""
+    """After a signal that can be blocked, there are only the files from before and the outputs."""
 
     def setUp(self):
         super().setUp()
-        # A matrix of several files, of points enough for threads to have work.
+        # The matrix has several files, and there are enough points to keep the threads busy.
         self.write_model(icosphere_points(2000))
         self.stencils = ["stencils", "rest.vtu", "--points", "model.obj", "-n", 2, "-o", "m.npy",
                          "--quiet"]
@@ -145,7 +145,7 @@ class Signals(FaultsTest):
         self.handle_default()
 
     def handle_default(self):
-        # A test that runs in the background may have been told to ignore some.
+        # A test in the background may have inherited ignored signals.
         for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]:
             self.addCleanup(signal.signal, number, signal.signal(number, signal.SIG_DFL))
 
@@ -189,7 +189,7 @@ class Files(FaultsTest):
         return ["bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", output]
 
     def as_nobody(self):
-        """How to start the program as somebody who may not do all."""
+        """Returns how to start the program as a user without all rights."""
         if os.geteuid() != 0:
             return {}
         who = {"user": NOBODY, "group": NOBODY, "extra_groups": []}
@@ -204,7 +204,7 @@ class Files(FaultsTest):
         self.path.chmod(0o777)
         (self.path / "m.espb").chmod(0o444)
         (self.path / "out").mkdir(mode=0o555)
-        # The model is none: nothing is read before.
+        # The model is not a valid file: nothing is read before the output is checked.
         self.put("model.obj", "nonsense")
         self.assert_fails("m.espb: cannot write: Permission denied", *self.bind(), **who)
         self.assert_fails("out/m.espb: cannot create a file beside it: Permission denied",
@@ -281,36 +281,37 @@ class Files(FaultsTest):
                  ["shape", "merge", *two, "-o", "out.vtu"])]:
             if command[0] == "compare" and "--html" not in self.run_program("compare", "--help").stdout:
                 continue
-            self.assert_fails(f"{name}: is given {given}, but is no regular file and can be read only "
-                              "once; copy it to a file first", *command)
+            self.assert_fails(f"{name}: is given {given}, but can be read only once, since it is not "
+                              "a regular file; copy it to a file first", *command)
 
     def test_a_pipe_that_stands_for_an_input_and_an_output(self):
         os.mkfifo(self.path / "pipe.obj")
         (self.path / "link.obj").symlink_to("pipe.obj")
-        self.assert_fails("link.obj: is also an input (MODEL): writing it would lose that", "deform",
-                          "pipe.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o", "link.obj")
+        self.assert_fails("link.obj: is also an input (MODEL), and would be overwritten; choose "
+                          "another name", "deform", "pipe.obj", "--rest", "rest.vtu", "--to",
+                          "rest.vtu", "-o", "link.obj")
         os.mkfifo(self.path / "pipe.vtu")
-        self.assert_fails("pipe.vtu: is also an input (LATTICE|MESH|CURVE): writing it would lose "
-                          "that", "refine", "pipe.vtu", "-o", "pipe.vtu")
+        self.assert_fails("pipe.vtu: is also an input (LATTICE|MESH|CURVE), and would be overwritten; "
+                          "choose another name", "refine", "pipe.vtu", "-o", "pipe.vtu")
 
     def test_standard_input_as_two_inputs(self):
         (self.path / "a.vtu").symlink_to("/dev/stdin")
-        reader, writer = os.pipe()  # which nobody closes
+        reader, writer = os.pipe()  # stays open
         self.addCleanup(os.close, writer)
         self.addCleanup(os.close, reader)
-        self.assert_fails("a.vtu: is given for --rest and for --to, but is no regular file and can be "
-                          "read only once; copy it to a file first", "deform", "model.obj", "--rest",
+        self.assert_fails("a.vtu: is given for --rest and for --to, but can be read only once, since it "
+                          "is not a regular file; copy it to a file first", "deform", "model.obj", "--rest",
                           "a.vtu", "--to", "a.vtu", "-o", "out.obj", stdin=reader)
 
     def test_a_dash_is_no_name_of_standard_input(self):
-        hint = ("to read standard input, for one argument, name a link to /dev/stdin with the "
-                "extension of the format")
+        hint = ("To read one argument from standard input, make a link to /dev/stdin with the "
+                "extension of the format, and name the link")
         for arguments, command in [
                 ("--rest and --to", ["deform", "model.obj", "--rest", "-", "--to", "-", "-o", "o.obj"]),
                 ("MODEL, --rest and --to", ["deform", "-", "--rest", "-", "--to", "-", "-o", "o.obj"]),
                 ("LATTICE", ["shape", "merge", "-", "-", "-o", "o.vtu"]),
                 ("--rest", ["bind", "model.obj", "--rest", "-", "-o", "o.espb"])]:
-            self.assert_fails(f"-: is no file (given for {arguments}); {hint}", *command)
+            self.assert_fails(f"-: does not exist (given for {arguments}). {hint}", *command)
 
     def test_a_pipe_as_one_input_is_read(self):
         os.mkfifo(self.path / "pipe.vtu")
@@ -354,7 +355,7 @@ class Files(FaultsTest):
 
 class StandardStreams(FaultsTest):
     def shell(self, command, code):
-        """Standard error of a command in which $E is the program."""
+        """Returns the standard error of a shell command in which $E is the program."""
         result = subprocess.run(["bash", "-c", command], cwd=self.path, text=True,
                                 capture_output=True, timeout=120,
                                 env={**os.environ, "E": program.ESPALIER})
@@ -365,7 +366,7 @@ class StandardStreams(FaultsTest):
         error = "espalier: cannot write to standard output: "
         for to, cause in [(">/dev/full", "No space left on device"),
                           (">&-", "Bad file descriptor")]:
-            # Less than is kept back, and more.
+            # The output is smaller and larger than the buffer.
             for command in ["info rest.vtu -n 1", "info rest.vtu -n 3 --json", "--help"]:
                 self.assertEqual(self.shell(f'"$E" {command} {to}', 1), error + cause + "\n")
         self.assertEqual(self.shell('"$E" refine rest.vtu -n 1 -o r.vtu --quiet >&-', 0), "")
@@ -374,11 +375,11 @@ class StandardStreams(FaultsTest):
         reader, writer = os.pipe()
         os.close(reader)
         self.addCleanup(os.close, writer)
-        # As other filters: whoever ends the pipe wants no message.
+        # Like other filters, the program ends without a message when the reader closes the pipe.
         process = self.start("info", "rest.vtu", stdout=writer, stderr=subprocess.PIPE)
         self.assertEqual(process.communicate(timeout=120), (None, b""))
         self.assertEqual(process.returncode, -signal.SIGPIPE)
-        # Python ignores the signal: its children do then.
+        # Python ignores the signal, and so do its children.
         self.assert_fails("cannot write to standard output: Broken pipe", "info", "rest.vtu",
                           stdout=writer, restore_signals=False)
 
@@ -414,7 +415,7 @@ class Memory(FaultsTest):
         deform = ["deform", "model.obj", "--rest", "one.vtu", "--to", "one.vtu", "-n", 1, "-o",
                   "out.obj", "--threads", 1]
         count = self.allocations_of(*deform)
-        # Those before main() among them.
+        # This includes the allocations before main().
         for number in range(1, count + 1, 251):
             self.assert_survives("one", number, *deform)
             self.assert_survives("all", number, *deform)
@@ -425,7 +426,7 @@ class Memory(FaultsTest):
             self.assert_survives("one", number, *info)
 
     def run_with(self, failing, number, *arguments):
-        """Exit code and error of a run in which that allocation fails, or all from there on."""
+        """Returns exit code and error of a run in which one allocation fails, or all from there on."""
         process = self.start(*arguments, text=True, stdout=subprocess.DEVNULL,
                              stderr=subprocess.PIPE,
                              env={**os.environ, "LD_PRELOAD": FAILING_PRELOAD,
@@ -444,12 +445,12 @@ class Memory(FaultsTest):
         return low - 1
 
     def assert_survives(self, failing, number, *arguments):
-        """And leaves files whole."""
+        """Checks that files stay whole if memory runs out."""
         before = self.contents()
         result = self.run_with(failing, number, *arguments)
         if result != (0, ""):
             self.assertEqual(result[0], 1, (failing, number))
-            # The command line and the report are no stage.
+            # Parsing the command line and writing the report are not stages.
             self.assertRegex(result[1], r"^espalier: out of memory( while [a-z ]+)?\n$")
         after = self.contents()
         output = self.path / "out.obj"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`espalier fit`: the pose of a lattice from where points of a model are wanted.
+"""`espalier fit`: the pose of a lattice from targets of points of a model.
 
     fit_command_test.py PATH_OF_ESPALIER
 """
@@ -34,7 +34,7 @@ class Fit(CliTest):
         return text
 
     def make_tall_lattice(self):
-        """With layers that far from what is held may move."""
+        """Makes a lattice with layers that are far enough from the held part to move."""
         self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 6, "--from", 0.5, 0.5, -0.2,
                          "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
 
@@ -55,7 +55,7 @@ class Fit(CliTest):
         self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
         self.assert_close([moved[7], moved[30]], [(0.5, 0.5, 1.1), (0.2, 0.2, 0.2)], 1e-12)
-        # With all of the lattice taken along, the rest of the model moves more.
+        # The whole lattice moves along, so the rest of the model moves more.
         smooth = self.fit("t.txt", "--smoothing", "laplacian", "--strength", 0.01, out="s.ovm")
         self.assertGreater(smooth["condition"], 1)
         self.assertGreater(smooth["largest_miss"], 1e-12)
@@ -73,14 +73,14 @@ class Fit(CliTest):
         rest = self.read_ovm_positions("rest.ovm")
         layer = [sum(p[2] < -0.2 + k * 1.4 / 6 + 1e-9 for p in rest) for k in range(3)]
         self.put("t.txt", "7 0.5 0.5 1.1\n")
-        # A cap of the cylinder, in a box without height.
+        # The box has no height and contains a cap of the cylinder.
         for continuity, count in [("c0", layer[0]), ("c1", layer[1]), ("c2", layer[1])]:
             report = self.fit("t.txt", "--hold", -9, -9, -0.2, 9, 9, -0.2, "--continuity", continuity)
             self.assertEqual(report["held_vertices"], count)
             pose = self.read_ovm_positions("pose.ovm")
             self.assertEqual([p for p, q in zip(pose, rest) if q[2] < -0.2 + 1e-9],
                              [q for q in rest if q[2] < -0.2 + 1e-9])
-        # A part of the model.
+        # The box contains a part of the model.
         self.assertGreater(self.fit("t.txt", "--hold", 0, 0, 0, 1, 1, 0.3)["held_vertices"], layer[0])
         self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
@@ -100,16 +100,16 @@ class Fit(CliTest):
                                    "nearest", "--smoothing", "laplacian")["held_vertices"])
             self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2,
                              "--outside", "nearest", out="moved.obj")
-            # Sums of some hundred products of numbers about 1.
+            # The results are sums of some hundred products of numbers about 1.
             self.assert_close([self.read_points("moved.obj")[399]], [self.points[399]], 1e-14)
         self.assertGreater(counts[0], 0)
         self.assertGreater(counts[1], counts[0])
         self.assertEqual(counts[1], counts[2])
-        # With a point inside, the others are held too; without, they stay where they are anyway.
+        # If one point of the box is inside the lattice, vertices are held. Points outside stay anyway.
         self.assertGreater(self.fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2)["held_vertices"], 0)
         (self.path / "pose.ovm").unlink()
-        self.assertIn("--hold: point 399 of model.obj, and what else lies in the box, is outside the "
-                      "lattice rest.ovm, and stays anyway", self.error_of_fit("t.txt", *box))
+        self.assertIn("--hold: all points in the box, such as point 399 of model.obj, are outside the "
+                      "lattice rest.ovm and stay without --hold", self.error_of_fit("t.txt", *box))
         for continuity in ["c0", "c2"]:
             self.assertIn("model.obj: point 399, in the box of --hold, lies outside the lattice rest.ovm",
                           self.error_of_fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2, "--outside",
@@ -117,7 +117,7 @@ class Fit(CliTest):
 
     def test_what_is_held_does_not_depend_on_the_targets(self):
         self.make_tall_lattice()
-        # Of those held, none, one or all have a target.
+        # None, one or all of the held points have a target.
         few = "7 0.5 0.5 1.1\n"
         self.put("few.txt", few)
         self.put("more.txt", few + "399 0.5 0.5 0.1\n")
@@ -140,7 +140,7 @@ class Fit(CliTest):
         self.assert_close(self.read_ovm_positions("pose.ovm"), known, 1e-10)
         text = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "moved.obj",
                                 "-o", "pose.ovm").stdout
-        self.assertIn("left out              2, outside and not moved\n", text)
+        self.assertIn("targets left out      2: points outside the lattice that are to stay\n", text)
         (self.path / "pose.ovm").unlink()
         self.assertIn("model.obj: point 7 lies outside the lattice rest.ovm",
                       self.error_of_fit("moved.obj", "--outside", "error"))
@@ -149,7 +149,7 @@ class Fit(CliTest):
                       self.error_of_fit("t.txt"))
         self.put("t.txt", "7 9 9 9\n8 9 -9 9.5\n3 0.5 0.5 0.5\n")
         self.assertIn("t.txt:2: point 8 lies outside", self.error_of_fit("t.txt"))
-        # What is held does not change with them.
+        # The held vertices do not depend on the targets.
         self.make_tall_lattice()
         self.put("t.txt", "30 0.5 0.5 1.1\n")
         held = [self.fit(targets, "--hold", 0, 0, 0, 9, 9, 0.3) for targets in ["t.txt", "model.obj"]]
@@ -163,8 +163,8 @@ class Fit(CliTest):
         for options in [["--outside", "nearest"], ["--outside", "nearest", "--limit"]]:
             error = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                   *options, "-o", "pose.ovm")
-            self.assertIn("t.txt:2: point 7 has no place in the lattice rest.ovm: the search for "
-                          "it did not converge", error)
+            self.assertIn("t.txt:2: point 7 could not be placed in the lattice rest.ovm: its cell is "
+                          "degenerate, or the point is very far away", error)
             self.assertNotIn("outside", error)
 
     def test_terminal_shows_that_it_holds(self):
@@ -188,18 +188,18 @@ class Fit(CliTest):
         self.put("t.txt", "7 0.5 0.5 1.1\n")
         out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                "-o", "pose.vtu").stdout
-        for word in ["targets", "largest miss", "largest displacement", "infinite"]:
+        for word in ["targets", "largest distance", "largest displacement", "infinite"]:
             self.assertIn(word, out)
 
     def test_refusals(self):
-        for text, why in [("", "t.txt: has no targets"), ("7 1 2\n", "t.txt:"),
+        for text, why in [("", "t.txt: has no target"), ("7 1 2\n", "t.txt:"),
                           ("7 0 0 0\n400 0 0 0\n", "t.txt:2: there is no point 400"),
                           ("-1 0 0 0\n", "t.txt:1: there is no point -1"),
                           ("7 0 0 0\n7 1 1 1\n", "t.txt:2: point 7 has a target already, on line 1"),
                           ("7 0 nan 0\n", "t.txt:1: the coordinate is not finite"),
                           ("7 0 x 0\n", "t.txt:1:"),
                           ("0 5 5\n0 2 5\n5 0 3\n5 5 0\n", "t.txt:1: expected the number of a"),
-                          ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target a line"),
+                          ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target on each line"),
                           ("7 1e308 -1e308 0\n8 1e308 0 0\n",
                            "t.txt:1: the target of point 7 is too far from the point"),
                           ("8 1 0 0\n7 1e308 -1e308 0\n",
@@ -209,22 +209,22 @@ class Fit(CliTest):
         self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
         self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
-        self.assertIn("--hold: no point of model.obj lies in the box, and no face of the boundary "
-                      "of rest.ovm", self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
+        self.assertIn("--hold: the box contains no point of model.obj and no boundary face of rest.ovm",
+                      self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
         every = ",".join(str(v) for v in range(len(self.read_ovm_positions("rest.ovm"))))
         everything = ["--hold", -9, -9, -9, 9, 9, 9, "--continuity", "c1"]
         for options, who in [(everything, "--hold keeps"), (["--freeze", every], "--freeze keeps"),
                              (["--hold", -9, -9, -0.2, 9, 9, -0.2, "--freeze", every[every.index(",") + 1:]],
                               "--hold and --freeze keep")]:
             self.assertRegex(self.error_of_fit("t.txt", *options),
-                             rf"{who} all \d+ vertices of rest.ovm: none is left to move")
-        self.assertIn("--hold: the box runs from 1 to 0",
+                             rf"{who} all \d+ vertices of rest.ovm: no vertex is left to move")
+        self.assertIn("--hold: the box runs from 1 down to 0",
                       self.error_of_fit("t.txt", "--hold", 0, 1, 0, 1, 0, 1))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--continuity", "c1", code=2))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--hold", 0, 1, 0, code=2))
         self.assertIn("strength", self.error_of_fit("t.txt", "--strength", "0"))
         self.write_model(self.points[:-1], "fewer.obj")
-        self.assertIn("fewer.obj: has 399 points; model.obj has 400",
+        self.assertIn("fewer.obj: has 399 points, but the model model.obj has 400",
                       self.error_of_fit("fewer.obj"))
         self.write_model(self.points[:7] + [(9, 1e200, 9)] + self.points[8:], "far.obj")
         self.assertIn("far.obj: the target of point 7 is too far from the point",

@@ -11,7 +11,7 @@ from program import CliTest
 
 
 def bend(p):
-    """Far from affine, and smooth."""
+    """A smooth map that is far from affine."""
     x, y, z = p
     return (x + 0.3 * z * z, y - 0.2 * x * z, z)
 
@@ -84,7 +84,7 @@ class LimitTest(CliTest):
             points = self.deform("-n", level)
             distances.append(max(math.dist(a, b) for a, b in zip(points, limit)))
         self.assertGreater(distances[0], 1e-5)
-        # By a fourth a level, in the long run.
+        # Asymptotically, the difference falls by four for each level.
         self.assertLess(distances[3], distances[0] / 20)
 
     def test_bind_and_apply_do_the_same(self):
@@ -103,7 +103,7 @@ class LimitTest(CliTest):
         """The points of model.obj with normals and tangents, in all formats that carry them, and
         one in which nothing is carried."""
         points, normals = self.vectors("model.obj", "v"), self.vectors("model.obj", "vn")
-        points.append([9, 9, 9])  # stays where it is
+        points.append([9, 9, 9])  # outside: stays where it is
         normals.append([0, 0, 1])
         rows = ["%r %r %r %r %r %r 0 0.6 0.8" % (*p, *n) for p, n in zip(points, normals)]
         self.put("model.ply", "\n".join(
@@ -155,7 +155,7 @@ class LimitTest(CliTest):
                             deformed, applied = (self.bytes(f"{name}{i}.{extension}")
                                                  for name in ("deformed", "applied"))
                             self.assertEqual(applied, deformed)
-                        # Directions were carried in both, and only points moved in the plain one.
+                        # Both files have deformed directions; the plain model has moved points only.
                         version = self.bytes("bound.espb")[8]
                         self.assertEqual(version, 1 if model == "plain.obj" else 2)
 
@@ -177,7 +177,7 @@ class LimitTest(CliTest):
         report = json.loads(self.run_program("info", "rest.ovm", "--smoothness", "--json").stdout)
         axis = [entry for entry in report["smoothness"]
                 if "edge" in entry and entry["stratum"] == "interior"]
-        # Five cells around two edges. The eigenvalues across an edge are 0.55, along it 1/2.
+        # Two interior edges lie in five cells. Their eigenvalues are 0.55 across the edge, 1/2 along it.
         self.assertEqual(len(axis), 2)
         for entry in axis:
             self.assertAlmostEqual(sum(entry["limit_mask"]), 1, places=12)
@@ -185,24 +185,25 @@ class LimitTest(CliTest):
                 self.assertAlmostEqual(real, expected, places=4)
                 self.assertAlmostEqual(imaginary, 0, places=9)
         text = self.run_program("info", "rest.ovm", "--smoothness").stdout
-        self.assertRegex(text, r"edge +\d+  interior  eigenvalues 1 0.5500 0.5500 0.5000 0.3401 ")
+        self.assertRegex(text, r"edge +\d+  interior  eigenvalues of refinement 1 0.5500 0.5500 "
+                               r"0.5000 0.3401 ")
 
     def test_rings_that_are_too_large_get_a_note(self):
         self.run_program("shape", "bipyramid", "--sides", 3000, "-o", "wide.ovm")
         arguments = ["info", "wide.ovm", "-n", 0, "--smoothness"]
         entries = json.loads(self.run_program(*arguments, "--json").stdout)["smoothness"]
         wide = [entry for entry in entries if entry["limit_mask"] is None]
-        # The two apexes: each with its 3,000 edges, as many faces, and the cell.
+        # The rings of the two apexes have 3,000 edges, 3,000 faces, the cell and the apex itself.
         self.assertEqual([entry["ring_points"] for entry in wide].count(6002), 2)
         for entry in wide:
             self.assertIsNone(entry["eigenvalues"])
-            self.assertIn("points: eigenvalues are not computed", entry["note"])
+            self.assertIn("eigenvalues are not computed: its ", entry["note"])
         for entry in entries:
             if entry["limit_mask"] is not None:
                 self.assertNotIn("note", entry)
                 self.assertAlmostEqual(sum(entry["limit_mask"]), 1, places=9)
         text = self.run_program(*arguments).stdout
-        self.assertEqual(text.count("ring of 6002 points: eigenvalues are not computed"), 2)
+        self.assertEqual(text.count("eigenvalues are not computed: its ring has 6002 points"), 2)
 
     def test_a_box_is_smooth_everywhere(self):
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "box.ovm")

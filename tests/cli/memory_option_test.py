@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the program on what would take more memory than there is to be."""
+"""Runs the program on input that would take more memory than --max-memory allows."""
 
 import base64
 import math
@@ -42,7 +42,7 @@ class MemoryTest(CliTest):
                          r"^espalier: box.ovm: level 15 would have more than 2147483647 entities")
         self.assertRegex(
             self.error_of("refine", "box.ovm", "-n", 7, "-o", "out.ovm", "--max-memory", "1GB"),
-            r"^espalier: box.ovm: level 7 takes some 2.\d GB of memory; the limit is 1.0 GB, of which "
+            r"^espalier: box.ovm: level 7 takes about 2.\d GB of memory; the limit is 1.0 GB, of which "
             r"\S+ MB are in use \(while refining\)\n$")
         self.assertFalse((self.path / "out.ovm").exists())
 
@@ -101,10 +101,10 @@ class MemoryTest(CliTest):
                  + "</DataArray>")
         self.put("bomb.vtu", vtu(array, size // 24, ' compressor="vtkZLibDataCompressor"'))
         self.assertRegex(self.error_of("info", "bomb.vtu", "--max-memory", "100MB"),
-                         r"^espalier: bomb.vtu:4: the array '': its data takes some 300.0 MB")
+                         r"^espalier: bomb.vtu:4: the array '': its data takes about 300.0 MB")
 
     def test_what_is_not_known_beforehand_is_stopped(self):
-        # So wide a tolerance that every point is in every cell of level 9.
+        # The tolerance is so wide that every point is in every cell of level 9.
         self.lattice()
         points = self.points(1000)
         error = self.error_of("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
@@ -113,7 +113,7 @@ class MemoryTest(CliTest):
         self.assertFalse((self.path / "out.espb").exists())
 
     def peak_and_error(self, *arguments):
-        """Bytes of memory that a run held at most, and its message."""
+        """Returns the peak memory of a run in bytes, and its message."""
         with open(self.path / "error", "w+") as error:
             process = subprocess.Popen([program.ESPALIER, *map(str, arguments)], cwd=self.path,
                                        stdout=subprocess.DEVNULL, stderr=error)
@@ -137,21 +137,22 @@ class MemoryTest(CliTest):
         self.put("cube.obj", self.cube_mesh())
         self.run_program("compare", "box.ovm", "-n", 4, "--max-memory", "400MB")
         self.run_program("compare", "cube.obj", "-n", 7, "--max-memory", "400MB")
-        # In megabytes. Of the box, refining takes 63, all of it 155. Of the cube, 16 are held before
-        # OpenSubdiv refines it, 44 after, 55 before its table is made, and 85 while it is.
+        # Memory in megabytes. Refining the box takes 63, the whole comparison 155. For the cube, the
+        # process holds 16 before OpenSubdiv refines it, 44 after, 55 before its table is made, and 85
+        # while the table is made.
         for name, level, limit, step in [
                 ("box.ovm", 4, 90, "matching level 4 with OpenSubdiv's"),
                 ("cube.obj", 7, 35, "OpenSubdiv's topology of levels 1 to 7"),
                 ("cube.obj", 7, 70, "OpenSubdiv's stencil table of levels 1 to 7")]:
             peak, error = self.peak_and_error("compare", name, "-n", level, "--max-memory",
                                               f"{limit}MB", "--quiet")
-            self.assertRegex(error, rf"^espalier: {name}: {step} takes some \S+ MB of memory; the "
+            self.assertRegex(error, rf"^espalier: {name}: {step} takes about \S+ MB of memory; the "
                                     rf"limit is {limit}.0 MB, of which \S+ MB are in use "
                                     r"\(while comparing\)\n$")
             self.assertLess(peak, limit * 1e6, error)
 
     def test_long_rows_are_refused_before_they_are_made(self):
-        # Rows of D have 3,000 weights each: 720 MB, and as much while they are gathered.
+        # A row of D has 3,000 weights. D takes 720 MB, and as much again while its rows are gathered.
         self.run_program("shape", "prism", "--sides", 1500, "-o", "prism.vtu")
         points = [(0.9 * i / 20000 * math.cos(i), 0.9 * i / 20000 * math.sin(i), i / 25000 - 0.4)
                   for i in range(20000)]
@@ -160,7 +161,7 @@ class MemoryTest(CliTest):
             "deform", "points.obj", "--rest", "prism.vtu", "--to", "prism.vtu", "-n", 2, "-o",
             "out.obj", "--max-memory", "500MB")
         self.assertRegex(error, r"^espalier: binding 20000 points with some 3000 weights each takes "
-                                r"some 1\.\d GB of memory; the limit is 500.0 MB, of which \S+ MB are "
+                                r"about 1\.\d GB of memory; the limit is 500.0 MB, of which \S+ MB are "
                                 r"in use \(while binding\)\n$")
         self.assertLess(peak, 250e6)  # 100 held: no group was bound
         self.assertFalse((self.path / "out.obj").exists())
@@ -171,18 +172,18 @@ class MemoryTest(CliTest):
             file.truncate(2**40)  # nothing of it is on disk
         arguments = ["bind", "large.obj", "--rest", "box.ovm", "-o", "out.espb"]
         self.assertRegex(self.error_of(*arguments, "--max-memory", "1GB"),
-                         r"^espalier: large.obj: takes some 1.1 TB of memory")
+                         r"^espalier: large.obj: takes about 1.1 TB of memory")
         # A device does not say how long it is.
         (self.path / "endless.ovm").symlink_to("/dev/zero")
         self.assertRegex(self.error_of("info", "endless.ovm", "--max-memory", "300MB"),
-                         r"^espalier: endless.ovm: takes some ")
+                         r"^espalier: endless.ovm: takes about ")
 
     def test_a_table_of_bezier_weights(self):
         self.lattice(cells=(15, 15, 15))
         points = self.points(10_000)  # 41 million weights
         self.assertRegex(self.error_of("bind", points, "--rest", "box.ovm", "--basis", "bezier",
                                        "-o", "out.espb", "--max-memory", "200MB"),
-                         r"a table of 10000 rows takes some 491.5 MB of memory")
+                         r"a table of 10000 rows takes about 491.5 MB of memory")
 
 
 if __name__ == "__main__":

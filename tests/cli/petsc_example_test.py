@@ -44,7 +44,7 @@ class PetscFit(CliTest):
         self.assertFalse((self.path / "pose.ovm").exists())
 
     def test_is_the_least_squares_fit(self):
-        # No lattice reaches these, so that all depends on what least means.
+        # No lattice reaches these targets exactly, so the result depends on the norm that is minimised.
         moves = numpy.random.default_rng(3).uniform(-0.1, 0.1, self.rest.shape)
         self.write_model([tuple(p) for p in self.rest + moves], "wanted.obj")
         self.run_program("stencils", "c.ovm", "--points", "model.obj", "-n", 2, "-o", "D.npz")
@@ -57,13 +57,13 @@ class PetscFit(CliTest):
             result = self.fit(ranks)
             self.assertEqual(result.returncode, 0, result.stderr)
             out = self.read_points("out.obj")
-            # LSQR stops at 1e-12 of the misses, times the condition of D, some hundreds.
+            # LSQR stops at 1e-12 of the misses, times the condition number of D, some hundreds.
             numpy.testing.assert_allclose(out, expected, rtol=0, atol=1e-9)
             self.assertEqual(list(out[7]), list(self.rest[7]))
-            # That D has less than full rank: of all that do the same, the smallest.
+            # This D is rank-deficient, so the smallest of all solutions is expected.
             numpy.testing.assert_allclose(self.read_ovm_positions("pose.ovm"),
                                           lattice + displacements, rtol=0, atol=1e-9)
-            # The model is what the program makes of that lattice, but for the order of sums.
+            # The program deforms the model in the same way, except for the order of sums.
             self.deform("model.obj", "c.ovm", "pose.ovm", "-n", 2, out="deformed.obj")
             numpy.testing.assert_allclose(self.read_points("deformed.obj"), out, rtol=0, atol=1e-14)
             (self.path / "out.obj").unlink()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the program share: a folder for each, and the files they write and read."""
+"""Shared by the tests of the program: a folder for each test, and files to write and read."""
 
 import json
 import math
@@ -16,7 +16,7 @@ ESPALIER = ""  # path of the program; the tests set it
 
 
 def icosphere_points(count):
-    """Points well inside the unit cube, on a spiral round its middle."""
+    """Returns points well inside the unit cube, on a spiral around its middle."""
     points = []
     for i in range(count):
         z = 1 - 2 * (i + 0.5) / count
@@ -75,7 +75,7 @@ class CliTest(unittest.TestCase):
         self.put(name, "\n".join(lines) + "\n")
 
     def write_mesh(self, tags=(), name="mesh.obj"):
-        """A plane of 3 by 3 squares; vertices 0, 3, 12 and 15 are its corners, 5 is inside."""
+        """Writes a plane of 3 by 3 squares. Vertices 0, 3, 12 and 15 are its corners; 5 is inside."""
         lines = [f"v {i % 4} {i // 4} {0.1 * (i % 3)}" for i in range(16)]
         for j in range(3):
             for i in range(3):
@@ -94,14 +94,14 @@ class CliTest(unittest.TestCase):
         return [tuple(map(float, line.split())) for line in lines[at + 2:at + 2 + count]]
 
     def write_positions(self, name, rest, positions):
-        """The lattice `rest` with its vertices elsewhere."""
+        """Writes the lattice `rest` with other positions of its vertices."""
         lines = self.text(rest).splitlines()
         at = lines.index("Vertices") + 2
         lines[at:at + len(positions)] = ["%.17g %.17g %.17g" % tuple(p) for p in positions]
         self.put(name, "\n".join(lines) + "\n")
 
     def write_pose(self, name, rest, move):
-        """The lattice `rest` with each vertex moved; returns where they are."""
+        """Writes the lattice `rest` with each vertex moved. Returns the positions."""
         positions = [move(p) for p in self.read_ovm_positions(rest)]
         self.write_positions(name, rest, positions)
         return positions
@@ -113,7 +113,7 @@ class CliTest(unittest.TestCase):
         return self.run_program("bind", model, "--rest", rest, *options, "-o", out)
 
     def shown_on_a_terminal(self, *arguments):
-        """What a command that succeeds shows there."""
+        """Returns the text that a successful command shows on a terminal."""
         terminal, other_end = pty.openpty()
         subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, check=True, timeout=120,
                        stdout=subprocess.DEVNULL, stderr=other_end)
@@ -128,7 +128,7 @@ class CliTest(unittest.TestCase):
             self.assertLess(math.dist(p, q), bound)
 
     def product(self, name, points):
-        """A matrix times points."""
+        """Multiplies a matrix by points."""
         lines = [line for line in self.text(name).splitlines() if not line.startswith("%")]
         product = [[0.0] * 3 for _ in range(int(lines[0].split()[0]))]
         for line in lines[1:]:

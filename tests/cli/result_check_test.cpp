@@ -241,8 +241,8 @@ TEST(ExpectedSums, RefusesFactorsOfAnotherMatrix) {
     const auto expectRefused = [&](const StencilTable<double>& matrix, const char* why) {
         EXPECT_REFUSED(Error, why, ExpectedSums(matrix, factors, compiledUlpBound));
     };
-    expectRefused({2, {0, 1, 2}, {0, 1}, {1, 1}}, "factors is 1 × 2, but the matrix 2 × 2");
-    expectRefused({3, {0, 1}, {0}, {1}}, "factors is 1 × 2, but the matrix 1 × 3");
+    expectRefused({2, {0, 1, 2}, {0, 1}, {1, 1}}, "factors is 1 × 2, but the matrix is 2 × 2");
+    expectRefused({3, {0, 1}, {0}, {1}}, "factors is 1 × 2, but the matrix is 1 × 3");
 }
 
 // Rows of points that are kept in place are empty, and give exactly 0.

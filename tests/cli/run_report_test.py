@@ -41,7 +41,7 @@ class Report(CliTest):
             self.assertEqual(set(stage), {"name", "seconds", "bytes", "gigabytes_per_second"})
             self.assertGreater(stage["seconds"], 0)
             if stage["bytes"] is not None:
-                # The same division, but for the order of its roundings.
+                # The same quotient, with roundings in another order.
                 self.assertAlmostEqual(stage["gigabytes_per_second"] * 1e9 * stage["seconds"] /
                                        stage["bytes"], 1, delta=1e-14)
         return report, {stage["name"]: stage for stage in report["stages"]}, names
@@ -54,13 +54,13 @@ class Report(CliTest):
         self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0})
         self.assertEqual(report["kept"], 0)
         self.assertLess(report["largest_residual"], 1e-12)
-        # The sizes in the head of the file: io/binding_file.h.
+        # The header of the file contains the sizes: io/binding_file.h.
         rows, columns, entries = struct.unpack("<3q", self.bytes("m.espb")[24:48])
         matrix = report["matrix"]
         self.assertEqual([matrix["rows"], matrix["columns"], matrix["entries"]],
                          [rows, columns, entries])
         self.assertEqual([rows, columns], [500, 27])
-        # Offsets of 8 bytes, columns of 4, weights of 8.
+        # Offsets take 8 bytes, columns 4, weights 8.
         self.assertEqual(matrix["bytes"], 8 * (rows + 1) + 12 * entries)
         self.assertEqual(names, [*BINDING, "writing"])
         self.assertEqual(stages["reading"]["bytes"], self.size("model.obj", "rest.vtu"))
@@ -92,15 +92,16 @@ class Report(CliTest):
             report, _, names = self.report(*command)
             matrix, kept = report["matrix"], report["kept"]
             self.assertEqual(kept, 1)
-            self.assertIn("kept in place     1\n", text)
-            self.assertIn("matrix            %d × %d, %.1f entries a bound row, %.1f kB\n" % (
+            self.assertIn("left in place     1 point, whatever the pose\n", text)
+            self.assertIn("matrix            %d points × %d lattice vertices, %.1f weights for each "
+                          "point that moves, %.1f kB\n" % (
                 matrix["rows"], matrix["columns"], matrix["entries"] / (matrix["rows"] - kept),
                 matrix["bytes"] / 1000), text)
             if "points" in report:
-                self.assertIn("points            %(inside)d inside, %(outside)d outside, "
-                              "%(not_converged)d not converged\n" % report["points"], text)
+                self.assertIn("points            %(inside)d inside the lattice, %(outside)d outside, "
+                              "%(not_converged)d could not be placed\n" % report["points"], text)
                 self.assertEqual(report["points"]["outside"], 1)
-                self.assertIn("largest residual  %.2g\n" % report["largest_residual"], text)
+                self.assertIn("placement error   %.2g: " % report["largest_residual"], text)
             stages = re.findall(r"^(.+?) +[0-9.]+ s  +([0-9.]+ k?B)  +[0-9.]+ GB/s$", text, re.M)
             self.assertEqual([name for name, _ in stages], names)
             for (_, shown), stage in zip(stages, report["stages"]):

@@ -211,7 +211,7 @@ TEST(Comparison, RefusesShapesThatOpenSubdivCannotRefine) {
     };
     EXPECT_THAT(refusal(TopologyRefiner(far::buildCurve(4, true))), HasSubstr("a curve"));
     EXPECT_THAT(refusal(TopologyRefiner(grid({2, 2, 2}), {.boundary = Boundary::Open})),
-                HasSubstr("boundary control"));
+                HasSubstr("boundary mode 'open'"));
 }
 
 // OpenSubdiv differs between releases, or from its own comments, in the cases below.

@@ -54,9 +54,9 @@ TEST(LevelMatch, DifferencesAreNamed) {
         return matched.difference(1);
     };
     EXPECT_THAT(planted([](LevelMatch& m) { std::swap(m.numbers[0][0], m.numbers[0][1]); }),
-                HasSubstr("has other vertices than theirs"));
+                HasSubstr("has other vertices than in OpenSubdiv"));
     EXPECT_THAT(planted([](LevelMatch& m) { m.numbers[0][1] = m.numbers[0][0]; }),
-                HasSubstr("vertex 1 has the match of another"));
+                HasSubstr("vertex 1 has the same match"));
     EXPECT_THAT(planted([](LevelMatch& m) { m.numbers[0][2].reset(); }),
                 HasSubstr("vertex 2 has no match"));
     EXPECT_THAT(
@@ -66,7 +66,7 @@ TEST(LevelMatch, DifferencesAreNamed) {
             const auto first = std::find_if(faces.begin(), faces.end(), [](auto f) { return !!f; });
             std::swap(*first, *std::find_if(first + 1, faces.end(), [](auto f) { return !!f; }));
         }),
-        HasSubstr("has other vertices than theirs"));
+        HasSubstr("has other vertices than in OpenSubdiv"));
 }
 
 // Marks that OpenSubdiv did not get are reported as differences of features.
@@ -84,7 +84,7 @@ TEST(LevelMatch, FeaturesAreCompared) {
     mesh.marks = {.vertices = {{3, 1.5}}};
     EXPECT_THAT(against(mesh), HasSubstr("sharpness 0.5"));
     mesh.marks = {.holes = {2}};
-    EXPECT_THAT(against(mesh), HasSubstr("is a hole; theirs is not"));
+    EXPECT_THAT(against(mesh), HasSubstr("is a hole; in OpenSubdiv it is not"));
 
     // The same without boundary control.
     Lattice open{gridMesh(5, 5), {}, {}, {}};
@@ -94,7 +94,7 @@ TEST(LevelMatch, FeaturesAreCompared) {
     MatchedShape pierced(open);
     EXPECT_EQ(pierced.difference(1), "");
     pierced.openSubdiv = makeOpenSubdivRefiner(solid.refiner, surfaceOf(open.complex));
-    EXPECT_THAT(pierced.difference(1), HasSubstr("is a hole; theirs is not"));
+    EXPECT_THAT(pierced.difference(1), HasSubstr("is a hole; in OpenSubdiv it is not"));
 }
 
 }  // namespace

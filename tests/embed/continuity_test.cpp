@@ -358,7 +358,7 @@ TEST(Continuity, RefusesInvalidFacesAndPoints) {
                 ThrowsMessage<Error>(HasSubstr("there is no face 9999 to hold; the lattice has ")));
     EXPECT_THAT(hold(held.base, {-1}), ThrowsMessage<Error>(HasSubstr("there is no face -1")));
     const TopologyRefiner open(held.lattice.complex, {.boundary = Boundary::Open});
-    EXPECT_THAT(hold(open, {0}), ThrowsMessage<Error>(HasSubstr("without boundary control")));
+    EXPECT_THAT(hold(open, {0}), ThrowsMessage<Error>(HasSubstr("boundary mode 'open'")));
     TopologyRefiner refined = test::refined(held.lattice.complex, 1);
     EXPECT_THAT(hold(refined, {0}), ThrowsMessage<Error>(HasSubstr("has not been refined")));
     held.part.clear();

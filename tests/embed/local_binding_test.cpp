@@ -428,7 +428,7 @@ TEST(LocalBinding, RefusesLongRowsBeforeTheyAreComputed) {
     std::atomic<int> groups = 0;
     EXPECT_THAT(
         messageOf<MemoryError>([&] { bind(spiral(20'000, 1), groups); }),
-        ::testing::MatchesRegex("binding 20000 points with some 600 weights each takes some "
+        ::testing::MatchesRegex("binding 20000 points with some 600 weights each takes about "
                                 "2[0-9][0-9]\\.. MB of memory; the limit is .* are in use"));
     EXPECT_EQ(groups, 0) << "points were bound before";
 }

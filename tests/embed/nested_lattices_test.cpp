@@ -110,7 +110,7 @@ TEST(NestedLattices, RefuseInvalidInput) {
     auto outside = nest.child.positions;
     outside[3] = {5, 0, 0};
     for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Error})
-        EXPECT_REFUSED(Error, "vertex 3 of the child lies outside of the parent lattice",
+        EXPECT_REFUSED(Error, "vertex 3 of the child lies outside the parent lattice",
                        nest.nest(outside, {.outside = policy}));
     EXPECT_EQ(nest.nest(outside, {.outside = OutsidePolicy::Nearest}).rowCount(), 200);
     auto fewer = nest.child.positions;
@@ -130,8 +130,9 @@ TEST(NestedLattices, RefuseInvalidInput) {
             nestTables(nest.ofChild, nest.child.positions, {nest.parentBase, flat.positions},
                        {.level = kLevel, .embedding = {.outside = OutsidePolicy::Nearest}});
         },
-        ThrowsMessage<Error>(HasSubstr("vertex 0 of the child has no place in the parent lattice: "
-                                       "its cell is degenerate")));
+        ThrowsMessage<Error>(
+            HasSubstr("vertex 0 of the child cannot be placed in the parent lattice: "
+                      "its cell is degenerate")));
 }
 
 }  // namespace

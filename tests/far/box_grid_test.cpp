@@ -135,7 +135,7 @@ TEST(BoxGrid, ARingIsRefused) {
     // them finds 3 × 3 × 1 cells, and then the hole.
     const TopologyError square = refusalOf(cellsOfGrid(n, isRing, kSame));
     EXPECT_EQ(square.cause(), TopologyCause::NotABox);
-    EXPECT_THAT(square.what(), HasSubstr("3 × 3 × 1 cells would go on"));
+    EXPECT_THAT(square.what(), HasSubstr("a box of 3 × 3 × 1 cells goes on there"));
     // Four cells; the last one ends where the first begins.
     const std::array<Index, 3> bar = {4, 1, 1};
     const auto closed = [&](Index vertex, Index, Index, Index) {
@@ -143,7 +143,7 @@ TEST(BoxGrid, ARingIsRefused) {
     };
     const TopologyError round = refusalOf(cellsOfGrid(bar, kAll, closed));
     EXPECT_EQ(round.entity(), Entity(CellId(0)));
-    EXPECT_THAT(round.what(), HasSubstr("no cell has a vertex of its own"));
+    EXPECT_THAT(round.what(), HasSubstr("there is no corner"));
 }
 
 TEST(BoxGrid, AMissingCellIsRefused) {
@@ -164,7 +164,8 @@ TEST(BoxGrid, AMissingCellIsRefused) {
         n, [](Index i, Index j, Index k) { return i != 1 || j != 1 || k != 1; }, kSame);
     const TopologyError error = refusalOf(hollow);
     EXPECT_EQ(error.entity().dimension, 2);
-    EXPECT_THAT(error.what(), HasSubstr("of cell 12 is on the boundary, where 3 × 3 × 3 cells"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("of cell 12 is on the boundary, but a box of 3 × 3 × 3 cells"));
     EXPECT_TRUE(contains(hollow.relation(3, 2)[12], error.entity().index));
 }
 
@@ -179,7 +180,9 @@ TEST(BoxGrid, CellsOutsideTheBoxAreRefused) {
     }
     const TopologyError two = refusalOf(test::lattice(20, cells));
     EXPECT_EQ(two.entity(), Entity(CellId(2)));
-    EXPECT_THAT(two.what(), HasSubstr("cell 2 is not one of the 2 × 1 × 1 from vertex 0 on"));
+    EXPECT_THAT(
+        two.what(),
+        HasSubstr("cell 2 is not part of the box of 2 × 1 × 1 cells with its corner at vertex 0"));
     const CellComplex hook = cellsOfGrid(
         {2, 3, 1}, [](Index i, Index j, Index) { return i == 0 || j == 1; }, kSame);
     EXPECT_EQ(refusalOf(hook).cause(), TopologyCause::NotABox);
@@ -194,7 +197,7 @@ TEST(BoxGrid, ASlitBetweenVerticesIsRefused) {
     };
     const TopologyError error = refusalOf(cellsOfGrid(n, kAll, split));
     EXPECT_EQ(error.entity().dimension, 0);
-    EXPECT_THAT(error.what(), HasSubstr("would both be at (2, 1, 0)"));
+    EXPECT_THAT(error.what(), HasSubstr("would have the same place in the box, (2, 1, 0)"));
 }
 
 // Two cells have four vertices in common, but each has a separate face between them. Only files
@@ -225,7 +228,7 @@ TEST(BoxGrid, ASlitBetweenFacesIsRefused) {
     const TopologyError error = refusalOf(slit);
     EXPECT_EQ(error.cause(), TopologyCause::NotABox);
     EXPECT_EQ(error.entity(), Entity(FaceId(shared)));
-    EXPECT_THAT(error.what(), HasSubstr("is on the boundary, inside the box"));
+    EXPECT_THAT(error.what(), HasSubstr("is inside the box, but lies in one cell only"));
 }
 
 // A hexagonal prism, cut into three hexahedra around its axis. Along both axes from a corner there
@@ -237,7 +240,7 @@ TEST(BoxGrid, CellReachedTwiceIsRefused) {
         builder.addCell(StandardCell::Hexahedron, {0, a, b, c, 7, a + 7, b + 7, c + 7});
     const TopologyError error = refusalOf(builder.build());
     EXPECT_EQ(error.entity().dimension, 0);
-    EXPECT_THAT(error.what(), HasSubstr("would be both at"));
+    EXPECT_THAT(error.what(), HasSubstr("would have two places in the box"));
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST(ComplexBuilderRefuses, CellWithAHandle) {
             surface.emplace_back(loop.begin(), loop.end());
         }
     ASSERT_EQ(surface.size(), 32u);
-    expectRefused(TopologyCause::NotASphere, {3, 0}, "Euler characteristic 0",
+    expectRefused(TopologyCause::NotASphere, {3, 0}, "Euler characteristic is 0; expected 2",
                   [&] { lattice(32, {surface}); });
 }
 
@@ -252,7 +252,8 @@ TEST(ComplexBuilderRefuses, EdgesWithTwoHeads) {
     boundaries[0] = SignedIncidence(
         Rows<Signed>{{0, 2, 4, 6}, {{0, -1}, {1, 1}, {1, -1}, {2, 1}, {2, 1}, {0, 1}}});
     boundaries[1] = SignedIncidence(Rows<Signed>{{0, 3}, {{0, 1}, {1, 1}, {2, 1}}});
-    expectRefused(TopologyCause::NotOrientable, {1, 2}, "does not run from its first vertex on",
+    expectRefused(TopologyCause::NotOrientable, {1, 2},
+                  "does not run from its first vertex to its second",
                   [&] { validate(CellComplex(2, 3, boundaries)); });
 }
 

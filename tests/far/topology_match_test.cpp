@@ -21,9 +21,9 @@ TEST(TopologyMatch, OrderOfCellsAndWindingDoNotMatter) {
 TEST(TopologyMatch, ReportsTheDifference) {
     const CellComplex box = grid({3, 2, 2});
     EXPECT_THAT(*topologyDifference(box, grid({3, 2, 1})),
-                HasSubstr("number of vertices: the first has 36, the second 24"));
+                HasSubstr("numbers of vertices differ: the first has 36, the second 24"));
     EXPECT_THAT(*topologyDifference(box, gridMesh(3, 2)),
-                HasSubstr("the first is of dimension 3, the second of 2"));
+                HasSubstr("the dimensions differ: the first has 3, the second 2"));
     // The number of vertices and cells is the same, but a pair of vertices is swapped.
     std::vector<Index> names(box.count(0));
     std::iota(names.begin(), names.end(), 0);

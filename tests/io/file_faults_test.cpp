@@ -88,7 +88,7 @@ TEST_F(WriteFaults, FolderThatCannotBeSyncedIsReportedAsWrittenButNotDurable) {
     std::string last;
     for (int n = 1; const auto error = errorOf(SystemCall::Sync, n, EIO); ++n) last = *error;
     EXPECT_EQ(last, path.string() +
-                        ": is written, but may not outlast a loss of power: Input/output error");
+                        ": is written, but may be lost if power fails now: Input/output error");
     // EINVAL is ignored: the file system cannot sync folders.
     int ignored = 0;
     for (int n = 1; const auto error = errorOf(SystemCall::Sync, n, EINVAL); ++n)

@@ -96,7 +96,8 @@ TEST_P(LatticeFile, RefusesToWriteInconsistentLattices) {
     // This name would be read as marks.
     lattice = boxLattice();
     lattice.attributes.push_back({"espalier:vertex_sharpness", 1, std::vector<double>(12)});
-    EXPECT_THAT(refusal(lattice), HasSubstr("'espalier:vertex_sharpness' has a name that is kept"));
+    EXPECT_THAT(refusal(lattice),
+                HasSubstr("'espalier:vertex_sharpness' has a name that is reserved"));
 
     lattice = boxLattice();
     lattice.positions[7][1] = kNan;
@@ -135,7 +136,7 @@ TEST(LatticeFiles, UnknownExtensionsAreRefused) {
         const auto expectRefusal = [&](auto call) {
             EXPECT_EQ(messageOf<io::FileError>([&] { call(); }),
                       std::string(name) +
-                          ": not a lattice format that is known; expected "
+                          ": is not of a known lattice format; expected "
                           ".ovm, .vtu, .vtk");
         };
         expectRefusal([&] { io::readLattice(name); });

@@ -97,7 +97,7 @@ TEST(MatrixFile, NpzErrorsNameTheArrayThatDoesNotFit) {
     refused(npzOf({3, 2}, {0, 2, 2}), "indptr.npy: has 3 numbers for 3 rows");
     refused(npzOf({-1, 2}, {}), "claims -1 rows");
     refused(npzOf({2, std::int64_t{1} << 31}, {0, 2, 2}), "claims 2147483648 columns");
-    refused(npzOf({2, 1}, {0, 2, 2}), "row 0 names column 1 of 1");
+    refused(npzOf({2, 1}, {0, 2, 2}), "row 0 names column 1; there are 1");
 }
 
 TEST(MatrixFile, LongArraysAreConvertedInBlocks) {
@@ -123,7 +123,7 @@ TEST(MatrixFile, ExtensionChoosesTheFormat) {
     }
     EXPECT_EQ(matrixPaths("x/D.npy"), (std::vector<std::filesystem::path>{
                                           "x/D.indptr.npy", "x/D.indices.npy", "x/D.data.npy"}));
-    EXPECT_REFUSED(FileError, "a.mat: is not a matrix format; expected .mtx",
+    EXPECT_REFUSED(FileError, "a.mat: is not of a matrix format; expected .mtx",
                    writeMatrix(folder / "a.mat", sample<float>()));
 }
 
@@ -148,7 +148,8 @@ TEST(MatrixFile, ReadsBackByTheExtension) {
         EXPECT_REFUSED(FileError, why, readMatrix(name, ""));
     };
     refused("D.npy", "D.npy: cannot be read as a matrix");
-    refused("D.mat", "D.mat: is not a matrix format that is read; expected .mtx, .npz or .petsc");
+    refused("D.mat",
+            "D.mat: is not of a matrix format that can be read; expected .mtx, .npz or .petsc");
 }
 
 TEST(MatrixFile, RefusesWeightsThatAreNotFiniteAndLeavesTheOldFile) {

@@ -18,17 +18,17 @@ TEST(MatrixRows, ErrorsNameTheRow) {
         EXPECT_REFUSED(CodingError, why, tableOfRows(3, offsets, columns, weights));
     };
     refused({0, 1}, {0, 1}, {1}, "has 2 columns and 1 weights");
-    refused({}, {}, {}, "no offsets");
+    refused({}, {}, {}, "no row offsets");
     refused({1, 1}, {0}, {1}, "rows from entry 1 to 1; expected 0 to 1");
     refused({0, 2}, {0}, {1}, "rows from entry 0 to 2; expected 0 to 1");
     refused({0, 2, 1}, {0}, {1}, "row 0 goes from entry 0 to 2 of 1");
     refused({0, 1, 0, 1}, {0}, {1}, "row 1 goes from entry 1 to 0 of 1");
     refused({0, -1, 1}, {0}, {1}, "row 0 goes from entry 0 to -1 of 1");
-    refused({0, 1, 2}, {0, 3}, {1, 1}, "row 1 names column 3 of 3");
-    refused({0, 1, 2}, {0, -1}, {1, 1}, "row 1 names column -1 of 3");
+    refused({0, 1, 2}, {0, 3}, {1, 1}, "row 1 names column 3; there are 3");
+    refused({0, 1, 2}, {0, -1}, {1, 1}, "row 1 names column -1; there are 3");
     refused({0, 0, 2}, {1, 1}, {1, 1}, "row 1 has column 1 twice");
     refused({0, 0, 3}, {2, 0, 2}, {1, 1, 1}, "row 1 has column 2 twice");
-    refused({0, 1}, {0}, {kInfinity}, "row 0 has a weight of inf");
+    refused({0, 1}, {0}, {kInfinity}, "row 0 has the weight inf");
 }
 
 TEST(MatrixRows, TooManyRowsAreRefused) {

@@ -101,13 +101,13 @@ TEST(NpyReader, RefusesNumbersOutOfRange) {
         EXPECT_THAT(numbersIn<double>(wide(number)), ElementsAre(0, number));
     for (const std::int64_t number : {kLargest + 1, -kLargest - 1})
         expectCodingError([&] { numbersIn<double>(wide(number)); },
-                          "number 1 is " + std::to_string(number) + ", beyond");
+                          "number 1 is " + std::to_string(number) + ", which is out of range");
     expectCodingError([&] { numbersIn<double>(widest); },
-                      "number 0 is 18446744073709551615, beyond");
+                      "number 0 is 18446744073709551615, which is out of range");
     expectCodingError([&] { numbersIn<Offset>(widest); },
-                      "number 0 is 18446744073709551615, beyond");
+                      "number 0 is 18446744073709551615, which is out of range");
     expectCodingError([&] { numbersIn<Index>(wide(std::int64_t{1} << 31)); },
-                      "is 2147483648, beyond");
+                      "is 2147483648, which is out of range");
     expectCodingError([&] { numbersIn<Index>(wide(-(std::int64_t{1} << 31) - 1)); }, "-2147483649");
     // npyNumbers() does not check that numbers are finite; its callers do.
     const auto infinite = npyArray("<f4", "(1,)", bytesOfAll<float>({INFINITY}, kLittle));

@@ -115,7 +115,7 @@ TEST(NpyArrays, ArraysThatDoNotFitTogetherAreRefused) {
     const auto refused = [](const Arrays& arrays, Index columnCount, const std::string& why) {
         EXPECT_REFUSED(FileError, why, arrays.read(columnCount));
     };
-    refused(whole, 3, "D.npy: row 0 names column 3 of 3");
+    refused(whole, 3, "D.npy: row 0 names column 3; there are 3");
     refused(whole, -1, "D.npy: claims -1 columns");
     const auto with = [&](std::size_t i, const std::string& file) {
         Arrays arrays = whole;
@@ -128,7 +128,7 @@ TEST(NpyArrays, ArraysThatDoNotFitTogetherAreRefused) {
     // Columns are integers, and so could be offsets; weights could not.
     refused(with(0, whole.files[1]), 4, "D.npy: has rows from entry 0 to 3");
     refused(with(1, whole.files[2]), 4, "D.indices.npy: is of type '<f8'; expected integers");
-    refused(with(0, Arrays(Table()).files[1]), 4, "D.npy: has no offsets of rows");
+    refused(with(0, Arrays(Table()).files[1]), 4, "D.npy: has no row offsets");
 }
 
 }  // namespace

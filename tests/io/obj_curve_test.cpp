@@ -96,7 +96,8 @@ TEST(ObjCurve, ErrorsNameTheLine) {
                 StartsWith(":5: a line names vertex 2 twice in a row"));
     EXPECT_THAT(refusalOfMesh(kPolygon + "t hole 1/0/0 0\n"),
                 StartsWith(":6: a tag names face 0; there are none"));
-    EXPECT_THAT(refusalOfMesh(kPolygonPoints), StartsWith(": there is no face, and no line"));
+    EXPECT_THAT(refusalOfMesh(kPolygonPoints),
+                StartsWith(": there is no face and no line, so neither a mesh nor a curve"));
 }
 
 }  // namespace

@@ -126,8 +126,9 @@ TEST(Ovm, NaNMarksAreRefused) {
 
 TEST(Ovm, RefusesAttributesWithReservedNames) {
     EXPECT_THAT(refusal(kTetrahedron + "VProp double \"espalier:colour\"\n1\n2\n3\n4\n"),
-                StartsWith(": the attribute 'espalier:colour' has 1 components and is no known "
-                           "mark; names that begin with 'espalier:' are kept for marks"));
+                StartsWith(": the attribute 'espalier:colour' has 1 components and is not a known "
+                           "mark; names that begin with 'espalier:' are reserved for marks: rename "
+                           "the attribute"));
 }
 
 TEST(Ovm, ErrorsNameTheOffender) {

@@ -85,10 +85,10 @@ TEST(PetscBinary, RefusesInvalidMatrices) {
     refused({1211216, 2, 1, 1, 1, 1, 0}, {1}, "row 1 claims 1 of the 1 entries, of which 0");
     refused({1211216, 2, 1, 1, 1, -1, 0}, {1}, "row 1 claims -1");
     refused({1211216, 2, 1, 1, 0, 0, 0}, {1}, "rows from entry 0 to 0; expected 0 to 1");
-    refused({1211216, 1, 1, 1, 1, 1}, {1}, "row 0 names column 1 of 1");
-    refused({1211216, 1, 1, 1, 1, -1}, {1}, "row 0 names column -1 of 1");
+    refused({1211216, 1, 1, 1, 1, 1}, {1}, "row 0 names column 1; there are 1");
+    refused({1211216, 1, 1, 1, 1, -1}, {1}, "row 0 names column -1; there are 1");
     refused({1211216, 1, 3, 3, 3, 2, 1, 2}, {1, 2, 3}, "row 0 has column 2 twice");
-    refused({1211216, 2, 1, 1, 0, 1, 0}, {kNan}, "row 1 has a weight of nan");
+    refused({1211216, 2, 1, 1, 0, 1, 0}, {kNan}, "row 1 has the weight nan");
 }
 
 TEST(PetscBinary, ChecksClaimedSizesBeforeAllocating) {
@@ -105,7 +105,7 @@ TEST(PetscBinary, ChecksClaimedSizesBeforeAllocating) {
     refused({1211216, 2, 1, (std::int64_t{1} << 60) - 1}, "2 rows and 1152921504606846975 entries");
     refused({1211216, kRows + 1, 1, 0}, "claims 2147483648 rows; expected 0 to 2147483647");
     refused({1211216, 0, kLargest, 0}, "claims 9223372036854775807 columns");
-    refused({1211216, 1, 1, 1, 1, kRows + 1, 0}, "beyond what can be held");
+    refused({1211216, 1, 1, 1, 1, kRows + 1, 0}, "out of range");
 }
 
 TEST(PetscBinary, TruncatedFilesAreRefusedAndChangedOnesGiveValidTablesOrErrors) {

@@ -187,8 +187,9 @@ TEST(Ply, RefusesMalformedRowsWithTheirLine) {
     refused("0 1\n0 1\n0 1 0 1 1\n0 1 0 1 1 1\n0\n", 21, "expected the property 'id'");
     refused("0 1\n0 1\n0 1 0 1 1 1 9\n0 1 0 1 1 1\n0\n", 21, "got '9'");
     refused("0 1\n0 1\n0 1 0 x 1 1\n0 1 0 1 1 1\n0\n", 21, "'x' is not a number; expected x");
-    refused("0 1\n0 1\n0 1 0 1 1e39 1\n0 1 0 1 1 1\n0\n", 21, "'1e39' is more than a float holds");
-    refused("0 1\n0 1\n0 1 -1 1 1 1\n0 1 0 1 1 1\n0\n", 21, "'-1' is not the length of a list");
+    refused("0 1\n0 1\n0 1 0 1 1e39 1\n0 1 0 1 1 1\n0\n", 21,
+            "'1e39' is too large for single precision");
+    refused("0 1\n0 1\n0 1 -1 1 1 1\n0 1 0 1 1 1\n0\n", 21, "'-1' is not a length");
     refused("0 1\n0 1\n0 1 0 1 1 1\n0 1 0 1 1 1\n\n\n", 24, "1 rows of the element 'face', got 0");
 }
 

@@ -47,11 +47,12 @@ TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
     curve.complex = far::buildCurve(3, false);
     for (const char* name : {"a.ovm", "a.vtu", "a"})
         expectRefused(name, curve, "a curve cannot be written in this format; expected .obj");
-    expectRefused("a.obj", {},
-                  "what is of dimension 0 cannot be written; expected a curve (1), a mesh (2) or a "
-                  "lattice (3)");
+    expectRefused(
+        "a.obj", {},
+        "a complex of dimension 0 cannot be written; expected a curve (1), a mesh (2) or a "
+        "lattice (3)");
     EXPECT_EQ(messageOf<io::FileError>([&] { io::readRefinable("a.stl"); }),
-              "a.stl: not a format of curves, meshes or lattices that is known; "
+              "a.stl: is not of a known format of curves, meshes or lattices; "
               "expected .obj, .ovm, .vtu, .vtk");
 }
 

@@ -163,10 +163,10 @@ TEST(Stl, RefusesMalformedAsciiWithItsLine) {
                     ThrowsMessage<FileError>(
                         AllOf(HasSubstr("a.stl:" + std::to_string(line) + ":"), HasSubstr(why))));
     };
-    refused("facet normal", "facet", 2, "'0.0'; expected 'normal'");
+    refused("facet normal", "facet", 2, "expected 'normal', got '0.0'");
     refused("vertex 0 0 0", "vertex 0 zero 0", 4, "'zero' is not a number; expected y");
     refused("vertex 0 0 0", "vertex 0 0 inf", 4, "'inf' is not finite; expected z");
-    refused("vertex 0 1 0\n", "", 6, "'endloop'; expected 'vertex'");
+    refused("vertex 0 1 0\n", "", 6, "expected 'vertex', got 'endloop'");
     refused("vertex 0 1 0\n", "vertex 0 1 0\nvertex 0 1 0\n", 7, "expected 'endloop'");
     refused("endsolid two", "end two", 9, "'end'; expected 'facet' or 'endsolid'");
     refused("ENDSOLID", "", 14, "the file ends");

@@ -129,7 +129,7 @@ TEST(VtkLegacy, ErrorsNameTheOffender) {
     EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n"),
                 HasSubstr("cell 0 names vertex 9; there are 4"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 5\n"),
-                HasSubstr("there are data for 5 points, of which there are 4"));
+                HasSubstr("the data are for 5 points, but there are 4"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 4\nVOLTAGE x float\n"),
                 HasSubstr("'voltage' is not a keyword"));
     EXPECT_THAT(refusalOf("a.vtk",

@@ -70,7 +70,7 @@ TEST(ZipReader, AcceptsACommentAtTheEnd) {
     const std::string bytes = archive();
     const std::string said = changed(bytes, bytes.size() - 2, std::uint16_t{7});
     EXPECT_EQ(read(said + "comment", "2"), "others");
-    expectArchiveRefused(said + "comments", "the end of its directory is not there");
+    expectArchiveRefused(said + "comments", "the end of its directory is missing");
     const std::string longest(65535, 'x');
     EXPECT_EQ(read(changed(bytes, bytes.size() - 2, std::uint16_t{65535}) + longest, "2"),
               "others");
@@ -108,9 +108,10 @@ TEST(ZipReader, RefusesDamage) {
     const std::size_t entry = entryIn(bytes), end = endIn(bytes);
     expectArchiveRefused("", "is not a ZIP archive");
     expectArchiveRefused("%%MatrixMarket matrix coordinate real general", "is not a ZIP archive");
-    expectArchiveRefused(changed(bytes, 0, std::uint32_t{0}), "is not where the directory says");
+    expectArchiveRefused(changed(bytes, 0, std::uint32_t{0}),
+                         "is not at the place that the directory names");
     expectArchiveRefused(changed(bytes, 30, 'F'), "has another name in the directory");
-    expectArchiveRefused(changed(bytes, entry, std::uint32_t{0}), "its directory is not one");
+    expectArchiveRefused(changed(bytes, entry, std::uint32_t{0}), "its directory cannot be read");
     expectArchiveRefused(changed(bytes, entry + kName, 'F'), "is not in the archive");
     expectArchiveRefused(changed(bytes, entry + kChecksum, std::uint32_t{0}),
                          "checksum does not match");
@@ -129,7 +130,7 @@ TEST(ZipReader, RefusesDuplicateNames) {
     ZipWriter zip(stream);
     for (int i = 0; i < 2; ++i) zip.add("first", [](ByteOutput& out) { out.bytes("x"); });
     zip.finish();
-    expectArchiveRefused(stream.str(), "two members of one name");
+    expectArchiveRefused(stream.str(), "two members of the same name");
 }
 
 TEST(ZipReader, ChecksClaimedSizesAndOffsets) {
@@ -140,17 +141,18 @@ TEST(ZipReader, ChecksClaimedSizesAndOffsets) {
                          "more bytes in its members");
     // The archive has this number of bytes, but not after the member's header.
     expectArchiveRefused(changed(bytes, entry + kCompressedSize, size - 10), "ends too early");
-    expectArchiveRefused(changed(bytes, entry + kPlace, size + 1), "names byte");
+    expectArchiveRefused(changed(bytes, entry + kPlace, size + 1), "refers to byte");
     expectArchiveRefused(changed(bytes, entry + kPlace, size), "ends too early");
-    expectArchiveRefused(changed(bytes, end + kDirectoryPlace, size + 1), "names byte");
+    expectArchiveRefused(changed(bytes, end + kDirectoryPlace, size + 1), "refers to byte");
     expectArchiveRefused(changed(bytes, end + kDirectorySize, size), "ends too early");
     // A bomb: 10 bytes cannot become 4 GB.
     const std::string deflated = changed(bytes, entry + kMethod, kZipDeflated);
     expectArchiveRefused(changed(deflated, entry + kSize, std::uint32_t{0xfffffffe}),
                          "10 compressed bytes claims to hold 4294967294");
     // The value says that the number is in ZIP64's field, but there is no such field.
-    expectArchiveRefused(changed(bytes, entry + kPlace, kZipAll32), "names byte 4294967295");
-    expectArchiveRefused(changed(bytes, end + kDirectoryPlace, kZipAll32), "names byte 4294967295");
+    expectArchiveRefused(changed(bytes, entry + kPlace, kZipAll32), "refers to byte 4294967295");
+    expectArchiveRefused(changed(bytes, end + kDirectoryPlace, kZipAll32),
+                         "refers to byte 4294967295");
 }
 
 TEST(ZipReader, ChecksClaimedSizesOf64Bits) {
@@ -160,16 +162,18 @@ TEST(ZipReader, ChecksClaimedSizesOf64Bits) {
     const std::size_t extra = entryIn(bytes) + kName + 5 + 4;
     expectArchiveRefused(changed(bytes, extra, kLargest), "checksum does not match");
     expectArchiveRefused(changed(bytes, extra + 8, kLargest), "more bytes in its members");
-    expectArchiveRefused(changed(bytes, extra + 16, kLargest), "names byte 18446744073709551615");
+    expectArchiveRefused(changed(bytes, extra + 16, kLargest),
+                         "refers to byte 18446744073709551615");
     expectArchiveRefused(changed(bytes, extra - 2, std::uint16_t{16}), "ends too early");
     // ZIP64's end of the directory has 24 bytes, the count on this disk, and the total count.
     const std::size_t end = bytes.rfind(bytesOf(kZip64DirectoryEnd, std::endian::little));
     expectArchiveRefused(changed(bytes, end + 32, kLargest), "ends too early");
     expectArchiveRefused(changed(bytes, end + 40, kLargest),
                          "18446744073709551615 bytes are expected");
-    expectArchiveRefused(changed(bytes, end + 48, kLargest), "names byte 18446744073709551615");
+    expectArchiveRefused(changed(bytes, end + 48, kLargest), "refers to byte 18446744073709551615");
     const std::size_t locator = bytes.rfind(bytesOf(kZip64Locator, std::endian::little));
-    expectArchiveRefused(changed(bytes, locator + 8, kLargest), "names byte 18446744073709551615");
+    expectArchiveRefused(changed(bytes, locator + 8, kLargest),
+                         "refers to byte 18446744073709551615");
     expectArchiveRefused(changed(bytes, locator + 8, std::uint64_t{0}), "not where it should be");
 }
 

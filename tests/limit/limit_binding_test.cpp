@@ -329,7 +329,7 @@ TEST(LimitBinding, ATightToleranceIsMet) {
 TEST(LimitBinding, RefusesCellsWithTooManyFaces) {
     const Lattice lattice = shapes::prism({.sides = 1200});
     EXPECT_MESSAGE(
-        "cell 0 has 1202 faces; points are bound to the limit around at most 1000: "
+        "cell 0 has 1202 faces; to bind points to the limit, at most 1000 are allowed: "
         "split it, or bind the points to a level",
         bound(lattice, {{0, 0, 0}}));
 }

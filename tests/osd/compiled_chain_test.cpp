@@ -102,7 +102,7 @@ TEST(CompiledChain, RejectsTablesOfMismatchedSizes) {
                    CompiledChain<double>(std::span<const StencilTable<double>>()));
     EXPECT_REFUSED(Error, "table 2 of the chain has 3 columns; the one before has 2 rows",
                    CompiledChain<double>(std::array{two, two}));
-    EXPECT_REFUSED(Error, "the points are of 3 vertices; the table of these has 2",
+    EXPECT_REFUSED(Error, "the table of points has 3 columns; the table of vertices has 2",
                    CompiledChain<double>(stencils::FactoredTable<double>{two, two}));
     EXPECT_REFUSED(Error, "table 2 of the chain has 3 columns",
                    CompiledAdjointChain<double>(std::array{two, two}));

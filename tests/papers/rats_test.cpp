@@ -410,9 +410,10 @@ void expectRefused(const TopologyRefiner& refiner, const std::string& why) {
 TEST(Rats, RefusesMeshesWithoutRules) {
     expectRefused(TopologyRefiner(grid({1, 1, 1})), "not for lattices");
     const CellComplex net = gridMesh(3, 3);
-    expectRefused(TopologyRefiner(net, {.boundary = Boundary::Open}), "reach the border");
+    expectRefused(TopologyRefiner(net, {.boundary = Boundary::Open}),
+                  "do not have the boundary mode 'open'");
     expectRefused(TopologyRefiner(net, {.triangles = far::TriangleSubdivision::Smooth}),
-                  "no smooth triangles");
+                  "do not have smooth triangles");
     expectRefused(TopologyRefiner(net, {.marks = {.edges = {{{5, 6}, 2.5}}}}),
                   "edge (5, 6) is semi-sharp");
     expectRefused(TopologyRefiner(net, {.marks = {.vertices = {{5, 0.5}}}}),

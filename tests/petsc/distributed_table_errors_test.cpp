@@ -81,7 +81,8 @@ TEST_F(DistributedTableErrors, KeptPointsThatDoNotExist) {
     embed::Binding own{rows_, {}, {}, 0};
     if (isLast()) own.kept = {rows_.rowCount()};
     const auto make = [&] { DistributedTable(MPI_COMM_WORLD, own, vertices_.count()); };
-    EXPECT_EQ(messageOf(make), lastRank() + "1 points are kept, at 0 places");
+    EXPECT_EQ(messageOf(make),
+              lastRank() + "1 points are kept, but the number of their positions is 0");
     if (isLast()) own.keptAt = {{1, 2, 3}};
     const std::string error = messageOf(make);
     EXPECT_THAT(error, StartsWith(lastRank() + "point "));

@@ -9,8 +9,8 @@
 namespace espalier::limit {
 namespace {
 
-/// Returns the points of a grid with 6 steps per cell, from `low` to cells − low along each axis. In
-/// the cells of every level they are at u = 0, 1/3 or 2/3, so u(1 − u) of a point is the same on
+/// Returns the points of a grid with 6 steps per cell, from `low` to cells − low along each axis.
+/// In the cells of every level they are at u = 0, 1/3 or 2/3, so u(1 − u) of a point is the same on
 /// every level.
 std::vector<Point3> sixths(const Cells& cells, Index low) {
     std::vector<Point3> points;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests share: a lattice, and points in it."""
+"""Shared by the tests: a lattice, and points in it."""
 
 import numpy as np
 import pytest

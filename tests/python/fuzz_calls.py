@@ -37,21 +37,21 @@ try:
 except ImportError:
     pass  # built without OpenSubdiv
 CLASSES = [each for module in MODULES for each in vars(module).values() if isinstance(each, type)]
-# What they are derived from, and what they are objects of: pybind11's own classes.
+# The base class and the metaclass of all classes, which are pybind11's.
 BASES = sorted({each for made in CLASSES for each in (*made.__mro__, *type(made).__mro__)
                 if each not in CLASSES and each not in (object, type)}, key=repr)
 
 
 class Derived(espalier.Lattice):
-    """As a user derives classes."""
+    """A class that a user derives."""
 
 
 class OfTwo(espalier.Lattice, espalier.Refiner):
-    """With two values, one of each."""
+    """A class with two base classes, and a value of each."""
 
 
 class OfNone(BASES[0]):
-    """With no value of C++."""
+    """A class without a C++ value."""
 
 
 EMPTY = [each.__new__(each) for each in (*CLASSES, Derived, OfTwo)]
@@ -69,7 +69,7 @@ VALUES = OBJECTS + EMPTY + [
     np.broadcast_to(0.0, (2**40, 3)), np.zeros((12, 3), "M8[s]"), BOX.cells, BOX.faces, np.ones(1),
     np.frombuffer(b"0" * 289, "f8", 36, 1).reshape(12, 3),
 ]
-# Of these the largest would be made as they were asked for, and take all memory.
+# These functions would make a lattice of any size that is asked for, and take all memory.
 SMALL = [each for each in VALUES if not (isinstance(each, int) and not isinstance(each, bool)
                                          and 3 < each < 2**63)]
 
@@ -89,7 +89,7 @@ def attempt(function, *arguments, **options):
 
 
 def parameters_of(function):
-    """Names of the parameters, from the signature that pybind11 writes."""
+    """Returns the names of the parameters, from the signature that pybind11 writes."""
     text = (function.__doc__ or "").split(") ->")[0]
     return [part.split(":")[0].strip() for part in text.split("(", 1)[-1].split(", ")
             if ":" in part and part.split(":")[0].strip().isidentifier()]
@@ -105,7 +105,7 @@ def call_with_all(function, calls):
 
 
 def check_without_value(made):
-    """Every attribute and method raises TypeError."""
+    """Checks that every attribute and method raises TypeError."""
     for name in dir(made):
         descriptor = inspect.getattr_static(type(made), name, None)
         if isinstance(descriptor, property):
@@ -117,7 +117,7 @@ def check_without_value(made):
 
 
 def check_bases():
-    """They make no objects, and are not changed; whatever else is called of them raises."""
+    """Checks that pybind11's classes make no objects, cannot be changed, and raise for other calls."""
     assert [each.__name__ for each in BASES] == ["pybind11_object", "pybind11_type"], BASES
     base, metaclass = BASES
     for made in base, OfNone, metaclass("OfNoneHere", (base,), {}):
@@ -141,7 +141,7 @@ def check_bases():
 
 
 def check_classes_are_not_changed():
-    """An object is not read as one of another class."""
+    """Checks that an object is never read as one of another class."""
     for made in OBJECTS + EMPTY:
         for other in (*CLASSES, Derived, OfTwo, OfNone):
             if other is not type(made) and {other, type(made)} & set(CLASSES):

@@ -9,7 +9,7 @@ import pytest
 
 import espalier
 
-# Sums of up to 64 products of size 1, in another order: some units in the last place.
+# Results are sums of up to 64 products of size 1, in another order: some units in the last place.
 CLOSE = 1e-13
 
 
@@ -48,7 +48,7 @@ def test_several_poses_at_once(binding, pose, rest):
 def test_float32_stays_float32(binding, pose):
     single = binding.deform(pose.astype(np.float32))
     assert single.dtype == np.float32 and binding.deform(pose).dtype == np.float64
-    # 64 products of size 3, each rounded to 6e-8 of it.
+    # Results are sums of 64 products of size 3, each rounded by 6e-8 relative.
     np.testing.assert_allclose(single, binding.deform(pose), atol=1e-5)
     assert binding.adjoint(single).dtype == np.float32
     for order in "<>":
@@ -97,13 +97,13 @@ def test_the_lattices_that_came_before(points, rest, pose):
 
 
 def test_the_limit_is_the_spline():
-    # Without boundary control, in the middle cell of three: the uniform B-spline.
+    # With boundary="open", the middle cell of three is the uniform B-spline.
     box = espalier.shapes.box(cells=(3, 3, 3), max=(3, 3, 3))
     points = 1.05 + 0.9 * np.random.default_rng(4).random((200, 3))
     spline = espalier.bind(box, points, basis="bspline").matrix
     limit = espalier.bind(espalier.Refiner(box, boundary="open"), points, limit=True).matrix
     assert abs(limit - spline).max() < 1e-13  # places are found to some 1e-15
-    with pytest.raises(ValueError, match="^limit: what"):
+    with pytest.raises(ValueError, match='^limit: expected False with the basis "bezier"'):
         espalier.bind(box, points, basis="bezier", limit=True)
     with pytest.raises(ValueError, match="tolerance of the limit"):
         espalier.bind(box, points, limit=True, tolerance=0.5)
@@ -199,7 +199,7 @@ def test_models(tmp_path, rest, points, pose):
 
 
 def test_one_binding_for_many_threads(binding, pose, rest, points):
-    fresh = espalier.bind(rest, points, level=2)  # that nobody has compiled yet
+    fresh = espalier.bind(rest, points, level=2)  # not compiled yet
     wanted, failures = binding.deform(pose), []
 
     def work():

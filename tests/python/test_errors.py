@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong is said by a ValueError, which names the argument or what the library names."""
+"""Wrong arguments raise a ValueError that names the argument, or what the library names."""
 
 import numpy as np
 import pytest
@@ -92,7 +92,7 @@ def test_topology_that_is_none():
         espalier.Lattice(cube.positions, [[0, 1, 2, 3, 4, 5, 6, 8]])
     with pytest.raises(ValueError, match=r"^cells\[1\]: expected the 4, 5, 6 or 8 vertices"):
         espalier.Lattice(cube.positions, [range(8), range(7)])
-    with pytest.raises(ValueError, match=r"^cells\[0, 2\] is 4294967296; expected a number of 32"):
+    with pytest.raises(ValueError, match=r"^cells\[0, 2\] is 4294967296; expected an integer that fits"):
         espalier.Lattice(cube.positions, np.array([[0, 1, 2**32, 3, 4, 5, 6, 7]]))
     with pytest.raises(ValueError, match="^cells: expected an array of integers, got float64$"):
         espalier.Lattice(cube.positions, cube.hexahedra.astype(float))
@@ -117,7 +117,7 @@ def test_the_librarys_own_errors_keep_their_text(rest, points, tmp_path):
 
 
 def test_a_pose_of_another_lattice(binding):
-    with pytest.raises(ValueError, match="^pose: the lattice has another topology"):
+    with pytest.raises(ValueError, match="^pose: its topology is not that"):
         binding.deform(espalier.shapes.box(cells=(2, 3, 2)))
 
 
@@ -167,7 +167,7 @@ def test_none_has_no_members_of_ours():
 def test_an_edge_is_marked_once(rest):
     for marks in ({(1, 0): 1, (0, 1): 2}, {(0, 1): 1, (1, 0): 1}):
         with pytest.raises(ValueError,
-                           match="^edge_sharpness: the edge of vertices 0 and 1 is there twice"):
+                           match="^edge_sharpness: the edge of vertices 0 and 1 is given twice"):
             rest.with_marks(edge_sharpness=marks)
     assert rest.with_marks(edge_sharpness={(1, 0): 1}).edge_sharpness == {(1, 0): 1}
 
@@ -214,7 +214,7 @@ def test_a_level_that_is_refined_is_wanted(rest, pose):
 
 
 def misaligned(array):
-    """A copy whose numbers begin one byte off."""
+    """Returns a copy whose numbers are not aligned."""
     memory = np.zeros(array.nbytes + 1, np.uint8)
     result = np.frombuffer(memory, array.dtype, array.size, 1).reshape(array.shape)
     result[...] = array
@@ -231,7 +231,7 @@ def test_arrays_that_are_not_aligned(rest, points, pose):
 
 
 def test_an_array_that_is_not_aligned_is_copied(rest):
-    """What is read is another array then, so that `out` cannot overlap with it."""
+    """NumPy converts the input to another array, so that `out` cannot overlap with it."""
     compiled = espalier.CompiledTable(espalier.Refiner(rest).stencils(0))
     memory = np.zeros(8 * 37, np.uint8)
     values = np.frombuffer(memory, float, 36, 1)

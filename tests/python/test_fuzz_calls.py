@@ -17,7 +17,7 @@ def test_no_call_ends_the_interpreter(tmp_path):
 
 
 def test_other_packages_have_another_base_class():
-    # SciPy has classes of pybind11, too. Where they were ours, what guards ours would be theirs.
+    # SciPy uses pybind11 too. Its classes must not get the protections of Espalier's classes.
     pytest.importorskip("scipy.spatial._distance_pybind")
     script = """if True:
         import builtins

@@ -152,7 +152,7 @@ INTEGERS = [f"{order}{kind}{size}" for size in (1, 2, 4, 8) for kind in "iu" for
 
 
 def extremes(dtype):
-    """(8, 1) numbers of a type, its least and its largest among them."""
+    """Returns an array (8, 1) of a type, with its smallest and its largest number."""
     limits = np.iinfo(dtype)
     return np.array([limits.min, limits.max, 0, 1, 2, limits.max - 1, 5, 7], dtype)[:, None]
 
@@ -224,7 +224,7 @@ def test_names_of_files_come_back_as_the_same_bytes(tmp_path, extension, name):
     assert list(read.attributes) == [str_of(name)]
     read.write(again)
     assert list(espalier.read(again).attributes) == [str_of(name)]
-    if extension == "ovm":  # .vtk has "%FF" for some bytes
+    if extension == "ovm":  # .vtk writes some bytes as "%FF"
         assert again.read_bytes() == path.read_bytes()
 
 
@@ -245,7 +245,7 @@ def test_meshes_and_curves(tmp_path):
     assert espalier.read(tmp_path / "mesh.obj").faces == mesh.faces
     curve = espalier.Lattice.curve(CUBE[:3], closed=True)
     assert curve.counts == (3, 3, 0, 0)
-    # Midpoints, and (1/8, 3/4, 1/8) of three vertices in a row: of these Joy, on-line notes.
+    # Midpoints, and weights (1/8, 3/4, 1/8) of three consecutive vertices (Joy, on-line notes).
     np.testing.assert_allclose(espalier.refine(curve).positions[1], (7 / 8, 1 / 8, 0))
 
 
@@ -266,7 +266,7 @@ def test_the_inventory_takes_options():
     arm = espalier.shapes.arm(joints=joints, segments=1)
     twisted = espalier.shapes.arm(joints=np.c_[joints, [0, 0, np.pi / 2]], segments=1)
     assert arm.topology_difference(twisted) is None
-    # A quarter of a turn takes the four vertices at the hand to one another.
+    # A quarter turn maps the four vertices at the hand to one another.
     hand = {tuple(p.round(12) + 0.0) for p in arm.positions[-4:]}
     assert {tuple(p.round(12) + 0.0) for p in twisted.positions[-4:]} == hand
     assert not np.allclose(arm.positions[-4:], twisted.positions[-4:])

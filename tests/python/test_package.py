@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package as others get it: its stubs, its docstrings, installed, and as a wheel."""
+"""The package as users get it: stubs, docstrings, installed, and as a wheel."""
 
 import ast
 import importlib.util
@@ -34,7 +34,7 @@ needs_build = pytest.mark.skipif(BINARY_DIR is None, reason="ctest says where th
 
 
 def public_objects():
-    """Names, and what has them, of all that users see."""
+    """Returns the names and objects that users see."""
     for module in (espalier, espalier.shapes):
         for name in module.__all__:
             each = getattr(module, name)
@@ -67,7 +67,7 @@ def test_everything_has_a_docstring():
 def test_docstrings_give_the_shapes_of_arrays():
     for name, each in public_objects():
         if "ArrayLike" in (each.__doc__ or "").split("\n")[0]:
-            # By itself, or in what the class says.
+            # The parameter is described in the docstring of the method, or of the class.
             owner = getattr(espalier, name.split(".")[1]).__doc__ if name.count(".") == 2 else ""
             assert re.search(r"array.*\(|arrays \(|\bvertices : int", each.__doc__ + owner,
                              re.DOTALL), name
@@ -120,7 +120,7 @@ def install(prefix, *components):
 
 
 def check_import(folder):
-    """That another Python imports the package from a folder, and no other."""
+    """Checks that another Python process imports the package from this folder."""
     return subprocess.run([sys.executable, "-c", CHECK.format(root=str(folder))], check=True,
                           capture_output=True, text=True, cwd="/",
                           env={**os.environ, "PYTHONPATH": str(folder)}).stdout.strip()
@@ -129,7 +129,7 @@ def check_import(folder):
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
     prefix = tmp_path_factory.mktemp("prefix")
-    # Nothing of it where the libraries are static.
+    # With static libraries there are no other symbols.
     install(prefix, "python", "libraries")
     return prefix / SITE
 

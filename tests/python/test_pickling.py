@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is pickled comes back the same, to the last bit."""
+"""Pickled objects come back the same, bit for bit."""
 
 import copy
 import pickle
@@ -52,7 +52,7 @@ def test_lattices(lattice):
     for other in (again(lattice), pickle.loads(pickle.dumps(lattice, protocol=5))):
         assert everything_of(other) == everything_of(lattice)
         assert_same_arrays(arrays_of(other), arrays_of(lattice))
-        # Marks that are there twice, holes and what else counts.
+        # With duplicate marks, holes, tags and attributes.
         assert_same_arrays(arrays_of(espalier.refine(other)), arrays_of(espalier.refine(lattice)))
         assert pickle.dumps(other) == pickle.dumps(lattice)
 
@@ -87,7 +87,7 @@ def test_bindings(tmp_path, rest, points, pose):
     for name, each in (("one", binding), ("other", other)):
         each.save(tmp_path / name)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
-    # Of a file: with a model, and without what binding tells.
+    # A binding from a file has a model, but no statuses.
     loaded = espalier.load_binding(tmp_path / "one")
     assert_same_binding(loaded, again(loaded), pose)
     assert again(loaded).statuses is None

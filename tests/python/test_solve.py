@@ -8,7 +8,7 @@ import espalier
 
 def test_fitting_finds_the_pose_back(rest, points, binding, pose):
     fit = espalier.fit(rest, binding, binding.deform(pose) - points)
-    # The condition times the rounding of the sums.
+    # The tolerance is the condition number times the rounding of the sums.
     assert 1 < fit.condition < 1e5
     np.testing.assert_allclose(rest.positions + fit.displacements, pose,
                                atol=fit.condition * 1e-13)
@@ -26,7 +26,7 @@ def test_fitting_some_rows_with_vertices_held(rest, binding, form):
     np.testing.assert_allclose(moved[[17, 4]], [[0.1, 0, 0], [0, 0, 0.1]],
                                atol=fit.largest_miss + 1e-13)
     assert fit.largest_miss < 0.05
-    with pytest.raises(ValueError, match="^rows: there is no row 500 among 500$"):
+    with pytest.raises(ValueError, match="^rows: there is no row 500; there are 500, numbered from 0$"):
         espalier.fit(rest, form(binding), [[0, 0, 0]], rows=[500])
 
 
@@ -63,7 +63,7 @@ def test_poses_that_fold(rest):
     valid = check.check(2 * rest.positions)
     np.testing.assert_allclose(valid.ratios, 8, rtol=2e-3)  # lower bounds, by 0.1 % at most
     assert len(valid.inverted) == 0 and valid.smallest[1] == valid.ratios.min()
-    # All is flat at half of the way to the mirror image.
+    # At half of the way to the mirror image all cells are flat.
     mirrored = rest.positions * (-1, 1, 1)
     assert len(check.check(mirrored).inverted) == 96
     step = check.largest_step(mirrored)

@@ -13,7 +13,7 @@ import espalier
 
 
 class Clock:
-    """A thread of Python that notes the time whenever it gets to run."""
+    """A Python thread that records the time whenever it runs."""
 
     def __enter__(self):
         self.ticks, self.running = [], True
@@ -31,7 +31,7 @@ class Clock:
         self.thread.join()
 
     def ran_during(self, call):
-        """Whether it ran in the middle of a call. As that begins and ends, it may run anyway."""
+        """Returns whether the thread ran in the middle of a call. At its begin and end it may run anyway."""
         begin = time.perf_counter()
         call()
         end = time.perf_counter()
@@ -65,12 +65,12 @@ CALLS = {
 }
 
 
-FACES = np.tile(np.arange(4), (3_000_000, 1))  # of 64 bits: NumPy need not convert them
+FACES = np.tile(np.arange(4), (3_000_000, 1))  # 64-bit, so that NumPy need not convert them
 FACES[-1] = 9
 
 
 def many_faces():
-    """Adds faces of which the last one is none, so that nothing comes after that."""
+    """Adds faces of which the last one is invalid, so that the call ends there."""
     with pytest.raises(ValueError, match="face 2999999"):
         espalier.Lattice.mesh(np.zeros((4, 3)), FACES)
 
@@ -78,14 +78,14 @@ def many_faces():
 @pytest.mark.parametrize("name", CALLS)
 def test_other_threads_run_during_a_long_call(bound, name):
     with Clock() as clock:
-        # On a busy machine it may have to wait for a core.
+        # On a busy machine the thread may have to wait for a core.
         assert any(clock.ran_during(lambda: CALLS[name](*bound)) for _ in range(10))
 
 
 def test_a_call_that_holds_the_gil_would_be_noticed():
     numbers = np.random.default_rng(1).random(1_000_000)
     with Clock() as clock:
-        # Sorted in C, without a look at other threads.
+        # Sorting runs in C and does not release the GIL.
         assert not any(clock.ran_during(numbers.tolist().sort) for _ in range(3))
 
 
@@ -107,14 +107,14 @@ points = np.random.default_rng(1).uniform(0.01, 0.99, (500_000, 3))
     ("espalier.Refiner(rest)", "made.counts(4)"),
 ])
 def test_a_signal_handler_asks_for_what_is_being_made(make, call):
-    """In the midst of it, on the same thread, which would wait for itself in vain."""
+    """A signal handler calls Espalier in the middle of a call of the same thread: no deadlock."""
     run(f"""
 def handle(*_):
     {call}
     calls.append(1)
 signal.signal(signal.SIGALRM, handle)
 made, calls = {make}, []
-with espalier.ThreadLimit(1):  # this one hears of signals
+with espalier.ThreadLimit(1):  # the main thread, which handles signals, does the work
     signal.setitimer(signal.ITIMER_REAL, 0.001)
     {call}
 while not calls:
@@ -139,5 +139,5 @@ espalier.bind(rest, points[:10])  # all is well
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
                           timeout=120)
     assert done.returncode == 0, done.stderr
-    # It would take some 10 seconds.
+    # Without the signal the call would take some 10 seconds.
     assert done.stdout and float(done.stdout) < 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tutorial runs as it is printed, and prints what it says."""
+"""The code of the tutorial runs, and prints what the page shows."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ CELLS = re.findall(r"```python\n(.*?)```(?:\n+```text\n(.*?)```)?", TUTORIAL.rea
 
 
 def test_the_tutorial_runs_cell_by_cell(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # it writes files
+    monkeypatch.chdir(tmp_path)  # the code writes files
     assert len(CELLS) > 8
     names = {"__name__": "tutorial"}
     for number, (code, text) in enumerate(CELLS, 1):
@@ -25,5 +25,5 @@ def test_the_tutorial_runs_cell_by_cell(tmp_path, monkeypatch):
 
 def test_cells_that_fail_are_noticed():
     code, _ = CELLS[-1]
-    with pytest.raises(NameError):  # without those before
+    with pytest.raises(NameError):  # without the blocks before
         exec(compile(code, "cell", "exec"), {})

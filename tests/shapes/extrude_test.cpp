@@ -129,7 +129,7 @@ TEST(Extrude, refusesFacesWithoutVolume) {
         {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}, {0, 2, 0}, {2, 2, 0}},
         {{0, 1, 2, 3}, {1, 4, 5, 2}, {3, 2, 7, 6}});
     EXPECT_MESSAGE(
-        "extrude: face 1 of the mesh looks against the direction (1, 0, 3), other than its "
+        "extrude: face 1 of the mesh faces away from the direction (1, 0, 3), unlike its "
         "neighbours; its cells would have a negative volume",
         extrude(fold, {{1, 0, 3}, 1}));
 }

@@ -186,7 +186,7 @@ TEST(LatticeFit, RefusesBadInputByName) {
     EXPECT_REFUSED(Error, "point 0 has a weight that is not finite",
                    fitLattice(broken, std::vector<Point3>(1), model.lattice.complex));
     for (const double strength : {0.0, -1.0, 1e-5, 1e5, kNan})
-        EXPECT_REFUSED(Error, "a strength of", model.fit(misses, {.strength = strength}));
+        EXPECT_REFUSED(Error, "the strength is", model.fit(misses, {.strength = strength}));
 }
 
 }  // namespace

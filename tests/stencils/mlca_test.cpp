@@ -344,7 +344,7 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByShape) {
 TEST(Mlca, HasNoSmoothTriangles) {
     for (const CellComplex& complex :
          {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)})
-        EXPECT_REFUSED(Error, "MLCA have no smooth triangles",
+        EXPECT_REFUSED(Error, "MLCA do not have smooth triangles",
                        TopologyRefiner(complex, {.rules = Rules::Mlca,
                                                  .triangles = TriangleSubdivision::Smooth}));
 }
