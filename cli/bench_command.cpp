@@ -2,6 +2,7 @@
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/model.h>
 #include <espalier/osd/kernels/simd.h>
 #include <fmt/format.h>
 

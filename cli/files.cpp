@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files.h"
 
+#include <espalier/base/printable.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>

@@ -4,6 +4,7 @@
 #include <espalier/far/star.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/levels.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

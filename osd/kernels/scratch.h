@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/osd/evaluation.h>
 #include <espalier/osd/kernels/kernels.h>
 
 #include <algorithm>
