@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
+#include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/numpy_matrix.h>
 
 #include <sstream>

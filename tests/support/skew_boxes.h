@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::test {
