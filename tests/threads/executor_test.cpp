@@ -12,6 +12,7 @@
 #include <mutex>
 #include <thread>
 
+#include "support/complexes.h"
 #include "support/parallel_contract.h"
 #include "support/refined_lattice.h"
 #include "support/test.h"

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <thread>
 
+#include "support/complexes.h"
 #include "support/refined_lattice.h"
 #include "support/test.h"
 #include "support/thread_pool.h"
