@@ -266,8 +266,7 @@ enum { ESPALIER_RULES_SIGGRAPH96 = 0, ESPALIER_RULES_CSE96 = 1, ESPALIER_RULES_M
 enum {
     ESPALIER_BOUNDARY_SHARP = 0,      ///< corners, sharp edges and surfaces by their own rules
     ESPALIER_BOUNDARY_EDGE_ONLY = 1,  ///< the same, but single cells have no corners
-    ESPALIER_BOUNDARY_OPEN = 2  ///< no boundary rules: the region shrinks, as that of a uniform
-                                ///< B-spline does
+    ESPALIER_BOUNDARY_OPEN = 2        ///< no boundary rules, so the region shrinks
 };
 
 /// Selects the boundary edges that are sharp (far/strata.h).

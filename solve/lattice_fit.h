@@ -33,7 +33,7 @@ inline constexpr Word<Smoothing> kSmoothingWords[] = {{"none", Smoothing::None},
                                                       {"tikhonov", Smoothing::Tikhonov},
                                                       {"laplacian", Smoothing::Laplacian}};
 
-/// What to do if the targets do not determine all displacements.
+/// The behaviour if the targets do not determine all displacements.
 enum class Undetermined {
     Smallest,  ///< take the solution with the smallest sum of squares
     Refuse     ///< throw

@@ -38,7 +38,7 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
                                               std::vector<StencilTable<double>> rows,
                                               Composition composition);
 
-/// Whether each row of derivatives matters by itself, or only the space that each three rows span.
+/// Selects what rows of derivatives mean: vectors, or only the space that each three rows span.
 enum class RowMeaning { Vectors, Spans };
 
 /// The same for rows of derivatives, each accurate relative to its own size on any level.

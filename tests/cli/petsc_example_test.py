@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The example petsc_fit over one to three ranks, against a dense solver on D of espalier itself.
+"""Compares the example petsc_fit on one to three ranks with a dense solver on the D of espalier.
 
     petsc_example_test.py PATH_OF_ESPALIER PATH_OF_PETSC_FIT PATH_OF_MPIRUN
 """
@@ -26,7 +26,7 @@ class PetscFit(CliTest):
     def setUp(self):
         super().setUp()
         self.rest = numpy.array(icosphere_points(150))
-        self.rest[7] = [9, 8, 7]  # outside: stays
+        self.rest[7] = [9, 8, 7]  # outside, so it stays
         self.write_model([tuple(p) for p in self.rest])
         self.run_program("shape", "cylinder", "--sectors", 5, "--from", 0.5, 0.5, -0.2,
                          "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "c.ovm")
@@ -57,10 +57,11 @@ class PetscFit(CliTest):
             result = self.fit(ranks)
             self.assertEqual(result.returncode, 0, result.stderr)
             out = self.read_points("out.obj")
-            # LSQR stops at 1e-12 of the misses, times the condition number of D, some hundreds.
+            # LSQR stops at 1e-12 of the misses. The error can be larger by the condition number of D,
+            # which is a few hundred.
             numpy.testing.assert_allclose(out, expected, rtol=0, atol=1e-9)
             self.assertEqual(list(out[7]), list(self.rest[7]))
-            # This D is rank-deficient, so the smallest of all solutions is expected.
+            # This D is rank-deficient. The smallest of all solutions is expected.
             numpy.testing.assert_allclose(self.read_ovm_positions("pose.ovm"),
                                           lattice + displacements, rtol=0, atol=1e-9)
             # The program deforms the model in the same way, except for the order of sums.

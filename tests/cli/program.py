@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shared by the tests of the program: a folder for each test, and files to write and read."""
+"""Helpers of the tests of the program: each test gets a folder, and writes and reads files there."""
 
 import json
 import math
@@ -55,8 +55,9 @@ class CliTest(unittest.TestCase):
 
     def assert_nothing_is_lost_on_a_full_disk(self, *arguments, output, room=4096,
                                                named=None):
-        """That a command which cannot write more than so many bytes says so, and leaves all files
-        as they were. `named` is what it says cannot be written: the output, or a part of it."""
+        """Checks that a command that can write at most `room` bytes a file reports the error, and
+        leaves all files unchanged. `named` is a pattern for the file that the message names; by
+        default the output."""
         def fill():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))

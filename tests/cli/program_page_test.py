@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/program.md: its examples print what the page shows, each combination of a command, an option and
-a value in its table of options runs, and no command has an option that the page does not name.
+"""Checks docs/program.md: its examples print what the page shows, each combination of a command, an
+option and a value in its table of options runs, and the page names all options of all commands.
 
     program_page_test.py PATH_OF_ESPALIER            runs the tests
     program_page_test.py PATH_OF_ESPALIER --write    puts the output of this program into the page
@@ -23,13 +23,14 @@ from program import CliTest
 PATH = pathlib.Path(__file__).resolve().parents[2] / "docs/program.md"
 PAGE = PATH.read_text(encoding="utf-8")
 
-# Blocks of commands, each after "$ ", and what they print.
+# Finds the blocks of commands, each after "$ ", with their output.
 CONSOLE = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
 
-# What differs from run to run, or from machine to machine: times, sizes, rounding.
+# Finds the numbers that depend on the run or on the machine: times, sizes, rounding errors.
 VARIABLE = re.compile(r"\d+(\.\d+)? (s|B|kB|MB|GB|GB/s)\b|\b\d(\.\d+)?e-\d+")
 
-# A run of each command that any option can be added to. -n 1, except with --limit and --basis.
+# One run of each command, to which any option can be added. The tests remove -n 1 if --limit or --basis
+# does not allow it.
 COMMANDS = {
     "info": ["info", "box.ovm", "-n", 1],
     "shape": ["shape", "box", "-o", "out.ovm"],
@@ -46,21 +47,21 @@ COMMANDS = {
     "compare": ["compare", "box.ovm", "-n", 1],
 }
 
-# The same with an input of another kind, for the values that need one.
+# Runs with an input of another kind, for the values that need one: (command, option, value).
 SPECIAL = {
     ("refine", "--rules", "rats"): ["refine", "mesh.obj", "-n", 1, "-o", "out.obj"],
     ("stencils", "--rules", "rats"): ["stencils", "mesh.obj", "-n", 1, "-o", "out.npz"],
     ("compare", "--boundary", "open"): ["compare", "mesh.obj", "-n", 1],
 }
 
-# What the table says in its last column of values that are not for all of its commands.
+# Values that some commands of the option's row refuse, as the last column of the table says.
 EXCEPTIONS = {
     ("--rules", "mlca"): {"compare"},
     ("--rules", "rats"): set(COMMANDS) - {"refine", "stencils"},
 }
 
-# Values of the options whose rows do not list them; none for flags. An option without an entry here
-# has its values from the table.
+# Values of the options whose rows do not list any. Flags have no value. All other options get their
+# values from the table.
 SAMPLES = {
     "--limit": [[]],
     "--gradients": [[]],
@@ -79,7 +80,7 @@ QUOTED = re.compile(r"`([^`]+)`")
 
 
 def rows_in(text):
-    """The table of options: (option, cell of commands, cell of values) a row."""
+    """Yields (option, cell of commands, cell of values) for each row of the table of options."""
     lines = iter(text.splitlines())
     head = next(line for line in lines if line.startswith("| option | commands |"))
     assert [cell.strip() for cell in head.strip("|").split("|")][:3] == \
@@ -91,7 +92,7 @@ def rows_in(text):
 
 
 def commands_in(cell):
-    """The commands of a cell, each with the options that it needs there:
+    """Returns the commands of a cell, each with the options that it needs there:
     {"deform": [], "stencils": ["--points"]}."""
     named = {words[0]: words[1:] for words in map(str.split, QUOTED.findall(cell))}
     unknown = set(named) - set(COMMANDS)
@@ -108,7 +109,7 @@ TABLE = {option: (commands_in(commands), values) for option, commands, values in
 
 
 def samples_of(option):
-    """The lists of arguments that an option is tried with."""
+    """Returns the lists of arguments to try an option with."""
     if option in SAMPLES:
         return SAMPLES[option]
     assert option in FROM_TABLE, \
@@ -119,7 +120,7 @@ def samples_of(option):
 
 
 def without(option, arguments):
-    """Without an option and its value, if they are there."""
+    """Returns the arguments without an option and its value, if they are there."""
     if option not in arguments:
         return arguments
     at = arguments.index(option)
@@ -127,7 +128,7 @@ def without(option, arguments):
 
 
 def run_commands(block, folder):
-    """A block with the output of its commands, as this program prints it in a folder: of each command
+    """Runs the commands of a block in a folder. Returns the block with the new output: for each command,
     standard output, then standard error."""
     lines, code = [], 0
     path = f"{os.path.dirname(program.ESPALIER)}:{os.environ['PATH']}"
@@ -142,7 +143,7 @@ def run_commands(block, folder):
 
 
 def alike(text):
-    """A text without what differs from run to run, and with one space for several."""
+    """Returns the text with # for each variable number, and with one space for several."""
     return re.sub(r" +", " ", VARIABLE.sub("#", text))
 
 
@@ -173,13 +174,13 @@ class Options(CliTest):
         super().setUp()
         self.run_program("shape", "box", "--cells", 3, 3, 3, "--max", 3, 3, 3, "-o", "box.ovm")
         self.run_program("shape", "box", "--cells", 3, 3, 3, "--max", 3, 3, 4, "-o", "pose.ovm")
-        # In the region of all bases.
+        # These points are in the region of all bases.
         points = [(1.25, 1.5, 1.75), (1.5, 1.25, 1.25), (1.75, 1.75, 1.5)]
         self.write_model(points)
         self.write_mesh()
         self.put("targets.txt", "0 1.25 1.5 1.8\n")
         self.bind("model.obj", "box.ovm", out="bound.espb")
-        self.has_compare = "--html" in self.help("compare")  # else it was built without OpenSubdiv
+        self.has_compare = "--html" in self.help("compare")  # no: built without OpenSubdiv
 
     @functools.cache
     def help(self, command):
@@ -215,7 +216,7 @@ class Options(CliTest):
             with self.subTest(" ".join(map(str, arguments))):
                 self.run_program(*arguments, code=2 if is_exception else 0)
             count += 1
-        # That there is a table, and that it was read.
+        # Checks that the table was found and read.
         self.assertGreater(count, 150)
 
     def test_the_defaults_are_the_first_values(self):
@@ -248,7 +249,7 @@ class Options(CliTest):
 
 
 class ParsingTheTable(unittest.TestCase):
-    """That the tests above fail where they should."""
+    """Checks that the tests above fail where they should."""
 
     def test_cells_of_commands(self):
         self.assertEqual(set(commands_in("all")), set(COMMANDS))
@@ -269,7 +270,7 @@ class ParsingTheTable(unittest.TestCase):
 
 
 def write_outputs():
-    """Runs the examples, and writes the page with what they print, where that has changed."""
+    """Runs the examples, and updates the page where their output has changed."""
     def updated(block):
         output = run_commands(block.group(), folder)
         return block.group() if alike(output) == alike(block.group()) else output

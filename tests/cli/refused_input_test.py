@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Input that claims too much, or that was once read in silence though it is wrong.
+"""Checks that the program refuses files that claim too much data.
 
     refused_input_test.py PATH_OF_ESPALIER
 """
@@ -21,7 +21,7 @@ class RefusedInput(CliTest):
     LIMITS = [[], ["--max-memory", "60MB"]]
 
     def bomb(self, name, type="Int64", components=1, megabytes=3072):
-        """An array of zeros of so many megabytes, in a thousandth of that."""
+        """Returns an array of zeros, compressed to about a thousandth of `megabytes`."""
         block = zlib.compress(bytes(2**20), 9)
         header = struct.pack("<" + "Q" * (3 + megabytes), megabytes, 2**20, 0,
                              *[len(block)] * megabytes)

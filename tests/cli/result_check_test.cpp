@@ -19,7 +19,8 @@ using stencils::StencilTable;
 template <class Real>
 constexpr Real kUlp = std::numeric_limits<Real>::epsilon();
 
-/// Rows of so many entries, over columns that go on by one from row to row, round and round.
+/// Returns a table whose rows have `entries` consecutive columns. The first column moves on by one
+/// from row to row, and starts again at 0.
 template <class Weight>
 StencilTable<double> bandTable(Index rows, Index columnCount, Index entries, Weight weight) {
     std::vector<Offset> offsets = {0};
@@ -38,7 +39,7 @@ StencilTable<double> bandTable(Index rows, Index columnCount, Index entries, Wei
             {weights.begin(), weights.end()}};
 }
 
-/// The same table with another weight.
+/// Returns the table with one weight replaced.
 StencilTable<double> withWeight(const StencilTable<double>& table, Index row, std::size_t entry,
                                 double weight) {
     Array<double> weights(table.weights().begin(), table.weights().end());
@@ -54,7 +55,7 @@ StencilTable<Real> rounded(const StencilTable<double>& table) {
     return stencils::convertTable<Real>(StencilTable<double>(table));
 }
 
-/// Values of two sets of three components, and what evaluators make of them.
+/// Provides random values with two sets of three components, and evaluates tables on them.
 template <class Real>
 class ResultCheckTest : public ::testing::Test {
 protected:
@@ -69,7 +70,7 @@ protected:
         return std::uniform_real_distribution<double>(low, high)(random);
     }
 
-    /// Rows of 60 entries, which sum to about 1.
+    /// Returns a table with rows of 60 weights, which sum to about 1.
     StencilTable<double> table() {
         constexpr Index kEntries = 60;
         return bandTable(kRows, kColumns, kEntries, [&] { return uniform(0, 2.0 / kEntries); });
@@ -91,7 +92,7 @@ protected:
             checkResults<Real>(sums, values, results, {offset, 3, 6}, "the test");
     }
 
-    /// What is said of results.
+    /// Returns the message of the check, or "" if it accepts the results.
     std::string complaint(const ExpectedSums& sums, const std::vector<Real>& results) const {
         return messageOf([&] { check(sums, results); });
     }
@@ -103,7 +104,7 @@ protected:
 };
 TYPED_TEST_SUITE(ResultCheckTest, Reals);
 
-TYPED_TEST(ResultCheckTest, AcceptsWhatTheEvaluatorsMake) {
+TYPED_TEST(ResultCheckTest, AcceptsResultsOfTheEvaluators) {
     const StencilTable<double> table = this->table();
     const StencilTable<TypeParam> applied = rounded<TypeParam>(table);
     std::vector<TypeParam> plain(6 * this->kRows);
@@ -113,14 +114,14 @@ TYPED_TEST(ResultCheckTest, AcceptsWhatTheEvaluatorsMake) {
     this->check({table, compiledUlpBound}, this->evaluate(osd::CompiledTable<TypeParam>(applied)));
 }
 
-TYPED_TEST(ResultCheckTest, NamesTheFirstThatIsOff) {
+TYPED_TEST(ResultCheckTest, NamesTheFirstWrongResult) {
     using Real = TypeParam;
     const StencilTable<double> table = this->table();
     const ExpectedSums sums(table, compiledUlpBound);
     auto results = this->evaluate(osd::CompiledTable<Real>(rounded<Real>(table)));
-    // Component 4 of point 1234 is coordinate 1 of the second set. Σ |w · x| is below 2, as 60
-    // weights are at most 2/60 and values at most 1: what is added is 40 ulp of it or more, and in
-    // double 4 + 61/2 are allowed, in float 4 + 1.
+    // Component 4 of point 1234 is coordinate 1 of the second set. Σ |w · x| is below 2, because
+    // the 60 weights are at most 2/60 and the values at most 1. So 80 ulp of 1 are at least 40 ulp
+    // of Σ |w · x|. The allowed error is 4 + 61/2 ulp in double, and 4 + 1 ulp in float.
     Real& number = results[6 * 1234 + 4];
     const Real right = number;
     for (const Real wrong : {right + 80 * kUlp<Real>, right - 80 * kUlp<Real>}) {
@@ -134,8 +135,8 @@ TYPED_TEST(ResultCheckTest, NamesTheFirstThatIsOff) {
     EXPECT_EQ(this->complaint(sums, results), "");
 }
 
-/// A matrix of small weights, though W has large ones of both signs, as it has for points far
-/// outside: rows of W sum to 1, and those of S are nearly the same.
+/// Provides factors W and S of a matrix D = W · S. W has large weights of both signs, as for points
+/// far outside, but D has small weights: rows of W sum to 1, and rows of S are nearly equal.
 template <class Real>
 class FactorsCheckTest : public ResultCheckTest<Real> {
 protected:
@@ -161,25 +162,27 @@ protected:
 };
 TYPED_TEST_SUITE(FactorsCheckTest, Reals);
 
-TYPED_TEST(FactorsCheckTest, AcceptsWhatTheChainMakes) {
+TYPED_TEST(FactorsCheckTest, AcceptsResultsOfTheChain) {
     const auto results = this->evaluate(this->factors);
     this->check({this->matrix, this->factors, compiledUlpBound}, results);
-    // They are as far off as their own sums make them, which those of the matrix do not tell.
+    // The rounding errors come from the sums over the factors, whose terms are larger than the
+    // terms of the matrix's sums. So the bound for the matrix alone is too small.
     EXPECT_NE(this->complaint({this->matrix, compiledUlpBound}, results), "");
 }
 
-// Results are compared with the matrix: a chain that does what wrong factors say is wrong.
-TYPED_TEST(FactorsCheckTest, NamesTheFirstPointOfAWrongFactor) {
+// The expected values come from the matrix. So wrong factors are found even if the chain evaluates
+// them exactly.
+TYPED_TEST(FactorsCheckTest, NamesTheFirstPointThatAWrongFactorMoves) {
     const auto expectCaught = [&](const FactoredTable<double>& wrong, const char* point) {
         EXPECT_THAT(this->complaint({this->matrix, wrong, compiledUlpBound}, this->evaluate(wrong)),
                     HasSubstr(point));
     };
-    // Sizes are some thousands, and 13 ulp are allowed or, in double, 65: in float some
-    // thousandths. What is off is some 500 · 1/2, and 1000 · 1/20, as values of vertices are about
-    // 1/20.
+    // Σ |w · x| is a few thousand. The allowed error is 13 ulp of it in float, which is a few
+    // thousandths, and 65 ulp in double. The wrong weights change results by about 500 · 1/2 and
+    // 1000 · 1/20: values at vertices are about 1/20.
     FactoredTable<double> wrong = this->factors;
     wrong.vertices = withWeight(wrong.vertices, 100, 50, 1);
-    expectCaught(wrong, " of point 93 is");  // Rows 93 to 100 have vertex 100.
+    expectCaught(wrong, " of point 93 is");  // Rows 93 to 100 use vertex 100.
     wrong = this->factors;
     wrong.points = withWeight(wrong.points, 1234, 2, wrong.points.weights(1234)[2] + 1000);
     expectCaught(wrong, " of point 1234 is");
@@ -190,8 +193,8 @@ std::vector<double> allowedFor(const ExpectedSums& sums, const std::vector<doubl
     return sums.of<Real>(values, BufferDescriptor::packed(1)).allowed;
 }
 
-// By hand: D = (3 −2) · (1 1; 1 −1) = (1 5), of values 1 and 1.
-TEST(ExpectedSums, AllowsWhatTheBoundsOfEachTableAddUpTo) {
+// The numbers are computed by hand: D = (3 −2) · (1 1; 1 −1) = (1 5), and both values are 1.
+TEST(ExpectedSums, AddsUpTheBoundsOfAllTables) {
     const FactoredTable<double> factors = {{2, {0, 2, 4}, {0, 1, 0, 1}, {1, 1, 1, -1}},
                                            {2, {0, 2}, {0, 1}, {3, -2}}};
     const StencilTable<double> matrix(2, {0, 2}, {0, 1}, {1, 5});
@@ -201,15 +204,16 @@ TEST(ExpectedSums, AllowsWhatTheBoundsOfEachTableAddUpTo) {
     EXPECT_EQ(byMatrix.of<double>(values, BufferDescriptor::packed(1)).values[0], 6);
     EXPECT_EQ(byFactors.of<double>(values, BufferDescriptor::packed(1)).values[0], 6);
 
-    // The size of D's sum is 6; the reference's bound is 3/2 ulp. That of vertices is 2 each, and
-    // that of the point 3 · 2 + 2 · 2; the reference's bound is there twice, for D's weights too.
-    // Beyond that, numbers below the normal ones are allowed for: nothing beside an ulp of 1.
+    // By the matrix, Σ |w · x| is 6, and the reference's bound is 3/2 ulp. By the factors,
+    // Σ |w · x| is 2 for each vertex and 3 · 2 + 2 · 2 for the point. The reference's bound counts
+    // twice, because the weights of D are sums too. The allowance for subnormal numbers is
+    // negligible beside an ulp of 1.
     EXPECT_DOUBLE_EQ(allowedFor<double>(byMatrix, values)[0], (4 + 1.5) * 6 * kUlp<double>);
     EXPECT_DOUBLE_EQ(allowedFor<double>(byFactors, values)[0],
                      (3 * (4 * 2) + 2 * (4 * 2) + 4 * 10 + (1.5 + 1.5) * 10) * kUlp<double>);
 
-    // In float weights and values are half an ulp off. The reference is in double: its bound is
-    // 3 · 2^-29 of an ulp in float.
+    // In float, each weight and each value is rounded by half an ulp. The reference computes in
+    // double: its bound is 3 · 2^-29 ulp of float.
     constexpr double kRelative = 1e-8;
     const double matrixBound = (4 + 0.5 + 0.5) * 6 * double{kUlp<float>};
     EXPECT_NEAR(allowedFor<float>(byMatrix, values)[0], matrixBound, kRelative * matrixBound);
@@ -219,13 +223,13 @@ TEST(ExpectedSums, AllowsWhatTheBoundsOfEachTableAddUpTo) {
                 kRelative * pointBound * double{kUlp<float>});
 }
 
-// Where floats end, results and values between are multiples of the least number.
-TEST(ExpectedSums, AllowsForNumbersBelowTheNormalOnes) {
+// Near 0, results and intermediate values are multiples of the smallest subnormal number.
+TEST(ExpectedSums, AllowsForSubnormalNumbers) {
     constexpr double kLeast = std::numeric_limits<float>::denorm_min();
     const FactoredTable<double> factors = {{1, {0, 1}, {0}, {0.5}}, {1, {0, 1}, {0}, {10}}};
     const StencilTable<double> matrix(1, {0, 1}, {0}, {5});
-    // A vertex at half of the least number, or of three times that, is rounded to it or to twice
-    // that, and moves ten times as far.
+    // The value at the vertex is half of the smallest number. It may be rounded to 0 or to the
+    // smallest number, and the result is ten times as large.
     const auto check = [&](float result) {
         const ExpectedSums sums(matrix, factors, compiledUlpBound);
         checkResults<float>(sums, std::vector<double>{kLeast}, std::vector<float>{result},
@@ -245,7 +249,7 @@ TEST(ExpectedSums, RefusesFactorsOfAnotherMatrix) {
     expectRefused({3, {0, 1}, {0}, {1}}, "factors is 1 × 2, but the matrix is 1 × 3");
 }
 
-// Rows of points that are kept in place are empty, and give exactly 0.
+// Points that are kept in place have empty rows, which give exactly 0.
 TEST(ResultCheck, EmptyRows) {
     const StencilTable<double> table(1, {0, 0}, {}, {});
     const FactoredTable<double> factors = {{1, {0}, {}, {}}, {0, {0, 0}, {}, {}}};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shared by the tests: a lattice, and points in it."""
+"""Fixtures that the tests share: a lattice, a pose of it, points inside it, and their binding."""
 
 import numpy as np
 import pytest

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Calls every function, method and attribute of espalier with wrong arguments.
 
-Run by test_fuzz_calls.py, in a process of its own: an abort or a crash fails the test. A call may
-return or raise an Exception; SystemError is none that a call should raise.
+test_fuzz_calls.py runs this file in a separate process, so that an abort or a crash fails the test. A
+call may return or raise any exception except SystemError.
 """
 
 import copy
@@ -37,17 +37,17 @@ try:
 except ImportError:
     pass  # built without OpenSubdiv
 CLASSES = [each for module in MODULES for each in vars(module).values() if isinstance(each, type)]
-# The base class and the metaclass of all classes, which are pybind11's.
+# pybind11's base class and metaclass, which all classes share.
 BASES = sorted({each for made in CLASSES for each in (*made.__mro__, *type(made).__mro__)
                 if each not in CLASSES and each not in (object, type)}, key=repr)
 
 
 class Derived(espalier.Lattice):
-    """A class that a user derives."""
+    """A class that a user derives from a class of Espalier."""
 
 
 class OfTwo(espalier.Lattice, espalier.Refiner):
-    """A class with two base classes, and a value of each."""
+    """A class with two base classes. Its objects hold a C++ value for each."""
 
 
 class OfNone(BASES[0]):
@@ -69,7 +69,7 @@ VALUES = OBJECTS + EMPTY + [
     np.broadcast_to(0.0, (2**40, 3)), np.zeros((12, 3), "M8[s]"), BOX.cells, BOX.faces, np.ones(1),
     np.frombuffer(b"0" * 289, "f8", 36, 1).reshape(12, 3),
 ]
-# These functions would make a lattice of any size that is asked for, and take all memory.
+# VALUES without large integers. Some functions make a lattice of any size, which could take all memory.
 SMALL = [each for each in VALUES if not (isinstance(each, int) and not isinstance(each, bool)
                                          and 3 < each < 2**63)]
 
@@ -141,7 +141,7 @@ def check_bases():
 
 
 def check_classes_are_not_changed():
-    """Checks that an object is never read as one of another class."""
+    """Checks that objects and classes cannot be changed so that an object is read as another class."""
     for made in OBJECTS + EMPTY:
         for other in (*CLASSES, Derived, OfTwo, OfNone):
             if other is not type(made) and {other, type(made)} & set(CLASSES):

@@ -9,7 +9,8 @@ import pytest
 
 import espalier
 
-# Results are sums of up to 64 products of size 1, in another order: some units in the last place.
+# The results compared are sums of up to 64 products of size 1 in different orders. They differ by a few
+# units in the last place.
 CLOSE = 1e-13
 
 
@@ -48,7 +49,7 @@ def test_several_poses_at_once(binding, pose, rest):
 def test_float32_stays_float32(binding, pose):
     single = binding.deform(pose.astype(np.float32))
     assert single.dtype == np.float32 and binding.deform(pose).dtype == np.float64
-    # Results are sums of 64 products of size 3, each rounded by 6e-8 relative.
+    # Results are sums of 64 products of size 3, each with a relative rounding error of 6e-8.
     np.testing.assert_allclose(single, binding.deform(pose), atol=1e-5)
     assert binding.adjoint(single).dtype == np.float32
     for order in "<>":
@@ -89,7 +90,7 @@ def test_rules_come_with_a_refiner(points):
 
 def test_the_lattices_that_came_before(points, rest, pose):
     bezier = espalier.bind(rest, points, basis="bezier")
-    # Bernstein polynomials of degrees 2, 2 and 3: none is 0 inside.
+    # The basis is Bernstein polynomials of degrees 2, 2 and 3. None is 0 inside.
     assert bezier.matrix.nnz == 500 * 36
     np.testing.assert_allclose(bezier.deform(rest.positions), points, atol=1e-12)
     with pytest.raises(ValueError, match="^basis: the lattice has marks"):
@@ -102,7 +103,7 @@ def test_the_limit_is_the_spline():
     points = 1.05 + 0.9 * np.random.default_rng(4).random((200, 3))
     spline = espalier.bind(box, points, basis="bspline").matrix
     limit = espalier.bind(espalier.Refiner(box, boundary="open"), points, limit=True).matrix
-    assert abs(limit - spline).max() < 1e-13  # places are found to some 1e-15
+    assert abs(limit - spline).max() < 1e-13  # places are found to about 1e-15
     with pytest.raises(ValueError, match='^limit: expected False with the basis "bezier"'):
         espalier.bind(box, points, basis="bezier", limit=True)
     with pytest.raises(ValueError, match="tolerance of the limit"):
@@ -115,7 +116,7 @@ def test_saved_and_loaded(tmp_path, rest, points, pose):
     binding.save(tmp_path / "binding.espb")
     loaded = espalier.load_binding(tmp_path / "binding.espb")
     np.testing.assert_array_equal(loaded.deform(pose), binding.deform(pose))
-    np.testing.assert_array_equal(loaded.points, points)  # by text, to the last bit
+    np.testing.assert_array_equal(loaded.points, points)  # exact, although stored as text
     assert loaded.kept.tolist() == [3] and loaded.statuses is None
     with pytest.raises(ValueError, match="topology"):
         loaded.deform(espalier.shapes.box())
@@ -125,7 +126,7 @@ def test_saved_and_loaded(tmp_path, rest, points, pose):
 
 
 def without_model(path):
-    """Takes the model out of a file, as a program in C writes it: see io/binding_file.h."""
+    """Removes the model from a file, as in files that C programs write: see io/binding_file.h."""
     head, *sizes = struct.unpack("<24s6q", path.read_bytes()[:72])
     content = path.read_bytes()[72:-4 - sizes[4] - sizes[5]]
     start = struct.pack("<24s6q", head, *sizes[:4], 0, 0)

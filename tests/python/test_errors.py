@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wrong arguments raise a ValueError that names the argument, or what the library names."""
+"""Wrong arguments raise a ValueError that names the argument, or that has the library's own text."""
 
 import numpy as np
 import pytest
@@ -231,7 +231,7 @@ def test_arrays_that_are_not_aligned(rest, points, pose):
 
 
 def test_an_array_that_is_not_aligned_is_copied(rest):
-    """NumPy converts the input to another array, so that `out` cannot overlap with it."""
+    """NumPy copies the input to an aligned array, and `out` cannot overlap with the copy."""
     compiled = espalier.CompiledTable(espalier.Refiner(rest).stencils(0))
     memory = np.zeros(8 * 37, np.uint8)
     values = np.frombuffer(memory, float, 36, 1)

@@ -20,5 +20,5 @@ def test_it_deforms_a_model(tmp_path, rest, points, pose):
     subprocess.run([sys.executable, EXAMPLE, model, tmp_path / "rest.vtu", tmp_path / "pose.vtu", out],
                    check=True)
     expected = espalier.bind(rest, points, level=3).deform(pose)
-    # A lattice that was read numbers its edges in another order, which changes the order of sums.
+    # A lattice read from a file numbers its edges in another order, which changes the order of sums.
     np.testing.assert_allclose(espalier.read_model(out).positions, expected, rtol=0, atol=1e-14)

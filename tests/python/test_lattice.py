@@ -7,7 +7,7 @@ import pytest
 
 import espalier
 
-# A cube, as VTK numbers its vertices; the second one shares the face x = 1.
+# The vertices of a cube, in VTK's order.
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
                  [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
 
@@ -85,7 +85,7 @@ def test_attributes_are_refined_with_the_positions():
     assert {name: array.shape for name, array in cube.attributes.items()} == {
         "height": (8, 1), "uv": (8, 2)}
     refined = espalier.refine(cube, 2)
-    # The same sums, 7 times as large.
+    # Both are the same sums, but heights are 7 times as large.
     np.testing.assert_allclose(refined.attributes["height"][:, 0], 7 * refined.positions[:, 2],
                                rtol=1e-15, atol=1e-15)
 
@@ -152,7 +152,7 @@ INTEGERS = [f"{order}{kind}{size}" for size in (1, 2, 4, 8) for kind in "iu" for
 
 
 def extremes(dtype):
-    """Returns an array (8, 1) of a type, with its smallest and its largest number."""
+    """Returns an array of shape (8, 1) with the smallest and the largest number of a type."""
     limits = np.iinfo(dtype)
     return np.array([limits.min, limits.max, 0, 1, 2, limits.max - 1, 5, 7], dtype)[:, None]
 
@@ -194,7 +194,7 @@ def test_integers_of_other_shapes():
         espalier.Lattice(CUBE, [range(8)], attributes={"id": [True] * 8})
 
 
-# A byte that is not UTF-8, a surrogate in UTF-8, half a letter, and letters.
+# A byte that is not UTF-8, a surrogate encoded as in UTF-8, an incomplete character, and valid UTF-8.
 NAMES = [b"m\xff", b"\xed\xa0\x80", b"\xc3", "größe μ 😀".encode()]
 
 
@@ -245,7 +245,8 @@ def test_meshes_and_curves(tmp_path):
     assert espalier.read(tmp_path / "mesh.obj").faces == mesh.faces
     curve = espalier.Lattice.curve(CUBE[:3], closed=True)
     assert curve.counts == (3, 3, 0, 0)
-    # Midpoints, and weights (1/8, 3/4, 1/8) of three consecutive vertices (Joy, on-line notes).
+    # New vertices are midpoints, or have weights (1/8, 3/4, 1/8) of three consecutive vertices (Joy,
+    # on-line notes).
     np.testing.assert_allclose(espalier.refine(curve).positions[1], (7 / 8, 1 / 8, 0))
 
 

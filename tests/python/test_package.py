@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package as users get it: stubs, docstrings, installed, and as a wheel."""
+"""Tests the package as users get it: stubs, docstrings, the installed files and the wheel."""
 
 import ast
 import importlib.util
@@ -48,7 +48,7 @@ def public_objects():
 
 
 def stub_functions():
-    """The functions of the stubs, by name, with their classes."""
+    """Yields the qualified name and the syntax tree of each function in the stubs."""
     for file, prefix in (("__init__.pyi", "espalier"), ("shapes.pyi", "espalier.shapes")):
         for node in ast.parse((PACKAGE / file).read_text()).body:
             if isinstance(node, ast.FunctionDef):
@@ -74,7 +74,7 @@ def test_docstrings_give_the_shapes_of_arrays():
 
 
 def test_parameters_of_the_stubs_are_those_of_the_functions():
-    """pybind11 gives functions no signatures for stubtest to read, but it writes them down."""
+    """stubtest cannot read signatures of pybind11 functions; this test reads them in the docstrings."""
     seen = 0
     for name, node in stub_functions():
         each = espalier
@@ -82,9 +82,9 @@ def test_parameters_of_the_stubs_are_those_of_the_functions():
             each = getattr(each, part, None)
         line = (each.__doc__ or "").split("\n")[0] if each is not None else ""
         if not re.match(r"\w+\(", line):
-            continue  # Python's own, which stubtest reads; or a class of _compare
+            continue  # a Python function, which stubtest reads, or a class of _compare
         text = re.sub(r"<[^>]*>|array\([^)]*\)", "0", line[line.index("("):])
-        # "name: type = default": types hold no "=", and names no spaces.
+        # A parameter is "name: type = default". Types hold no "=", and names no spaces.
         found = re.findall(r"[(,] ?(\*\w*|\w+): ?|[(,] ?(\*)(?=,)", text)
         names = [a or b for a, b in found]
         arguments = node.args
@@ -100,7 +100,7 @@ def test_parameters_of_the_stubs_are_those_of_the_functions():
 
 @pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")
 def test_stubs_are_those_of_the_module(tmp_path):
-    # pybind11's types have a metaclass, and all of them an __init__, if only to refuse.
+    # pybind11's types have a metaclass. All of them have an __init__, even if it only raises.
     types = [name for name in espalier.__all__
              if type(getattr(espalier, name)).__name__ == "pybind11_type"]
     (tmp_path / "allowed").write_text(
@@ -129,7 +129,7 @@ def check_import(folder):
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
     prefix = tmp_path_factory.mktemp("prefix")
-    # With static libraries there are no other symbols.
+    # The component "libraries" has the shared libraries. It is empty if the libraries are static.
     install(prefix, "python", "libraries")
     return prefix / SITE
 

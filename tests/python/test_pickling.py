@@ -52,7 +52,7 @@ def test_lattices(lattice):
     for other in (again(lattice), pickle.loads(pickle.dumps(lattice, protocol=5))):
         assert everything_of(other) == everything_of(lattice)
         assert_same_arrays(arrays_of(other), arrays_of(lattice))
-        # With duplicate marks, holes, tags and attributes.
+        # Refined lattices also depend on marks, holes, tags and attributes.
         assert_same_arrays(arrays_of(espalier.refine(other)), arrays_of(espalier.refine(lattice)))
         assert pickle.dumps(other) == pickle.dumps(lattice)
 

@@ -61,9 +61,9 @@ def test_design_variables(rest, points, binding):
 def test_poses_that_fold(rest):
     check = espalier.ValidityCheck(rest, level=1)
     valid = check.check(2 * rest.positions)
-    np.testing.assert_allclose(valid.ratios, 8, rtol=2e-3)  # lower bounds, by 0.1 % at most
+    np.testing.assert_allclose(valid.ratios, 8, rtol=2e-3)  # lower bounds, at most 0.1 % too small
     assert len(valid.inverted) == 0 and valid.smallest[1] == valid.ratios.min()
-    # At half of the way to the mirror image all cells are flat.
+    # Halfway to the mirror image, all cells are flat.
     mirrored = rest.positions * (-1, 1, 1)
     assert len(check.check(mirrored).inverted) == 96
     step = check.largest_step(mirrored)
@@ -76,8 +76,8 @@ def test_poses_that_fold(rest):
 
 
 def test_limits_that_fold():
-    # A bar whose inner vertices, at 1 and 2, come a closer on both sides: in the middle of the
-    # limit it shrinks to 1 - 5a/4 (tests/solve/limit_validity_test.cpp).
+    # The inner vertices of the bar, at x = 1 and x = 2, each move by a towards the other ones. The
+    # ratio in the middle of the limit is then 1 - 5a/4 (tests/solve/limit_validity_test.cpp).
     bar = espalier.shapes.box(cells=(3, 1, 1), max=(3, 1, 1))
     pinched = bar.positions.copy()
     pinched[bar.positions[:, 0] == 1, 0] += 1
@@ -95,7 +95,7 @@ def test_limits_that_fold():
 def test_cells_that_are_bad_at_rest_have_no_ratio():
     box = espalier.shapes.box(cells=(2, 1, 1))
     folded = box.positions.copy()
-    folded[box.positions[:, 0] == 1, 0] = 0.25  # of the two cells the second is inside out
+    folded[box.positions[:, 0] == 1, 0] = 0.25  # the second of the two cells is inverted
     check = espalier.ValidityCheck(box.with_positions(folded), level=1)
     bad = check.bad_at_rest
     assert 0 < len(bad) < 16
@@ -114,7 +114,7 @@ def test_what_is_held_stays(rest, points, binding):
     moved = rest.positions + 1.0
     moved[held] = rest.positions[held]
     still = espalier.bind(rest, low, level=2).deform(moved)
-    np.testing.assert_allclose(still, low, atol=1e-9)  # as continuity.h has it
+    np.testing.assert_allclose(still, low, atol=1e-9)  # the bound in continuity.h
     with pytest.raises(ValueError, match="^hold: expected faces, points, or both$"):
         espalier.hold(rest)
 

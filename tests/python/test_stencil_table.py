@@ -19,7 +19,7 @@ def test_levels_compose(rest):
     first, second = refiner.level_table(1).csr(), refiner.level_table(2).csr()
     composed = refiner.stencils(2).csr()
     assert composed.shape == (refiner.counts(2)[0], 36)
-    # The entries are sums of some tens of products of weights of size 1.
+    # The entries are sums of a few tens of products of weights of size 1.
     assert abs(second @ first - composed).max() < 1e-14
     np.testing.assert_allclose(composed @ rest.positions, refiner.positions(2), atol=1e-14)
     np.testing.assert_allclose(composed.sum(axis=1), 1, atol=1e-14)
@@ -62,7 +62,7 @@ def test_scipy_takes_the_matrix_for_its_own(table, rest):
     np.testing.assert_array_equal(matrix[10:20, ::2].toarray(), dense[10:20, ::2])
     np.testing.assert_array_equal(matrix.tocsc().toarray(), dense)
     np.testing.assert_array_equal((2 * matrix - matrix).toarray(), dense)
-    # S has full column rank, so that least squares recover the lattice.
+    # S has full column rank, so least squares recover the lattice.
     found = scipy.sparse.linalg.lsqr(matrix, matrix @ rest.positions[:, 2], atol=1e-14, btol=1e-14)
     np.testing.assert_allclose(found[0], rest.positions[:, 2], atol=1e-9)
 
@@ -120,7 +120,7 @@ def test_matrices_of_every_format(form):
 @pytest.mark.parametrize("dtype, bound", [(np.float64, 1e-13), (np.float32, 1e-5)])
 @pytest.mark.parametrize("shape", [(36,), (36, 1), (36, 3), (36, 7), (4, 36, 3), (0, 36, 3)])
 def test_compiled_tables_give_the_product(table, dtype, bound, shape):
-    # Rows have up to 64 entries of size 1: bound is some hundred units in the last place.
+    # Rows have up to 64 entries of size 1. The bound is a few hundred units in the last place.
     values = np.random.default_rng(3).normal(size=shape)
     compiled = espalier.CompiledTable(table, dtype=dtype)
     result = compiled.evaluate(values)
@@ -218,7 +218,8 @@ def test_strata_and_counts(rest):
     refiner = espalier.Refiner(rest)
     strata = refiner.strata(0)
     assert strata.dtype == np.uint8
-    # A box of 2 x 2 x 3 cells: 8 corners; 3 * 4 + 2 * 4 - 8 ... vertices inside its 12 edges.
+    # A box of 2 x 2 x 3 cells has 8 corners, 1 or 2 vertices inside each of its 12 edges and 6 sides,
+    # and 2 vertices in the interior.
     assert np.bincount(strata).tolist() == [8, 4 * 1 + 4 * 1 + 4 * 2, 2 * 1 + 4 * 2, 1 * 1 * 2]
     assert refiner.counts(1) == (5 * 5 * 7, *espalier.refine(rest).counts[1:])
     with pytest.raises(ValueError, match="^dimension: expected 0 to 3, got 4$"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Other threads of Python run while a long call is at work, and Ctrl-C ends it."""
+"""Other Python threads run during a long call, and Ctrl-C ends the call."""
 
 import subprocess
 import sys
@@ -31,7 +31,7 @@ class Clock:
         self.thread.join()
 
     def ran_during(self, call):
-        """Returns whether the thread ran in the middle of a call. At its begin and end it may run anyway."""
+        """Returns whether the thread ran in the middle half of a call. It may always run near the ends."""
         begin = time.perf_counter()
         call()
         end = time.perf_counter()
@@ -70,7 +70,7 @@ FACES[-1] = 9
 
 
 def many_faces():
-    """Adds faces of which the last one is invalid, so that the call ends there."""
+    """Makes a mesh whose last face is invalid, so that the call ends there."""
     with pytest.raises(ValueError, match="face 2999999"):
         espalier.Lattice.mesh(np.zeros((4, 3)), FACES)
 
@@ -90,7 +90,7 @@ def test_a_call_that_holds_the_gil_would_be_noticed():
 
 
 def run(code):
-    """Runs code in a process of its own, since it may hang. Returns what it prints."""
+    """Runs code in a separate process, because it may hang. Returns its output."""
     setup = """
 import signal, time, numpy as np, espalier
 rest = espalier.shapes.box(cells=(6, 6, 6))
@@ -107,7 +107,7 @@ points = np.random.default_rng(1).uniform(0.01, 0.99, (500_000, 3))
     ("espalier.Refiner(rest)", "made.counts(4)"),
 ])
 def test_a_signal_handler_asks_for_what_is_being_made(make, call):
-    """A signal handler calls Espalier in the middle of a call of the same thread: no deadlock."""
+    """A signal handler can call Espalier during a call of the same thread, without a deadlock."""
     run(f"""
 def handle(*_):
     {call}
@@ -139,5 +139,5 @@ espalier.bind(rest, points[:10])  # all is well
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
                           timeout=120)
     assert done.returncode == 0, done.stderr
-    # Without the signal the call would take some 10 seconds.
+    # Without the signal, the call would take about 10 seconds.
     assert done.stdout and float(done.stdout) < 3
