@@ -17,7 +17,7 @@ WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werr
 CMAKE = BUILD = None  # set by main: the program, and the build to install
 
 
-class Packages(unittest.TestCase):
+class InstalledBuild(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         folder = tempfile.TemporaryDirectory()
@@ -45,6 +45,8 @@ class Packages(unittest.TestCase):
         return self.run_program(CMAKE, "-G", "Ninja", "-S", CONSUMER, "-B", name,
                                 f"-DCMAKE_PREFIX_PATH={self.prefix}", *options, code=code)
 
+
+class Packages(InstalledBuild):
     def test_find_package(self):
         self.configure("by-package", "-DCMAKE_BUILD_TYPE=Debug")
         self.run_program(CMAKE, "--build", "by-package")
@@ -124,29 +126,6 @@ class Packages(unittest.TestCase):
                          *shlex.split(flags))
         self.run_program("cuda/by-pkg-config", env=self.environment())
 
-    def test_each_header_compiles_alone_without_warnings(self):
-        path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
-        names = [file.stem for file in self.prefix.glob("lib*/**/espalier-*.pc")]
-        flags = self.run_program("pkg-config", "--cflags", *names,
-                                 env=self.environment(PKG_CONFIG_PATH=path))
-        # Other include folders become system folders, whose warnings are not shown.
-        ours = f"-I{self.prefix}"
-        flags = [flag if flag.startswith(ours) else flag.replace("-I", "-isystem", 1)
-                 for flag in shlex.split(flags) if not flag.startswith("-D_FORTIFY_SOURCE")]
-        headers = sorted(path.relative_to(self.prefix / "include")
-                         for path in self.prefix.glob("include/espalier/**/*.h"))
-        self.assertGreater(len(headers), 60)
-
-        def compile_alone(header):
-            # Twice: it may be included more than once.
-            result = subprocess.run(
-                ["c++", "-std=c++20", "-fsyntax-only", "-x", "c++", "-", *WARNINGS, *flags],
-                input=f"#include <{header}>\n" * 2, text=True, capture_output=True, check=False)
-            return f"{header}:\n{result.stderr}" if result.returncode or result.stderr else None
-
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            self.assertEqual([error for error in pool.map(compile_alone, headers) if error], [])
-
     def test_headers_of_c(self):
         path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
         flags = shlex.split(self.run_program("pkg-config", "--cflags", "--libs", "espalier-c",
@@ -179,6 +158,31 @@ class Packages(unittest.TestCase):
                      "osd/cuda/cuda_launch.h"):
             self.assertTrue((HERE.parents[1] / name).is_file(), name)
             self.assertNotIn(name, headers)
+
+
+class Headers(InstalledBuild):
+    def test_each_header_compiles_alone_without_warnings(self):
+        path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
+        names = [file.stem for file in self.prefix.glob("lib*/**/espalier-*.pc")]
+        flags = self.run_program("pkg-config", "--cflags", *names,
+                                 env=self.environment(PKG_CONFIG_PATH=path))
+        # Other include folders become system folders, whose warnings are not shown.
+        ours = f"-I{self.prefix}"
+        flags = [flag if flag.startswith(ours) else flag.replace("-I", "-isystem", 1)
+                 for flag in shlex.split(flags) if not flag.startswith("-D_FORTIFY_SOURCE")]
+        headers = sorted(path.relative_to(self.prefix / "include")
+                         for path in self.prefix.glob("include/espalier/**/*.h"))
+        self.assertGreater(len(headers), 60)
+
+        def compile_alone(header):
+            # Twice: it may be included more than once.
+            result = subprocess.run(
+                ["c++", "-std=c++20", "-fsyntax-only", "-x", "c++", "-", *WARNINGS, *flags],
+                input=f"#include <{header}>\n" * 2, text=True, capture_output=True, check=False)
+            return f"{header}:\n{result.stderr}" if result.returncode or result.stderr else None
+
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            self.assertEqual([error for error in pool.map(compile_alone, headers) if error], [])
 
 
 if __name__ == "__main__":
