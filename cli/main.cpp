@@ -124,10 +124,8 @@ int run(int argumentCount, char** arguments) {
     addCheckCommand(program);
     addCompareCommand(program);
     program.footer(
-        "espalier COMMAND --help lists the options of a command.\n"
-        "Exit codes: 0 success; 1 bad input; 2 wrong usage; 3 check found inverted cells, or "
-        "compare "
-        "found differences.");
+        std::string("espalier COMMAND --help lists the options of a command.\nExit codes: ") +
+        kExitCodes);
     const auto memory = std::make_shared<MemoryOption>();
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
     program.parse_complete_callback([memory] { memory->apply(); });

@@ -15,26 +15,6 @@ namespace {
 /// An option is described once for all commands if at least this number of them have it.
 constexpr int kSharedBy = 5;
 
-constexpr const char* kExitStatus = R"(.SH EXIT STATUS
-.TP
-.B 0
-Success.
-.TP
-.B 1
-An input is missing or wrong, an output cannot be written, or memory does not suffice. One line on
-standard error names the file, the line or the entity, and the cause.
-.TP
-.B 2
-The command line is wrong.
-.TP
-.B 3
-The input is good, and the answer is no:
-.B check
-found inverted cells, or
-.B compare
-found differences.
-)";
-
 constexpr const char* kExamples = R"(.SH EXAMPLES
 Make a lattice around model.obj, move some of its vertices in an editor that writes .vtu, .vtk or .ovm
 (ParaView, for one), save it as pose.vtu, and deform the model:
@@ -234,7 +214,8 @@ std::string manPage(const CLI::App& program, const std::string& version) {
     page += ".PP\nEvery command has " + bold("--help") + " too.\n";
     page += ".SH COMMANDS\n" + commands.descriptions() + ".SH COMMON OPTIONS\n";
     for (const std::string& entry : commands.sharedEntries()) page += entry;
-    return page + kExitStatus + kExamples;
+    page += ".SH EXIT STATUS\n" + sentence(kExitCodes) + "\n";
+    return page + kExamples;
 }
 
 }  // namespace espalier::cli

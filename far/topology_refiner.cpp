@@ -13,7 +13,7 @@ namespace espalier::far {
 
 namespace {
 
-/// Checks that the rules of RATS, which know no other sharpness, can refine a level.
+/// Throws if an edge or a vertex is semi-sharp. The rules of RATS have no such sharpness.
 void checkNotSemiSharp(const Level& level) {
     if (!level.strata.hasSemiSharp()) return;
     for (int dimension = 0; dimension <= 1; ++dimension)

@@ -77,7 +77,7 @@ public:
     /// \throws TopologyError for marks that do not fit `base`; under Rules::Rats (BadMark) for an
     ///         edge or a vertex that is semi-sharp
     /// \throws Error under Rules::Mlca and Rules::Rats for TriangleSubdivision::Smooth; under
-    ///         Rules::Rats for a lattice and for Boundary::Open, as it reaches the border
+    ///         Rules::Rats for a lattice and for Boundary::Open
     explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});
 
     /// Continues the chain of another refiner: level 0 is `first`.
