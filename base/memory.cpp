@@ -55,6 +55,11 @@ Limits& limits() {
     return limits;
 }
 
+MemoryError outOfMemory(std::uint64_t held, std::uint64_t limit) {
+    return MemoryError("out of memory: " + formatBytes(held) + " are in use; the limit is " +
+                       formatBytes(limit));
+}
+
 }  // namespace
 
 MemoryLimit::MemoryLimit(std::uint64_t bytes) : bytes_(bytes) {
@@ -85,7 +90,8 @@ void requireMemory(std::uint64_t bytes, const std::string& what) {
     const std::uint64_t limit = limits().lowest();
     if (limit == kNoLimit) return;
     const std::uint64_t held = residentMemory();
-    if (held <= limit && bytes <= limit - held) return;
+    if (held > limit) throw outOfMemory(held, limit);
+    if (bytes <= limit - held) return;
     throw MemoryError(what + " takes about " + formatBytes(bytes) + " of memory; the limit is " +
                       formatBytes(limit) + ", of which " + formatBytes(held) + " are in use");
 }
@@ -94,9 +100,7 @@ void checkMemory() {
     const std::uint64_t limit = limits().lowest();
     if (limit == kNoLimit || !limits().isLookDue()) return;
     const std::uint64_t held = residentMemory();
-    if (held > limit)
-        throw MemoryError("out of memory: " + formatBytes(held) + " are in use; the limit is " +
-                          formatBytes(limit));
+    if (held > limit) throw outOfMemory(held, limit);
 }
 
 std::string formatBytes(std::uint64_t bytes) {

@@ -15,7 +15,6 @@
 namespace espalier::embed {
 namespace {
 
-using Extent = far::TopologyRefiner::Extent;
 using Flags = std::vector<std::uint8_t>;
 
 std::vector<Index> flagged(const Flags& flags) {

@@ -10,10 +10,10 @@
 #include <utility>
 
 namespace espalier::embed {
-namespace {
 
 using Eigen::Vector3d;
-using Extent = far::TopologyRefiner::Extent;
+
+namespace {
 
 LocatedPart partOf(std::size_t pointCount) {
     LocatedPart part;

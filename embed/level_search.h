@@ -63,11 +63,11 @@ public:
     /// \param use called for each part in turn. Together the parts contain all the points. If a
     ///        later part contains a point again, the later one counts, and the earlier part has no
     ///        place for the point
-    void locate(std::span<const Point3> points, far::TopologyRefiner::Extent extent,
+    void locate(std::span<const Point3> points, Extent extent,
                 FunctionRef<void(LocatedPart)> use) const;
 
 private:
-    LocatedPart locateInside(std::span<const Point3> points, far::TopologyRefiner::Extent extent,
+    LocatedPart locateInside(std::span<const Point3> points, Extent extent,
                              std::vector<Index>& unsettled) const;
     LocatedPart locateOutsideCells(std::span<const Point3> points) const;
 

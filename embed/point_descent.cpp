@@ -12,7 +12,6 @@ namespace espalier::embed {
 
 using Eigen::Vector3d;
 using Bound = std::optional<CellBound>;
-using Extent = far::TopologyRefiner::Extent;
 
 namespace {
 

@@ -16,6 +16,8 @@
 
 namespace espalier::embed {
 
+using Extent = far::TopologyRefiner::Extent;
+
 /// Which cells to seek for a point.
 enum class Sought {
     Containing,  ///< those whose box contains the point
@@ -119,8 +121,8 @@ public:
     /// candidates are their children.
     /// \param extent Extent::Cells ends the descent: the new level cannot be refined further
     /// \throws TopologyError as far::TopologyRefiner::refineAround()
-    void refine(Descent& descent, std::span<const Point3> points, Sought sought,
-                far::TopologyRefiner::Extent extent, Bounding bounding) const;
+    void refine(Descent& descent, std::span<const Point3> points, Sought sought, Extent extent,
+                Bounding bounding) const;
 
     /// Keeps the candidates that contain a point, or that may have the nearest cell of a point as a
     /// descendant.
@@ -139,7 +141,7 @@ public:
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart
     std::optional<Descent> descend(std::span<const Point3> points, int level, Sought sought,
-                                   far::TopologyRefiner::Extent extent) const;
+                                   Extent extent) const;
 
 private:
     Candidates baseCandidates(std::span<const Point3> points, Sought sought) const;

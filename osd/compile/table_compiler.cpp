@@ -131,9 +131,9 @@ private:
         const std::size_t length = group.length(), start = all.size();
         all.resize(start + (group.rows.size() + lanes - 1) / lanes * lanes * length);
         for (std::size_t row = 0; row < group.rows.size(); ++row) {
-            Real* lane = all.data() + start + row / lanes * lanes * length + row % lanes;
+            const std::size_t first = start + row / lanes * lanes * length + row % lanes;
             for (std::size_t k = 0; k < length; ++k)
-                lane[k * lanes] = group.numbers[row * length + k];
+                all[first + k * lanes] = group.numbers[row * length + k];
         }
         return static_cast<Offset>(start);
     }
@@ -258,6 +258,8 @@ public:
         result_.columns.shrink_to_fit();
         result_.weights.shrink_to_fit();
         result_.rows.shrink_to_fit();
+        // Kernels add the lane to this pointer also for rows without entries. It must not be null.
+        result_.groupNumbers.reserve(kLanes<Real>);
         return std::move(result_);
     }
 

@@ -38,6 +38,12 @@ TEST(MemoryLimit, LowestOfSeveralApplies) {
     EXPECT_NO_THROW(requireMemory(2 * kGigabyte, "this"));
 }
 
+TEST(MemoryLimit, RefusesEveryAmountOnceItIsExceeded) {
+    const MemoryLimit limit(residentMemory() / 2);
+    EXPECT_THAT([] { requireMemory(1, "this"); },
+                ThrowsMessage<MemoryError>(StartsWith("out of memory: ")));
+}
+
 TEST(MemoryLimit, StopsLoopsThatExceedTheLimit) {
     std::vector<std::vector<char>> taken(200);
     const auto takeMemory = [&](Offset first, Offset) {

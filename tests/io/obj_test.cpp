@@ -103,11 +103,14 @@ TEST(Obj, RefusesUnknownKeywordsWithTheirLine) {
     using namespace std::string_literals;
     const std::vector<std::pair<std::string, std::string>> samples = {
         {"V 1 2 3", "'V'"}, {"\0v 1 2 3"s, "'\\x00v'"}, {"\xC2\xA0v 1 2 3", "v'"}, {"vv", "'vv'"}};
-    for (const auto& [line, word] : samples)
-        EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\n"); },
-                    ThrowsMessage<FileError>(AllOf(HasSubstr("a.obj:3: "),
-                                                   HasSubstr(word + " is not a keyword of OBJ"))))
-            << line;
+    for (const auto& sample : samples) {
+        const std::string text = "# one\nv 0 0 0\n" + sample.first + "\n";
+        EXPECT_THAT(
+            [&] { readModel("a.obj", text); },
+            ThrowsMessage<FileError>(AllOf(HasSubstr("a.obj:3: "),
+                                           HasSubstr(sample.second + " is not a keyword of OBJ"))))
+            << sample.first;
+    }
 }
 
 TEST(Obj, CountsTheLinesOfContinuedStatements) {
