@@ -104,15 +104,15 @@ class MemoryTest(CliTest):
                          r"^espalier: bomb.vtu:4: the array '': its data takes about 300.0 MB")
 
     def test_what_is_not_known_beforehand_is_stopped(self):
-        # The tolerance is so wide that every point is in every cell of level 9. Either the memory in use exceeds
-        # the limit, or the next part of the lattice to refine does not fit into the rest. Timing decides which.
+        # The tolerance is so wide that every point is in every cell of level 9. Timing decides which comes first:
+        # the memory in use exceeds the limit, the system refuses memory, or the next part of the lattice to
+        # refine does not fit into the rest.
         self.lattice()
         points = self.points(1000)
         error = self.error_of("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
                               "-o", "out.espb", "--max-memory", "200MB")
-        self.assertRegex(error, r"^espalier: (out of memory: .* are in use; the limit is 200.0 MB|"
-                                r"the refined complex takes about .* of memory; the limit is 200.0 MB, "
-                                r"of which \S+ MB are in use) \(while binding\)\n$")
+        self.assertRegex(error, r"^espalier: (out of memory|the refined complex takes about .* of memory; "
+                                r"the limit is 200.0 MB).*\bwhile binding\)?\n$")
         self.assertFalse((self.path / "out.espb").exists())
 
     def peak_and_error(self, *arguments):
