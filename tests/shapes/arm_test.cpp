@@ -23,7 +23,7 @@ double squareArea(double radius) {
     return 2 * radius * radius;
 }
 
-TEST(Arm, hasTheCountsOfASweptDisk) {
+TEST(Arm, HasTheCountsOfASweptDisk) {
     struct Case {
         int joints;
         int segments;
@@ -45,7 +45,7 @@ TEST(Arm, hasTheCountsOfASweptDisk) {
     }
 }
 
-TEST(Arm, putsTheFirstVertexOnTheSideOfUp) {
+TEST(Arm, PutsTheFirstVertexOnTheSideOfUp) {
     ArmOptions options = limb({{1, 1, 1}, {3, 1, 1}}, 0.5);
     options.up = {5, 2, 0};  // Without its part along the bone, `up` is +y.
     const Lattice lattice = arm(options);
@@ -55,7 +55,7 @@ TEST(Arm, putsTheFirstVertexOnTheSideOfUp) {
     EXPECT_NEAR(norm(minus(at(lattice, 8), {3, 1.5, 1})), 0, kRounding);
 }
 
-TEST(Arm, keepsItsThicknessAroundBends) {
+TEST(Arm, KeepsItsThicknessAroundBends) {
     // The bends of the polyline are at most 90°. A tube of constant cross-section, cut by bisecting
     // planes, has the volume of the cross-section times the length of its axis.
     const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0},     {1, 1, 0},
@@ -85,13 +85,13 @@ TEST(Arm, keepsItsThicknessAroundBends) {
     }
 }
 
-TEST(Arm, cutsABendByTheBisectingPlane) {
+TEST(Arm, CutsABendByTheBisectingPlane) {
     const Lattice lattice = arm(limb({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}));
     // The bones leave (1, 0, 0) in −x and +y: the bisecting plane there is y = 1 − x.
     for (Index v = 8; v < 12; ++v) EXPECT_NEAR(at(lattice, v)[0] + at(lattice, v)[1], 1, kRounding);
 }
 
-TEST(Arm, staysValidAroundSharpBends) {
+TEST(Arm, StaysValidAroundSharpBends) {
     for (const double bend : {60.0, 120.0, 150.0}) {
         const double angle = bend * pi / 180;
         const ArmOptions options =
@@ -100,7 +100,7 @@ TEST(Arm, staysValidAroundSharpBends) {
     }
 }
 
-TEST(Arm, twistsEvenlyFromJointToJoint) {
+TEST(Arm, TwistsEvenlyFromJointToJoint) {
     ArmOptions options = limb({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}, 0.5);
     options.segments = 4;
     options.joints[2].twist = 1.2;
@@ -115,7 +115,7 @@ TEST(Arm, twistsEvenlyFromJointToJoint) {
     expectValid(lattice);
 }
 
-TEST(Arm, hasTheTopologyOfItsPose) {
+TEST(Arm, HasTheTopologyOfItsPose) {
     ArmOptions options;
     options.pattern.rings = 2;
     const Lattice rest = arm(options);
@@ -129,7 +129,7 @@ TEST(Arm, hasTheTopologyOfItsPose) {
     expectValid(pose);
 }
 
-TEST(Arm, refusesInvalidJoints) {
+TEST(Arm, RefusesInvalidJoints) {
     EXPECT_MESSAGE(
         "arm: joints[2].position is (1, 0, 0); allowed: points other than that of the joint "
         "before",

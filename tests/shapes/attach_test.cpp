@@ -21,7 +21,7 @@ Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
     return {normal[0] / size, normal[1] / size, normal[2] / size};
 }
 
-TEST(Attach, growsACrossFromACube) {
+TEST(Attach, GrowsACrossFromACube) {
     Lattice lattice = box();
     for (Index side = 0; side < 6; ++side) {
         const FaceId face = lattice.complex.faces(CellId(0))[side];
@@ -34,7 +34,7 @@ TEST(Attach, growsACrossFromACube) {
     expectValid(lattice);
 }
 
-TEST(Attach, buildsAColumnPrismByPrism) {
+TEST(Attach, BuildsAColumnPrismByPrism) {
     Lattice lattice = prism({5, 1, 1});
     for (int i = 0; i < 3; ++i) {
         // The second face of a prism is opposite to the face that it is attached to.
@@ -50,7 +50,7 @@ TEST(Attach, buildsAColumnPrismByPrism) {
     expectValid(lattice);
 }
 
-TEST(Attach, keepsExistingNumbers) {
+TEST(Attach, KeepsExistingNumbers) {
     const Lattice before = cylinder({6, {2}, 2});
     Index boundary = 0;
     while (before.complex.relation(2, 3)[boundary].size() != 1) ++boundary;
@@ -66,7 +66,7 @@ TEST(Attach, keepsExistingNumbers) {
     expectValid(after);
 }
 
-TEST(Attach, attachesPyramidsToAnyFace) {
+TEST(Attach, AttachesPyramidsToAnyFace) {
     const Lattice start = prism({5, 1, 1});
     for (Index face = 0; face < 7; ++face) {
         const bool pentagon = face < 2;
@@ -84,7 +84,7 @@ TEST(Attach, attachesPyramidsToAnyFace) {
     }
 }
 
-TEST(Attach, attachesAnyCell) {
+TEST(Attach, AttachesAnyCell) {
     // A wedge on top of a cube, as a roof; its ridge has two new vertices.
     const NewVertex ridge[] = {{{0.5, 0, 2}, {4, 5}}, {{0.5, 1, 2}, {6, 7}}};
     const Lattice lattice =
@@ -94,7 +94,7 @@ TEST(Attach, attachesAnyCell) {
     expectValid(lattice);
 }
 
-TEST(Attach, closesAGapWithoutNewVertices) {
+TEST(Attach, ClosesAGapWithoutNewVertices) {
     // Two boxes share an edge, and a wedge between them uses only existing vertices.
     const Lattice boxes = merge(box(), box({{1, 1, 1}, {1, 0, 1}, {2, 1, 2}}));
     EXPECT_EQ(at(boxes, 5), (Point3{1, 0, 1}));
@@ -108,7 +108,7 @@ TEST(Attach, closesAGapWithoutNewVertices) {
     expectValid(lattice);
 }
 
-TEST(Attach, givesNewVerticesTheAttributesOfTheirSources) {
+TEST(Attach, GivesNewVerticesTheAttributesOfTheirSources) {
     Lattice lattice = box();
     lattice.attributes.push_back({"x", 1, {}});
     for (const Point3& position : lattice.positions)
@@ -121,7 +121,7 @@ TEST(Attach, givesNewVerticesTheAttributesOfTheirSources) {
     EXPECT_EQ(pointed.attributes[0].values[8], 0.5);
 }
 
-TEST(Attach, doesNotAverageIntegers) {
+TEST(Attach, DoesNotAverageIntegers) {
     Lattice lattice = box();
     lattice.integers.push_back({"material", 1, IntegerType::UInt8, {1, 2, 3, 4, 5, 6, 7, 8}});
     const FaceId top = lattice.complex.faces(CellId(0))[1];
@@ -142,14 +142,14 @@ TEST(Attach, doesNotAverageIntegers) {
                    attachPyramid(lattice, top, {0.5, 0.5, 2}));
 }
 
-TEST(Attach, carriesMarks) {
+TEST(Attach, CarriesMarks) {
     Lattice lattice = box();
     lattice.marks.vertices.push_back({0, far::kSmooth});
     const Lattice grown = attachPrism(lattice, lattice.complex.faces(CellId(0))[1], {0, 0, 1});
     EXPECT_EQ(grown.marks, lattice.marks);
 }
 
-TEST(Attach, refusesCellsThatDoNotFit) {
+TEST(Attach, RefusesCellsThatDoNotFit) {
     const Lattice two = box({{2, 1, 1}});
     Index inner = 0;
     while (two.complex.relation(2, 3)[inner].size() != 2) ++inner;

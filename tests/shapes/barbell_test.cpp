@@ -16,7 +16,7 @@ BarbellOptions blockOptions() {
     return options;
 }
 
-TEST(Barbell, hasTheCountsOfTwoDisksAndABar) {
+TEST(Barbell, HasTheCountsOfTwoDisksAndABar) {
     struct Case {
         DiskPattern pattern;
         int across;
@@ -47,7 +47,7 @@ TEST(Barbell, hasTheCountsOfTwoDisksAndABar) {
     }
 }
 
-TEST(Barbell, isABlockWithSquareEndsAndAWideBar) {
+TEST(Barbell, IsABlockWithSquareEndsAndAWideBar) {
     const Lattice lattice = barbell(blockOptions());
     // The block is barLength + 4 endRadius by 2 endRadius by height.
     EXPECT_NEAR(totalVolume(lattice), 6 * 2 * 0.5, kRounding);
@@ -64,7 +64,7 @@ TEST(Barbell, isABlockWithSquareEndsAndAWideBar) {
     expectValid(lattice);
 }
 
-TEST(Barbell, hasOneTopologyFromBlockToBarbell) {
+TEST(Barbell, HasOneTopologyFromBlockToBarbell) {
     const Lattice rest = barbell(blockOptions());
     for (const double roundness : {0.0, 0.3, 0.7, 1.0})
         for (const double halfWidth : {0.05, 0.95}) {
@@ -79,7 +79,7 @@ TEST(Barbell, hasOneTopologyFromBlockToBarbell) {
         }
 }
 
-TEST(Barbell, hasRoundEnds) {
+TEST(Barbell, HasRoundEnds) {
     BarbellOptions options;
     options.endRadius = 2;
     options.barHalfWidth = 1.2;
@@ -98,7 +98,7 @@ TEST(Barbell, hasRoundEnds) {
     }
 }
 
-TEST(Barbell, refusesABarAsWideAsARoundEnd) {
+TEST(Barbell, RefusesABarAsWideAsARoundEnd) {
     BarbellOptions options;
     options.barHalfWidth = options.endRadius;
     EXPECT_MESSAGE(

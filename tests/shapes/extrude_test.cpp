@@ -48,7 +48,7 @@ Lattice frame() {
                 {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}});
 }
 
-TEST(Extrude, makesPrismsOfPolygons) {
+TEST(Extrude, MakesPrismsOfPolygons) {
     for (const int layers : {1, 2, 5}) {
         const Lattice lattice = extrude(lShape(), {{0, 0, 2}, layers});
         // The mesh has 6 + 4 + 3 edges less the 2 that are shared.
@@ -62,7 +62,7 @@ TEST(Extrude, makesPrismsOfPolygons) {
     }
 }
 
-TEST(Extrude, putsLayersAtEqualDistances) {
+TEST(Extrude, PutsLayersAtEqualDistances) {
     const Lattice lattice = extrude(lShape(), {{3, 6, -9}, 3});
     for (Index layer = 0; layer < 4; ++layer)
         EXPECT_NEAR(
@@ -73,7 +73,7 @@ TEST(Extrude, putsLayersAtEqualDistances) {
     expectValid(lattice);
 }
 
-TEST(Extrude, numbersFacesOfACellFromBottomToTopToSides) {
+TEST(Extrude, NumbersFacesOfACellFromBottomToTopToSides) {
     const CellComplex complex = extrude(lShape()).complex;
     const auto faces = complex.relation(3, 2)[2];
     const auto vertices = [&](std::size_t face) {
@@ -89,7 +89,7 @@ TEST(Extrude, numbersFacesOfACellFromBottomToTopToSides) {
     EXPECT_EQ(vertices(4), (std::vector<Index>{1, 2, 10, 11}));
 }
 
-TEST(Extrude, keepsHolesAndSeparatePieces) {
+TEST(Extrude, KeepsHolesAndSeparatePieces) {
     const Lattice ring = extrude(frame(), {{0, 0, 1}, 2});
     EXPECT_EQ(countsOf(ring.complex), sweptCounts(8, 12, 4, 2, false));
     EXPECT_EQ(ring.complex.eulerCharacteristic(), 0);
@@ -102,13 +102,13 @@ TEST(Extrude, keepsHolesAndSeparatePieces) {
     expectValid(pieces);
 }
 
-TEST(Extrude, reversesFacesThatAreWoundTheOtherWay) {
+TEST(Extrude, ReversesFacesThatAreWoundTheOtherWay) {
     const Lattice mixed = mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}},
                                {{0, 1, 4, 3}, {1, 4, 5, 2}});
     expectValid(extrude(mixed, {{0.5, 0, 1}, 2}));
 }
 
-TEST(Extrude, acceptsSurfacesThatAreNotFlat) {
+TEST(Extrude, AcceptsSurfacesThatAreNotFlat) {
     // A roof whose faces all face upwards.
     const Lattice roof = mesh({{0, 0, 0}, {1, 0, 1}, {2, 0, 0}, {0, 1, 0}, {1, 1, 1}, {2, 1, 0}},
                               {{0, 1, 4, 3}, {1, 2, 5, 4}});
@@ -117,7 +117,7 @@ TEST(Extrude, acceptsSurfacesThatAreNotFlat) {
     expectValid(lattice);
 }
 
-TEST(Extrude, refusesFacesWithoutVolume) {
+TEST(Extrude, RefusesFacesWithoutVolume) {
     const Lattice wall = mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}},
                               {{0, 1, 2, 3}, {1, 4, 5, 2}});
     EXPECT_MESSAGE(
@@ -134,7 +134,7 @@ TEST(Extrude, refusesFacesWithoutVolume) {
         extrude(fold, {{1, 0, 3}, 1}));
 }
 
-TEST(Extrude, refusesComplexesThatAreNotMeshes) {
+TEST(Extrude, RefusesComplexesThatAreNotMeshes) {
     const Lattice solid = extrude(frame());
     EXPECT_MESSAGE("extrude: the mesh is a lattice; expected a mesh", extrude(solid));
     const Lattice fins = mesh({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
@@ -156,7 +156,7 @@ TEST(Extrude, refusesComplexesThatAreNotMeshes) {
     EXPECT_MESSAGE("extrude: a mark of the mesh names vertex 8; there are 8", extrude(broken));
 }
 
-TEST(Extrude, copiesAttributesToEachLayer) {
+TEST(Extrude, CopiesAttributesToEachLayer) {
     Lattice flat = mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
     flat.attributes.push_back({"uv", 2, {1, 2, 3, 4, 5, 6}});
     flat.integers.push_back({"material", 1, IntegerType::Int8, {1, 2, 3}});
@@ -171,7 +171,7 @@ TEST(Extrude, copiesAttributesToEachLayer) {
               (std::vector<double>{1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, 6}));
 }
 
-TEST(Extrude, carriesMarksToTheEndsAndAlongTheSweep) {
+TEST(Extrude, CarriesMarksToTheEndsAndAlongTheSweep) {
     Lattice flat = frame();
     flat.marks.edges.push_back({{1, 5}, far::kInfinitelySharp});
     flat.marks.vertices.push_back({2, far::kInfinitelySharp});
@@ -190,7 +190,7 @@ TEST(Extrude, carriesMarksToTheEndsAndAlongTheSweep) {
     EXPECT_EQ(strata.of({1, edgeBetween(lattice.complex, 1, 9)}), 2);
 }
 
-TEST(Sweep, closesIntoARing) {
+TEST(Sweep, ClosesIntoARing) {
     const Lattice triangle = mesh({{2, 0, 0}, {2, 0, 1}, {1, 0, 0}}, {{0, 1, 2}});
     const std::vector<Affine> stations = {rotation({0, 0, 1}, 0), rotation({0, 0, 1}, 2),
                                           rotation({0, 0, 1}, 4)};
@@ -201,7 +201,7 @@ TEST(Sweep, closesIntoARing) {
     EXPECT_LT(totalVolume(ring), 0);
 }
 
-TEST(Sweep, acceptsLayersOfAnyShape) {
+TEST(Sweep, AcceptsLayersOfAnyShape) {
     const Lattice flat = gridMesh({{2, 1}});
     std::vector<std::vector<Point3>> layers(3, flat.positions);
     for (Point3& position : layers[1]) position = {2 * position[0], position[1], 1};
@@ -212,7 +212,7 @@ TEST(Sweep, acceptsLayersOfAnyShape) {
     expectValid(lattice);
 }
 
-TEST(Sweep, wrapsAClosedSurfaceInAShell) {
+TEST(Sweep, WrapsAClosedSurfaceInAShell) {
     // The surface of an octahedron, swept outwards through two layers: a ball with a cavity.
     const Lattice octahedron = mesh(
         {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
@@ -224,7 +224,7 @@ TEST(Sweep, wrapsAClosedSurfaceInAShell) {
     expectValid(shell);
 }
 
-TEST(Sweep, refusesLayersThatDoNotFit) {
+TEST(Sweep, RefusesLayersThatDoNotFit) {
     const Lattice flat = gridMesh();
     std::vector<std::vector<Point3>> layers(2, flat.positions);
     EXPECT_MESSAGE("sweep: the number of layers is 2; allowed: 3 or more",
@@ -239,7 +239,7 @@ TEST(Sweep, refusesLayersThatDoNotFit) {
                    sweep(flat, layers));
 }
 
-TEST(Sweep, refusesAMoebiusBand) {
+TEST(Sweep, RefusesAMoebiusBand) {
     // Five quadrilaterals in a ring, with a half twist between the last and the first. Positions do
     // not matter for the topology.
     std::vector<std::vector<Index>> loops;

@@ -32,7 +32,7 @@ double polygonArea(int sides, double radius) {
     return sides * radius * radius * std::sin(2 * pi / sides) / 2;
 }
 
-TEST(Box, hasTheCountsOfAGrid) {
+TEST(Box, HasTheCountsOfAGrid) {
     for (const auto& [i, j, k] : {std::array{1, 1, 1}, std::array{3, 2, 1}, std::array{2, 4, 3}}) {
         const Lattice lattice = box({{i, j, k}, {-1, 0, 2}, {1, 3, 2.5}});
         const Counts expected = {
@@ -46,7 +46,7 @@ TEST(Box, hasTheCountsOfAGrid) {
     }
 }
 
-TEST(Box, numbersVerticesWithXFastestAndEndsAtItsCornersExactly) {
+TEST(Box, NumbersVerticesWithXFastestAndEndsAtItsCornersExactly) {
     const Lattice lattice = box({{3, 2, 4}, {0.1, 0.2, 0.3}, {0.7, 1.1, 1.3}});
     EXPECT_EQ(at(lattice, 0), (Point3{0.1, 0.2, 0.3}));
     EXPECT_EQ(at(lattice, 3), (Point3{0.7, 0.2, 0.3}));
@@ -56,13 +56,13 @@ TEST(Box, numbersVerticesWithXFastestAndEndsAtItsCornersExactly) {
     EXPECT_EQ(lattice.complex.relation(3, 0)[23][0], 2 + 4 * (1 + 3 * 3));
 }
 
-TEST(Box, meetsInVerticesOfSixEdgesInside) {
+TEST(Box, MeetsInVerticesOfSixEdgesInside) {
     const Lattice lattice = box({{2, 2, 2}});
     EXPECT_EQ(lattice.complex.relation(0, 1)[13].size(), 6U);
     EXPECT_EQ(lattice.complex.relation(0, 3)[13].size(), 8U);
 }
 
-TEST(Cylinder, hasTheCountsOfASweptDisk) {
+TEST(Cylinder, HasTheCountsOfASweptDisk) {
     for (const DiskPattern& pattern : kPatterns)
         for (const int sectors : {3, 7})
             for (const int layers : {1, 3}) {
@@ -76,7 +76,7 @@ TEST(Cylinder, hasTheCountsOfASweptDisk) {
             }
 }
 
-TEST(Cylinder, hasWedgesAroundItsAxis) {
+TEST(Cylinder, HasWedgesAroundItsAxis) {
     const int sectors = 7;
     const Lattice lattice = cylinder({sectors, {2}, 3});
     const Index perLayer = 1 + 2 * sectors;
@@ -92,7 +92,7 @@ TEST(Cylinder, hasWedgesAroundItsAxis) {
     EXPECT_EQ(lattice.complex.relation(0, 1)[perLayer].size(), 2U + sectors);
 }
 
-TEST(Cylinder, hasOnePrismInAPolygonalCore) {
+TEST(Cylinder, HasOnePrismInAPolygonalCore) {
     const Lattice lattice = cylinder({5, {2, Core::Polygon}});
     std::vector<std::size_t> faceCounts;
     for (Index cell = 0; cell < lattice.complex.count(3); ++cell)
@@ -100,7 +100,7 @@ TEST(Cylinder, hasOnePrismInAPolygonalCore) {
     EXPECT_EQ(faceCounts, (std::vector<std::size_t>{7, 6, 6, 6, 6, 6}));
 }
 
-TEST(Cylinder, liesAlongItsAxis) {
+TEST(Cylinder, LiesAlongItsAxis) {
     const Point3 from = {1, 2, 3};
     for (const Point3& to :
          {Point3{1, 2, 5}, Point3{1, 2, 1}, Point3{3, 2, 3}, Point3{2, 3, 4}, Point3{-1, 2, 3}}) {
@@ -118,7 +118,7 @@ TEST(Cylinder, liesAlongItsAxis) {
     }
 }
 
-TEST(Torus, hasTheCountsOfASweptSection) {
+TEST(Torus, HasTheCountsOfASweptSection) {
     for (const int segments : {3, 5}) {
         for (const int m : {1, 3}) {
             const Lattice lattice = torus({segments, TorusSection::Grid, m});
@@ -138,7 +138,7 @@ TEST(Torus, hasTheCountsOfASweptSection) {
     }
 }
 
-TEST(Torus, hasTheVolumeOfAPolygonalRing) {
+TEST(Torus, HasTheVolumeOfAPolygonalRing) {
     // The volume is the area of a regular N-gon of circumradius R + r less one of R − r, times the
     // height 2 r.
     const double major = 2;
@@ -149,7 +149,7 @@ TEST(Torus, hasTheVolumeOfAPolygonalRing) {
                 kRounding);
 }
 
-TEST(Star, hasTheCountsOfADiskOfTwoSidesAPoint) {
+TEST(Star, HasTheCountsOfADiskOfTwoSidesAPoint) {
     for (const DiskPattern& pattern : kPatterns)
         for (const int points : {2, 5}) {
             const Lattice lattice = star({points, pattern, 2});
@@ -163,7 +163,7 @@ TEST(Star, hasTheCountsOfADiskOfTwoSidesAPoint) {
         }
 }
 
-TEST(Star, hasTheTopologyOfItsRoundRestPose) {
+TEST(Star, HasTheTopologyOfItsRoundRestPose) {
     const DiskPattern pattern = {3};
     const Lattice rest = star({6, pattern, 2, 1, 1});
     const Lattice pose = star({6, pattern, 2, 0.3, 1.5, 0.5});
@@ -177,7 +177,7 @@ TEST(Star, hasTheTopologyOfItsRoundRestPose) {
     }
 }
 
-TEST(Inventory, differsInTopologyWhereCountsDiffer) {
+TEST(Inventory, DiffersInTopologyWhereCountsDiffer) {
     // The comparison that the tests of poses use can fail.
     EXPECT_FALSE(sameTopology(star({5}).complex, star({6}).complex));
     EXPECT_FALSE(sameTopology(box({{2, 1, 1}}).complex, box({{1, 1, 2}}).complex));

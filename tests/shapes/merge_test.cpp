@@ -28,7 +28,7 @@ std::multiset<std::set<Point3>> cellsByPosition(const Lattice& lattice) {
     return cells;
 }
 
-TEST(Merge, makesOneBoxOfTwo) {
+TEST(Merge, MakesOneBoxOfTwo) {
     const Lattice left = boxFrom(0, 2, 2);
     const Lattice merged = merge(left, boxFrom(2, 3, 3));
     const Lattice whole = boxFrom(0, 5, 5);
@@ -42,7 +42,7 @@ TEST(Merge, makesOneBoxOfTwo) {
     EXPECT_EQ(merged.complex.relation(3, 0)[3][0], left.complex.relation(3, 0)[3][0]);
 }
 
-TEST(Merge, weldsVerticesThatDifferByRounding) {
+TEST(Merge, WeldsVerticesThatDifferByRounding) {
     // The length of the boxes has no exact binary form: 5 · 0.1 + 0.1 is not 6 · 0.1.
     std::vector<Lattice> boxes;
     for (int i = 0; i < 11; ++i) boxes.push_back(boxFrom(i * 0.1, 1, 0.1));
@@ -52,7 +52,7 @@ TEST(Merge, weldsVerticesThatDifferByRounding) {
     expectValid(merged);
 }
 
-TEST(Merge, closesARing) {
+TEST(Merge, ClosesARing) {
     std::vector<Lattice> quarters;
     const Lattice quarter = box({{2, 1, 1}, {-1, 1, 0}, {1, 2, 1}});
     for (int i = 0; i < 4; ++i) {
@@ -66,7 +66,7 @@ TEST(Merge, closesARing) {
     expectValid(ring);
 }
 
-TEST(Merge, obeysTheTolerance) {
+TEST(Merge, ObeysTheTolerance) {
     const Lattice left = boxFrom(0, 1, 1);
     Lattice right = boxFrom(1, 1, 1);
     for (Point3& position : right.positions) position[0] += 1e-7;
@@ -79,33 +79,33 @@ TEST(Merge, obeysTheTolerance) {
         merge(left, right, {-1}));
 }
 
-TEST(Merge, keepsSeparatePieces) {
+TEST(Merge, KeepsSeparatePieces) {
     const Lattice apart = merge(boxFrom(0, 1, 1), boxFrom(5, 1, 1));
     EXPECT_EQ(apart.complex.eulerCharacteristic(), 2);
     expectValid(apart);
 }
 
-TEST(Merge, weldsTheVerticesOfOneLattice) {
+TEST(Merge, WeldsTheVerticesOfOneLattice) {
     const Lattice apart = merge(boxFrom(0, 1, 1), boxFrom(1.001, 1, 1));
     EXPECT_EQ(apart.complex.count(0), 24);
     EXPECT_EQ(merge(std::span(&apart, 1), {1e-2}).complex.count(0), 18);
 }
 
-TEST(Merge, joinsMeshes) {
+TEST(Merge, JoinsMeshes) {
     const Lattice mesh =
         merge(gridMesh({{2, 2}, {0, 0}, {1, 1}}), gridMesh({{2, 2}, {1, 0}, {2, 1}}));
     EXPECT_EQ(countsOf(mesh.complex), (Counts{15, 22, 8, 0}));
     expectValid(extrude(mesh));
 }
 
-TEST(Merge, refusesACellThatWouldCollapse) {
+TEST(Merge, RefusesACellThatWouldCollapse) {
     const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
     EXPECT_EQ(messageOf([&] { merge(box(), thin, {1e-6}); }).substr(0, 63),
               "merge: vertices 0 and 4 of cell 0 of lattice 1 would become one");
     EXPECT_EQ(causeOf([&] { merge(box(), thin, {1e-6}); }), far::TopologyCause::RepeatedVertex);
 }
 
-TEST(Merge, refusesDuplicateCellsAndFacesOfThreeCells) {
+TEST(Merge, RefusesDuplicateCellsAndFacesOfThreeCells) {
     EXPECT_EQ(causeOf([] { merge(box(), box()); }), far::TopologyCause::RepeatedCell);
     EXPECT_MESSAGE(
         "merge: cell 0 of lattice 0, cell 0 of lattice 1 would become one cell; each cell may "
@@ -151,7 +151,7 @@ void addHexahedron(far::ComplexBuilder& builder, std::array<Index, 4> from,
     builder.addCell(far::StandardCell::Hexahedron, corners);
 }
 
-TEST(Merge, errorsSayWhichNumbersBelongToTheResult) {
+TEST(Merge, ErrorsSayWhichNumbersBelongToTheResult) {
     // Three squares on a circle, and a cell from each to the next. The last cell is mirrored, so
     // the ring cannot be oriented.
     std::vector<Point3> positions;
@@ -174,7 +174,7 @@ TEST(Merge, errorsSayWhichNumbersBelongToTheResult) {
                 StartsWith("merge: in the merged lattice, face "));
 }
 
-TEST(Merge, errorsNameTheLattices) {
+TEST(Merge, ErrorsNameTheLattices) {
     const MergeOptions named = {.tolerance = 1e-6, .names = {"a.vtu", "b.vtu"}};
     const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
     EXPECT_THAT(messageOf([&] { merge(box(), thin, named); }),
@@ -196,13 +196,13 @@ TEST(Merge, errorsNameTheLattices) {
     EXPECT_MESSAGE("merge: got 1 names for 2 lattices", merge(left, lacking, {.names = {"a.vtu"}}));
 }
 
-TEST(Merge, refusesEmptyListsAndMixedDimensions) {
+TEST(Merge, RefusesEmptyListsAndMixedDimensions) {
     EXPECT_MESSAGE("merge: there is no lattice; expected 1 or more",
                    merge(std::span<const Lattice>{}));
     EXPECT_MESSAGE("merge: lattice 1 is a mesh; expected a lattice", merge(box(), gridMesh()));
 }
 
-TEST(Merge, carriesMarks) {
+TEST(Merge, CarriesMarks) {
     Lattice left = boxFrom(0, 1, 1);
     Lattice right = boxFrom(1, 1, 1);
     left.marks.edges.push_back({{0, 2}, far::kSmooth});
@@ -227,7 +227,7 @@ void addAttribute(Lattice& lattice, double offset) {
     lattice.attributes.push_back(uv);
 }
 
-TEST(Merge, carriesAttributesByName) {
+TEST(Merge, CarriesAttributesByName) {
     Lattice left = boxFrom(0, 1, 1);
     Lattice right = boxFrom(1, 1, 1);
     addAttribute(left, 0);
@@ -247,7 +247,7 @@ TEST(Merge, carriesAttributesByName) {
     }
 }
 
-TEST(Merge, refusesAttributesThatDoNotMatch) {
+TEST(Merge, RefusesAttributesThatDoNotMatch) {
     Lattice left = boxFrom(0, 1, 1);
     Lattice right = boxFrom(1, 1, 1);
     addAttribute(left, 0);

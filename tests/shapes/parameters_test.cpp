@@ -17,7 +17,7 @@ Options with(Member Options::*field, Value value) {
     return options;
 }
 
-TEST(Parameters, areRefusedByNameValueAndRange) {
+TEST(Parameters, AreRefusedByNameValueAndRange) {
     const std::string positive = "; allowed: finite numbers above 0";
     EXPECT_MESSAGE("box: cells[1] is 0; allowed: 1 or more", box({{1, 0, 1}}));
     EXPECT_MESSAGE("box: max[2] is 0; allowed: numbers above min[2], which is 0",
@@ -72,7 +72,7 @@ TEST(Parameters, areRefusedByNameValueAndRange) {
                    diskMesh(regularPolygon(4, 1), {0, 0, 0}, {0}));
 }
 
-TEST(Parameters, areRefusedIfThereWouldBeTooManyEntities) {
+TEST(Parameters, AreRefusedIfThereWouldBeTooManyEntities) {
     // Each call asks for more entities than an Index can count; the last two for more than 64 bits
     // can count. No call may allocate memory for them first.
     constexpr int kMany = std::numeric_limits<int>::max();

@@ -18,7 +18,7 @@ struct RegularCase {
     double volume;  ///< if the vertices are on the unit sphere
 };
 
-TEST(Solids, areThePlatonicSolids) {
+TEST(Solids, AreThePlatonicSolids) {
     const double s5 = std::sqrt(5.0);
     // Volumes by edge length a: tetrahedron a³/(6√2), a = √(8/3); cube a³, a = 2/√3; octahedron
     // a³√2/3, a = √2; dodecahedron (15 + 7√5) a³/4, a = 4/(√3 (1 + √5)); icosahedron
@@ -53,7 +53,7 @@ TEST(Solids, areThePlatonicSolids) {
     }
 }
 
-TEST(Solids, standOnPolygons) {
+TEST(Solids, StandOnPolygons) {
     for (const int n : {3, 4, 5, 9}) {
         const double base =
             n * std::sin(2 * std::numbers::pi / n) / 2 * 0.25;  // a regular n-gon of radius 0.5
@@ -80,7 +80,7 @@ TEST(Solids, standOnPolygons) {
     }
 }
 
-TEST(Solids, becomeTypeNCells) {
+TEST(Solids, BecomeTypeNCells) {
     // MacCracken & Joy 1996, section 2.2: a vertex of valence n becomes a cell of 2n quadrilaterals
     // (with 2n + 2 vertices: 2 of valence n and 2n of valence 3; the paper says 2n − 2).
     TopologyRefiner refiner = test::refined(icosahedron().complex, 1);

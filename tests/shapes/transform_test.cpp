@@ -19,20 +19,20 @@ void expectNear(const Point3& a, const Point3& b) {
     EXPECT_NEAR(norm(minus(a, b)), 0, kFewRoundings);
 }
 
-TEST(Affine, turnsAnticlockwise) {
+TEST(Affine, TurnsAnticlockwise) {
     expectNear(rotation({0, 0, 2}, pi / 2)({1, 0, 0}), {0, 1, 0});
     expectNear(rotation({1, 0, 0}, pi / 2)({0, 1, 0}), {0, 0, 1});
     expectNear(rotation({1, 1, 1}, 2 * pi / 3)({1, 2, 3}), {3, 1, 2});
 }
 
-TEST(Affine, composesFromRightToLeft) {
+TEST(Affine, ComposesFromRightToLeft) {
     const Affine both = translation({1, 0, 0}) * rotation({0, 0, 1}, pi / 2);
     expectNear(both({1, 0, 0}), {1, 1, 0});
     const Affine other = rotation({0, 0, 1}, pi / 2) * translation({1, 0, 0});
     expectNear(other({1, 0, 0}), {0, 2, 0});
 }
 
-TEST(Affine, turnsOneDirectionIntoAnother) {
+TEST(Affine, TurnsOneDirectionIntoAnother) {
     const Point3 directions[] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},        {-1, 0, 0},
                                  {0, -1, 0}, {0, 0, -1}, {0.6, -0.8, 0.0}, {0.48, 0.6, -0.64}};
     for (const Point3& from : directions)
@@ -48,14 +48,14 @@ TEST(Affine, turnsOneDirectionIntoAnother) {
         }
 }
 
-TEST(Affine, refusesDirectionsWithoutLength) {
+TEST(Affine, RefusesDirectionsWithoutLength) {
     EXPECT_MESSAGE("rotation: axis is (0, 0, 0); allowed: non-zero vectors",
                    rotation({0, 0, 0}, 1));
     EXPECT_MESSAGE("rotation: to is (0, 0, 0); allowed: non-zero vectors",
                    rotationBetween({1, 0, 0}, {0, 0, 0}));
 }
 
-TEST(Transformed, scalesVolumesByTheDeterminant) {
+TEST(Transformed, ScalesVolumesByTheDeterminant) {
     const Lattice lattice = cylinder({5, {2}, 2});
     const Affine map = translation({3, 2, 1}) * rotation({1, 2, 3}, 1) * scaling({1, 2, 3});
     const Lattice image = transformed(lattice, map);
@@ -64,7 +64,7 @@ TEST(Transformed, scalesVolumesByTheDeterminant) {
     expectValid(image);
 }
 
-TEST(Transformed, keepsVolumesPositiveInAMirror) {
+TEST(Transformed, KeepsVolumesPositiveInAMirror) {
     const Lattice lattice = torus();
     const Lattice image = transformed(lattice, scaling({-1, 1, 1}));
     EXPECT_NEAR(totalVolume(image), totalVolume(lattice), 1e-12);  // sums of 8 terms of size 1
@@ -72,7 +72,7 @@ TEST(Transformed, keepsVolumesPositiveInAMirror) {
     expectValid(image);
 }
 
-TEST(Transformed, refusesASingularMap) {
+TEST(Transformed, RefusesASingularMap) {
     EXPECT_MESSAGE(
         "transformed: the determinant of the map is 0; allowed: finite numbers other than 0",
         transformed(box(), scaling({1, 0, 1})));

@@ -26,7 +26,7 @@ Welding weldSlowly(const std::vector<Point3>& points, double distance) {
     return welding;
 }
 
-TEST(Weld, agreesWithComparingAllPairs) {
+TEST(Weld, AgreesWithComparingAllPairs) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> wide(-1, 1);
     for (const double distance : {0.0, 1e-9, 0.01, 0.2, 3.0}) {
@@ -47,7 +47,7 @@ TEST(Weld, agreesWithComparingAllPairs) {
     }
 }
 
-TEST(Weld, findsPointsOnTheBordersOfBoxes) {
+TEST(Weld, FindsPointsOnTheBordersOfBoxes) {
     // These coordinates are on the borders of boxes, since the box size is the whole times a power
     // of two.
     std::vector<Point3> points;
@@ -59,7 +59,7 @@ TEST(Weld, findsPointsOnTheBordersOfBoxes) {
     EXPECT_EQ(weld(points, 1e-10).positions.size(), 17U);
 }
 
-TEST(Weld, acceptsCoincidentPointsAndNoPoints) {
+TEST(Weld, AcceptsCoincidentPointsAndNoPoints) {
     const std::vector<Point3> same(5, Point3{1, 2, 3});
     EXPECT_EQ(weld(same, 0).newIndex, (std::vector<Index>(5, 0)));
     EXPECT_TRUE(weld({}, 1).positions.empty());
@@ -67,7 +67,7 @@ TEST(Weld, acceptsCoincidentPointsAndNoPoints) {
     EXPECT_EQ(diagonal(std::vector<Point3>{{0, 0, 0}, {2, 1, 2}}), 3);
 }
 
-TEST(Weld, treatsBothZerosAsEqual) {
+TEST(Weld, TreatsBothZerosAsEqual) {
     const std::vector<Point3> points = {{0.0, 0, 1}, {-0.0, 0, 1}, {1, 0, 0}};
     EXPECT_EQ(weld(points, 0).positions.size(), 2U);
 }

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/around.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/transform.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "checks.h"
+#include "smallest_box.h"
+
+namespace espalier::shapes {
+namespace {
+
+void check(std::span<const Point3> points, const AroundOptions& options) {
+    if (points.empty()) throw Error("around: there are no points");
+    for (std::size_t i = 0; i < points.size(); ++i)
+        requireFinite("around", indexed("points", i), points[i]);
+    if (options.cells != std::array<int, 3>{})
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            requireAtLeast("around", indexed("cells", axis), options.cells[axis], 1);
+    requireFinite("around", "cellSize", options.cellSize);
+    if (options.cellSize < 0)
+        refuseField("around", "cellSize", textOf(options.cellSize), "a length above 0");
+    requireAtLeast("around", "cellsAlongLongest", options.cellsAlongLongest, 1);
+    requireFinite("around", "margin", options.margin);
+    if (options.margin < 0)
+        refuseField("around", "margin", textOf(options.margin), "a fraction of 0 or more");
+}
+
+double diagonalOf(const Extents& extents) {
+    return std::hypot(extents.size(0), extents.size(1), extents.size(2));
+}
+
+/// Returns the numbers of cells of a box with sides of these lengths.
+std::array<int, 3> countsOf(const Extents& extents, const AroundOptions& options) {
+    if (options.cells != std::array<int, 3>{}) return options.cells;
+    const double longest = std::max({extents.size(0), extents.size(1), extents.size(2)});
+    std::array<int, 3> counts;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        // A length that is a multiple of the size but for rounding gets no extra cell.
+        constexpr double kRounding = 1e-9;
+        const double count =
+            options.cellSize > 0
+                ? std::ceil(extents.size(axis) / options.cellSize * (1 - kRounding))
+                : std::round(extents.size(axis) / longest * options.cellsAlongLongest);
+        if (count > std::numeric_limits<int>::max())
+            refuseField("around", "cellSize", textOf(options.cellSize),
+                        "lengths for which the number of cells fits into 31 bits");
+        counts[axis] = std::max(1, static_cast<int>(count));
+    }
+    return counts;
+}
+
+}  // namespace
+
+Lattice around(std::span<const Point3> points, const AroundOptions& options) {
+    check(points, options);
+    Axes axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Extents extents = extentsAlong(axes, points);
+    const double diagonal = diagonalOf(extents);
+    if (!(diagonal > 0))
+        throw Error("around: all points are at " + textOf(points.front()) +
+                    "; a box needs points at different places");
+    if (!std::isfinite(diagonal))
+        throw Error("around: the points are so far apart that the size of their box is infinite");
+    if (options.oriented) {
+        axes = smallestBox(points, 2 * options.margin * diagonal);
+        extents = extentsAlong(axes, points);
+    }
+    const double margin = options.margin * diagonalOf(extents);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        extents.min[axis] -= margin;
+        extents.max[axis] += margin;
+        if (!(extents.size(axis) > 0))
+            throw Error(
+                "around: the points lie in a plane, so that the box would be flat; give a margin "
+                "above 0");
+    }
+    const Lattice result = box({countsOf(extents, options), extents.min, extents.max});
+    if (!options.oriented) return result;
+    // The columns of the matrix are the axes: coordinates along the axes become positions.
+    Affine placement;
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column)
+            placement.linear[row][column] = axes[column][row];
+    return transformed(result, placement);
+}
+
+}  // namespace espalier::shapes

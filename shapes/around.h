@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/shapes/lattice.h>
+
+#include <array>
+#include <span>
+
+/// \file
+/// Makes a box lattice around the points of a model.
+
+namespace espalier::shapes {
+
+/// The number of cells comes from the first of `cells`, `cellSize` and `cellsAlongLongest` that is
+/// set.
+struct AroundOptions {
+    /// Cells along each axis of the box, 1 or more each; zeros: not set.
+    std::array<int, 3> cells = {0, 0, 0};
+
+    /// Largest edge of a cell, in the units of the points, above 0; 0: not set. The edges are this
+    /// long or a little shorter, so that a whole number of cells fits.
+    double cellSize = 0;
+
+    /// Cells along the longest side of the box, 1 or more. The other sides get the numbers for
+    /// which the cells are closest to cubes.
+    int cellsAlongLongest = 4;
+
+    /// Distance between the box and the points on each side, as a fraction of the diagonal of the
+    /// smallest box that holds the points: 0 or more.
+    double margin = 0.05;
+
+    /// False: the sides of the box are parallel to the axes. True: the box has the orientation of
+    /// smallest volume that a search finds. On random clouds of points, its volume was at most 1 %
+    /// above the smallest of 40,000 orientations. Its axes are named x, y and z by the coordinate
+    /// axes that they are nearest to.
+    bool oriented = false;
+};
+
+/// Makes a box of hexahedra around points, with the numbers of vertices and cells of box().
+///
+/// Under the default rules, the limit and all levels of a box lattice fill the same box, so that
+/// they contain every point.
+///
+/// \throws Error naming the option that is out of range; if there are no points; if a point is not
+///         finite; if all points are at one place; or if they lie in a plane and `margin` is 0;
+///         far::TopologyError if there would be too many cells for an Index
+/// \cost O(points); O(points · log points) if `oriented`
+ESPALIER_API Lattice around(std::span<const Point3> points, const AroundOptions& options = {});
+
+}  // namespace espalier::shapes

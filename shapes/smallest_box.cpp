@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "smallest_box.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace espalier::shapes {
+namespace {
+
+using Point2 = std::array<double, 2>;
+
+constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+double dot(const Point3& a, const Point3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Point3 cross(const Point3& a, const Point3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Point3 unit(const Point3& a) {
+    const double length = std::sqrt(dot(a, a));
+    return {a[0] / length, a[1] / length, a[2] / length};
+}
+
+Point3 opposite(const Point3& a) {
+    return {-a[0], -a[1], -a[2]};
+}
+
+/// Returns `count` directions, spread evenly over a half sphere on a spiral.
+std::vector<Point3> directions(int count) {
+    std::vector<Point3> result;
+    for (int i = 0; i < count; ++i) {
+        const double z = (i + 0.5) / count, radius = std::sqrt(1 - z * z);
+        const double angle = std::numbers::pi * (3 - std::sqrt(5.0)) * i;
+        result.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+    }
+    return result;
+}
+
+/// Returns axes whose third is `direction`, a unit vector.
+Axes axesAlong(const Point3& direction) {
+    // The coordinate axis that is farthest from parallel.
+    std::size_t least = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+        if (std::abs(direction[i]) < std::abs(direction[least])) least = i;
+    const Point3 first = unit(cross(kCoordinateAxes[least], direction));
+    return {first, cross(direction, first), direction};
+}
+
+/// Returns twice the signed area of a triangle: positive if its corners are anticlockwise.
+double turn(const Point2& a, const Point2& b, const Point2& c) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// Returns the corners of the convex hull, anticlockwise (Andrew's monotone chain).
+std::vector<Point2> convexHull(std::vector<Point2> points) {
+    std::ranges::sort(points);
+    const auto duplicates = std::ranges::unique(points);
+    points.erase(duplicates.begin(), duplicates.end());
+    if (points.size() < 3) return points;
+    std::vector<Point2> hull;
+    const auto addChain = [&hull](const auto& chain) {
+        const std::size_t start = hull.size();
+        for (const Point2& point : chain) {
+            while (hull.size() >= start + 2 &&
+                   turn(hull[hull.size() - 2], hull[hull.size() - 1], point) <= 0)
+                hull.pop_back();
+            hull.push_back(point);
+        }
+        hull.pop_back();  // The other chain begins with it.
+    };
+    addChain(points);
+    std::ranges::reverse(points);
+    addChain(points);
+    return hull;
+}
+
+/// Returns the unit vector along a side of the rectangle of smallest area around a convex polygon
+/// whose two sides are longer by `padding`.
+Point2 smallestRectangle(const std::vector<Point2>& hull, double padding) {
+    const std::size_t count = hull.size();
+    Point2 best = {1, 0};
+    if (count < 2) return best;
+    double least = std::numeric_limits<double>::infinity();
+    // The corners farthest along the side, across it, and against it. They go around with the side.
+    std::size_t ahead = 0, across = 0, behind = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point2& from = hull[i];
+        const Point2& to = hull[(i + 1) % count];
+        const double length = std::hypot(to[0] - from[0], to[1] - from[1]);
+        if (!(length > 0)) continue;
+        const Point2 side = {(to[0] - from[0]) / length, (to[1] - from[1]) / length};
+        const auto along = [&](std::size_t k, const Point2& direction) {
+            return hull[k % count][0] * direction[0] + hull[k % count][1] * direction[1];
+        };
+        const auto advance = [&](std::size_t& corner, const Point2& direction) {
+            for (std::size_t steps = 0; steps < count; ++steps, ++corner)
+                if (!(along(corner + 1, direction) > along(corner, direction))) return;
+        };
+        const Point2 normal = {-side[1], side[0]}, back = {-side[0], -side[1]};
+        ahead = std::max(ahead, i);
+        advance(ahead, side);
+        across = std::max(across, ahead);
+        advance(across, normal);
+        behind = std::max(behind, across);
+        advance(behind, back);
+        const double area =
+            (along(ahead, side) - along(behind, side) + padding) *
+            (along(across, normal) - (from[0] * normal[0] + from[1] * normal[1]) + padding);
+        if (area < least) {
+            least = area;
+            best = side;
+        }
+    }
+    return best;
+}
+
+double paddedVolume(const Extents& extents, double padding) {
+    return (extents.size(0) + padding) * (extents.size(1) + padding) * (extents.size(2) + padding);
+}
+
+/// Turns a box about its axes, by the smallest rectangles, until its volume no longer decreases.
+struct Search {
+    std::span<const Point3> points;
+    double padding;
+    Axes axes = kCoordinateAxes;
+    double volume = std::numeric_limits<double>::infinity();
+
+    void start(const Axes& from) {
+        Axes current = from;
+        double smallest = paddedVolume(extentsAlong(current, points), padding);
+        take(current, smallest);
+        // Each turn makes the box smaller; the limit is for turns that gain almost nothing.
+        constexpr int kMaxTurns = 60;
+        int withoutGain = 0;
+        for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
+            turnAbout(current, static_cast<std::size_t>(turns % 3));
+            const double next = paddedVolume(extentsAlong(current, points), padding);
+            withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
+            smallest = next;
+            take(current, next);
+        }
+    }
+
+private:
+    /// A smaller gain is rounding, or not worth a turn: the axes of a box that is parallel to the
+    /// coordinate axes stay exact.
+    static constexpr double kGain = 1e-9;
+
+    void take(const Axes& candidate, double size) {
+        if (!(size < volume * (1 - kGain))) return;
+        volume = size;
+        axes = candidate;
+    }
+
+    void turnAbout(Axes& current, std::size_t axis) const {
+        const Point3 u = current[(axis + 1) % 3], v = current[(axis + 2) % 3];
+        std::vector<Point2> projected;
+        projected.reserve(points.size());
+        for (const Point3& point : points) projected.push_back({dot(point, u), dot(point, v)});
+        const Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
+        Point3 first;
+        for (std::size_t i = 0; i < 3; ++i) first[i] = side[0] * u[i] + side[1] * v[i];
+        first = unit(first);
+        current[(axis + 1) % 3] = first;
+        current[(axis + 2) % 3] = cross(current[axis], first);
+    }
+};
+
+/// Returns the points that are farthest along some directions.
+std::vector<Point3> extremePoints(std::span<const Point3> points) {
+    constexpr int kDirections = 400;
+    std::vector<Point3> result;
+    for (const Point3& direction : directions(kDirections)) {
+        const auto [low, high] = std::ranges::minmax_element(
+            points, {}, [&](const Point3& point) { return dot(point, direction); });
+        result.push_back(*low);
+        result.push_back(*high);
+    }
+    std::ranges::sort(result);
+    const auto duplicates = std::ranges::unique(result);
+    result.erase(duplicates.begin(), duplicates.end());
+    return result;
+}
+
+/// Returns the axes in another order and with other signs: of the 24 right-handed choices, the one
+/// nearest to x, y and z.
+Axes named(const Axes& axes) {
+    std::array<std::size_t, 3> order = {0, 1, 2};
+    Axes best = axes;
+    double most = -std::numeric_limits<double>::infinity();
+    do {
+        Axes candidate;
+        double sum = 0;
+        std::size_t least = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            candidate[i] = axes[order[i]];
+            if (candidate[i][i] < 0) candidate[i] = opposite(candidate[i]);
+            sum += candidate[i][i];
+            if (candidate[i][i] < candidate[least][least]) least = i;
+        }
+        if (dot(cross(candidate[0], candidate[1]), candidate[2]) < 0) {
+            sum -= 2 * candidate[least][least];
+            candidate[least] = opposite(candidate[least]);
+        }
+        // A smaller difference is rounding: the first of equal choices remains.
+        if (sum > most + 1e-12) {
+            most = sum;
+            best = candidate;
+        }
+    } while (std::ranges::next_permutation(order).found);
+    return best;
+}
+
+}  // namespace
+
+Extents extentsAlong(const Axes& axes, std::span<const Point3> points) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Extents extents = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (const Point3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double place = dot(point, axes[axis]);
+            extents.min[axis] = std::min(extents.min[axis], place);
+            extents.max[axis] = std::max(extents.max[axis], place);
+        }
+    return extents;
+}
+
+Axes smallestBox(std::span<const Point3> points, double padding) {
+    // From every direction with few points; then from the best box with all points.
+    constexpr int kStarts = 48;
+    const std::vector<Point3> extremes = extremePoints(points);
+    Search rough{extremes, padding};
+    rough.start(kCoordinateAxes);
+    for (const Point3& direction : directions(kStarts)) rough.start(axesAlong(direction));
+    Search search{points, padding};
+    search.start(kCoordinateAxes);
+    search.start(rough.axes);
+    return named(search.axes);
+}
+
+}  // namespace espalier::shapes

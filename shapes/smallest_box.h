@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/point.h>
+
+#include <array>
+#include <span>
+
+// Finds the orientation of the smallest box around points; not installed.
+namespace espalier::shapes {
+
+/// Three perpendicular unit vectors, right-handed: the axes of a box.
+using Axes = std::array<Point3, 3>;
+
+/// The intervals that the coordinates of points along some axes fill.
+struct Extents {
+    Point3 min, max;
+
+    double size(std::size_t axis) const { return max[axis] - min[axis]; }
+};
+
+/// Returns the extents of points along axes. There must be points.
+Extents extentsAlong(const Axes& axes, std::span<const Point3> points);
+
+/// Returns the axes for which the box around the points is smallest, as far as a search finds them.
+/// Of the 24 ways to name the axes of a box, it returns the one nearest to x, y and z.
+///
+/// The search starts from a few dozen directions. It turns the box about each of its axes in turn
+/// until the volume no longer decreases. Each turn is exact: one side of the smallest rectangle
+/// around a convex polygon lies on a side of the polygon (Freeman & Shapira 1975).
+///
+/// \param padding added to each extent before volumes are compared: of the boxes around points in a
+///        plane, all of volume 0, a positive padding chooses one with a small area
+Axes smallestBox(std::span<const Point3> points, double padding);
+
+}  // namespace espalier::shapes
