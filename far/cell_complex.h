@@ -38,7 +38,7 @@ public:
     /// Takes relations that already satisfy the contract above; validate() checks it. To build a
     /// complex from loops and cells, use ComplexBuilder.
     ///
-    /// \param boundaries entry d − 1 is boundary(d); those above `dimension` are empty
+    /// \param boundaries entry d − 1 is boundary(d); entries above `dimension` are empty
     CellComplex(int dimension, Index vertexCount, Boundaries boundaries);
 
     /// Returns 1 for a curve, 2 for a mesh, 3 for a lattice.

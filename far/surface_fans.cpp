@@ -105,8 +105,8 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
         if (sides[i].first == sides[i + 1].first && edge(sides[i].first) == EdgeKind::Manifold)
             parents[rootOf(sides[i].second)] = rootOf(sides[i + 1].second);
 
-    // The edges at the ends of each fan, ascending as the sides are: edges that join it to no other
-    // corner.
+    // The edges at the ends of each fan, ascending, because the sides are ascending: an end is an
+    // edge that joins the fan to no other corner.
     std::vector<std::vector<Index>> ends(count);
     bool hasBoundary = false, hasNonManifold = false;
     for (const auto& [side, corner] : sides) {
