@@ -13,7 +13,8 @@
 #include <span>
 #include <vector>
 
-// Finds the cells that a pose turns inside out, and how far a lattice may move without any.
+// Finds the cells that a pose turns inside out, and how far a lattice may move before the first
+// such cell.
 namespace espalier::solve {
 
 /// A cell and its value.
