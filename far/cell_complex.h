@@ -13,7 +13,7 @@
 namespace espalier::far {
 
 /// The topology of a curve (dimension 1), a mesh (2) or a lattice (3): vertices, edges, faces and
-/// cells, and their incidences. No positions.
+/// cells, and their incidences. It has no positions.
 ///
 /// Stored relations, each with the incidence numbers of the boundary operator ∂ (±1):
 ///

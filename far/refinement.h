@@ -151,8 +151,8 @@ private:
     CellComplex child_;
 };
 
-/// The size of a level of a complex. In floating point, since the size of a level that is too large
-/// to build may exceed every integer type; exact up to 2^53.
+/// The size of a level of a complex. The numbers are in floating point, because the size of a level
+/// that is too large to build may exceed every integer type. They are exact up to 2^53.
 struct LevelSize {
     std::array<double, kMaxDimension + 1> counts = {};  ///< entities of each dimension
 

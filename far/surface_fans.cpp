@@ -9,8 +9,8 @@ namespace espalier::far {
 SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace)
     : complex_(complex), isSurfaceFace_(std::move(isSurfaceFace)) {
     // For each edge, the number of faces that run along it from tail to head, minus the number of
-    // faces that run from head to tail. Stays 0 in a lattice: its cells orient the boundary,
-    // however its faces are directed.
+    // faces that run from head to tail. The number stays 0 in a lattice: its cells orient the
+    // boundary, however its faces are directed.
     std::vector<int> turns(complex.count(1), 0);
     if (complex.dimension() == 2)
         for (Index face = 0; face < complex.count(2); ++face)

@@ -70,8 +70,8 @@ public:
     PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places);
 
     /// Returns a derivative at place i. An offset of the place continues the position along the
-    /// tangent; it does not change derivatives. Second derivatives exist for a FramePlace only;
-    /// those of a blend by the same coordinate twice are 0.
+    /// tangent; it does not change derivatives. Second derivatives exist for a FramePlace only. In
+    /// a blend, second derivatives by the same coordinate twice are 0.
     std::vector<embed::VertexWeight> weights(std::size_t i, const Orders& orders) const;
 
     /// Rows 3i to 3i + 2 give three directions of the limit at place i. They sum to 0. In a regular

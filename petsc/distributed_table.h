@@ -115,8 +115,8 @@ public:
     void evaluateAdjoint(std::span<const double> ownPointGradients,
                          std::span<double> ownVertexGradients);
 
-    // For PETSc's solvers, for example KSPLSQR. The table owns the matrices: do not destroy or
-    // change them.
+    // The matrices, for use in PETSc's solvers, for example KSPLSQR. The table owns the matrices:
+    // do not destroy or change them.
     Mat matrix() const { return matrix_.get(); }  ///< D
     /// D for each component; D itself for one component.
     Mat blocked() const { return blocked_.get(); }

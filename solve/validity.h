@@ -68,10 +68,11 @@ class CheckedVolume;
 /// tetrahedra. As a quotient, the ratio is relative to the orientation at rest: a lattice may be
 /// left-handed.
 ///
-/// In the limit the maps are those of limit::LimitParts: tricubic patches, which are exact and have
-/// determinants of degree (8, 8, 8), and blends around irregular features. Results there hold for
-/// the blends, which approach the limit as features are refined to higher levels;
-/// limit::bindLimit() uses finer ones. A base cell is inverted if any of its descendants is.
+/// In the limit, the maps are the parts of limit::LimitParts: tricubic patches, which are exact and
+/// have determinants of degree (8, 8, 8), and blends around irregular features. Results around
+/// irregular features hold for the blends. The blends approach the limit as the features are
+/// refined to higher levels; limit::bindLimit() uses finer blends. A base cell is inverted if any
+/// of its descendants is.
 ///
 /// Validity is proved, by Bernstein coefficients of determinants (bernstein.h). A cell that cannot
 /// be proved valid counts as inverted, and as the end of a step. This errs by little. A determinant

@@ -179,8 +179,8 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
                   std::span<Real> factors) {
     const Index n = product.size[0], m = product.size[1], l = product.size[2];
     // The factors follow from sums of absolute weights over the other two axes. Each weight is
-    // rounded. The relative error of a sum is smaller than that of its weights, if the sum itself
-    // is not rounded.
+    // rounded. The relative error of a sum is smaller than the relative errors of its weights, if
+    // the sum itself is not rounded.
     using Sums = std::vector<long double>;
     std::array<Sums, 3> sums = {Sums(n), Sums(m), Sums(l)};
     long double total = 0, largest = 0;

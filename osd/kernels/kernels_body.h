@@ -2,7 +2,7 @@
 // The kernels. Each kernels_*.cpp includes this file once, inside its own namespace and with its
 // own processor flags. Hence there is no #pragma once, and there are no includes.
 
-/// A vector of `count` numbers, which takes several registers where those of the processor are
+/// A vector of `count` numbers. It takes several registers if a register of the processor is
 /// shorter.
 template <class Real, int count>
 struct Vector {
