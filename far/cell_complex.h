@@ -59,8 +59,8 @@ public:
     /// → faces (as given).
     ///
     /// An entity contains itself: if the dimensions are equal, each row contains its own entity. If
-    /// a face or an edge of a mesh passes a vertex several times, the rows of both list each other
-    /// as often.
+    /// a face or an edge of a mesh passes a vertex several times, its row lists the vertex once for
+    /// each pass, and so does the row of the vertex for the face or edge.
     ///
     /// \param from, to dimensions, 0 to dimension()
     /// \cost O(entries) on the first call for a pair, then constant; thread-safe

@@ -12,7 +12,7 @@
 // compiled here, could spread instructions that some processors lack.
 namespace espalier::osd::kernels {
 
-/// Number of rows in a panel: as many numbers as an AVX-512 register holds.
+/// Number of rows in a panel. An AVX-512 register holds one number for each row.
 template <class Real>
 inline constexpr Index kLanes = static_cast<Index>(64 / sizeof(Real));
 
