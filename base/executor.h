@@ -10,7 +10,8 @@
 
 namespace espalier {
 
-/// Interface to the threads of a host. Within an ExecutorScope it runs the ranges of parallelFor().
+/// The interface to the threads of a host. Within an ExecutorScope, parallelFor() hands its ranges
+/// to this object.
 class ESPALIER_API Executor {
 public:
     virtual ~Executor();
@@ -23,9 +24,10 @@ public:
     /// free; it does if the calling thread runs tasks too. A thread that waits in run() may run
     /// other work of the host; our scopes on this thread do not apply to that work. It may also
     /// call tasks of other loops of the library. Such a task returns at once without doing its
-    /// work, because the waiting thread may hold a lock that the work needs. The library then calls
-    /// run() again with a smaller count, also for calls that were left out, and does the rest on
-    /// the thread that began the loop if that makes no progress.
+    /// work, because the waiting thread may hold a lock that the work needs. After run() returns,
+    /// the library calls it again for the ranges that are left, with a smaller count. If such a
+    /// call does not reduce the number of ranges, the thread that began the loop works on the rest
+    /// itself.
     ///
     /// \param task never throws
     /// \throws anything, but only after all calls that have begun have ended; the exception reaches
@@ -33,8 +35,8 @@ public:
     virtual void run(Offset count, FunctionRef<void(Offset)> task) = 0;
 };
 
-/// Runs all work on the calling thread, in order, without locks or allocations. For real-time use,
-/// and for hosts that have one thread for each of many models.
+/// Runs all work on the calling thread, in order, without locks or allocations. Use it for
+/// real-time work, or in a host that has many models and gives each its own thread.
 class ESPALIER_API SerialExecutor final : public Executor {
 public:
     void run(Offset count, FunctionRef<void(Offset)> task) override;

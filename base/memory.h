@@ -51,7 +51,7 @@ ESPALIER_API std::uint64_t residentMemory();
 /// \throws MemoryError
 ESPALIER_API void requireMemory(std::uint64_t bytes, const std::string& what);
 
-/// Throws if the process exceeds the limit. For work that does not know how much memory it needs.
+/// Throws if the process exceeds the limit. Call it in work whose memory is not known in advance.
 /// \throws MemoryError
 /// \cost nothing without a limit. With a limit, one query of the clock, and one of the memory if
 /// some milliseconds have passed since the last one

@@ -31,9 +31,10 @@ namespace espalier {
 ESPALIER_API void parallelFor(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> body);
 
 /// Limits the number of oneTBB threads while this object lives: for the whole process, including
-/// all other users of oneTBB in it. If there are several limits, the lowest one applies. This is
-/// for programs. A host with other work should call the library in an arena with a limited number
-/// of threads (`arena.execute([&] { … })`, and create our scopes inside), or use an ExecutorScope.
+/// all other users of oneTBB in it. If there are several limits, the lowest one applies. Use it in
+/// programs. A host with other work should instead call the library in an arena with a limited
+/// number of threads (`arena.execute([&] { … })`, and create our scopes inside), or use an
+/// ExecutorScope.
 class ESPALIER_API ThreadLimit {
 public:
     /// \param threads at least 1; or 0 for oneTBB's default (one per core)

@@ -5,8 +5,8 @@
 
 namespace espalier {
 
-/// A choice and its word. An array of these beside each enumeration, such as far::kBoundaryWords,
-/// gives the words that the program and the Python module accept.
+/// Pairs a constant of an enumeration with its word. An array of pairs beside each enumeration,
+/// such as far::kBoundaryWords, gives the words that the program and the Python module accept.
 template <class Choice>
 struct Word {
     std::string_view text;

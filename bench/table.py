@@ -207,7 +207,7 @@ FIGURES = (
     the matrix is left in its two factors. OpenSubdiv takes {irregular_osd:.0f} and {factors_osd:.0f} times as
     long.""",
     """**Memory.** The compiled matrix of the regular model takes {regular_bytes:.0f} % of the bytes of
-    compressed sparse rows, that of the irregular model {irregular_bytes:.0f} %, or {factors_bytes:.0f} % in
+    compressed sparse rows, the matrix of the irregular model {irregular_bytes:.0f} %, or {factors_bytes:.0f} % in
     factors.""",
     """**Dragging.** When one of 1,331 lattice vertices moves, the points that depend on it are evaluated in
     {drag:.3f} ms, {drag_ratio:.0f} times as fast as all points.""",
@@ -227,7 +227,7 @@ SUMMARY = """## Five figures
 ![Speed relative to OpenSubdiv in {rows} tasks, on one thread and on two](figures/performance-ratios.svg)
 
 *OpenSubdiv's time divided by Espalier's, for each task that both can do. Right of the line at 1, Espalier is
-faster. OpenSubdiv always runs on one thread. The scale is logarithmic. The numbers are those of the tables
+faster. OpenSubdiv always runs on one thread. The scale is logarithmic. The numbers are from the tables
 below.*
 
 """
@@ -302,9 +302,9 @@ def growth(best):
     return "\n".join(wrap(item, "- ") for item in items)
 
 
-INTRO = """How long Espalier takes, how much memory it needs, and how this compares with other libraries on
-the same work. `scripts/bench` measures it and writes this page. Each time of Espalier is measured in the same
-run and on the same data as the time of its peer, and the results are compared."""
+INTRO = """This page shows how long Espalier takes and how much memory it needs, and compares it with other
+libraries on the same work. `scripts/bench` measures the times and writes the page. Each time of Espalier is
+measured in the same run and on the same data as the time of its peer, and the results are compared."""
 
 PAGE = """# Performance
 

@@ -127,7 +127,7 @@ espalier_status espalier_binding_statuses(const espalier_binding* binding, int32
     return c::guarded([&] {
         const auto& own = c::placedDataOf(binding).statuses;
         auto& count = c::deref(point_count, "point_count");
-        // The enumeration has this underlying type.
+        // PointStatus has the underlying type std::uint8_t, so its array can be read as bytes.
         c::deref(statuses, "statuses") = reinterpret_cast<const std::uint8_t*>(own.data());
         count = static_cast<std::int32_t>(own.size());
     });

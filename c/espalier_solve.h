@@ -21,7 +21,7 @@ extern "C" {
 enum {
     ESPALIER_SMOOTHING_NONE = 0,
     ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< small displacements
-    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< displacements like those of the neighbours
+    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< displacements close to the mean of their neighbours
 };
 
 /// How displacements that the targets do not determine are treated.

@@ -28,7 +28,8 @@ struct ChangeEvaluatorHandle {
 
 namespace {
 
-/// Gives the workspace of the caller, or a temporary one for this call if there is none.
+/// Holds a reference to the caller's workspace. If the caller passed none, owns a temporary
+/// workspace for this call.
 class WorkspaceOrTemporary {
 public:
     explicit WorkspaceOrTemporary(espalier_workspace* kept)

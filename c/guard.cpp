@@ -26,8 +26,8 @@ public:
     LastErrorTexts() : hasKey_(::pthread_key_create(&key_, erase) == 0) {}
     ~LastErrorTexts() {
         if (!hasKey_) return;
-        // Erases the text of the thread that unloads the library. Texts of other threads can no
-        // longer be reached.
+        // Deletes the text of the thread that unloads the library. The texts of other threads are
+        // lost: pthread has no call that reaches them.
         erase(::pthread_getspecific(key_));
         ::pthread_key_delete(key_);
     }
@@ -52,8 +52,9 @@ private:
 
 LastErrorTexts lastTexts;
 
-/// The last error of this thread: one of these texts, or a constant one that needs no memory. It is
-/// in the static thread-local block, which every thread has from its start (see loopContext()).
+/// The message of the last error of this thread: a text of `lastTexts`, or a constant text, which
+/// needs no memory. The pointer is in the static thread-local block, which every thread has from
+/// its start (see loopContext()).
 [[gnu::tls_model("initial-exec")]] thread_local constinit const char* lastError = "";
 
 espalier_status report(espalier_status status, const char* text) noexcept {

@@ -30,7 +30,7 @@ std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
 
 const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner, int32_t level) {
     const far::CellComplex& complex = refiner.refiner.level(level).complex;
-    // Computed on all threads, so not under the lock.
+    // relation() may run a parallel loop, so it is called before the lock is taken.
     const far::Incidence& loops = complex.relation(2, 0);
     const std::lock_guard lock(refiner.offsetsMutex);
     const auto known = refiner.offsets.find(level);

@@ -30,7 +30,7 @@ shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
 }
 
 /// Makes a lattice of the inventory.
-/// \throws Error that names the fields as C does
+/// \throws Error with the field names of C (minor_radius)
 template <class Options>
 espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
     try {

@@ -42,7 +42,8 @@ embed::Continuity continuityOf(std::int32_t value) {
     return choice(value, embed::Continuity::C2, "continuity");
 }
 
-/// Writes the vertices that `find` returns. Checks first that `held` can take all vertices.
+/// Writes the vertices that `find` returns to `held`. Throws first unless `held` has room for all
+/// vertices of the lattice.
 template <class Find>
 void putHeld(std::int32_t capacity, std::int32_t all, std::int32_t* held, std::int32_t* count,
              const Find& find) {
@@ -101,7 +102,7 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         const auto chosen = c::fitOptions(c::optionsOrDefaults(
             options, espalier_default_fit_options(), "espalier_default_fit_options"));
         const auto fit = c::withRows(table, target_count, rows, "targets", [&](const auto& some) {
-            // Read only after withRows() has checked their number.
+            // withRows() has checked the number of misses, so they can be read here.
             const auto wanted = c::positions(misses, some.rowCount(), "misses");
             return solve::fitLattice(some, wanted, complex, chosen);
         });

@@ -79,8 +79,9 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
             own.refiner, level, c::limitLocations(place_count, cells, uvw),
             {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
         std::vector<std::unique_ptr<espalier_table>> results;
-        results.reserve(out.size());  // Reserved first, so that nothing can fail between making a
-                                      // table and storing it.
+        // emplace_back() must not allocate: if that failed, the table that was just made would
+        // leak.
+        results.reserve(out.size());
         results.emplace_back(c::newTable(std::move(made.position)));
         if (chosen.derivatives >= 1)
             for (auto& table : made.first) results.emplace_back(c::newTable(std::move(table)));

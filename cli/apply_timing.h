@@ -50,7 +50,7 @@ struct ApplyTiming {
     /// and read once. The vertices of the pose are not counted, since a cache holds them.
     double bytes;
 
-    /// Speed over that of the plain evaluator in the same precision with one thread.
+    /// Speed divided by the speed of the plain evaluator in the same precision with one thread.
     double speedup;
 
     double bytesPerSecond() const { return bytes / seconds; }
@@ -71,7 +71,8 @@ std::vector<double> bentPoses(std::span<const Point3> rest, int count);
 /// precisions by the plain evaluator, the compiled table and, if there are factors, the compiled
 /// chain. Twelve poses at once are applied in float, by all but the plain evaluator.
 ///
-/// Before an evaluator is timed, its results are compared with those of the reference evaluator.
+/// Before an evaluator is timed, its results are compared with the results of the reference
+/// evaluator.
 ///
 /// \param threadCounts the first one is 1
 /// \param seconds how long each measurement is repeated

@@ -157,7 +157,8 @@ void printText(const RunReport& run, const BenchReport& bench) {
 }
 
 /// Prints the report on binding, as the other commands do, and the measured times. The peak memory
-/// is taken before the triad runs. The JSON has these keys in addition to those of run_report.h:
+/// is taken before the triad runs. In addition to the keys of run_report.h, the JSON has these
+/// keys:
 ///
 ///     kernels  baseline, avx2 or avx512: the instruction set of the compiled tables
 ///     factors  {vertices, entries}: rows of the first factor, which moves the vertices of the
@@ -167,8 +168,9 @@ void printText(const RunReport& run, const BenchReport& bench) {
 ///              bytes, gigabytes_per_second, speedup, share_of_triad}], for each pose (ApplyTiming)
 ///     triad    [{threads, gigabytes_per_second}]
 ///
-/// The share of the triad is the bandwidth of a measurement divided by that of the triad with the
-/// same number of threads. If a cache holds the table, it says nothing about memory.
+/// The share of the triad is the bandwidth of a measurement divided by the bandwidth of the triad
+/// with the same number of threads. If a cache holds the table, the share says nothing about
+/// memory.
 void print(const RunReport& run, const BenchReport& bench, ReportFormat format) {
     if (format == ReportFormat::Json)
         fmt::print("{}\n", toJson(run, bench).dump(2));

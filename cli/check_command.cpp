@@ -94,10 +94,9 @@ OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
 ///                            the pose inverts
 ///     smallest_volume_ratio  {cell, base_cell, centre, volume_ratio}
 ///     largest_step           {length, max, limiting_cell, is_tight}: length and max as fractions
-///     of
-///                            the way from rest to pose; the cell that limits the length, or null
-///                            if the length is max; whether that cell certainly folds just beyond
-///                            it (solve/validity.h)
+///                            of the way from rest to pose; the cell that limits the length, or
+///                            null if the length is max; whether that cell certainly folds just
+///                            beyond it (solve/validity.h)
 OrderedJson toJson(const Checked& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {

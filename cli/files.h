@@ -22,8 +22,8 @@ namespace espalier::cli {
 /// Plural names of the entities, by dimension.
 inline constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
 
-/// Refines a lattice or a mesh that was read from `path`. The options win over the tags of the
-/// file, and these over the defaults. Errors name the file.
+/// Refines a lattice or a mesh that was read from `path`. The options override the tags of the
+/// file, and the tags override the defaults. Errors name the file.
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 

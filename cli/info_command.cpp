@@ -124,7 +124,8 @@ SortedJson toJson(const Histogram& histogram) {
 ///                               below for a folded one; 1 without any
 SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& positions, bool isBase) {
     const CellComplex& complex = level.complex;
-    // If there is no memory to turn null into an object, the null is left broken.
+    // Begin with objects, not null: if memory runs out while nlohmann's operator[] turns a null
+    // into an object, the null is left broken.
     SortedJson counts = SortedJson::object(), strata = SortedJson::object();
     for (int d = 0; d <= 3; ++d) {
         counts[kNamesOfParts[d]] = complex.count(d);
@@ -207,8 +208,8 @@ struct Smoothness {
     std::array<double, 4> mask = {};
 };
 
-/// The largest ring whose eigenvalues are computed. This takes seconds, and eight times as long for
-/// twice the points.
+/// The largest ring whose eigenvalues are computed. The eigenvalues of this ring take seconds; for
+/// twice as many points they take eight times as long.
 inline constexpr Index kMaxRingPoints = limit::kMaxEigenvalues;
 
 /// Returns the number of points in the ring of a vertex: one for each entity that contains it.
@@ -218,8 +219,8 @@ Index ringPointsAt(const far::CellComplex& complex, Index vertex) {
     return static_cast<Index>(count);
 }
 
-/// Returns the sum of the vertices of the cells at a vertex. Its ring is refined with all these
-/// cells.
+/// Returns the total number of corners of the cells at a vertex. All these cells are refined to
+/// compute its ring.
 Offset cornersAt(const far::CellComplex& complex, Index vertex) {
     Offset count = 0;
     for (const Index cell : complex.relation(0, 3)[vertex])

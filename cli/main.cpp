@@ -33,7 +33,8 @@ using namespace espalier;
 #ifdef ESPALIER_WITH_TBB
 
 /// While an object lives, the worker threads block all signals, so that signals that end the
-/// program reach the main thread only. If that one blocks them too (io::SignalsBlocked), they wait.
+/// program reach the main thread only. If the main thread blocks them too (io::SignalsBlocked), the
+/// signals wait.
 class SignalsToMainThread : public tbb::task_scheduler_observer {
 public:
     SignalsToMainThread() { observe(true); }

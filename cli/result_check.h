@@ -26,8 +26,8 @@ double compiledUlpBound(double entries);
 ///
 /// The expected results are D · x by osd's reference evaluator in double precision. The allowed
 /// errors follow the tables that the evaluator applies one after the other: each table adds the
-/// bound of its own sums, and multiplies the errors of the one before. If factors have large
-/// weights of both signs, the allowed error is that of their sums, Σ_k |W_ik| Σ_j |S_kj · x_j|,
+/// bound of its own sums, and multiplies the errors of the table before it. If the factors have
+/// large weights of both signs, the allowed error follows their sums, Σ_k |W_ik| Σ_j |S_kj · x_j|,
 /// even if the weights of D are small. The errors of the reference, and of rounding weights and
 /// values to float, are added.
 class ExpectedSums {

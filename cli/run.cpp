@@ -51,7 +51,7 @@ OutOfMemory::OutOfMemory(std::string_view stage) noexcept {
                   static_cast<int>(stage.size()), stage.data());
 }
 
-// Progress is written by functions that do not throw, since stages end in destructors.
+// The functions below write progress. They do not throw, because stages end in destructors.
 
 Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
     if (isShown_) exchangeHandlers(SIG_DFL, clearLineAndEnd);

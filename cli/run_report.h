@@ -44,8 +44,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///                        bytes of the new table
 ///     compiling factors, float; compiling factors, double
 ///                        bytes of both new tables; the former stage also rounds them to float
-///     applying           for each pose, bytes of the matrix, of the vertices of the pose and of
-///     the
+///     applying           for each pose, bytes of the matrix, the posed lattice vertices and the
 ///                        deformed points
 struct RunReport {
     const embed::BindingResult* points;  ///< null if the binding was read from a file

@@ -16,8 +16,8 @@
 namespace espalier::cli {
 namespace {
 
-/// Reports that memory ran out where no exception can pass: before main(), or in a destructor of a
-/// library (nlohmann's destructor of JSON allocates).
+/// Reports a lack of memory in places that no exception can leave: code before main(), and
+/// destructors of libraries (nlohmann's destructor of JSON allocates).
 class EndsWithoutMemory {
 public:
     EndsWithoutMemory() { previous_ = std::set_terminate(end); }
@@ -38,7 +38,7 @@ private:
     static inline std::terminate_handler previous_ = nullptr;
 };
 
-// Constructed before all other static objects.
+// The priority constructs this object before all other static objects.
 [[gnu::init_priority(101)]] EndsWithoutMemory endsWithoutMemory;
 
 }  // namespace

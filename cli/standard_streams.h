@@ -6,7 +6,8 @@
 namespace espalier::cli {
 
 /// Occupies the numbers of standard streams that are closed, so that no file gets such a number and
-/// is overwritten by output. Using such a stream remains an error. To be called first in main().
+/// is overwritten by output. Using such a stream remains an error. Call this before anything else
+/// in main().
 void holdStandardStreams();
 
 /// Flushes standard output.

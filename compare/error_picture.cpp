@@ -21,9 +21,9 @@ namespace {
 constexpr int kMinExponent = -18;
 constexpr int kMaxExponent = -6;
 
-// Anchors at equal distances. CIE lightness decreases in about equal steps: 93, 83, 70, 56 and 42
-// within the bound, then 42, 33 and 23. Neighbours are 19 to 27 apart in L*a*b*, the two sides of
-// the bound 90.
+// The anchors are at equal distances on the scale. The CIE lightness decreases in about equal
+// steps: 93, 83, 70, 56 and 42 within the bound, then 42, 33 and 23. Neighbouring anchors are 19 to
+// 27 apart in L*a*b*; the anchors at the two sides of the bound are 90 apart.
 constexpr std::array<Colour, 5> kWithin = {
     {{233, 239, 197}, {169, 218, 188}, {98, 184, 196}, {58, 143, 192}, {44, 100, 168}}};
 constexpr std::array<Colour, 3> kAbove = {{{178, 60, 40}, {149, 30, 55}, {107, 13, 63}}};
@@ -159,7 +159,7 @@ PictureFrame frameOf(const Vector3d& extent) {
     std::array<int, 3> byExtent = {2, 1, 0};
     std::stable_sort(byExtent.begin(), byExtent.end(),
                      [&](int a, int b) { return extent[a] < extent[b]; });
-    // 0 if the shape is as thick as it is wide.
+    // The flatness is 0 if the shape is as thick as it is wide, and 1 if it has no thickness.
     const double flatness =
         1 - (extent[byExtent[1]] > 0 ? extent[byExtent[0]] / extent[byExtent[1]] : 1);
     const bool isFlat = flatness > 0.4;
@@ -185,12 +185,12 @@ PictureFrame frameOf(const Vector3d& extent) {
 
 /// Returns how much a face turns towards a light over the viewer's left shoulder.
 double lightOn(const std::array<Vector3d, 4>& corners) {
-    // In the axes of the picture: right, up, towards the viewer.
+    // The axes of the picture are: right, up, towards the viewer.
     const Vector3d light = Vector3d(-0.45, 0.7, 0.75).normalized();
     Vector3d normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
     if (normal.z() < 0) normal = -normal;
     const double length = normal.norm();
-    if (!(length > 0)) return 1;  // Without area only the outline is visible.
+    if (!(length > 0)) return 1;  // a face without area shows its outline only
     return std::max(0.0, normal.dot(light) / length);
 }
 
@@ -217,7 +217,7 @@ SurfaceView viewOf(const SurfaceError& surface) {
 
     const Normalised normalised(surface, view.faces);
     const PictureFrame frame = frameOf(normalised.extent);
-    std::vector<Vector3d> seen;  // Right, up, towards the viewer.
+    std::vector<Vector3d> seen;  // right, up, towards the viewer
     seen.reserve(surface.positions.size());
     for (const Point3& position : surface.positions) {
         const Vector3d p = normalised(position);
@@ -381,8 +381,8 @@ std::string legend(const ErrorScale& scale, double bound, double largest) {
     block(kExactLeft, kExactWidth, ErrorScale::kExact);
     content += text(kExactLeft + kExactWidth / 2.0, kBarBottom + 18, "middle", "0");
     constexpr double kStep = static_cast<double>(kBarWidth) / kSteps;
-    // Each step is drawn to the end of the bar, and the next one over it, so that there are no
-    // gaps.
+    // Each step is drawn up to the end of the bar, and the next step covers a part of it, so that
+    // there are no gaps between steps.
     for (int i = 0; i < kSteps; ++i)
         block(kBarLeft + i * kStep, kBarWidth - i * kStep, scale.colourAt((i + 0.5) / kSteps));
     for (const ErrorScale::Tick& tick : scale.ticks(0.085)) {

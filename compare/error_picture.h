@@ -25,7 +25,7 @@ Colour shaded(const Colour& colour, double shade);
 
 /// Colours for errors, on a log scale from 1e-18 to 1e-6 that the bound divides into two parts.
 ///
-/// The hue shows on which side of the bound an error is: pale green to blue up to the bound, red to
+/// The hue shows whether an error is within the bound: pale green to blue up to the bound, red to
 /// purple above it. The colour gets steadily darker with the error, so that the order is also
 /// visible to colour-blind readers and in grey prints. The part within the bound, where rounding
 /// errors are, takes two thirds of the scale.

@@ -28,8 +28,8 @@ struct Report {
 /// has the verdict; the largest differences beside their bounds; a table of all shapes and levels;
 /// and a picture of the errors over each shape whose `picture` has faces.
 ///
-/// The page depends on the report only, and has no date: the same report gives the same bytes. A
-/// shape with neither a failure nor levels counts as not comparable.
+/// The page depends on the report only, and has no date: the same report gives the same bytes. If a
+/// shape has neither a failure nor levels, the page says that it could not be compared.
 ///
 /// \throws Error as errorPicture()
 /// \cost   O(size of the page): 60 to 70 bytes per face of a picture, 1 kB per level

@@ -94,7 +94,7 @@ LevelMatch matchBase(const far::CellComplex& complex, const Surface& surface,
         match.numbers[0][surface.vertices[i]] = static_cast<Index>(i);
     for (std::size_t i = 0; i < surface.faces.size(); ++i)
         match.numbers[2][surface.faces[i]] = static_cast<Index>(i);
-    // Match edges as sides of faces: their ends may not be unique.
+    // Match edges as sides of faces, because several edges may have the same two ends.
     for (const Index face : surface.faces) {
         const Index openSubdivFace = *match.of({2, face});
         const FaceAlignment alignment =
@@ -111,8 +111,8 @@ LevelMatch matchChildren(const far::CellComplex& parent, const LevelMatch& match
                          const far::Refinement& refinement,
                          const Far::TopologyLevel& openSubdivParent) {
     LevelMatch result = emptyMatch(refinement.child());
-    // Children are ordered by upper end, and within it by the position of the lower end among its
-    // candidates. Some of these may have been left out.
+    // Children of one kind are ordered by their upper end. Children with the same upper end (a
+    // family) have the order of `lowerEnds`, in which refinement may have left out some entities.
     std::pair<int, Entity> family;
     std::span<const Index> lowerEnds;
     std::size_t next = 0;
@@ -219,16 +219,16 @@ public:
                                   *match);
             }
         }
-        // Under Boundary::Open, OpenSubdiv's holes are not in the region; our holes must be among
-        // them.
+        // Under Boundary::Open, the region does not contain OpenSubdiv's holes. Each of our holes
+        // must be one of OpenSubdiv's holes.
         if (isOpen_)
             for (const Index hole : level_.holes) {
                 const std::optional<Index> match = match_.of({2, hole});
                 if (match && !openSubdiv_.IsFaceHole(*match))
                     return name({2, hole}) + " is a hole; in OpenSubdiv it is not";
             }
-        // Inspect faces first: if their vertices differ, the features of the vertices are less
-        // important.
+        // Inspect faces first: if a face has other vertices, the message must say so, rather than
+        // name the sharpness of a vertex.
         for (int d = 2; d >= 0; --d)
             for (const Index index : entities[d]) {
                 const std::string text = d == 0   ? inspectVertex(index)
@@ -251,8 +251,8 @@ private:
         return std::min(level_.strata.sharpness(entity), static_cast<float>(far::kLeastInfinite));
     }
 
-    /// Sums of three or more semi-sharp values are rounded in the order of summation (marks.h):
-    /// this is not a difference of features.
+    /// Allows for rounding: the sum of three or more semi-sharp values depends on the order of
+    /// summation (marks.h).
     static bool isSameSharpness(float ours, float openSubdiv) {
         constexpr float kRounding = 8 * std::numeric_limits<float>::epsilon();
         return std::abs(ours - openSubdiv) <= kRounding * std::max(ours, openSubdiv);
@@ -265,7 +265,7 @@ private:
         return text.str();
     }
 
-    /// By stratum.
+    /// The text for each stratum.
     static constexpr std::array kPlaces = {"at a corner", "on a sharp edge",
                                            "on the smooth surface", "inside"};
 

@@ -40,7 +40,8 @@ struct LevelMatch {
     std::optional<Index> of(Entity entity) const { return numbers[entity.dimension][entity.index]; }
 };
 
-/// Matches level 0, where OpenSubdiv's vertices and faces are those of `surface`, in this order.
+/// Matches level 0, where OpenSubdiv's vertex i is surface.vertices[i], and its face i is
+/// surface.faces[i].
 LevelMatch matchBase(const far::CellComplex& complex, const Surface& surface,
                      const OpenSubdiv::Far::TopologyLevel& openSubdiv);
 
@@ -51,9 +52,9 @@ LevelMatch matchChildren(const far::CellComplex& parent, const LevelMatch& match
                          const far::Refinement& refinement,
                          const OpenSubdiv::Far::TopologyLevel& openSubdivParent);
 
-/// Returns the part of a level that is compared. This is the whole surface, or, if OpenSubdiv omits
-/// faces that shrink away without boundary control, the faces that it keeps with their vertices and
-/// edges. Numbers are ours, ascending.
+/// Returns the part of a level that is compared. This is the whole surface under boundary control.
+/// Under Boundary::Open, OpenSubdiv omits faces that shrink away, and the part has the faces that
+/// OpenSubdiv keeps, with their vertices and edges. The numbers are our numbers, ascending.
 Surface comparedRegion(const far::TopologyRefiner& refiner, int level, const LevelMatch& match,
                        const OpenSubdiv::Far::TopologyLevel& openSubdiv);
 
@@ -62,8 +63,9 @@ std::array<Index, 3> countOpenSubdiv(far::Boundary boundary,
                                      const OpenSubdiv::Far::TopologyLevel& openSubdiv);
 
 /// Describes the first difference between the region and its match: an entity without a match, or
-/// with the match of another entity; edges and faces whose vertices or their order differ;
-/// sharpness (up to rounding), rules of vertices, and holes. Empty if there is none.
+/// with the match of another entity; an edge or a face with other vertices, or with its vertices in
+/// another order; or a difference in sharpness (beyond rounding), in the rule of a vertex, or in a
+/// hole. Returns an empty text if there is no difference.
 std::string describeDifference(const far::TopologyRefiner& refiner, int level,
                                const Surface& region, const LevelMatch& match,
                                const OpenSubdiv::Far::TopologyLevel& openSubdiv);

@@ -51,8 +51,9 @@ void requireForMatch(const far::TopologyRefiner& refiner, int level) {
 
 void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surface> regions) {
     const int maxLevel = static_cast<int>(regions.size()) - 1;
-    // Rows get longer with the level: a new point has the entries of all points that it is a mean
-    // of. After two levels they have nearly their final length.
+    // Rows get longer with the level, because a new point has the entries of all points that it is
+    // a mean of. After two levels the rows have nearly their final length, so the row length of
+    // level 2 stands for all further levels.
     int countedLevels = 0;
     double entryCount = 0, rowLength = 0;
     for (int level = 1; level <= maxLevel; ++level) {
@@ -73,9 +74,9 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
 }
 
 void requireForComparison(int level, Offset entryCount) {
-    // First OpenSubdiv's rows over our columns in double precision, together with those over
-    // OpenSubdiv's columns; then, in place of the latter, each evaluator's table in single
-    // precision and its copy.
+    // The comparison first holds OpenSubdiv's rows twice in double precision: over our columns, and
+    // over OpenSubdiv's columns. Later it holds a table in single precision and a copy of this
+    // table in place of the rows over OpenSubdiv's columns.
     constexpr std::uint64_t kEntryBytes =
         sizeof(Index) + sizeof(double) +
         std::max(sizeof(Index) + sizeof(double), 2 * (sizeof(int) + sizeof(float)));
@@ -124,8 +125,8 @@ struct Description {
     }
 };
 
-/// Returns the sharpness that marks or rules give to a lattice, as marks. OpenSubdiv finds the
-/// rest, which follows from topology, itself.
+/// Returns as marks the sharpness that marks or rules give to the surface of a lattice. OpenSubdiv
+/// itself finds the sharp edges and corners that follow from the topology of the surface.
 far::MarkedSharpness chosenSharpness(const far::TopologyRefiner& refiner, const Surface& surface) {
     const far::CellComplex& complex = refiner.level(0).complex;
     const far::Strata& strata = refiner.level(0).strata;
@@ -203,8 +204,9 @@ std::unique_ptr<Far::TopologyRefiner> create(const Description& description,
 }
 
 /// True if the faces at a vertex form a non-manifold crease by the definition of OpenSubdiv 3.6.1
-/// and later: the faces form sets that run from one of two edges to the other, and both edges have
-/// the same number of faces. Computed from OpenSubdiv's own relations.
+/// and later: exactly two non-manifold edges meet in the vertex, both have the same number of
+/// faces, and the faces at the vertex form fans that each run from one of these edges to the other.
+/// It is computed from OpenSubdiv's relations.
 bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
     std::vector<int> creaseEdges;
     for (const int edge : level.GetVertexEdges(vertex)) {
@@ -227,7 +229,7 @@ bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
     int faceCount = 0;
     for (int face : level.GetEdgeFaces(creaseEdges[0])) {
         int edge = creaseEdges[0];
-        // A walk that does not end visits more faces than the vertex has.
+        // If the walk has visited more faces than the vertex has, it would not end.
         while (faceCount++ <= level.GetVertexFaces(vertex).size()) {
             edge = across(face, edge);
             if (level.IsEdgeNonManifold(edge)) break;

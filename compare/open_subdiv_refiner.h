@@ -12,14 +12,14 @@
 
 #include "level_match.h"
 
-// Checks of the memory limit before each step of a comparison. OpenSubdiv does not check a
-// MemoryLimit while it works, and relations of a large level do not check it while they grow. Each
-// function computes a lower bound of the step's peak memory. It throws a MemoryError that names the
-// step if the bound exceeds the limit.
+// The functions requireFor… check a MemoryLimit before each step of a comparison, because
+// OpenSubdiv does not check the limit while it works, and neither do the relations of a large level
+// while they grow. Each function computes a lower bound of the step's peak memory, and throws a
+// MemoryError that names the step if the bound exceeds the limit.
 
 namespace espalier::compare {
 
-/// OpenSubdiv's refiner of a surface, with a note on it.
+/// OpenSubdiv's refiner of a surface, and the number of vertices that were corrected for it.
 struct OpenSubdivRefiner {
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
     /// Number of vertices that this release of OpenSubdiv would treat as a non-manifold crease.

@@ -12,8 +12,8 @@
 
 namespace espalier::embed {
 
-/// A bounding-volume tree over boxes. Finds the boxes that contain a point, and the item nearest to
-/// a point. Immutable once built; any number of threads may use it at once.
+/// Finds the boxes that contain a point, and the item nearest to a point, by a bounding-volume
+/// tree. Immutable once built; any number of threads may use it at once.
 class ESPALIER_API BoxTree {
 public:
     using Box = Eigen::AlignedBox<double, 3>;

@@ -83,8 +83,8 @@ CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> 
 
 std::optional<LocatedPoint> CellSolver::resultIfUnreachable(const Vector3d& point,
                                                             bool seekNearest) {
-    // From farther away, the distances to all cells a millionth of the lattice across would be
-    // equal up to rounding, and all cells would be candidates.
+    // Cells may be as small as a millionth of the lattice. From farther away, the distances to all
+    // of these cells would be equal up to rounding, and all cells would be candidates.
     constexpr double kFarthest = 1e8;
     if ((point.array().abs() <= kFarthest).all()) return std::nullopt;
     const bool isOutside = point.allFinite() && !seekNearest;
@@ -183,7 +183,7 @@ CellPlace CellSolver::nearestPlace(CellId cell, const Vector3d& point) const {
 /// Returns the Jacobian of a cell's map at a place.
 Matrix3d CellSolver::jacobianAt(const CellPlace& place) const {
     if (const auto& corners = cornersOf(place.cell)) {
-        // With the origin in the cell: from a point far away, edges would lose digits.
+        // Puts the origin into the cell: relative to a point far away, the edges would lose digits.
         const Vector3d origin = positionOf(corners->front());
         return mapAround(*corners, positions_, origin).jacobian(Vector3d(place.uvw.data()));
     }
@@ -234,7 +234,7 @@ LocatedPoint CellSolver::locateOutsideCells(const Vector3d& point, CellId neares
     const auto continued =
         continueTo(point, jacobianAt(place), scale_.size, [&](const Vector3d& offset) {
             place.offset = toArray(offset);
-            // From the weights, as the deformation computes it.
+            // Computes the position from the weights, as the deformation does.
             return weightedSum(placeWeights(complex_, place),
                                [&](Index vertex) { return positionOf(vertex); });
         });

@@ -16,16 +16,17 @@
 /// the moving part without a gap, a crease, or a jump in curvature. DesignVariables::freeze() and
 /// solve::FitOptions::frozen take the result.
 ///
-/// Consider how far a vertex's displacement moves points at distance h from a face: the
-/// displacement is multiplied by a weight that grows as 1 (the vertex moves the face itself), as h
-/// (it is in the layer next to the face) or as h³. It never grows as h². The points of a level in
-/// the cells that touch the face depend only on such points of the level before. So the first layer
-/// of vertices determines the weights there, and farther vertices enter with factors of 1/8 per
-/// level. Therefore vertices that keep the first derivatives keep the second ones too. On a
-/// boundary, refinement is as with a phantom layer 2P₀ − P₁ outside, so the second derivatives
-/// across it are 0 anyway. All this holds where the lattice is regular, and the limit is the cubic
-/// B-spline. Elsewhere second derivatives may not exist, but every weight that the freezing leaves
-/// still falls at least as fast as h².
+/// Consider a point at distance h from a held face. The displacement of a vertex moves the point by
+/// a weight times the displacement. For small h this weight is proportional to 1 (the vertex moves
+/// the face itself), to h (the vertex is in the layer next to the face), or to h³; it is never
+/// proportional to h². In the cells that touch the face, the points of a level depend only on the
+/// points of the level before in such cells. So the first layer of vertices determines the weights
+/// there, and farther vertices enter with factors of 1/8 per level. Therefore vertices that keep
+/// the first derivatives keep the second ones too. On a boundary, refinement is as with a phantom
+/// layer 2P₀ − P₁ outside, so the second derivatives across it are 0 anyway. All this holds where
+/// the lattice is regular, and the limit is the cubic B-spline. Elsewhere second derivatives may
+/// not exist, but the weights of all vertices that are not frozen still fall at least as fast as
+/// h².
 namespace espalier::embed {
 
 /// How smoothly the held part joins the moving part.
@@ -63,11 +64,11 @@ ESPALIER_API std::vector<Index> verticesHoldingRows(
 
 /// Returns the vertices to freeze, ascending, so that some points of a model stay in their places.
 ///
-/// C0 gives the same as verticesHoldingRows(). For C1 and C2, no vertex of the level moves in the
-/// cells that contain the points, nor in the cells around them. So nothing moves in the cells that
-/// contain the points, neither in the level nor in the limit. There, displacements of the other
-/// vertices change first and second derivatives by the place in a base cell by at most about 1e-10
-/// of the displacements.
+/// C0 gives the same vertices as verticesHoldingRows(). For C1 and C2, no vertex of the level moves
+/// in the cells that contain the points, nor in the cells around them. So nothing moves in the
+/// cells that contain the points, neither in the level nor in the limit. There, displacements of
+/// the other vertices change first and second derivatives by the place in a base cell by at most
+/// about 1e-10 of the displacements.
 ///
 /// For a point outside the lattice, OutsidePolicy::Nearest freezes the vertices that move the
 /// nearest cell; OutsidePolicy::Keep freezes none.

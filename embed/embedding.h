@@ -43,8 +43,8 @@ struct EmbeddingOptions {
 
     /// Distance within which a point outside still counts as inside, as a fraction of the diagonal
     /// of the lattice's bounding box. Models in single precision are rounded to 6e-8 of their
-    /// coordinates, so a point that is meant to be on the boundary may be outside by about that
-    /// much.
+    /// coordinates, so a point that is meant to be on the boundary may be outside by about this
+    /// distance.
     double tolerance = 1e-6;
 };
 

@@ -117,8 +117,8 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent ext
 /// Locates points that are in no cell, by the nearest cell.
 LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points) const {
     LocatedPart part = partOf(points.size());
-    // With Extent::Ring, since the neighbours of a cell tell which of its faces are on the
-    // boundary.
+    // Extent::Ring also refines the neighbours of a cell: they tell which faces of the cell are on
+    // the boundary.
     auto found = descent_->descend(points, level_, Sought::Nearest, Extent::Ring);
     const far::CellComplex& complex = found->levels.finestLevel().complex;
     part.embedding.vertexCount = complex.count(0);

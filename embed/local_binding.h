@@ -78,7 +78,7 @@ ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<co
 /// to rounding. The table may contain a vertex of the level several times, for points of different
 /// groups.
 ///
-/// \cost that of bindPoints() without the product
+/// \cost the cost of bindPoints() without the product
 ESPALIER_API BindingResultOf<stencils::FactoredTable<double>> bindFactored(
     const RestLattice& lattice, std::span<const Point3> points, const BindingOptions& options = {});
 

@@ -15,10 +15,9 @@ namespace espalier::embed {
 /// (the parent). Returns one table D = D_child · D_parent, points × vertices of the parent, so that
 /// x' = D · p'.
 ///
-/// D_parent binds the vertices of the child where they are in its pose, with the parent at rest. So
-/// the child's own displacements are made in the frame that the parent deforms: the model is
-/// deformed first by the child alone, and the result then by the parent. A parent that rotates also
-/// rotates the child's displacements. If both lattices are at rest, the points keep their places.
+/// D_parent binds the vertices of the posed child, with the parent at rest. So the child deforms
+/// the model first, and the parent then deforms the result. A parent that rotates also rotates the
+/// child's displacements. If both lattices are at rest, the points keep their places.
 ///
 /// Any depth of nesting is possible: the result can be the child's table for the parent's parent.
 ///

@@ -21,13 +21,13 @@ using Eigen::Vector3d;
 namespace {
 
 /// How far a vertex may be from its place in the affine grid, as a fraction of the lattice's
-/// diagonal. Files with six digits, as printf and iostreams write by default, are off by 5e-6 of a
-/// coordinate, and a vertex by up to √3 times that: 8.7e-6. A parallelepiped with a vertex moved by
-/// hand is off by far more.
+/// diagonal. Files with six digits, as printf and iostreams write by default, have an error of 5e-6
+/// in each coordinate, so a vertex is off by up to √3 · 5e-6 = 8.7e-6. If a vertex was moved by
+/// hand, it is off by far more.
 constexpr double kAffine = 1e-5;
 
-/// The same as a fraction of the largest coordinate, for lattices far from the origin: √3 times the
-/// 6e-8 by which files in single precision are off.
+/// The same as a fraction of the largest coordinate, for lattices far from the origin: √3 times
+/// 6e-8, the rounding error of files in single precision.
 constexpr double kSingle = 1.1e-7;
 
 /// Smallest volume of a parallelepiped with sides of length 1: in a flatter one, local coordinates
@@ -79,8 +79,9 @@ TensorLattice::TensorLattice(const far::CellComplex& complex, std::span<const Po
     checkFit();
 }
 
-/// A least-squares fit, in which all vertices count equally and which does not depend on numbering.
-/// On a grid, the sums of the axes separate.
+/// Fits the origin and the axes by least squares. All vertices count equally, so the result does
+/// not depend on their numbering. On a grid, each axis has its own sum, and no system of equations
+/// is needed.
 void TensorLattice::fitAxes() {
     const Vector3d middle = Vector3d(grid_.cells[0], grid_.cells[1], grid_.cells[2]) / 2;
     Vector3d mean = Vector3d::Zero(), squares = Vector3d::Zero();
@@ -96,7 +97,8 @@ void TensorLattice::fitAxes() {
     origin_ = mean - axes_ * middle;
 }
 
-/// Inverts by way of unit vectors: the volume of tiny or huge cells would underflow or overflow.
+/// Divides the axes by their lengths before inverting: the determinant of tiny or huge axes would
+/// underflow or overflow.
 void TensorLattice::invertAxes() {
     const Vector3d lengths(axes_.col(0).stableNorm(), axes_.col(1).stableNorm(),
                            axes_.col(2).stableNorm());

@@ -97,8 +97,8 @@ Sparse stiffness(const far::CellComplex& complex, std::span<const Point3> positi
     return result;
 }
 
-/// Returns B, 3 · vertices × variables: all coordinates may move, except those of vertices up to x
-/// = `held`.
+/// Returns B, 3 · vertices × variables: all coordinates may move, except the coordinates of
+/// vertices up to x = `held`.
 stencils::StencilTable<double> movements(std::span<const Point3> positions, double held) {
     solve::DesignVariables variables(static_cast<Index>(positions.size()));
     for (std::size_t v = 0; v < positions.size(); ++v)

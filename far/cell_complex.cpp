@@ -11,13 +11,13 @@
 namespace espalier::far {
 namespace {
 
-/// A relation that the first thread that needs it derives.
+/// A relation that is derived by the first thread that needs it.
 ///
-/// Other threads wait for that thread, except those for which another thread may itself be waiting.
-/// While a thread derives a relation, it may run another task of its host, or call back, and so
-/// need the same relation again; or it may need one that another thread derives, which in turn
-/// needs this one. Waiting would then be a deadlock. So such a thread derives the relation itself,
-/// and the first result wins.
+/// Other threads wait for the first thread. A thread does not wait if a third thread may be waiting
+/// for it (LoopContext::isAwaited), because this could be a deadlock: while a thread derives a
+/// relation, it may run another task of its host, or a callback, which needs the same relation
+/// again; or it may need a relation that a second thread derives, which in turn needs this one.
+/// Such a thread derives the relation itself, and the first result wins.
 class LazyRelation {
 public:
     template <class Derive>

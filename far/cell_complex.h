@@ -13,7 +13,7 @@
 namespace espalier::far {
 
 /// The topology of a curve (dimension 1), a mesh (2) or a lattice (3): vertices, edges, faces and
-/// cells, and their incidences. No positions.
+/// cells, and their incidences. It has no positions.
 ///
 /// Stored relations, each with the incidence numbers of the boundary operator ∂ (±1):
 ///
@@ -38,7 +38,7 @@ public:
     /// Takes relations that already satisfy the contract above; validate() checks it. To build a
     /// complex from loops and cells, use ComplexBuilder.
     ///
-    /// \param boundaries entry d − 1 is boundary(d); those above `dimension` are empty
+    /// \param boundaries entry d − 1 is boundary(d); entries above `dimension` are empty
     CellComplex(int dimension, Index vertexCount, Boundaries boundaries);
 
     /// Returns 1 for a curve, 2 for a mesh, 3 for a lattice.
@@ -59,8 +59,8 @@ public:
     /// → faces (as given).
     ///
     /// An entity contains itself: if the dimensions are equal, each row contains its own entity. If
-    /// a face or an edge of a mesh passes a vertex several times, the rows of both list each other
-    /// as often.
+    /// a face or an edge of a mesh passes a vertex several times, its row lists the vertex once for
+    /// each pass, and so does the row of the vertex for the face or edge.
     ///
     /// \param from, to dimensions, 0 to dimension()
     /// \cost O(entries) on the first call for a pair, then constant; thread-safe

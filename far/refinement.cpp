@@ -26,8 +26,8 @@ std::size_t placeInRow(std::span<const Index> row, Index value) {
     return less;
 }
 
-/// Collects the faces and edges that meet at the edges and vertices of a cell of a lattice. Pairs
-/// of incident entities are identified by their positions in the values of the relations.
+/// Collects the faces and edges that meet at the edges and vertices of a cell of a lattice. A pair
+/// of incident entities is identified by its position in the values of a relation.
 class CellCorners {
 public:
     /// \param lattice must outlive this object
@@ -354,8 +354,8 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
             for (const CellCorners::Edge& edge : cell.edges()) {
                 if (!edgeCells.isKept(edge.inCell)) continue;
                 // Since ∂∂ = 0, the product of a face's sign in c and the edge's sign in the face
-                // is 1 for one of the two faces and −1 for the other. The loop leaves [e,e] towards
-                // x, the face with −1.
+                // is 1 for one of the two faces and −1 for the other. Here x is the face whose
+                // product is −1; the loop leaves [e,e] towards x.
                 auto x = edge.faces[0], y = edge.faces[1];
                 if (x.inCellSign == x.edgeSign) std::swap(x, y);
                 quadrilaterals.set(edgeCells.child(edge.inCell),

@@ -29,8 +29,9 @@ struct Interval {
 ///     face     [v,f]  [e,c]             always a quadrilateral
 ///     cell     [v,c]                    of type n, where n edges of c meet in v: 2n quadrilaterals
 ///
-/// [a,b] is bounded by the [a,b'] and the [a',b] of one dimension less. This is the reconnection of
-/// the papers; the same code serves curves, meshes and lattices, regular or not.
+/// The boundary of [a,b] consists of the intervals [a,b'] and [a',b] whose dimension is lower by
+/// one. This is the reconnection of the papers; the same code serves curves, meshes and lattices,
+/// regular or not.
 ///
 /// Children of a dimension are numbered by the dimension of a, then by b, then by the order of a in
 /// b. So the child vertices are the vertex points in the order of the vertices, then the edge
@@ -40,14 +41,14 @@ struct Interval {
 /// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
 class ESPALIER_API Refinement {
 public:
-    /// Which intervals to keep: those whose ends both have a mark other than 0.
+    /// Selects the intervals to keep: both ends of an interval must have a mark other than 0.
     struct Kept {
         ByEntity<std::uint8_t> lower;  ///< an entity that contains a marked one must be marked too
         ByEntity<std::uint8_t> upper;  ///< an entity that a marked one contains must be marked too
     };
 
-    /// Splits `parent`. With `kept`, only these intervals are kept; their numbers have the same
-    /// order.
+    /// Splits `parent`. With `kept`, the child has only the selected intervals, numbered in the
+    /// same order.
     ///
     /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
     ///         is left)
@@ -150,8 +151,8 @@ private:
     CellComplex child_;
 };
 
-/// The size of a level of a complex. In floating point, since the size of a level that is too large
-/// to build may exceed every integer type; exact up to 2^53.
+/// The size of a level of a complex. The numbers are in floating point, because the size of a level
+/// that is too large to build may exceed every integer type. They are exact up to 2^53.
 struct LevelSize {
     std::array<double, kMaxDimension + 1> counts = {};  ///< entities of each dimension
 

@@ -37,8 +37,8 @@ inline constexpr Word<Boundary> kBoundaryWords[] = {
 
 /// Which boundary edges of a lattice are sharp without a mark.
 enum class SharpEdges {
-    SingleCell,  ///< those in exactly one cell
-    Literal      ///< those that join two vertices of at most two cells each. This is the paper's
+    SingleCell,  ///< edges in exactly one cell
+    Literal      ///< edges that join two vertices of at most two cells each. This is the paper's
                  ///< wording, which makes more edges sharp where a lattice is one cell thick
 };
 inline constexpr Word<SharpEdges> kSharpEdgesWords[] = {{"single-cell", SharpEdges::SingleCell},

@@ -9,8 +9,8 @@ namespace espalier::far {
 SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace)
     : complex_(complex), isSurfaceFace_(std::move(isSurfaceFace)) {
     // For each edge, the number of faces that run along it from tail to head, minus the number of
-    // faces that run from head to tail. Stays 0 in a lattice: its cells orient the boundary,
-    // however its faces are directed.
+    // faces that run from head to tail. The number stays 0 in a lattice: its cells orient the
+    // boundary, however its faces are directed.
     std::vector<int> turns(complex.count(1), 0);
     if (complex.dimension() == 2)
         for (Index face = 0; face < complex.count(2); ++face)
@@ -105,8 +105,8 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
         if (sides[i].first == sides[i + 1].first && edge(sides[i].first) == EdgeKind::Manifold)
             parents[rootOf(sides[i].second)] = rootOf(sides[i + 1].second);
 
-    // The edges at the ends of each fan, ascending as the sides are: edges that join it to no other
-    // corner.
+    // The edges at the ends of each fan, ascending, because the sides are ascending: an end is an
+    // edge that joins the fan to no other corner.
     std::vector<std::vector<Index>> ends(count);
     bool hasBoundary = false, hasNonManifold = false;
     for (const auto& [side, corner] : sides) {

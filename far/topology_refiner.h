@@ -102,15 +102,16 @@ public:
 
     /// Adds one level that contains only what some cells need.
     ///
-    /// The entities that exist have the same order as in the whole level. The following are equal
-    /// to those of the whole level: the rows of level tables for the vertices of the children of
-    /// `cells` and, with Extent::Ring, for the vertices of the cells around the children; and the
-    /// strata of the entities that contain a vertex of a child. The outermost cells lack
-    /// neighbours, so rows and strata on their outer side may differ.
+    /// The entities that exist have the same order as in the whole level. The children of `cells`
+    /// are as in the whole level: their vertices have the same rows in level tables, and the
+    /// entities that contain such a vertex have the same strata. With Extent::Ring, the vertices of
+    /// the cells around the children have the same rows, too. The outermost cells lack neighbours,
+    /// so rows and strata on their outer side may differ.
     ///
     /// \param cells entities of dimension() of the finest level, ascending; if that level was made
     ///        by refineAround(), children of the cells that were given then
-    /// \throws Error for the first cell that is not; and as refineUniform()
+    /// \throws Error that names the first of `cells` that is not such an entity; and as
+    /// refineUniform()
     /// \cost O(entries of the finest level and of the new one)
     void refineAround(std::span<const Index> cells, Extent extent = Extent::Ring);
 

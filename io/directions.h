@@ -16,7 +16,7 @@ namespace espalier::io {
 /// finite.
 ///
 /// Where nothing moves, F should be the identity to the last bit, so that directions stay as they
-/// are. Computed as 1 + d u / d X from the displacements u, it is.
+/// are. F has this property if it is computed as 1 + d u / d X from the displacements u.
 using DeformationGradient = std::array<double, 9>;
 
 // carryNormal() and carryTangent() turn a direction as the deformation turns it, and keep its

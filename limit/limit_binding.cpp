@@ -91,8 +91,8 @@ Matrix3d inverseAtRest(const stencils::StencilTable<double>& tangents, Index fir
     return unit.inverse() * sizes.cwiseInverse().asDiagonal();
 }
 
-/// Returns the rows of the columns of F, one row for each place. F maps the directions T of the
-/// rest pose to those of the pose: Fᵀ = (T X)⁻¹ T x.
+/// Returns a table for each column of F, with one row for each place. F maps the directions T X of
+/// the rest pose to the directions T x of the pose: Fᵀ = (T X)⁻¹ T x.
 /// \param tangents three rows for each place, over the base
 /// \param positions positions of the base at rest
 /// \param scale factor for gradients by these positions

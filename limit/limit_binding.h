@@ -61,8 +61,8 @@ struct LimitTable {
     friend bool operator==(const LimitTable&, const LimitTable&) = default;
 };
 
-/// Binds points to the limit volume itself instead of a level. No trilinear cell approximates the
-/// volume.
+/// Binds points to the limit volume itself instead of a level, without an approximation by
+/// trilinear cells.
 ///
 /// In a regular cell of any level the limit is a tricubic polynomial, and Newton's method finds the
 /// place of a point. Cells at irregular features are refined, only where there are points, until

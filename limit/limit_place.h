@@ -43,8 +43,8 @@ inline constexpr std::array<Orders, 6> kSecond = {
     {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 2, 0}, {0, 1, 1}, {0, 0, 2}}};
 
 /// Returns the rows of the limits of vertices of a level, for blending. A vertex on the open
-/// boundary has no limit and gets itself, which is less than the size of a cell away from where
-/// refinement takes it.
+/// boundary has no limit; its row is the vertex itself. Refinement moves this vertex by less than
+/// the size of a cell.
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices);
 
@@ -57,7 +57,8 @@ std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span
 /// \throws Error unless the tolerance is 1e-14 to 0.1
 void checkLimitTolerance(double tolerance);
 
-/// Lowest level on which a cell may be that small: a level halves a cell at best, or nearly so.
+/// Returns the lowest level on which a cell may be small enough for areBlendable(). A level cannot
+/// make a cell much smaller than half its size.
 int lowestBlendableLevel(double tolerance);
 
 /// Computes the weights of places of one level over the vertices of the level.
@@ -69,8 +70,8 @@ public:
     PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places);
 
     /// Returns a derivative at place i. An offset of the place continues the position along the
-    /// tangent; it does not change derivatives. Second derivatives exist for a FramePlace only;
-    /// those of a blend by the same coordinate twice are 0.
+    /// tangent; it does not change derivatives. Second derivatives exist for a FramePlace only. In
+    /// a blend, second derivatives by the same coordinate twice are 0.
     std::vector<embed::VertexWeight> weights(std::size_t i, const Orders& orders) const;
 
     /// Rows 3i to 3i + 2 give three directions of the limit at place i. They sum to 0. In a regular

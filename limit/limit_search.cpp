@@ -26,8 +26,9 @@ namespace {
 /// long the cell is: its children would differ by little more than rounding.
 constexpr double kThinnest = 1e-13;
 
-/// From this level on cells are very small. The place that PatchSolver::nearest() gives is then
-/// taken as the nearest, and a point that stays Undecided is left to findNearest().
+/// From this level on, cells are very small. findNearest() then accepts the place that
+/// PatchSolver::nearest() gives, and findInside() gives up on cells for which PatchSolver is
+/// Undecided.
 constexpr int kMaxLevelOfPatches = 12;
 
 /// Maximum number of cells of a level that are searched for a point. More cells contain the point
@@ -78,8 +79,9 @@ public:
     const embed::CellSolver& blend() const { return *blend_; }
 
 private:
-    /// In diagonals of a cell. For a point at this distance the nearest place of the blend is wrong
-    /// by about 1/8 of the cell's size squared. Precision is lost only at thousands of cell sizes.
+    /// Distance from a cell, in diagonals of the cell, beyond which a blend is used. At this
+    /// distance the nearest place of the blend is wrong by about 1/8 of the cell's size squared.
+    /// Precision is lost only at thousands of cell sizes.
     static constexpr double kFar = 8;
 
     void findBlended(const LimitSearch& search, const embed::Descent& descent) {
@@ -92,8 +94,8 @@ private:
         sortUnique(corners);
         if (corners.empty()) return;
         if (search.isFineEnough(level)) {
-            // Cells that are blended only because they are far away may use the vertices
-            // themselves.
+            // On coarser levels a cell is blended only for points far away, and the vertices are
+            // near enough to their limits.
             const auto limits = blendedRows(descent.levels, level, corners);
             const auto places = stencils::applyLevelTable(limits, positions_);
             for (std::size_t i = 0; i < corners.size(); ++i) positions_[corners[i]] = places[i];
@@ -151,8 +153,9 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
         settle(found, Cells(*this, found.descent, sought));
         if (found.descent.candidates.cells.empty()) return found;
         limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
-        // No margin: bounding boxes are larger than their cells by a part of the cell, which
-        // exceeds rounding until cells are as small as that.
+        // A search for containing cells needs no margin: a bounding box exceeds its cell by a
+        // fraction of the cell's size, which is larger than the rounding error of all but the
+        // smallest cells.
         found.descent.margin = isNearest ? descent_.rounding() : 0;
         descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Estimate);
     }

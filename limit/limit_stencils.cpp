@@ -30,8 +30,8 @@ std::vector<Orders> ordersUpTo(int derivatives) {
     return orders;
 }
 
-/// Maximum number of further levels, whatever the tolerance: cells are then 1e-13 of the first
-/// ones.
+/// Maximum number of further levels, whatever the tolerance. On the last of them, cells are 1e-13
+/// times as large as on the first level.
 constexpr int kMaxLevels = 43;
 
 /// A location during the descent, with the cell of the current level that contains it.

@@ -31,11 +31,11 @@ struct LimitStencilOptions {
 /// derivatives by u, v and w to 0. Tables that were not requested are 0 × 0. Every evaluator
 /// accepts these tables.
 ///
-/// In regular cells the rows are exact: those of a tricubic B-spline. Around irregular features
+/// In regular cells the rows are the exact rows of a tricubic B-spline. Around irregular features
 /// they are exact in the regular cells of further levels. In the cells that stay irregular, the
-/// exact limits of their vertices are blended: position and first derivatives are those of the
-/// blend, and second derivatives by the same coordinate twice are 0. At the feature itself the
-/// derivatives of the blend need not converge.
+/// exact limits of their vertices are blended. There, the rows give the position and the first
+/// derivatives of the blend, and second derivatives by the same coordinate twice are 0. At the
+/// feature itself the derivatives of the blend need not converge.
 struct LimitStencils {
     stencils::StencilTable<double> position;
     std::array<stencils::StencilTable<double>, 3> first = {};   ///< by u, v, w

@@ -108,7 +108,7 @@ MatrixXd directionsOf(const VertexRing& ring, const EdgePlaces& places) {
         known.rightCols(1) = *limit;
     }
     if (known.cols() == 3) return known;
-    // A direction that rotates or converges slowly does so within the space of the three.
+    // A direction that rotates or converges slowly stays in the space of the three functionals.
     constexpr int kSteps = 128;
     MatrixXd basis = stencils::orthonormalBasis(edges);
     for (int step = 0; step < kSteps; ++step)

@@ -31,7 +31,8 @@ ESPALIER_API stencils::StencilTable<double> buildLimitMasks(const far::TopologyR
                                                             int level,
                                                             std::span<const Index> vertices);
 
-/// Builds L · S_level: the limits of all vertices of a level, or of some, over the base vertices.
+/// Builds L · S_level: the limits of the given vertices of a level, or of all its vertices, over
+/// the base vertices.
 /// \throws Error as buildLimitMasks()
 /// \cost buildStencils() and buildLimitMasks()
 ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,

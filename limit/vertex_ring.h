@@ -16,10 +16,10 @@ namespace espalier::limit {
 /// the same on all levels, so its eigenvectors give the limit.
 ///
 /// On the next level, the ring of a vertex v has a point for each entity that contains v, v itself
-/// included: the new point of the entity. One level further, the entities around v are the children
-/// [v, x] of these, one for each, and so are their new points: ring' = M ring. Their rules use only
-/// points of the ring. Where a feature is semi-sharp, the ring starts at the level on which no
-/// sharpness is left.
+/// included: the new point of the entity. On that level, the entities around v are the children [v,
+/// x], one for each entity x that contains v. Their new points are the ring of the level after it:
+/// ring' = M ring. Their rules use only points of the ring. Where a feature is semi-sharp, the ring
+/// starts at the level on which no sharpness is left.
 ///
 /// At a vertex of the surface, M maps the points of the surface to points of the surface, and
 /// likewise in each stratum.

@@ -37,7 +37,7 @@ public:
     Index rowCount() const;
     Index columnCount() const;
 
-    /// Memory in bytes, without that of the compiled table.
+    /// Memory of the evaluator in bytes, without the memory of the compiled table.
     std::size_t byteCount() const;
 
     /// Evaluates the rows that depend on one of the `changed` columns, with the same results as

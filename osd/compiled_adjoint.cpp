@@ -22,9 +22,9 @@ struct CompiledAdjoint<Real>::Data {
     StencilTable<Real> ungrouped;  ///< all other rows, transposed
     Index maxColumns = 0;          ///< of any group
 
-    /// Returns true if the kernel should prefetch data beyond group `g`. It should not if the next
-    /// group shares the numbers of this one, which are in the cache then: prefetching only the rows
-    /// costs more than it saves.
+    /// Returns true if the kernel should prefetch data beyond group `g`. If the next group shares
+    /// the numbers of this one, they are in the cache already, and to prefetch only the rows costs
+    /// more than it saves.
     bool isPrefetchUseful(Offset g) const {
         return g + 1 < std::ssize(rows.groups) &&
                rows.groups[g + 1].firstNumber > rows.groups[g].firstNumber;

@@ -28,8 +28,8 @@ template <class Step, class Real>
 class ESPALIER_API StepChain : public CompiledForm<StepChain<Step, Real>, Real> {
 public:
     /// \param tables T_1 to T_n, at least one; not transposed, for the adjoint too
-    /// \throws Error if there are none, if the columns of a table are not as many as the rows of
-    ///         the one before, or if this processor does not have `simd`
+    /// \throws Error if there are none, if the number of columns of a table differs from the number
+    ///         of rows of the table before it, or if this processor does not have `simd`
     /// \cost the sum of the costs of compiling the tables
     explicit StepChain(std::span<const stencils::StencilTable<Real>> tables,
                        Simd simd = bestSimd());

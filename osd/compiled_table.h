@@ -54,8 +54,9 @@ private:
 ///   factors of each row: 12 numbers instead of 64.
 /// - All other rows are stored as in the table, grouped by length.
 ///
-/// Identical weights are stored once: those of rows with the same mask, and those of groups that
-/// are alike, such as the faces of a regular surface. Results are in the order of the table.
+/// Identical weights are stored once, for example the weights of rows with the same mask, or of
+/// groups that are alike, such as the faces of a regular surface. Results are in the order of the
+/// table.
 ///
 /// Each result is within 4 ulp of Σ |w · x| for rows of up to 64 entries; for longer rows the bound
 /// grows by 1 ulp for each 32 entries. The error has two causes: terms are not added in the order

@@ -93,7 +93,7 @@ struct IntegersOf {
     std::span<const Integer> columns;
 };
 
-/// Puts an array into a vector that has no memory of its own, while the object exists.
+/// While this object exists, a PETSc vector without memory of its own uses an array of the caller.
 class Placed {
 public:
     Placed(const ErrorCapture& errors, Vec vector, std::span<const double> values)
@@ -153,14 +153,16 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     });
 
     const ErrorCapture errors;
-    // MATAIJ, because MatCreateMAIJ on one rank assumes a MATSEQAIJ without checking.
+    // The type is MATAIJ and not MATMPIAIJ, because MatCreateMAIJ on one rank assumes a MATSEQAIJ
+    // without checking.
     Mat matrix = nullptr;
     errors.check(MatCreate(comm, &matrix));
     matrix_.reset(matrix);
     errors.check(MatSetSizes(matrix, ownRows.rowCount(), toPetscInt(ownVertexCount),
                              toPetscInt(pointCount_), toPetscInt(vertexCount_)));
     errors.check(MatSetType(matrix, MATAIJ));
-    // Each of these does nothing for a matrix of the other type.
+    // MATAIJ becomes MATSEQAIJ on one rank and MATMPIAIJ on several. Each of these two calls does
+    // nothing for a matrix of the other type.
     errors.check(MatSeqAIJSetPreallocationCSR(matrix, integers->offsets.data(),
                                               integers->columns.data(), ownRows.weights().data()));
     errors.check(MatMPIAIJSetPreallocationCSR(matrix, integers->offsets.data(),

@@ -51,15 +51,16 @@ ESPALIER_API OwnedRange evenRange(Offset total, int rank, int size);
 /// contents. A table that was moved from may only be assigned to or destroyed.
 ///
 /// Before any rank continues, all ranks check their arguments and make their copies. An error on
-/// one rank is thrown on all, with the number of the rank. Only if PETSc itself fails on some
-/// ranks, for example out of memory, the others may wait forever. Not thread-safe.
+/// one rank is thrown on all, with the number of the rank. The exception is a failure of PETSc
+/// itself on some ranks only, for example out of memory: then the other ranks may wait forever. Not
+/// thread-safe.
 ///
-/// Messages: evaluate() receives ghostCount() · components doubles, in at most one message from
-/// each rank that owns some of these vertices, while it multiplies the rank's own vertices;
-/// evaluateAdjoint() sends the same amount back. Each also reduces one int over all ranks, for the
-/// checks. Memory of a rank: 12 bytes per entry, 44 bytes per point (20 on one rank), and 52 per
-/// ghost; if PETSc's integers have 64 bits, 16 bytes per entry and 88 per point (40).
-/// docs/scaling.md derives these numbers.
+/// Messages: a ghost is a vertex of another rank that this rank's points depend on. evaluate()
+/// receives ghostCount() · components doubles, in at most one message from each rank that owns
+/// ghosts, and multiplies the rank's own vertices meanwhile. evaluateAdjoint() sends the same
+/// amount back. Both also reduce one int over all ranks, for the checks. Memory of a rank: 12 bytes
+/// per entry, 44 bytes per point (20 on one rank), and 52 per ghost; if PETSc's integers have 64
+/// bits, 16 bytes per entry and 88 per point (40). docs/scaling.md derives these numbers.
 ///
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
 class ESPALIER_API DistributedTable {
@@ -114,8 +115,8 @@ public:
     void evaluateAdjoint(std::span<const double> ownPointGradients,
                          std::span<double> ownVertexGradients);
 
-    // For PETSc's solvers, for example KSPLSQR. The table owns the matrices: do not destroy or
-    // change them.
+    // The matrices, for use in PETSc's solvers, for example KSPLSQR. The table owns the matrices:
+    // do not destroy or change them.
     Mat matrix() const { return matrix_.get(); }  ///< D
     /// D for each component; D itself for one component.
     Mat blocked() const { return blocked_.get(); }
@@ -132,7 +133,7 @@ private:
     OwnedRange ownPoints_, ownVertices_;
     Offset pointCount_ = 0, vertexCount_ = 0, ghostCount_ = 0;
     Owned<Mat> matrix_, blocked_;
-    /// Without memory of their own: they refer to the caller's arrays.
+    /// Vectors without memory of their own. During an evaluation they use the caller's arrays.
     Owned<Vec> points_, vertices_;
     std::vector<Index> kept_;
     std::vector<Point3> keptAt_;

@@ -11,7 +11,8 @@
 namespace espalier::petsc {
 namespace {
 
-/// PETSc reports an error where it occurs, and again in each function that it passes through.
+/// Keeps the first message of an error: PETSc reports an error where it occurs, and again in each
+/// function on the way out.
 PetscErrorCode keepMessage(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
                            PetscErrorType type, const char* message, void* context) {
     if (type != PETSC_ERROR_INITIAL) return code;
@@ -50,7 +51,7 @@ void checkMpi(int code) {
 
 namespace {
 
-/// A fixed size, since the error may be lack of memory.
+/// A text of fixed size: the error may be lack of memory, so the text must not allocate any.
 using ErrorText = std::array<char, 501>;
 
 ErrorText errorTextOf(const std::exception_ptr& wrong) {

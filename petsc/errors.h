@@ -30,8 +30,8 @@ private:
 ///         program instead.)
 void checkMpi(int code);
 
-/// Throws on all ranks if any rank has caught an error. Collective; allocates no memory before all
-/// ranks know.
+/// Throws on all ranks if any rank has caught an error. Collective. No rank allocates memory before
+/// all ranks know of the error.
 ///
 /// \param wrong the exception that this rank has caught; null if none
 /// \throws Error on all ranks if any has caught something: "rank 2: " and the message of the lowest
@@ -39,8 +39,9 @@ void checkMpi(int code);
 /// \cost one reduction of an int
 void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong);
 
-/// Runs work that may fail on one rank only, such as checks and allocations, so that no rank goes
-/// on to wait for one that threw. Collective.
+/// Runs work that may fail on one rank only, such as checks and allocations. If it fails on some
+/// rank, all ranks throw; otherwise the other ranks would go on and wait for that rank for ever.
+/// Collective.
 ///
 /// \param work throws if this rank has an error; must not be collective itself
 /// \throws Error as throwOnAllRanks()

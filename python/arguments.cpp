@@ -24,7 +24,7 @@ py::array numberArray(const py::handle& object, const std::string& name, const s
     auto array = py::array::ensure(object);
     if (!array)
         throw Error(name + ": expected an array of " + expected + ", got " + typeName(object));
-    // The type of an empty list says nothing.
+    // NumPy gives an empty list the type float64, whatever the caller meant.
     if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
         throw Error(name + ": expected an array of " + expected + ", got " + textOf(array.dtype()));
     return array;

@@ -142,7 +142,7 @@ inline std::string nameOfStr(const py::str& text) {
     return bytes;
 }
 
-/// Returns the choice that a word names. The words are those of the program's options.
+/// Returns the choice that a word names. The words are the same as in the program's options.
 /// \throws Error naming the argument, the possible words, and the given one
 template <class Choice, std::size_t n>
 Choice chosen(const Word<Choice> (&words)[n], const std::string& argument,

@@ -98,7 +98,8 @@ BoundPointer load(const std::filesystem::path& path) {
 }
 
 void save(const BoundPoints& self, const std::filesystem::path& path) {
-    // A model cannot be empty, so no points are stored without one.
+    // If the binding has a model already, or has no points, it is stored as it is: a model file
+    // needs at least one point.
     if (!self.bound.modelName.empty() || !self.points || self.points->empty()) {
         io::writeBoundModel(path, self.bound);
         return;

@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kNoValue =
     "the object was made by __new__ and has no value; call the class instead";
 
-/// Called by pybind11 for an object without a value, instead of allocating memory for one.
+/// pybind11 calls this function for an object without a value; without it, pybind11 would allocate
+/// memory for a value.
 void* refuseWithoutValue(std::size_t) {
     throw py::type_error(kNoValue);
 }
@@ -41,8 +42,8 @@ void makeImmutable([[maybe_unused]] PyTypeObject* type) {
 #endif
 }
 
-/// Replaces pybind11_object_new(), which throws a C++ exception through Python for a class without
-/// a C++ type: pybind11_object itself, and Python classes derived from it only.
+/// Replaces pybind11_object_new(). That function throws a C++ exception through Python for a class
+/// without a C++ type: pybind11_object itself, and Python classes that derive from no other class.
 PyObject* newObject(PyTypeObject* type, PyObject*, PyObject*) {
     try {
         if (py::detail::all_type_info(type).empty())

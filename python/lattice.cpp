@@ -84,7 +84,8 @@ std::optional<IndexRows> rowsOf(const py::object& object, const std::string& nam
     return rows;
 }
 
-/// Returns whether the entries of a cell are lists or arrays (loops), not vertices.
+/// Returns true if the entries of a cell are loops (lists or arrays), and false if they are numbers
+/// of vertices.
 bool holdsLoops(const py::sequence& cell) {
     return cell.size() == 0 || py::isinstance<py::sequence>(cell[0]);
 }
@@ -210,7 +211,7 @@ far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
     far::Marks marks;
     for (const auto& [ends, sharpness] : edges) {
         const auto& [a, b] = ends;
-        // Otherwise it would be arbitrary which of the two values counts.
+        // If both directions were allowed, it would be arbitrary which of the two values counts.
         if (a < b && edges.contains({b, a}))
             throw Error(concat("edge_sharpness: the edge of vertices ", a, " and ", b,
                                " is given twice, once in each direction"));
@@ -299,8 +300,9 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
     return sharedWithoutGil([&] { return shapes::transformed(lattice, map); });
 }
 
-// Functions that may derive a relation release the GIL first: another thread that derives the same
-// relation may need the GIL (InterruptScope), and this thread would wait for it for ever.
+// Functions that may derive a relation release the GIL first. Another thread may be deriving the
+// same relation, and may need the GIL for it (InterruptScope). If this thread waited for the other
+// one and kept the GIL, both would wait for ever.
 
 std::vector<std::vector<Index>> loopsOf(const far::CellComplex& complex) {
     return withoutGil([&] {

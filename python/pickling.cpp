@@ -40,7 +40,7 @@ Container numbersOf(const py::handle& object) {
     return Container(array.data(), array.data() + array.size());
 }
 
-/// Returns the offsets of rows, or their length if all rows have the same.
+/// Returns the offsets of rows; or the length of a row, if all rows have the same length.
 py::object lengthsOf(const far::Incidence& rows) {
     const Index count = rows.rowCount();
     std::vector<Offset> offsets{0};
@@ -249,7 +249,7 @@ py::tuple stateOfBinding(const py::object& self) {
     const auto& bound = shared->bound;
     const auto& binding = bound.binding;
     py::object at = py::none(), statuses = py::none(), residual = py::none();
-    // If there is a model, its file contains the points.
+    // If there is a model, the pickle needs no points: the file of the model contains them.
     if (bound.modelName.empty() && shared->points) at = viewOf(*shared->points, self);
     if (shared->largestResidual) {
         statuses = viewOf(bytesOf(shared->statuses), self);

@@ -89,8 +89,9 @@ Lattice barbellMesh(const BarbellOptions& options) {
     for (std::size_t i = 0; i < end.positions.size(); ++i)
         positions.push_back(scaled(positions[i], -1));
 
-    // Rows of the bar are counted upwards, columns to the right. The vertices of the first and last
-    // column belong to the outlines of the ends; an outline has the last vertices of its end.
+    // Rows of the bar are counted upwards, columns to the right. The first and the last column are
+    // vertices of the outlines of the ends. The vertices of an outline are the last vertices of its
+    // end.
     const auto onOutline = [&](Index row) {
         return endCount - sides + (options.endSegments + row) % sides;
     };

@@ -40,10 +40,10 @@ struct MergeOptions {
 ///
 /// \param lattices at least one, all of one dimension and with the same attributes
 /// \throws Error for no lattice, a tolerance out of range, a wrong number of names, or an attribute
-///         that one lattice lacks or has with a different number of components or (integers) a
-///         different type; far::TopologyError for a cell that would lose a vertex, a cell that is
-///         in two lattices, or a face of three cells. These messages name the lattices, and number
-///         cells and faces as in their own lattice
+///         that one lattice lacks, or that has different numbers of components or different integer
+///         types in two lattices; far::TopologyError for a cell that would lose a vertex, a cell
+///         that is in two lattices, or a face of three cells. These messages name the lattices, and
+///         number cells and faces as in their own lattice
 /// \cost O(n log n) in the number of entries of the result; the search for coincident vertices
 /// takes linear time if the vertices are spread out, as in most lattices
 /// \cite MacCracken & Joy 1996, section 5

@@ -33,8 +33,8 @@ struct DiskPattern {
 /// into rings.
 ///
 /// For an outline of n vertices, the vertices are: the centre (for Core::Wedges), then n vertices
-/// per ring, ring by ring outwards, each in the order of the outline, which is the last ring. The
-/// faces are: the core, then ring by ring, face s between vertices s and s + 1.
+/// per ring, ring by ring outwards. Each ring has the order of the outline; the last ring is the
+/// outline itself. The faces are: the core, then ring by ring, face s between vertices s and s + 1.
 ///
 /// \param outline at least 3 vertices, anticlockwise, each visible from the centre
 /// \throws Error naming a field out of range

@@ -26,7 +26,7 @@ std::pair<Point3, Point3> bounds(std::span<const Point3> points) {
     return {low, high};
 }
 
-/// The welded points, in the boxes of a grid. A hash table finds the boxes.
+/// Stores the welded points by the boxes of a grid, in a hash table.
 class PointGrid {
 public:
     /// \param origin lower bound of all points, in each coordinate
@@ -97,8 +97,9 @@ double diagonal(std::span<const Point3> points) {
 Welding weld(std::span<const Point3> points, double distance) {
     Welding welding;
     if (points.empty()) return welding;
-    // Boxes are a few times larger than the distance, so that most searches look into one box, and
-    // large enough compared with the whole that box numbers do not overflow.
+    // A box is at least four times as wide as the distance, so that most searches read one box
+    // only. A box is also at least kFinest times the size of the whole, so that the numbers of
+    // boxes do not overflow.
     constexpr double kFinest = 1.0 / (1 << 20);
     const double extent = diagonal(points);
     const double boxSize = extent > 0 ? std::max(4 * distance, extent * kFinest) : 1;

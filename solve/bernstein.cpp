@@ -268,8 +268,8 @@ struct QuotientPart : Part<Degree, 2> {
     }
 
     /// The axis along which the two polynomials, relative to their sizes, deviate most from linear.
-    /// While some weights are not positive only the second counts: the same halvings let
-    /// isPositive() prove that it is positive.
+    /// While some weights are not positive, only the second polynomial counts: isPositive() has
+    /// proved by the same halvings that it is positive.
     std::size_t axis() const {
         std::array<double, 3> sum{};
         for (std::size_t lane = std::isinf(low) ? 1 : 0; lane < 2; ++lane) {
@@ -345,8 +345,8 @@ bool isPositive(const Trivariate<Degree, 1>& polynomial) {
 
 template <std::size_t Degree>
 double leastQuotient(const Trivariate<Degree, 2>& quotient) {
-    // More halvings than isPositive() may need: so the second polynomial is proved positive here,
-    // too.
+    // This is more than isPositive() may need, so that the second polynomial is proved positive
+    // here, too.
     constexpr int kMaxHalvings = 2000;
     constexpr double kPrecision = 1e-3, kSmall = 1e-6;
     QuotientPart<Degree> lowest({quotient, 0});

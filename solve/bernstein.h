@@ -9,12 +9,12 @@
 
 // Jacobian determinants as Bernstein polynomials, and proofs that they are positive.
 //
-// The determinant of a trilinear map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; that of
-// a tricubic map has degree (8, 8, 8) and 729 coefficients. All values in the cube are between the
-// smallest and the largest coefficient, and the coefficients at the corners are values. Each
-// halving of the cube reduces the gap between coefficients and values to a fourth. So the
-// coefficients can prove that a determinant is positive in the whole cell, which samples can only
-// suggest.
+// The determinant of a trilinear map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; the
+// determinant of a tricubic map has degree (8, 8, 8) and 729 coefficients. All values in the cube
+// are between the smallest and the largest coefficient, and the coefficients at the corners are
+// values. Each halving of the cube reduces the gap between coefficients and values to a fourth. So
+// the coefficients can prove that a determinant is positive in the whole cell, which samples can
+// only suggest.
 //
 // The proofs halve the cube until the coefficients decide, up to a limit. An answer "no" may
 // therefore also mean that no proof was found.

@@ -42,8 +42,8 @@ public:
     /// \param at coordinate of the plane on that axis
     /// \param tolerance largest distance of a vertex from the image of another one
     /// \throws Error naming the first vertex without an image, or with several, in which case
-    ///         nothing is linked; if there are not as many positions as vertices, or one is not
-    ///         finite
+    ///         nothing is linked; if the number of positions is not the number of vertices, or a
+    ///         position is not finite
     /// \cost O(vertices · log vertices)
     void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
 

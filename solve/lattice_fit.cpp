@@ -17,8 +17,8 @@ using Matrix = Eigen::SparseMatrix<double>;
 using Columns = Eigen::MatrixX3d;
 using stencils::StencilTable;
 
-/// Evaluates an expression into a matrix. Not by a constructor: Eigen's constructors leak memory if
-/// an allocation throws, and they copy where a move would do.
+/// Evaluates an expression into a matrix. It does not use a constructor, because Eigen's
+/// constructors leak memory if an allocation throws, and copy where a move is possible.
 template <class Expression>
 Matrix evaluated(const Expression& expression) {
     Matrix result;
@@ -137,8 +137,8 @@ public:
 
     /// Solves by iterated Tikhonov regularisation: each step corrects the effect of the added
     /// identity. The residual is computed from the matrices themselves, so that squaring them costs
-    /// no digits. Each change is the square times a vector, so it has no component in undetermined
-    /// directions, except by rounding: the result is the smallest solution.
+    /// no digits. Each change is a product with `square_`, so it has no component in undetermined
+    /// directions, except by rounding. Therefore the result is the smallest solution.
     Columns solve(const Columns& right) const {
         constexpr int kMaxSteps = 100;
         Columns solution = Columns::Zero(square_.rows(), 3);

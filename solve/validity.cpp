@@ -124,8 +124,8 @@ double leastRatio(const CheckedVolume& volume, Index part, int orientation,
 ///
 /// \param end size at rest + most (pose − rest)
 PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double most) {
-    // The uncertainty includes those of rest and pose, multiplied by the length of the way: most
-    // (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) / most.
+    // The uncertainty includes the uncertainties of rest and pose, multiplied by the length of the
+    // way: most (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) / most.
     end.uncertainty = 2 * (end.uncertainty + (1 + most) * rest.uncertainty);
     return end;
 }
@@ -221,8 +221,8 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
         for (std::size_t c = 0; c < 3; ++c)
             ends[vertex][c] += most * (pose[vertex][c] - ends[vertex][c]);
     const LimitPositions end = volume.place(ends);
-    // Lengths are fractions of `most` here. The digits of a result depend on how far earlier parts
-    // have shortened the step, so each range has its own step.
+    // Each range of parts has its own step, because the last digits of a result depend on how far
+    // earlier parts have shortened the step. Lengths are fractions of `most` here.
     std::vector<LargestStep> ofRanges((volume.partCount() + volume.grain() - 1) / volume.grain(),
                                       {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {

@@ -13,7 +13,8 @@
 #include <span>
 #include <vector>
 
-// Finds the cells that a pose turns inside out, and how far a lattice may move without any.
+// Finds the cells that a pose turns inside out, and how far a lattice may move before the first
+// such cell.
 namespace espalier::solve {
 
 /// A cell and its value.
@@ -64,17 +65,18 @@ class CheckedVolume;
 /// where nothing changes, whatever the shape of the cells; 0 where something is flattened; negative
 /// where the lattice is turned inside out. A cell is inverted unless its ratio is positive
 /// everywhere in it: in a hexahedron not only at the corners; in a type-n cell in each of its 4n
-/// tetrahedra. As a quotient, the ratio is relative to the orientation at rest: a lattice may be
+/// tetrahedra. Because the ratio is a quotient, the orientation at rest cancels: a lattice may be
 /// left-handed.
 ///
-/// In the limit the maps are those of limit::LimitParts: tricubic patches, which are exact and have
-/// determinants of degree (8, 8, 8), and blends around irregular features. Results there hold for
-/// the blends, which approach the limit as features are refined to higher levels;
-/// limit::bindLimit() uses finer ones. A base cell is inverted if any of its descendants is.
+/// In the limit, the maps are the parts of limit::LimitParts: tricubic patches, which are exact and
+/// have determinants of degree (8, 8, 8), and blends around irregular features. Results around
+/// irregular features hold for the blends. The blends approach the limit as the features are
+/// refined to higher levels; limit::bindLimit() uses finer blends. A base cell is inverted if any
+/// of its descendants is.
 ///
 /// Validity is proved, by Bernstein coefficients of determinants (bernstein.h). A cell that cannot
-/// be proved valid counts as inverted, and as the end of a step. This errs by little. A determinant
-/// counts as 0 if it is below the sum of
+/// be proved valid counts as inverted, and as the end of a step. The error of this is small. A
+/// determinant counts as 0 if it is below the sum of
 ///
 /// - 6e-14 of the product of the longest edges along the three axes (for cells of type 4 and above,
 ///   of the cube of the size; for a patch, of the largest derivatives);

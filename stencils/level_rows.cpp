@@ -52,8 +52,8 @@ StencilTable<double> carried(const StencilTable<double>& own, const StencilTable
                               const auto factors = step.weights(columns[i]);
                               for (std::size_t k = 0; k < next.size(); ++k)
                                   accumulator.add(next[k], weights[i] * factors[k]);
-                              // A loop checks memory after each chunk: too late for thousands of
-                              // long rows.
+                              // parallelFor() checks memory only after each chunk, which may
+                              // contain thousands of long rows.
                               if (std::ssize(next) > kLongRow) checkMemory();
                           }
                           if (areDerivatives) accumulator.makeSumZero();
@@ -154,8 +154,8 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
         }
         std::vector<StencilTable<double>> result;
         if (last > 0 && below.rowCount() == counts.back()) {
-            // No level between the base and the last one has rows, as when binding points: long
-            // rows are not copied.
+            // Only the base and the last level have rows here, as in binding points. The long rows
+            // are moved, not copied.
             result.push_back(std::move(rows[0]));
             while (result.size() < last) result.push_back(selectRows(result[0], {}));
             result.push_back(std::move(below));
@@ -164,10 +164,10 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
         appendParts(last > 0 ? concatenated(rows[0], below) : rows[0], counts, result);
         return result;
     }
-    // First from the finest level down: find the vertices whose rows of S_k are needed. Then
+    // First go down from the finest level, to find the vertices whose rows of S_k are needed. Then
     // compute these rows from the base up.
     std::vector<std::vector<Index>> vertices(rows.size());
-    std::vector<StencilTable<double>> steps(rows.size());  // The rows of R_k for these vertices.
+    std::vector<StencilTable<double>> steps(rows.size());  // the rows of R_k for these vertices
     for (std::size_t k = last;; --k) {
         const auto own = columnsOf(rows[k]);
         const auto above = k == last ? std::vector<Index>() : columnsOf(steps[k + 1]);
@@ -190,7 +190,8 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
 std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
                                                      std::vector<StencilTable<double>> rows,
                                                      RowMeaning meaning) {
-    // On the first levels rows share most vertices, and rounding errors grow by 2⁶ only.
+    // On the first six levels the rows share most vertices, so it is faster to leave these levels
+    // to composeRows(). There, rounding errors grow by a factor of only 2⁶.
     constexpr std::size_t kSharedLevels = 6;
     const std::vector<Index> counts = rowCounts(rows);
     StencilTable<double> below;

@@ -11,7 +11,7 @@
 
 namespace espalier::stencils {
 
-/// From which end to multiply level tables.
+/// Tells from which end to multiply level tables.
 enum class Composition {
     FromBase,  ///< each row of S_k is computed once, for all rows that use its vertex
     FromRows   ///< each row is carried to the base separately. Faster for long rows of S_k, most of

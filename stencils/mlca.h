@@ -34,12 +34,12 @@
 /// midpoint of the edges before and after the edge in its faces. It is equal to Ā if these faces
 /// are quadrilaterals: for them and for hexahedra, the centroid of [v, b] is the multilinear map at
 /// a quarter of the way from v. The vertex rule holds if three edges of each cell meet in the
-/// vertex. Other cells have other rules; for example, the point of a pyramid is nearer to its apex
-/// than C is. On grids, all this is the cubic B-spline, as for Catmull-Clark.
+/// vertex. Cells of other types give other weights; for example, the point of a pyramid is nearer
+/// to its apex than C is. On grids, all this is the cubic B-spline, as for Catmull-Clark.
 ///
 /// \cite Bajaj, Schaefer, Warren & Xu, A subdivision scheme for hexahedral meshes, The Visual
-///       Computer 18 (2002): the rule for hexahedra, boundaries and creases. We apply the same
-///       words to cells of any other kind
+///       Computer 18 (2002): the rule for hexahedra, boundaries and creases. We apply the same rule
+///       to cells of any other kind
 
 namespace espalier::stencils {
 

@@ -36,7 +36,8 @@ public:
     StencilTable<double> expand(const StencilTable<double>& distinctRows) const;
 
 private:
-    /// A row: a copy of row `first` of representatives(), over the vertices around a base entity.
+    /// A row that is a copy of row `first` of representatives(), over the vertices around a base
+    /// entity.
     struct Copy {
         Index first;
         Index base;

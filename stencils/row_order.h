@@ -12,8 +12,8 @@
 namespace espalier::stencils {
 
 /// An order of the rows of a table in which rows of the same group are consecutive: rows that share
-/// columns, or that will share columns after a product. Without groups, the order is that of the
-/// table.
+/// columns, or that will share columns after a product. Without groups, the rows keep the order of
+/// the table.
 class ESPALIER_API RowOrder {
 public:
     RowOrder() = default;
@@ -21,7 +21,7 @@ public:
     /// \param groups one per row: the number of the row's group, 0 to `groupCount` − 1
     RowOrder(std::span<const Index> groups, Index groupCount);
 
-    /// The rows in this order; empty if the order is that of the table.
+    /// The rows in this order; empty if the rows keep the order of the table.
     std::span<const Index> rows() const { return rows_; }
 
     Index row(Offset position) const {
@@ -39,7 +39,7 @@ private:
 
 /// Tells for each entity of a level which base entity contains it in its interior. Base entities
 /// are numbered consecutively over all dimensions, vertices first. Entities in the same base entity
-/// depend on the same base vertices, those around it.
+/// depend on the same base vertices: the vertices around the base entity.
 class ESPALIER_API BaseEntities {
 public:
     explicit BaseEntities(const far::CellComplex& base);

@@ -34,7 +34,7 @@ bool Surroundings::shapesDetermineRows(const far::Level& level,
 }
 
 Index Surroundings::shapeOf(const Entity& entity) {
-    // Shapes that repeat occur early. If none repeats, each stored shape would take several
+    // Shapes that repeat occur early, so later shapes are not stored: each would take several
     // kilobytes.
     constexpr std::size_t kMaxRemembered = 4096;
     collect(entity);

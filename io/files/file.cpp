@@ -106,7 +106,8 @@ std::string readFile(const fs::path& path) {
     if (!file) fail(path, "cannot open", errno);
     const struct ::stat before = statusOf(path, file);
     if (S_ISDIR(before.st_mode)) throw FileError(path, "is a directory");
-    // One byte more than the file has, to see its end. Pipes and files of /proc report size 0.
+    // The buffer is one byte larger than the file, so that the end is found before the buffer has
+    // to grow. Pipes and files of /proc report size 0; their buffer starts with kBlock bytes.
     constexpr std::size_t kBlock = 1 << 16;
     const std::size_t expected = before.st_size;
     requireMemory(expected, shownPath(path) + ":");

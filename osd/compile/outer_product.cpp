@@ -9,12 +9,13 @@
 namespace espalier::osd {
 namespace {
 
-/// How many rows are sampled: enough that sums do not agree in all of them by chance.
+/// Number of rows that are sampled. With this number, sums do not agree in all sampled rows by
+/// chance.
 constexpr std::size_t kSamples = 6;
 
 /// The logarithms of the absolute weights of one column in the sampled rows. Coordinate 0 is a
-/// weighted mean of these, by which the columns are sorted: two columns may agree in one row by
-/// chance, but not in the mean.
+/// weighted mean of the logarithms. Columns are sorted by this mean, because two columns may agree
+/// in one row by chance, but not in the mean.
 constexpr std::size_t kCoordinates = kSamples + 1;
 using Logarithms = std::array<double, kCoordinates>;
 constexpr std::array<double, kSamples> kKeyWeights = {0.2371, 0.1193, 0.1689,
@@ -94,8 +95,8 @@ private:
     double tolerance_;
 };
 
-/// Finds the points of each axis, without 0. A point that is no sum lies on an axis. Two of these
-/// lie on the same axis if their sum is not a point of the set.
+/// Finds the points of each axis, without 0. A point that is not a sum of two others lies on an
+/// axis. Two points of axes lie on the same axis if their sum is not a point of the set.
 std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
     std::vector<std::vector<Index>> axes;
     for (const Index column : set.ascending()) {
@@ -179,8 +180,8 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
                   std::span<Real> factors) {
     const Index n = product.size[0], m = product.size[1], l = product.size[2];
     // The factors follow from sums of absolute weights over the other two axes. Each weight is
-    // rounded. The relative error of a sum is smaller than that of its weights, if the sum itself
-    // is not rounded.
+    // rounded. The relative error of a sum is smaller than the relative errors of its weights, if
+    // the sum itself is not rounded.
     using Sums = std::vector<long double>;
     std::array<Sums, 3> sums = {Sums(n), Sums(m), Sums(l)};
     long double total = 0, largest = 0;

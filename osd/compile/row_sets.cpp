@@ -73,9 +73,9 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
     for (const std::size_t set : order) {
         const auto columns = columnsOf(set);
         if (columns.empty()) continue;
-        // Searches the supersets that contain the rarest of the columns. At a vertex with very many
-        // edges there are many of these; the search is limited, since missing a subset costs
-        // little.
+        // Searches among the supersets that contain the rarest of the columns. At a vertex with
+        // very many edges there are many such supersets. The search is limited, because a missed
+        // superset costs little.
         constexpr std::size_t kMaxTried = 256, kMaxSizeRatio = 3;
         const auto& supersets =
             supersetsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {

@@ -34,9 +34,9 @@ struct RowSet {
 /// set that is the superset of another has no superset other than itself, and at most three times
 /// the columns of the other.
 ///
-/// Near the planes between base cells, rows have fewer columns than in the middle of a cell, and
-/// all of these are among the columns of rows in the middle. So their sets become subsets of the
-/// set in the middle.
+/// Near the planes between base cells, rows have fewer columns than rows in the middle of a cell,
+/// and each of these columns is also a column of the rows in the middle. So the sets near the
+/// planes become subsets of the set in the middle.
 ///
 /// \cost O(entries + rows log rows + columns); at most 256 candidates for a superset are tried
 template <class Real>

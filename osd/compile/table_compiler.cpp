@@ -102,8 +102,8 @@ private:
         return hash;
     }
 
-    /// Sorts the rows by the bits of their numbers. Any order would do in which only identical rows
-    /// compare equal.
+    /// Sorts the rows by the bits of their numbers. The order has no meaning; it only puts
+    /// identical rows side by side.
     static void sortRows(Group& group) {
         const std::size_t length = group.length();
         const auto numbersOf = [&](std::size_t row) {
@@ -287,16 +287,16 @@ private:
             // Full panels use the subset's own columns.
             const std::size_t full = others.size() / kLanes<Real> * kLanes<Real>;
             addPanels(std::span(others).first(full), table_.columns(sets[set].rows.front()));
-            // The remaining rows would need zeros for missing columns, and may then take more
-            // memory than ungrouped rows.
+            // With the superset's columns, the remaining rows need zeros for the columns that they
+            // lack. Rows that would take more memory in this way stay ungrouped.
             const std::size_t ownCount = table_.columns(sets[set].rows.front()).size();
             const bool fits =
                 shared_.size() * sizeof(Real) <= ownCount * (sizeof(Real) + sizeof(Index));
             append(fits ? left : ungrouped_, std::span(others).subspan(full));
         }
         if (product) addProducts(*product, products, factors);
-        // The remaining rows share the superset's columns: all of them, only those that fill
-        // panels, or none.
+        // Uses the superset's columns for all remaining rows, for the rows that fill panels, or for
+        // no rows, whichever is the first that saves memory.
         const std::size_t full = left.size() / kLanes<Real> * kLanes<Real>;
         const std::size_t paneled = isSmaller(left)                          ? left.size()
                                     : isSmaller(std::span(left).first(full)) ? full

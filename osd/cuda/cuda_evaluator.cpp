@@ -266,7 +266,7 @@ CudaWorkspace& CudaWorkspace::operator=(CudaWorkspace&& other) noexcept {
 
 void CudaWorkspace::release() noexcept {
     if (memory_ == nullptr) return;
-    // The default stream is that of the current device.
+    // The default stream belongs to the current device.
     int before = device_;
     cudaGetDevice(&before);
     if (before != device_) cudaSetDevice(device_);

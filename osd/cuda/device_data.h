@@ -10,8 +10,8 @@ namespace espalier::osd::device {
 /// Number of lanes of a warp, which are threads that run together.
 inline constexpr int kWarp = 32;
 
-/// Number of rows of a group that a lane evaluates at a time: as many as have their weights in 16
-/// bytes, which is the most that a lane can load at once.
+/// Number of rows of a group that a lane evaluates at a time. The weights of these rows take 16
+/// bytes, the largest number of bytes that a lane can load at once.
 template <class Real>
 inline constexpr int kRowsPerLane = static_cast<int>(16 / sizeof(Real));
 

@@ -12,7 +12,7 @@
 // compiled here, could spread instructions that some processors lack.
 namespace espalier::osd::kernels {
 
-/// Number of rows in a panel: as many numbers as an AVX-512 register holds.
+/// Number of rows in a panel. An AVX-512 register holds one number for each row.
 template <class Real>
 inline constexpr Index kLanes = static_cast<Index>(64 / sizeof(Real));
 
@@ -72,8 +72,8 @@ struct RowRun {
     Index rowCount;
 };
 
-/// A group of rows that share their columns, for the adjoint. Panels of weights if size[0] is 0,
-/// otherwise factors of outer products, both stored as above.
+/// A group of rows that share their columns, for the adjoint. If size[0] is 0, the rows are panels
+/// of weights, otherwise factors of outer products; both are stored as above.
 template <class Real>
 struct AdjointRun {
     const Real* numbers;

@@ -2,7 +2,7 @@
 // The kernels. Each kernels_*.cpp includes this file once, inside its own namespace and with its
 // own processor flags. Hence there is no #pragma once, and there are no includes.
 
-/// A vector of `count` numbers, which takes several registers where those of the processor are
+/// A vector of `count` numbers. It takes several registers if a register of the processor is
 /// shorter.
 template <class Real, int count>
 struct Vector {
@@ -344,7 +344,8 @@ Real sumOf(const typename Vector<Real, count>::Type& vector) {
     }
 }
 
-/// Number of columns that are summed at once: as many as leave their sums in registers.
+/// Number of columns that are summed at once. It is the largest number for which all sums stay in
+/// registers.
 template <int width>
 constexpr Index kColumnsAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
 
@@ -442,9 +443,9 @@ void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, In
     for (Index lane = 0; lane < rowCount; ++lane) load(lane);
 }
 
-/// Prefetches the data of the next block, in as many steps as the columns of the current block are
-/// summed in. Otherwise the first columns of the next block would wait for all of its data, which
-/// costs a third of the time.
+/// Prefetches the data of the next block, a part with each step in which columns of the current
+/// block are summed. Without it, the first columns of the next block would wait for all data of the
+/// block, which costs a third of the time.
 template <class Real>
 class Prefetcher {
 public:

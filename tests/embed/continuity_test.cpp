@@ -272,11 +272,11 @@ TEST(Continuity, PointsInTheMiddleAndInACorner) {
     EXPECT_EQ(held.freeze(Continuity::C1), block(0, 2));
 }
 
-// With h = 2^-n of a base cell, the vertices of level n beside the cell that starts at 3 are from
-// 3 − h to 3 + 2h. Vertex 5, whose B-spline from there on is (x − 3)³/6, has the weight
-// h · 2h · 3h / 6 in the last of them (its blossom at the three knots around). At level 13, this is
-// 2e-12, but 4^13 times as much in a second derivative. Vertex 1 has the weight 0 in the first of
-// them, as its own B-spline ends at 3.
+// Let h = 2^-n of a base cell. The vertices of level n beside the cell that starts at 3 are from 3
+// − h to 3 + 2h. The B-spline of vertex 5 starts at 3 as (x − 3)³/6. Its weight in the vertex at 3
+// + 2h is its blossom at the three knots around: h · 2h · 3h / 6. At level 13 this weight is 2e-12,
+// but in a second derivative it is 4^13 times as large. Vertex 1 has the weight 0 in the vertex at
+// 3 − h, because its own B-spline ends at 3.
 TEST(Continuity, FreezesTheLastLayerAtFineLevels) {
     const int level = 13;
     const double cell = std::ldexp(1, -level);
@@ -307,7 +307,8 @@ TEST(Continuity, PointsOutsideFreezeNothing) {
         EXPECT_TRUE(held.freeze(continuity).empty());
 }
 
-// Unless the nearest cell carries a point: then the cell is held.
+// A point outside stays in place anyway, unless the nearest cell carries it. Then this cell is
+// held.
 TEST(Continuity, CarriedPointsOutsideStay) {
     Held held;
     const EmbeddingOptions nearest = {.outside = OutsidePolicy::Nearest};

@@ -379,9 +379,9 @@ TEST(LocalBinding, CarriesPointsFromFarAway) {
     }
 }
 
-// Around a cell with very many faces, rows of D are carried from the points to the base. They are
-// equal to those of the product of W and S up to rounding, and rows from a part of a level are
-// equal to those from the whole level to the last bit.
+// Around a cell with very many faces, rows of D are carried from the points to the base. Up to
+// rounding, they are equal to the rows of the product of W and S. Rows that are computed from a
+// part of a level are equal to the rows from the whole level, to the last bit.
 TEST(LocalBinding, CellsWithManyFaces) {
     const Lattice lattice = shapes::prism({.sides = 300});
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));

@@ -32,7 +32,7 @@ Loops facesOf(const CellComplex& complex, Index cell) {
 }
 
 /// A cell is recognised for any order of its faces, any start of its loops and any numbering of its
-/// vertices, and its faces are those of the complex with their orientation.
+/// vertices, and the faces that it returns are the faces of the complex, with their orientation.
 TEST(StandardCells, AreRecognisedByTheirFaces) {
     for (const StandardCell kind : {StandardCell::Tetrahedron, StandardCell::Pyramid,
                                     StandardCell::Wedge, StandardCell::Hexahedron}) {

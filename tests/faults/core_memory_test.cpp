@@ -122,7 +122,7 @@ TEST_F(CoreMemory, Refinement) {
         });
 }
 
-// refineTo() promises: "The levels made before stay."
+// refineUniform() promises to keep the levels that were made before.
 TEST_F(CoreMemory, RefinerKeepsCompleteLevels) {
     const Index expected = refined(2).level(2).complex.count(3);
     for (long n = 1;; n += 5) {

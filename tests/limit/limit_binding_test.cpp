@@ -112,8 +112,8 @@ TEST(LimitBinding, BoxEqualsTheTensorSpline) {
         EXPECT_LT(result.largestResidual, 1e-12);
         const auto moved = times(result.binding.table.points, pose);
         for (std::size_t i = 0; i < points.size(); ++i)
-            // The rounding of the place, 1e-16, is multiplied by the slopes of the pose over those
-            // of the rest pose: some tens.
+            // The rounding of the place, 1e-16, is multiplied by the slopes of the pose divided by
+            // the slopes of the rest pose. This factor is a few tens.
             EXPECT_LT((moved.row(Eigen::Index(i)).transpose() - expected[i]).norm(), 1e-13) << i;
     }
 }

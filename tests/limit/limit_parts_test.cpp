@@ -53,7 +53,8 @@ TEST(LimitParts, PatchesAgreeWithBindings) {
             const auto got = stencils::applyLevelTable(bound.binding.table.points, pose);
             for (std::size_t i = 0; i < points.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    // The residual of a solve, 1e-12, multiplied by how much thin cells stretch.
+                    // A solve has a residual of 1e-12, and thin cells may stretch it a thousand
+                    // times.
                     ASSERT_NEAR(got[i][c], expected[i][c], 1e-9) << name << " point " << i;
         }
     }

@@ -227,7 +227,8 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
 
 // In regular regions second differences fall to a quarter with each level. The ring of an irregular
 // edge or vertex shrinks by its second eigenvalue (0.55 at an edge of five cells), and so do the
-// distances in it, which is first order or less; but the volume of the ring shrinks, too.
+// distances in the ring. So the largest distance converges in first order or less. The mean
+// distance converges faster, because the volume of the ring shrinks, too.
 TEST(VertexLimits, LevelsConvergeInSecondOrder) {
     Lattice box = shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}});
     box.positions = shaken(box.positions, 5);
@@ -239,9 +240,10 @@ TEST(VertexLimits, LevelsConvergeInSecondOrder) {
     EXPECT_NEAR(ofFan.ofMean, 2, 0.15);
 }
 
-// A box under boundary control is the spline with phantom layers 2P₀ − P₁: its corners stay, its
-// edges are curves and its sides surfaces, all with (1, 4, 1)/6. A point on the border of one of
-// these has the limit of the lower-dimensional one.
+// A box under boundary control is the spline with phantom layers 2P₀ − P₁: its corners stay, and
+// along its edges, in its sides and inside, limits have the weights (1, 4, 1)/6 for each direction.
+// A point at the end of an edge has the limit of the corner, and a point on the border of a side
+// has the limit of the edge.
 TEST(VertexLimits, BoxEqualsTheTensorSpline) {
     const std::array<Index, 3> n = {3, 2, 4};
     const auto lattice = shapes::box({.cells = n});

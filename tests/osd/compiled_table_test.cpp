@@ -163,8 +163,8 @@ TYPED_TEST(CompiledTableTest, OneCell) {
     expectWithinFourUlp(table);
 }
 
-// A row at a pole has columns for all of its edges, and rows beside it have a few of these. The
-// latter are not padded with zeros.
+// A row at a pole has columns for all of its edges, and rows beside the pole have a few of these
+// columns. The short rows are not padded with zeros.
 TYPED_TEST(CompiledTableTest, PolesAreNotPaddedWithZeros) {
     const Lattice pole = test::pole(500, false);
     TopologyRefiner refiner = refined(pole.complex, 1);
@@ -200,7 +200,7 @@ TYPED_TEST(CompiledTableTest, EmptyTables) {
     EXPECT_EQ(none.rowCount(), 0);
     const auto layout = BufferDescriptor::packed(3);
     none.evaluate({}, layout, {}, layout, {0, 0});
-    // Rows without entries give 0, also when there are enough of them to form panels.
+    // Rows without entries give 0, even if there are enough such rows to form panels.
     const CompiledTable<TypeParam> zeros{StencilTable<TypeParam>(2, Array<Offset>(41, 0), {}, {})};
     std::vector<TypeParam> result(40, 9);
     zeros.evaluate(std::vector<TypeParam>(2, 1), {0, 1, 1}, result, {0, 1, 1}, {0, 40});
@@ -259,8 +259,8 @@ TEST(OuterProduct, HasFactorsOfEitherSign) {
     ASSERT_TRUE(arrangement);
     for (std::size_t r = 0; r < products.rows.size(); r += 2)
         for (std::size_t i = 0; i < arrangement->order.size(); ++i) {
-            // Negative are the first two factors of axis 0 and the last one of axis 2. The position
-            // of column i along these axes is i % 4 and i / 16.
+            // The first two factors of axis 0 and the last factor of axis 2 are negative. The
+            // position of column i along these axes is i % 4 and i / 16.
             const bool isNegative = (i % 4 < 2) != (i / 16 == 2);
             products.rows[r][arrangement->order[i]] *= isNegative ? -1 : 1;
         }

@@ -114,7 +114,7 @@ TEST(Tricubic, SolidFaceEdgeAndVertexRules) {
 
 // Sections 5.1 to 5.3: "utilizing the bivariate refinement rules on each plane of the lattice,
 // coupled with the univariate rules in the other dimension". So the two derivations of a face point
-// (5.1.2 and 5.2.1) agree, and those of an edge point (5.2.2 and 5.3.1).
+// (5.1.2 and 5.2.1) agree, and the two derivations of an edge point (5.2.2 and 5.3.1) agree.
 TEST(Tricubic, LatticesAreRefinedByPlanesThenAcross) {
     const RefinedGrid grid({3, 4, 3}, 1), plane({3, 4}, 1), line({3}, 1);
     const auto table = buildLevelTable(grid.refiner(), 1);

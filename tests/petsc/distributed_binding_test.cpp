@@ -61,8 +61,8 @@ TEST_F(DistributedBinding, HasItsRowsOfTheWholeTable) {
         if ((std::size_t(own_.first) + i / 3) % 5 == 0) {
             EXPECT_EQ(moved[i], numbers(ownPoints_)[i]) << "is kept";
         } else {
-            // Sums of up to 64 products of positions up to 2 with weights that sum to 1, in a
-            // different order: at most 64 ulp, and about 8 in practice.
+            // Both sides are sums of up to 64 products of positions up to 2 and weights that sum to
+            // 1, in different orders. They differ by at most 64 ulp, and by about 8 in practice.
             EXPECT_NEAR(moved[i], expected[i], 64 * std::numeric_limits<double>::epsilon() * 2);
         }
     }
@@ -82,8 +82,9 @@ TEST_F(DistributedBinding, AdjointAgreesWithTheReference) {
     adjoint.evaluate(gradients, layout, expected, layout, {0, adjoint.rowCount()});
     const auto own = ownValues(expected, vertices_, 3);
     ASSERT_EQ(back.size(), own.size());
-    // Gradients of 400 points are up to 1, and the weights of each sum to 1. The rounding is at
-    // most one ulp for each product, of sums below 400; in practice the root of that.
+    // Gradients of 400 points are up to 1, and the weights of each sum to 1. The rounding error is
+    // at most one ulp of a sum below 400 for each product; in practice errors cancel, and it is
+    // about the square root of this bound.
     for (std::size_t i = 0; i < back.size(); ++i)
         EXPECT_NEAR(back[i], own[i], 400 * std::numeric_limits<double>::epsilon());
 }

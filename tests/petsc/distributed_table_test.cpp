@@ -24,8 +24,8 @@ std::vector<double> reference(const StencilTable<double>& table, const std::vect
     return result;
 }
 
-/// Returns a bound of the rounding of each result: the sum of its products' sizes times their
-/// number.
+/// Returns a bound of the rounding error of each result: the number of its products times the sum
+/// of their absolute values.
 std::vector<double> bounds(const StencilTable<double>& table, const std::vector<double>& values,
                            int components) {
     std::vector<double> result;
@@ -35,8 +35,8 @@ std::vector<double> bounds(const StencilTable<double>& table, const std::vector<
             for (std::size_t k = 0; k < table.columns(row).size(); ++k)
                 size += std::abs(table.weights(row)[k] *
                                  values[table.columns(row)[k] * components + c]);
-            // Two sums of n products in different orders: products and sums make each wrong by at
-            // most n/2 ulp of the size.
+            // Two sums of n products in different orders. The rounding of products and sums makes
+            // each sum wrong by at most n/2 ulp of the size.
             result.push_back(double(table.columns(row).size()) *
                              std::numeric_limits<double>::epsilon() * size);
         }
@@ -58,8 +58,8 @@ struct Case {
 
 class DistributedTableTest : public ::testing::TestWithParam<Case> {};
 
-// MATMAIJ has separate code for these component counts: 1 is D itself, 3 has a specialised kernel,
-// 13 has not.
+// MATMAIJ has separate code for these component counts: for 1 it uses D itself, for 3 a specialised
+// kernel, for 13 the general one.
 INSTANTIATE_TEST_SUITE_P(Spreads, DistributedTableTest,
                          ::testing::Values(Case{Spread::Even, Spread::Even, 3},
                                            Case{Spread::Even, Spread::Even, 1},
@@ -112,8 +112,8 @@ TEST_P(DistributedTableTest, CountsGhostVertices) {
     EXPECT_EQ(distributed.ghostCount(), Offset(others.size()));
 }
 
-// Results are identical bit for bit, whatever the order of messages: of the same table repeatedly,
-// and of an equal table.
+// The same table, evaluated repeatedly, and an equal table give the same results bit for bit,
+// whatever the order of messages.
 TEST(DistributedTable, ResultsAreReproducible) {
     constexpr Index kMany = 20'000;
     const auto table = randomTable(kMany, kVertices, 4);

@@ -91,7 +91,8 @@ TEST_P(HostileNumbers, WorksWithDenormals) {
         EXPECT_LE(errorOf(model, cube, points, i), 4 * std::numeric_limits<double>::denorm_min());
 }
 
-// The lattice has no size to measure by: any other point is outside, however near.
+// All vertices are in one place, so the tolerance, a fraction of the size of the lattice, is 0. Any
+// other point is outside, however near.
 TEST_P(HostileNumbers, LatticeWithoutSize) {
     Lattice lattice = mixedLattice();
     for (Point3& position : lattice.positions) position = {0, 0, 0};

@@ -231,7 +231,7 @@ TEST(Validity, LongStepsAreProved) {
     const Positions tiny = scaled(1e-80);
     EXPECT_EQ(ValidityCheck(cube(), tiny).check(scaled(1e80)).smallest->value,
               std::numeric_limits<double>::max());
-    // Inside out by the same factor.
+    // The pose turns the lattice inside out, by the same factor.
     const Positions mirrored = changed(rest, [](Point3 p) {
         return Point3{-1e80 * p[0], 1e80 * p[1], 1e80 * p[2]};
     });
@@ -351,7 +351,8 @@ TEST(Validity, CellsBadAtRestAreLeftOut) {
         EXPECT_THAT(same.inverted, IsEmpty());
         EXPECT_EQ(same.ratios[3], std::nullopt);
         EXPECT_EQ(validity.largestStep(rest).length, 1);
-        // Even if it is straightened, there is no volume at rest to compare with.
+        // Even if the pose straightens the last cell, the check has no volume at rest to compare it
+        // with.
         EXPECT_THAT(validity.check(bar.positions).inverted, IsEmpty());
     }
     // A thin cell is not flat: here it becomes ten times as thick.

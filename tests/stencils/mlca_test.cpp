@@ -215,9 +215,9 @@ std::vector<std::pair<std::string, CellComplex>> simpleCells() {
     return all;
 }
 
-// Inside hexahedra, the edge rule is equal to that of CSE-96-1. The vertex rule differs in M only,
-// which counts an edge once for each of its cells. A needs no such weights, since each inner face
-// has two cells.
+// Inside hexahedra, the edge rule is equal to the edge rule of CSE-96-1. The vertex rule differs in
+// M only, which counts an edge once for each of its cells. A needs no such weights, since each
+// inner face has two cells.
 TEST(Mlca, EqualsCse96WithWeightedEdgesInHexahedra) {
     std::set<std::size_t> cellsAtEdges;
     int weighted = 0;
