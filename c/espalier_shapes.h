@@ -25,6 +25,50 @@ ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3
                                                            const double min[3], const double max[3],
                                                            espalier_lattice** lattice);
 
+/// A box of hexahedra around the points of a model (shapes/around.h). Start from
+/// espalier_default_around_options(): later versions may add fields, and `size` tells the library
+/// which fields exist.
+///
+/// The number of cells comes from the first of `cells`, `cell_size` and `cells_along_longest` that
+/// is set.
+typedef struct espalier_around_options {
+    size_t size;       ///< sizeof(espalier_around_options)
+    int32_t cells[3];  ///< cells along x, y and z: 1 or more each; default zeros: not set
+    int32_t cells_along_longest;  ///< cells along the longest side, 1 or more; the other sides get
+                                  ///< the numbers for which the cells are closest to cubes;
+                                  ///< default 4
+    int32_t oriented;  ///< nonzero: turn the box so that its volume is smallest, as far as a search
+                       ///< finds it; default 0: the sides are parallel to the axes
+    double cell_size;  ///< largest edge of a cell, in the units of the points, above 0; default 0:
+                       ///< not set
+    double margin;     ///< distance from the points to the sides of the box, as a fraction of the
+                       ///< diagonal of the box around the points: 0 or more; default 0.05
+} espalier_around_options;
+
+static inline espalier_around_options espalier_default_around_options(void) {
+    espalier_around_options options;
+    options.size = sizeof options;
+    options.cells[0] = options.cells[1] = options.cells[2] = 0;
+    options.cells_along_longest = 4;
+    options.oriented = 0;
+    options.cell_size = 0;
+    options.margin = 0.05;
+    return options;
+}
+
+/// Makes a box of hexahedra around points. It contains every point, and so do all refinements and
+/// the limit of the lattice under the default rules.
+///
+/// \param point_count 1 or more
+/// \param points 3 · point_count numbers
+/// \param options null for the defaults
+/// \retval ESPALIER_ERROR_INPUT an option is out of range; a point is not finite; all points are at
+///         one place; or they lie in a plane and the margin is 0
+/// \cost O(point_count); O(point_count · log point_count) if `oriented`
+ESPALIER_C_API espalier_status
+espalier_lattice_create_around(int64_t point_count, const double* points,
+                               const espalier_around_options* options, espalier_lattice** lattice);
+
 /// The cells in the middle of a disk (shapes/section.h).
 enum {
     ESPALIER_CORE_WEDGES = 0,  ///< a vertex with triangles around it, which are swept to wedges

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/shapes/around.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
@@ -29,17 +30,24 @@ shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
     return {rings, choice(core, shapes::Core::Polygon, "core")};
 }
 
-/// Makes a lattice of the inventory.
+/// Calls a function that makes a lattice.
 /// \throws Error with the field names of C (minor_radius)
-template <class Options>
-espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
+template <class Make>
+espalier_lattice* makeBy(const Make& makeLattice) {
     try {
-        return new espalier_lattice{shape(options)};
+        return new espalier_lattice{makeLattice()};
     } catch (const MemoryError&) {
         throw;
     } catch (const Error& error) {
         throw Error(shapes::withUnderscores(error.what()));
     }
+}
+
+/// Makes a lattice of the inventory.
+/// \throws Error with the field names of C
+template <class Options>
+espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
+    return makeBy([&] { return shape(options); });
 }
 
 using RegularSolid = Lattice (*)(const shapes::RegularSolidOptions&);
@@ -59,6 +67,24 @@ espalier_status espalier_lattice_create_box(const int32_t cells[3], const double
         return c::make(
             shapes::box,
             {{counts[0], counts[1], counts[2]}, c::point(min, "min"), c::point(max, "max")});
+    });
+}
+
+espalier_status espalier_lattice_create_around(int64_t point_count, const double* points,
+                                               const espalier_around_options* options,
+                                               espalier_lattice** lattice) {
+    return c::result(lattice, "lattice", [&] {
+        const auto places = c::positions(points, point_count, "points");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_around_options(),
+                                                 "espalier_default_around_options");
+        return c::makeBy([&] {
+            return shapes::around(places,
+                                  {.cells = {chosen.cells[0], chosen.cells[1], chosen.cells[2]},
+                                   .cellSize = chosen.cell_size,
+                                   .cellsAlongLongest = chosen.cells_along_longest,
+                                   .margin = chosen.margin,
+                                   .oriented = chosen.oriented != 0});
+        });
     });
 }
 

@@ -197,8 +197,9 @@ void addSolids(CLI::App& shape) {
 }  // namespace
 
 void addShapeCommand(CLI::App& program) {
-    CLI::App& shape = *program.add_subcommand(
-        "shape", "Make one of the built-in lattices, or merge lattices into one");
+    CLI::App& shape = *program.add_subcommand("shape",
+                                              "Make a lattice around a model or one of the "
+                                              "built-in lattices, or merge lattices into one");
     shape.require_subcommand(1);
     addShape<shapes::BoxOptions>(
         shape, "box", "A box of hexahedra (Figure 1 of MacCracken & Joy 1996)",
@@ -208,6 +209,7 @@ void addShapeCommand(CLI::App& program) {
             add(command, "--max", options.max, "Highest corner");
         },
         shapes::box);
+    addAroundCommand(shape);
     addRoundShapes(shape);
     addJointedShapes(shape);
     addSolids(shape);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/shapes/around.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
@@ -8,9 +9,11 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "arguments.h"
@@ -30,27 +33,35 @@ shapes::DiskPattern patternOf(int rings, const std::string& core) {
 std::string aboutArguments(const std::string& message) {
     std::string text = shapes::withUnderscores(message);
     const std::pair<std::string, std::string> others[] = {
-        {": from is ", ": start is "}, {": to is ", ": end is "}, {"`from`", "start"},
-        {"].position", ", :3]"},       {"].radius", ", 3]"},      {"].twist", ", 4]"}};
+        {": from is ", ": start is "},   {": to is ", ": end is "}, {"`from`", "start"},
+        {"].position", ", :3]"},         {"].radius", ", 3]"},      {"].twist", ", 4]"},
+        {"cells_along_longest", "cells"}};
     for (const auto& [option, argument] : others)
         if (const auto at = text.find(option); at != text.npos)
             text.replace(at, option.size(), argument);
     return text;
 }
 
-/// Makes a lattice of the inventory.
+/// Calls a function that makes a lattice.
 /// \throws Error that names arguments
-template <class Options>
-std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
+template <class Make>
+std::shared_ptr<Lattice> makeBy(const Make& makeLattice) {
     return sharedWithoutGil([&] {
         try {
-            return shape(options);
+            return makeLattice();
         } catch (const MemoryError&) {
             throw;
         } catch (const Error& error) {
             throw Error(aboutArguments(error.what()));
         }
     });
+}
+
+/// Makes a lattice of the inventory.
+/// \throws Error that names arguments
+template <class Options>
+std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
+    return makeBy([&] { return shape(options); });
 }
 
 std::vector<shapes::ArmJoint> jointsOf(const ArrayLike& rows) {
@@ -191,6 +202,37 @@ void addSolids(py::module_& module) {
                  "One cell with an apex on each side of a polygon of `sides` and `radius`.");
 }
 
+void addAround(py::module_& module) {
+    using Cells = std::variant<int, std::array<int, 3>>;
+    module.def(
+        "around",
+        [](const py::handle& points, const std::optional<Cells>& cells, double cellSize,
+           double margin, bool oriented) {
+            const auto places = toPoints(points, "points");
+            shapes::AroundOptions options{
+                .cellSize = cellSize, .margin = margin, .oriented = oriented};
+            if (cells && cells->index() == 0) options.cellsAlongLongest = std::get<0>(*cells);
+            if (cells && cells->index() == 1) options.cells = std::get<1>(*cells);
+            // Zeros would stand for the default.
+            if (cells && cells->index() == 1 && options.cells == std::array<int, 3>{})
+                throw Error("around: cells is (0, 0, 0); allowed: 1 or more each");
+            return makeBy([&] { return shapes::around(places, options); });
+        },
+        "points"_a, py::kw_only(), "cells"_a = py::none(), "cell_size"_a = 0.0,
+        "margin"_a = shapes::AroundOptions().margin, "oriented"_a = false, R"(
+A box of hexahedra around the points of a model, which contains every point.
+
+points : (N, 3) array of float
+cells : number of cells along the longest side of the box, for cells that are closest to cubes (4 by
+default); or 3 int, cells along x, y and z
+cell_size : instead of `cells`, the largest edge of a cell
+margin : distance from the points to the sides of the box, as a fraction of the diagonal of the box
+around the points
+oriented : if True, the box is turned so that its volume is smallest; otherwise its sides are
+parallel to the axes
+)");
+}
+
 }  // namespace
 
 void addShapes(py::module_& module) {
@@ -210,6 +252,7 @@ cells : 3 int, cells along x, y and z; min, max : 3 float each, the lowest and t
 Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions reshaped to (cells[2] +
 1, cells[1] + 1, cells[0] + 1, 3) are indexed by [k, j, i].
 )");
+    addAround(shapesModule);
     addRoundShapes(shapesModule);
     addJointedShapes(shapesModule);
     addSolids(shapesModule);

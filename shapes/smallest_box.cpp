@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "smallest_box.h"
 
+#include <espalier/base/vector3.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,23 +15,6 @@ namespace {
 using Point2 = std::array<double, 2>;
 
 constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-
-double dot(const Point3& a, const Point3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Point3 cross(const Point3& a, const Point3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Point3 unit(const Point3& a) {
-    const double length = std::sqrt(dot(a, a));
-    return {a[0] / length, a[1] / length, a[2] / length};
-}
-
-Point3 opposite(const Point3& a) {
-    return {-a[0], -a[1], -a[2]};
-}
 
 /// Returns `count` directions, spread evenly over a half sphere on a spiral.
 std::vector<Point3> directions(int count) {
@@ -48,7 +33,7 @@ Axes axesAlong(const Point3& direction) {
     std::size_t least = 0;
     for (std::size_t i = 1; i < 3; ++i)
         if (std::abs(direction[i]) < std::abs(direction[least])) least = i;
-    const Point3 first = unit(cross(kCoordinateAxes[least], direction));
+    const Point3 first = normalised(cross(kCoordinateAxes[least], direction));
     return {first, cross(direction, first), direction};
 }
 
@@ -60,8 +45,7 @@ double turn(const Point2& a, const Point2& b, const Point2& c) {
 /// Returns the corners of the convex hull, anticlockwise (Andrew's monotone chain).
 std::vector<Point2> convexHull(std::vector<Point2> points) {
     std::ranges::sort(points);
-    const auto duplicates = std::ranges::unique(points);
-    points.erase(duplicates.begin(), duplicates.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     std::vector<Point2> hull;
     const auto addChain = [&hull](const auto& chain) {
@@ -166,7 +150,7 @@ private:
         const Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
         Point3 first;
         for (std::size_t i = 0; i < 3; ++i) first[i] = side[0] * u[i] + side[1] * v[i];
-        first = unit(first);
+        first = normalised(first);
         current[(axis + 1) % 3] = first;
         current[(axis + 2) % 3] = cross(current[axis], first);
     }
@@ -183,8 +167,7 @@ std::vector<Point3> extremePoints(std::span<const Point3> points) {
         result.push_back(*high);
     }
     std::ranges::sort(result);
-    const auto duplicates = std::ranges::unique(result);
-    result.erase(duplicates.begin(), duplicates.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
     return result;
 }
 
@@ -200,13 +183,13 @@ Axes named(const Axes& axes) {
         std::size_t least = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             candidate[i] = axes[order[i]];
-            if (candidate[i][i] < 0) candidate[i] = opposite(candidate[i]);
+            if (candidate[i][i] < 0) candidate[i] = scaled(candidate[i], -1);
             sum += candidate[i][i];
             if (candidate[i][i] < candidate[least][least]) least = i;
         }
         if (dot(cross(candidate[0], candidate[1]), candidate[2]) < 0) {
             sum -= 2 * candidate[least][least];
-            candidate[least] = opposite(candidate[least]);
+            candidate[least] = scaled(candidate[least], -1);
         }
         // A smaller difference is rounding: the first of equal choices remains.
         if (sum > most + 1e-12) {

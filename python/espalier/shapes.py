@@ -5,6 +5,7 @@ from ._core._shapes import *
 
 __all__ = [
     "arm",
+    "around",
     "barbell",
     "bipyramid",
     "box",

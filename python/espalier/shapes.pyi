@@ -10,6 +10,14 @@ _Core = Literal["wedges", "polygon"]
 def box(
     cells: Sequence[int] = ..., min: Sequence[float] = ..., max: Sequence[float] = ...
 ) -> Lattice: ...
+def around(
+    points: ArrayLike,
+    *,
+    cells: int | Sequence[int] | None = None,
+    cell_size: float = 0.0,
+    margin: float = 0.05,
+    oriented: bool = False,
+) -> Lattice: ...
 def cylinder(
     *,
     sectors: int = 8,

@@ -386,6 +386,15 @@ static void test_inventory(void) {
               3);
     TRY_SHAPE(barbell, espalier_lattice_create_barbell(&options, &made_lattice), end_segments, 6,
               end_radius, 5);
+    static const double corners[6] = {0, 0, 0, 4, 2, 1};
+    TRY_SHAPE(around, espalier_lattice_create_around(2, corners, &options, &made_lattice), cells[0],
+              5, cell_size, 2);
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        REFUSES(espalier_lattice_create_around(lengths[i], corners, NULL, &made_lattice));
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[6] = {0, 0, 0, 4, 2, doubles[i]};
+        record(espalier_lattice_create_around(2, odd, NULL, &made_lattice));
+    }
     TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &made_lattice), segments, 4, up[0], 3);
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         espalier_arm_options options = espalier_default_arm_options();

@@ -158,6 +158,47 @@ static void test_arm(void) {
     CHECK(l == NULL);
 }
 
+static void test_around(void) {
+    espalier_lattice* l = NULL;
+    static const double corners[6] = {0, 0, 0, 4, 2, 1};
+    const double margin = 0.05 * sqrt(21);
+    OK(espalier_lattice_create_around(2, corners, NULL, &l));
+    CHECK(fabs(largest(l, 0) - (4 + margin)) < 1e-12);
+    CHECK(fabs(largest(l, 2) - (1 + margin)) < 1e-12);
+    check_counts(&l, 5 * 3 * 2, 4 * 2);
+    espalier_around_options options = espalier_default_around_options();
+    options.margin = 0;
+    options.cells_along_longest = 8;
+    OK(espalier_lattice_create_around(2, corners, &options, &l));
+    check_counts(&l, 9 * 5 * 3, 8 * 4 * 2);
+    options.cell_size = 1;
+    OK(espalier_lattice_create_around(2, corners, &options, &l));
+    check_counts(&l, 5 * 3 * 2, 4 * 2);
+    options.cells[0] = options.cells[1] = options.cells[2] = 1;
+    OK(espalier_lattice_create_around(2, corners, &options, &l));
+    check_counts(&l, 8, 1);
+    options.cells[1] = -1;
+    INVALID(espalier_lattice_create_around(2, corners, &options, &l), "cells[1]");
+    options = espalier_default_around_options();
+    options.cells_along_longest = 0;
+    INVALID(espalier_lattice_create_around(2, corners, &options, &l), "cells_along_longest");
+    options.size = 0;
+    INVALID(espalier_lattice_create_around(2, corners, &options, &l),
+            "espalier_default_around_options()");
+    INVALID(espalier_lattice_create_around(0, corners, NULL, &l), "there are no points");
+    INVALID(espalier_lattice_create_around(2, NULL, NULL, &l), "points is null");
+    INVALID(espalier_lattice_create_around(2, corners, NULL, NULL), "lattice is null");
+    /* A turned segment: the oriented box is as long as the segment, and the box with sides along
+     * the axes is not. */
+    static const double segment[6] = {0, 0, 0, 3, 4, 0};
+    options = espalier_default_around_options();
+    options.margin = 0.1;
+    options.oriented = 1;
+    OK(espalier_lattice_create_around(2, segment, &options, &l));
+    check_counts(&l, 5 * 2 * 2, 4);
+    CHECK(l == NULL);
+}
+
 static void test_solids(void) {
     espalier_lattice* l = NULL;
     static const int32_t vertices[5] = {4, 8, 6, 20, 12}, over_pentagon[3] = {10, 6, 7};
@@ -189,6 +230,7 @@ int main(void) {
     test_barbell();
     test_memory();
     test_arm();
+    test_around();
     test_solids();
     return 0;
 }

@@ -254,7 +254,9 @@ def test_meshes_and_curves(tmp_path):
 def test_the_inventory_is_valid(name):
     shape = getattr(espalier.shapes, name)
     box = espalier.shapes.box()
-    lattice = shape([box, box.transformed(np.eye(3), (1, 0, 0))]) if name == "merge" else shape()
+    arguments = {"merge": [[box, box.transformed(np.eye(3), (1, 0, 0))]],
+                 "around": [box.positions]}
+    lattice = shape(*arguments.get(name, []))
     refined = espalier.refine(lattice)
     assert refined.counts[3] >= 4
     check = espalier.ValidityCheck(lattice, 1)
@@ -271,6 +273,34 @@ def test_the_inventory_takes_options():
     hand = {tuple(p.round(12) + 0.0) for p in arm.positions[-4:]}
     assert {tuple(p.round(12) + 0.0) for p in twisted.positions[-4:]} == hand
     assert not np.allclose(arm.positions[-4:], twisted.positions[-4:])
+
+
+def test_a_box_around_points():
+    around = espalier.shapes.around
+    corners = np.array([[0, 0, 0], [4, 2, 1]])
+    margin = 0.05 * np.sqrt(21)
+    np.testing.assert_allclose(around(corners).positions.min(axis=0), [-margin] * 3)
+    np.testing.assert_allclose(around(corners).positions.max(axis=0), corners[1] + margin)
+    assert around(corners).counts[3] == 4 * 2 * 1
+    assert around(corners, cells=8, margin=0).counts[3] == 8 * 4 * 2
+    assert around(corners, cells=(1, 2, 3)).counts[3] == 6
+    assert around(corners, cell_size=0.5, margin=0).counts[3] == 8 * 4 * 2
+    segment = [[0, 0, 0], [3, 4, 0]]
+    assert around(segment, margin=0.1).counts[3] == 3 * 4 * 1
+    assert around(segment, margin=0.1, oriented=True).counts[3] == 4
+    points = np.random.default_rng(3).normal(size=(500, 3)).astype(np.float32)
+    for oriented in (False, True):
+        rest = around(points, oriented=oriented)
+        binding = espalier.bind(rest, points, outside="error")
+        np.testing.assert_allclose(binding.deform(rest), points, atol=1e-12)
+    for options, message in [
+            ({"cells": 0}, "cells is 0"), ({"cells": (0, 0, 0)}, "cells"),
+            ({"cells": (1, -1, 1)}, r"cells\[1\] is -1"), ({"cell_size": -1}, "cell_size"),
+            ({"margin": -1}, "margin")]:
+        with pytest.raises(ValueError, match="^around: " + message):
+            around(corners, **options)
+    with pytest.raises(ValueError, match="there are no points"):
+        around(np.zeros((0, 3)))
 
 
 def test_what_a_lattice_looks_like():

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/printable.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
+#include <espalier/limit/limit_binding.h>
+#include <espalier/shapes/around.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bind_model.h"
+#include "commands.h"
+#include "files.h"
+#include "options.h"
+
+namespace espalier::cli {
+namespace {
+
+struct AroundCommandOptions {
+    CommonOptions common;
+    std::vector<std::string> models;
+    std::vector<int> cells;
+    std::vector<double> part;  ///< two corners of a box; empty for whole models
+    shapes::AroundOptions shape;
+    std::string output;
+};
+
+/// Reads the points of all models that are in the part.
+std::vector<Point3> readPoints(const AroundCommandOptions& options, Stages& stages) {
+    std::vector<Point3> points;
+    const auto isInPart = [&](const Point3& point) {
+        for (std::size_t axis = 0; axis < options.part.size() / 2; ++axis) {
+            const auto [low, high] = std::minmax(options.part[axis], options.part[axis + 3]);
+            if (point[axis] < low || point[axis] > high) return false;
+        }
+        return true;
+    };
+    for (const std::string& path : options.models) {
+        const auto model = stages.read(path, [&] { return io::readModel(path); });
+        std::ranges::copy_if(model->positions(), std::back_inserter(points), isInPart);
+    }
+    if (points.empty())
+        throw io::FileError(options.models.front(),
+                            "no point of the models is in the box of --around-part");
+    return points;
+}
+
+/// Returns the number of points outside the limit of the lattice, and outside the level that the
+/// program binds to by default. Rounding can put a point on the boundary on either side.
+Index countOutside(const Lattice& lattice, std::span<const Point3> points, Stages& stages) {
+    return stages.run("checking", [&] {
+        const far::TopologyRefiner base(lattice.complex);
+        const embed::RestLattice rest{base, lattice.positions};
+        const auto outside = [&](const auto& bound) {
+            return static_cast<Index>(points.size()) - bound.count(embed::PointStatus::Inside);
+        };
+        return std::max(outside(embed::bindPoints(rest, points, {.level = BindOptions().level})),
+                        outside(limit::bindLimit(rest, points, {})));
+    });
+}
+
+/// Returns the options of the lattice.
+/// \throws CLI::ValidationError
+shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
+    shapes::AroundOptions shape = options.shape;
+    for (const int count : options.cells)
+        if (count < 1) throw CLI::ValidationError("--cells", "expected 1 or more");
+    if (options.cells.size() == 2)
+        throw CLI::ValidationError("--cells", "expected one number or three, got two");
+    if (options.cells.size() == 1) shape.cellsAlongLongest = options.cells.front();
+    if (options.cells.size() == 3) std::ranges::copy(options.cells, shape.cells.begin());
+    return shape;
+}
+
+void runAround(const AroundCommandOptions& options) {
+    shapes::AroundOptions shape = shapeOf(options);
+    const std::vector<Input> inputs = inputsOf("MODEL", options.models);
+    checkInputs(inputs);
+    checkOutput(options.output, inputs);
+    io::checkLatticeTarget(options.output);
+    const ThreadLimit limit(options.common.threads);
+    Stages stages(options.common.quiet);
+    const std::vector<Point3> points = readPoints(options, stages);
+    // Each round doubles the margin. Only margins near 0 need a round.
+    constexpr double kSmallestMargin = 1e-9;
+    constexpr int kMaxRounds = 10;
+    for (int round = 0;; ++round) {
+        const Lattice lattice = stages.run("building", [&] {
+            return ofFile(options.models.front(), [&] { return shapes::around(points, shape); });
+        });
+        const Index outside = countOutside(lattice, points, stages);
+        if (outside > 0 && round < kMaxRounds) {
+            shape.margin = std::max(2 * shape.margin, kSmallestMargin);
+            continue;
+        }
+        if (outside > 0)
+            throw io::FileError(options.models.front(),
+                                fmt::format("{} points are outside the lattice; give --margin a "
+                                            "larger number",
+                                            outside));
+        stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+        if (options.common.quiet) return;
+        fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),
+                   lattice.complex.count(0), lattice.complex.count(3), points.size());
+        if (round > 0) fmt::print(", with the margin widened to {:.2g}", shape.margin);
+        fmt::print("\n");
+        return;
+    }
+}
+
+}  // namespace
+
+void addAroundCommand(CLI::App& shape) {
+    const auto [command, options] = addCommand(
+        shape, "around", "A box of hexahedra around the points of one or more models", runAround);
+    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl or .vtu")
+        ->required()
+        ->expected(1, 1000);
+    CLI::Option* const cells =
+        command
+            .add_option("--cells", options.cells,
+                        "One number: cells along the longest side, and as many along the others as "
+                        "make them closest to cubes. Three numbers: cells along x, y and z")
+            ->expected(1, 3)
+            ->delimiter(',')
+            ->type_name("N|I J K")
+            ->default_str("4");
+    command
+        .add_option("--size", options.shape.cellSize,
+                    "Largest edge of a cell, in the units of the model")
+        ->check(CLI::PositiveNumber)
+        ->excludes(cells);
+    command
+        .add_option("--margin", options.shape.margin,
+                    "Distance from the points to the sides of the box, as a fraction of the "
+                    "diagonal of the box around the points")
+        ->capture_default_str();
+    command.add_flag("--oriented", options.shape.oriented,
+                     "Turn the box so that its volume is smallest, instead of along the axes");
+    command
+        .add_option("--around-part", options.part,
+                    "Use only the points in the box with these two opposite corners")
+        ->expected(6)
+        ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+    command.add_option("-o,--output", options.output, "The lattice: .ovm, .vtu or .vtk")
+        ->required();
+    addRunOptions(command, options.common);
+}
+
+}  // namespace espalier::cli
