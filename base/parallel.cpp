@@ -4,11 +4,6 @@
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
 
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -16,6 +11,10 @@
 #include <utility>
 
 #ifdef ESPALIER_WITH_TBB
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #endif
 
 namespace espalier {

@@ -63,13 +63,13 @@ far::CellComplex buildCells(const espalier_cells& cells) {
         for (std::int64_t i = cellOffsets[cell]; i < cellOffsets[cell + 1]; ++i) {
             const std::int64_t face = cells.cell_faces != nullptr ? cells.cell_faces[i] : i;
             if (face < 0 || face >= cells.face_count)
-                throw Error(
-                    concat("cell ", cell, " names face ", face, "; there are ", cells.face_count));
+                throw Error(concat("cell ", cell, " names face ", face, "; the number of faces is ",
+                                   cells.face_count));
             isUsed[face] = true;
             const auto loop = row(faceOffsets, cells.face_vertices, face);
             if (std::ssize(loop) > cells.vertex_count)
-                throw Error(concat("face ", face, " has ", loop.size(), " vertices; there are ",
-                                   cells.vertex_count));
+                throw Error(concat("face ", face, " has ", loop.size(),
+                                   " vertices; the lattice has ", cells.vertex_count));
             loops.emplace_back(loop.begin(), loop.end());
         }
         builder.addCell(loops);

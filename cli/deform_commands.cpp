@@ -147,9 +147,8 @@ void runApply(const DeformOptions& options) {
     const auto difference = [&](const Lattice& pose) -> std::optional<std::string> {
         if (far::topologyHash(pose.complex) == bound.binding.topologyHash) return std::nullopt;
         return fmt::format(
-            "the lattice that {} was bound to: that one has {} vertices, this one has {}; or they "
-            "have "
-            "different cells",
+            "the lattice that {} was bound to: the bound lattice has {} vertices, the pose {}; or "
+            "their cells differ",
             printable(options.model), table.columnCount(), pose.complex.count(0));
     };
     const auto poses = readPoses(options.poses, difference, stages);

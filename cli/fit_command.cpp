@@ -404,8 +404,8 @@ void addFitCommand(CLI::App& program) {
     addBindingOptions(command, options);
     addChoice<solve::Smoothing>(command, "--smoothing", options.fit.smoothing,
                                 solve::kSmoothingWords,
-                                "What else is asked of the displacements of the lattice. "
-                                "tikhonov: to be small; laplacian: to be like those of neighbours");
+                                "The second aim of the fit, for the displacements of the lattice. "
+                                "tikhonov: small ones; laplacian: like the neighbours' ones");
     command
         .add_option("--strength", options.fit.strength,
                     "Weight of the smoothing against the targets, 0.0001 to 10000")

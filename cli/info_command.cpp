@@ -369,7 +369,7 @@ std::string toText(const std::complex<double>& value) {
 }
 
 void printSmoothness(const std::vector<Smoothness>& entries) {
-    fmt::print("\nsmoothness: that of the tricubic B-spline {}\n",
+    fmt::print("\nsmoothness: as smooth as the tricubic B-spline {}\n",
                entries.empty() ? "everywhere" : "except at");
     for (const Smoothness& entry : entries) {
         if (!entry.isKnown) {

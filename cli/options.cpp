@@ -36,10 +36,10 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor ru
                                         "faces; smooth: by weights that make "
                                         "the surface smoother",
                                         "catmark" + unlessTagged);
-    addChoice<far::SharpEdges>(
-        command, "--sharp-edges", options.sharpEdges, far::kSharpEdgesWords,
-        "Which boundary edges are sharp. single-cell: those in one cell; literal: those between "
-        "vertices that lie in at most two cells");
+    addChoice<far::SharpEdges>(command, "--sharp-edges", options.sharpEdges, far::kSharpEdgesWords,
+                               "Which boundary edges are sharp. single-cell: edges of only one "
+                               "cell; literal: edges between "
+                               "vertices that lie in at most two cells");
     std::vector<Word<far::Rules>> rules;
     for (const auto& word : far::kRulesWords)
         if ((word.choice != far::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&

@@ -118,11 +118,10 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
     auto tables =
         stages.run("building", [&] { return stencils::buildLevelTables(refiner, options.level); });
     for (int k = 1; k <= options.level; ++k)
-        result.push_back(
-            {levelPath(options, k), std::move(tables[k - 1]),
-             fmt::format("R_{} of {}: rows are the vertices of level {}, columns those "
-                         "of level {}, in the order of espalier refine",
-                         k, printable(options.lattice), k, k - 1)});
+        result.push_back({levelPath(options, k), std::move(tables[k - 1]),
+                          fmt::format("R_{} of {}: rows are the vertices of level {}, columns the "
+                                      "vertices of level {}, in the order of espalier refine",
+                                      k, printable(options.lattice), k, k - 1)});
     return result;
 }
 

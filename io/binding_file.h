@@ -11,7 +11,8 @@
 #include <string_view>
 #include <vector>
 
-/// \file Writes and reads bound models (.espb): a model, its binding, and the gradients that carry
+/// \file
+/// Writes and reads bound models (.espb): a model, its binding, and the gradients that carry
 /// its normals.
 
 namespace espalier::io {

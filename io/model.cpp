@@ -56,7 +56,7 @@ void Model::checkTarget(const std::filesystem::path& path) const {
     const ModelFormat* format = findModelFormat(path);
     if (format && format->extension != extension())
         throw FileError(path, "the model was read as " + std::string(extension()) +
-                                  " and can only be written as that");
+                                  " and can only be written in this format");
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {

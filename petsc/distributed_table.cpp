@@ -50,15 +50,19 @@ void checkInitialised() {
 /// Checks the arguments of one rank, without communication.
 void checkOwn(const StencilTable<double>& rows, Offset ownVertexCount, int components,
               int componentsOfRank0) {
-    if (components < 1) throw Error(concat("got ", components, " components"));
+    if (components < 1)
+        throw Error(concat("the number of components is ", components, "; expected 1 or more"));
     if (components != componentsOfRank0)
         throw Error(concat("got ", components, " components, rank 0 has ", componentsOfRank0));
-    if (ownVertexCount < 0) throw Error(concat("got ", ownVertexCount, " own vertices"));
+    if (ownVertexCount < 0)
+        throw Error(
+            concat("the number of own vertices is ", ownVertexCount, "; expected 0 or more"));
     checkPetscInt(rows.entryCount(), "entries on one rank");
     for (Index row = 0; row < rows.rowCount(); ++row)
         for (const double weight : rows.weights(row))
             if (!std::isfinite(weight))
-                throw Error(concat("row ", row, " has a weight of ", weight));
+                throw Error(
+                    concat("row ", row, " has a weight of ", weight, "; expected finite weights"));
 }
 
 /// Returns the range of this rank, given the count of each rank.

@@ -138,7 +138,7 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     const auto& lattice = pose.cast<const Lattice&>();
     const auto hash = withoutGil([&] { return far::topologyHash(lattice.complex); });
     if (hash != self.bound.binding.topologyHash)
-        throw Error("pose: its topology is not that of the lattice that the points are bound to");
+        throw Error("pose: its topology differs from the lattice that the points are bound to");
     return viewOf(lattice.positions, pose);
 }
 

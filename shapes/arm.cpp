@@ -36,7 +36,7 @@ void check(const ArmOptions& options) {
         requireFinite("arm", indexed("joints", i) + ".twist", joint.twist);
         if (i > 0 && joint.position == options.joints[i - 1].position)
             refuseField("arm", indexed("joints", i) + ".position", textOf(joint.position),
-                        "points other than that of the joint before");
+                        "a position other than the one of the joint before");
     }
 }
 

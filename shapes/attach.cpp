@@ -80,9 +80,10 @@ struct Site {
                         const Point3& value) const {
         requireFinite(who, field, value);
         if (!(dot(areaVector(positions), vector) > 0))
-            refuseField(who, field, textOf(value),
-                        "those on the outer side of the face; the cell would have no volume, or a "
-                        "negative one");
+            refuseField(
+                who, field, textOf(value),
+                "vectors that point outwards from the face; the cell would have no volume, or a "
+                "negative one");
     }
 
     Loop reversed() const { return Loop(loop.rbegin(), loop.rend()); }

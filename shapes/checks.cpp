@@ -84,7 +84,7 @@ void requireCountable(const std::string& shape, std::initializer_list<Offset> fa
         for (const Offset each : factors) product += concat(product.empty() ? "" : " x ", each);
         throw far::TopologyError(
             far::TopologyCause::TooManyEntities, {0, kMaxIndex},
-            concat(shape, ": would take ", product, " entries; the most is ", kMaxIndex));
+            concat(shape, ": needs ", product, " entries; the maximum is ", kMaxIndex));
     }
 }
 
@@ -96,7 +96,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
     const std::size_t vertexCount = lattice.complex.count(0);
     if (lattice.positions.size() != vertexCount)
         throw Error(concat(who, ": ", name, " has ", lattice.positions.size(),
-                           " positions; expected ", vertexCount, ", one a vertex"));
+                           " positions; expected ", vertexCount, ", one for each vertex"));
     for (std::size_t vertex = 0; vertex < vertexCount; ++vertex)
         if (!isFinite(lattice.positions[vertex]))
             throw Error(concat(who, ": vertex ", vertex, " of ", name, " is at ",

@@ -184,7 +184,7 @@ Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers, 
         if (layers[layer].size() != mesh.positions.size())
             throw Error(concat("sweep: layer ", layer, " has ", layers[layer].size(),
                                " positions; expected ", mesh.positions.size(),
-                               ", one a vertex of the mesh"));
+                               ", one for each vertex of the mesh"));
         for (std::size_t vertex = 0; vertex < layers[layer].size(); ++vertex)
             requireFinite("sweep", concat("vertex ", vertex, " of layer ", layer),
                           layers[layer][vertex]);

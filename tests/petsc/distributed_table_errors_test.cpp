@@ -58,11 +58,11 @@ TEST_F(DistributedTableErrors, VerticesThatAreNotTheColumns) {
     EXPECT_THAT(errorOfTable(isLast() ? wider : rows_, vertices_.count()),
                 StartsWith(lastRank() + "the rows are over 11 vertices; the ranks own 10"));
     EXPECT_THAT(errorOfTable(rows_, isLast() ? -1 : vertices_.count()),
-                StartsWith(lastRank() + "got -1 own vertices"));
+                StartsWith(lastRank() + "the number of own vertices is -1; expected 0 or more"));
 }
 
 TEST_F(DistributedTableErrors, Components) {
-    EXPECT_THAT(errorOfTable(rows_, vertices_.count(), 0), StartsWith("rank 0: got 0 components"));
+    EXPECT_THAT(errorOfTable(rows_, vertices_.count(), 0), StartsWith("rank 0: the number of components is 0; expected 1 or more"));
     if (rankCount() > 1) {
         EXPECT_THAT(errorOfTable(rows_, vertices_.count(), isLast() ? 2 : 3),
                     StartsWith(lastRank() + "got 2 components, rank 0 has 3"));

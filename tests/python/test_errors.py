@@ -117,7 +117,7 @@ def test_the_librarys_own_errors_keep_their_text(rest, points, tmp_path):
 
 
 def test_a_pose_of_another_lattice(binding):
-    with pytest.raises(ValueError, match="^pose: its topology is not that"):
+    with pytest.raises(ValueError, match="^pose: its topology differs from the lattice that the points are bound to"):
         binding.deform(espalier.shapes.box(cells=(2, 3, 2)))
 
 
@@ -197,7 +197,7 @@ def test_names_of_attributes_that_files_need(rest):
     ("arm", {"joints": [[0, 0, 0, 1], [1, 0, 0, 0]]},
      "arm: joints[1, 3] is 0; allowed: finite numbers above 0"),
     ("arm", {"joints": [[0, 0, 0, 1], [0, 0, 0, 1]]},
-     "arm: joints[1, :3] is (0, 0, 0); allowed: points other than that of the joint before"),
+     "arm: joints[1, :3] is (0, 0, 0); allowed: a position other than the one of the joint before"),
     ("prism", {"sides": 2}, "prism: sides is 2; allowed: 3 or more"),
 ])
 def test_shapes_name_their_arguments(name, arguments, text):

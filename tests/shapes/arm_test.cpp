@@ -131,7 +131,7 @@ TEST(Arm, HasTheTopologyOfItsPose) {
 
 TEST(Arm, RefusesInvalidJoints) {
     EXPECT_MESSAGE(
-        "arm: joints[2].position is (1, 0, 0); allowed: points other than that of the joint "
+        "arm: joints[2].position is (1, 0, 0); allowed: a position other than the one of the joint "
         "before",
         arm(limb({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}})));
     EXPECT_MESSAGE(

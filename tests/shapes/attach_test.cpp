@@ -163,7 +163,7 @@ TEST(Attach, RefusesCellsThatDoNotFit) {
         EXPECT_EQ(messageOf([&] { attachPrism(two, bottom, offset); }).substr(0, 25),
                   "attachPrism: offset is (" + std::to_string(int(offset[0])));
     EXPECT_MESSAGE(
-        "attachPyramid: apex is (0.5, 0.5, 1); allowed: those on the outer side of the face; "
+        "attachPyramid: apex is (0.5, 0.5, 1); allowed: vectors that point outwards from the face; "
         "the cell would have no volume, or a negative one",
         attachPyramid(two, bottom, {0.5, 0.5, 1}));
     EXPECT_MESSAGE("attachPrism: the lattice is a mesh; expected a lattice",

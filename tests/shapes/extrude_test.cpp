@@ -143,7 +143,7 @@ TEST(Extrude, RefusesComplexesThatAreNotMeshes) {
                    extrude(fins));
     Lattice broken = frame();
     broken.positions.pop_back();
-    EXPECT_MESSAGE("extrude: the mesh has 7 positions; expected 8, one a vertex", extrude(broken));
+    EXPECT_MESSAGE("extrude: the mesh has 7 positions; expected 8, one for each vertex", extrude(broken));
     broken = frame();
     broken.positions[3][1] = kInfinity;
     EXPECT_MESSAGE("extrude: vertex 3 of the mesh is at (-2, inf, 0); expected finite numbers",
@@ -232,7 +232,7 @@ TEST(Sweep, RefusesLayersThatDoNotFit) {
     EXPECT_MESSAGE("sweep: the number of layers is 1; allowed: 2 or more",
                    sweep(flat, std::span(layers).first(1)));
     layers[1].pop_back();
-    EXPECT_MESSAGE("sweep: layer 1 has 3 positions; expected 4, one a vertex of the mesh",
+    EXPECT_MESSAGE("sweep: layer 1 has 3 positions; expected 4, one for each vertex of the mesh",
                    sweep(flat, layers));
     layers[1].push_back({0, kNan, 0});
     EXPECT_MESSAGE("sweep: vertex 3 of layer 1 is (0, nan, 0); allowed: finite numbers",

@@ -88,7 +88,7 @@ TEST(Parameters, AreRefusedIfThereWouldBeTooManyEntities) {
     EXPECT_TRUE(isTooMany([] { return bipyramid({kMany}); }));
     EXPECT_TRUE(isTooMany([] { return gridMesh({{kMany, kMany}}); }));
     EXPECT_TRUE(isTooMany([] { return cylinder({kMany, {kMany}, kMany}); }));
-    EXPECT_MESSAGE("box: would take 2000 x 2000 x 2000 x 24 entries; the most is 2147483647",
+    EXPECT_MESSAGE("box: needs 2000 x 2000 x 2000 x 24 entries; the maximum is 2147483647",
                    box({{2000, 2000, 2000}}));
 }
 
