@@ -58,14 +58,14 @@ std::array<int, 3> countsOf(const Extents& extents, const AroundOptions& options
 
 Lattice around(std::span<const Point3> points, const AroundOptions& options) {
     check(points, options);
-    Axes axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Axes axes = kCoordinateAxes;
     Extents extents = extentsAlong(axes, points);
     const double diagonal = diagonalOf(extents);
+    if (!std::isfinite(diagonal))
+        throw Error("around: the points are so far apart that the size of their box is infinite");
     if (!(diagonal > 0))
         throw Error("around: all points are at " + textOf(points.front()) +
                     "; a box needs points at different places");
-    if (!std::isfinite(diagonal))
-        throw Error("around: the points are so far apart that the size of their box is infinite");
     if (options.oriented) {
         axes = smallestBox(points, 2 * options.margin * diagonal);
         extents = extentsAlong(axes, points);

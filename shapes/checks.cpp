@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 #include <espalier/far/topology_error.h>
 
 #include <charconv>
@@ -54,6 +55,12 @@ void requireFinite(const std::string& shape, const std::string& field, const Poi
 void requirePositive(const std::string& shape, const std::string& field, double value) {
     if (!(value > 0) || !std::isfinite(value))
         refuseField(shape, field, textOf(value), "finite numbers above 0");
+}
+
+Point3 unitVector(const std::string& shape, const std::string& field, const Point3& vector) {
+    requireFinite(shape, field, vector);
+    if (!(length(vector) > 0)) refuseField(shape, field, textOf(vector), "non-zero vectors");
+    return normalised(vector);
 }
 
 std::string indexed(const std::string& field, std::size_t index) {

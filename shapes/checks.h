@@ -25,6 +25,10 @@ void requireFinite(const std::string& shape, const std::string& field, double va
 void requireFinite(const std::string& shape, const std::string& field, const Point3& value);
 void requirePositive(const std::string& shape, const std::string& field, double value);
 
+/// Returns the unit vector of a direction.
+/// \throws Error unless the vector is finite and not zero
+Point3 unitVector(const std::string& shape, const std::string& field, const Point3& vector);
+
 /// Returns "field[index]", the name of a list entry in messages.
 std::string indexed(const std::string& field, std::size_t index);
 

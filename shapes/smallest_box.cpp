@@ -2,6 +2,7 @@
 #include "smallest_box.h"
 
 #include <espalier/base/vector3.h>
+#include <espalier/shapes/transform.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +15,6 @@ namespace {
 
 using Point2 = std::array<double, 2>;
 
-constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-
 /// Returns `count` directions, spread evenly over a half sphere on a spiral.
 std::vector<Point3> directions(int count) {
     std::vector<Point3> result;
@@ -25,16 +24,6 @@ std::vector<Point3> directions(int count) {
         result.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
     }
     return result;
-}
-
-/// Returns axes whose third is `direction`, a unit vector.
-Axes axesAlong(const Point3& direction) {
-    // The coordinate axis that is farthest from parallel.
-    std::size_t least = 0;
-    for (std::size_t i = 1; i < 3; ++i)
-        if (std::abs(direction[i]) < std::abs(direction[least])) least = i;
-    const Point3 first = normalised(cross(kCoordinateAxes[least], direction));
-    return {first, cross(direction, first), direction};
 }
 
 /// Returns twice the signed area of a triangle: positive if its corners are anticlockwise.
@@ -200,7 +189,20 @@ Axes named(const Axes& axes) {
     return best;
 }
 
+Axes turned(const Axes& axes, const Affine& map) {
+    return {map(axes[0]), map(axes[1]), map(axes[2])};
+}
+
 }  // namespace
+
+Axes axesAlong(const Point3& direction) {
+    // The coordinate axis that is farthest from parallel.
+    std::size_t least = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+        if (std::abs(direction[i]) < std::abs(direction[least])) least = i;
+    const Point3 first = normalised(cross(kCoordinateAxes[least], direction));
+    return {first, cross(direction, first), direction};
+}
 
 Extents extentsAlong(const Axes& axes, std::span<const Point3> points) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -221,6 +223,11 @@ Axes smallestBox(std::span<const Point3> points, double padding) {
     Search rough{extremes, padding};
     rough.start(kCoordinateAxes);
     for (const Point3& direction : directions(kStarts)) rough.start(axesAlong(direction));
+    // Turns about single axes can end where only a turn about another axis makes the box smaller.
+    constexpr int kShakes = 12;
+    for (const double angle : {0.3, -0.3, 0.1, -0.1, 0.03, -0.03})
+        for (const Point3& direction : directions(kShakes))
+            rough.start(turned(rough.axes, rotation(direction, angle)));
     Search search{points, padding};
     search.start(kCoordinateAxes);
     search.start(rough.axes);

@@ -12,6 +12,11 @@ namespace espalier::shapes {
 /// Three perpendicular unit vectors, right-handed: the axes of a box.
 using Axes = std::array<Point3, 3>;
 
+inline constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+/// Returns axes whose third is `direction`, a unit vector.
+Axes axesAlong(const Point3& direction);
+
 /// The intervals that the coordinates of points along some axes fill.
 struct Extents {
     Point3 min, max;

@@ -11,12 +11,6 @@
 namespace espalier::shapes {
 namespace {
 
-Point3 directionOf(const std::string& field, const Point3& vector) {
-    requireFinite("rotation", field, vector);
-    if (!(length(vector) > 0)) refuseField("rotation", field, textOf(vector), "non-zero vectors");
-    return normalised(vector);
-}
-
 /// Rotation about a unit axis, from the cosine and sine of its angle (Rodrigues' formula).
 Affine rotationAbout(const Point3& axis, double cosine, double sine) {
     const auto [x, y, z] = axis;
@@ -89,12 +83,12 @@ Affine scaling(const Point3& factors) {
 
 Affine rotation(const Point3& axis, double angle) {
     requireFinite("rotation", "angle", angle);
-    return rotationAbout(directionOf("axis", axis), std::cos(angle), std::sin(angle));
+    return rotationAbout(unitVector("rotation", "axis", axis), std::cos(angle), std::sin(angle));
 }
 
 Affine rotationBetween(const Point3& from, const Point3& to) {
-    const Point3 start = directionOf("from", from);
-    const Point3 end = directionOf("to", to);
+    const Point3 start = unitVector("rotation", "from", from);
+    const Point3 end = unitVector("rotation", "to", to);
     const Point3 axis = cross(start, end);
     const double sine = length(axis);
     if (sine > 0) return rotationAbout(normalised(axis), dot(start, end), sine);

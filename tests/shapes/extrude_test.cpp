@@ -143,7 +143,8 @@ TEST(Extrude, RefusesComplexesThatAreNotMeshes) {
                    extrude(fins));
     Lattice broken = frame();
     broken.positions.pop_back();
-    EXPECT_MESSAGE("extrude: the mesh has 7 positions; expected 8, one for each vertex", extrude(broken));
+    EXPECT_MESSAGE("extrude: the mesh has 7 positions; expected 8, one for each vertex",
+                   extrude(broken));
     broken = frame();
     broken.positions[3][1] = kInfinity;
     EXPECT_MESSAGE("extrude: vertex 3 of the mesh is at (-2, inf, 0); expected finite numbers",

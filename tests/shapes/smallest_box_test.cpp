@@ -67,7 +67,7 @@ TEST(SmallestBox, IsAtMostOnePercentLargerThanTheBestOfManyOrientations) {
 }
 
 TEST(SmallestBox, FindsATurnedBox) {
-    for (unsigned seed = 0; seed < 30; ++seed) {
+    for (unsigned seed = 0; seed < 100; ++seed) {
         const auto numbers = randomValues(4, seed);
         const Affine map = rotation({numbers[0], numbers[1], numbers[2]}, 3 * numbers[3]);
         std::vector<Point3> corners;

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
+#include <espalier/shapes/pose.h>
+#include <espalier/shapes/transform.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "checks.h"
+#include "smallest_box.h"
+
+namespace espalier::shapes::pose {
+namespace {
+
+/// The positions, and the weight of each.
+struct Weighted {
+    std::string operation;  ///< name in messages
+    std::span<const Point3> positions;
+    std::span<const double> weights;
+
+    Weighted(const std::string& name, std::span<const Point3> points,
+             std::span<const double> weightsOrNone)
+        : operation(name), positions(points), weights(weightsOrNone) {
+        if (!weights.empty() && weights.size() != positions.size())
+            throw Error(concat(operation, ": weights has ", weights.size(),
+                               " numbers; expected one for each of the ", positions.size(),
+                               " positions"));
+        for (std::size_t i = 0; i < positions.size(); ++i)
+            requireFinite(operation, indexed("positions", i), positions[i]);
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            if (!(weights[i] >= 0 && weights[i] <= 1))
+                refuseField(operation, indexed("weights", i), textOf(weights[i]), "0 to 1");
+    }
+
+    double weight(std::size_t i) const { return weights.empty() ? 1 : weights[i]; }
+
+    /// Returns the extents of the positions whose weight is above 0.
+    Extents extents(const Axes& axes) const {
+        std::vector<Point3> moved;
+        for (std::size_t i = 0; i < positions.size(); ++i)
+            if (weight(i) > 0) moved.push_back(positions[i]);
+        if (moved.empty()) throw Error(operation + ": no position has a weight above 0");
+        return extentsAlong(axes, moved);
+    }
+
+    /// Returns the centre of a place.
+    Point3 center(const Place& place) const {
+        if (place.center) {
+            requireFinite(operation, "center", *place.center);
+            return *place.center;
+        }
+        const Extents box = extents(kCoordinateAxes);
+        return between(box.min, box.max, 0.5);
+    }
+
+    /// Returns map(position, weight) for each position with a weight above 0, and the others as
+    /// they are.
+    template <class Map>
+    std::vector<Point3> mapped(const Map& map) const {
+        std::vector<Point3> result(positions.begin(), positions.end());
+        for (std::size_t i = 0; i < result.size(); ++i)
+            if (weight(i) > 0) result[i] = map(positions[i], weight(i));
+        return result;
+    }
+};
+
+/// An axis through a centre, and the interval along it in which an operation varies.
+struct Along {
+    Point3 axis, center;
+    double low, high;
+
+    double fraction(double s) const { return std::clamp((s - low) / (high - low), 0.0, 1.0); }
+
+    /// Returns the point of the axis that is nearest to a position.
+    Point3 foot(const Point3& position) const {
+        return sum(center, scaled(axis, dot(difference(position, center), axis)));
+    }
+};
+
+Along along(const Weighted& moved, const Point3& axis, const Place& place) {
+    const Point3 direction = unitVector(moved.operation, "axis", axis);
+    Along result{direction, moved.center(place), 0, 0};
+    if (place.range) {
+        requireInterval(moved.operation, 0, (*place.range)[0], (*place.range)[1]);
+        result.low = (*place.range)[0];
+        result.high = (*place.range)[1];
+        return result;
+    }
+    const Extents extents = moved.extents(axesAlong(direction));
+    result.low = extents.min[2];
+    result.high = extents.max[2];
+    // Less is the rounding of equal coordinates.
+    constexpr double kRounding = 1e-12;
+    const double size = std::max(std::abs(result.low), std::abs(result.high));
+    if (!(result.high - result.low > kRounding * size))
+        throw Error(moved.operation +
+                    ": the selected positions are all at one place along the axis; give a range");
+    return result;
+}
+
+Point3 rotated(const Point3& position, const Point3& axis, const Point3& center, double angle) {
+    return sum(center, rotation(axis, angle)(difference(position, center)));
+}
+
+/// Returns sin(x) / x.
+double sinc(double x) {
+    return x == 0 ? 1 : std::sin(x) / x;
+}
+
+}  // namespace
+
+std::vector<Point3> move(std::span<const Point3> positions, const Point3& offset,
+                         std::span<const double> weights) {
+    requireFinite("move", "offset", offset);
+    return Weighted("move", positions, weights).mapped([&](const Point3& p, double w) {
+        return sum(p, scaled(offset, w));
+    });
+}
+
+std::vector<Point3> rotate(std::span<const Point3> positions, const Point3& axis, double angle,
+                           const Place& place) {
+    const Weighted moved("rotate", positions, place.weights);
+    const Point3 direction = unitVector("rotate", "axis", axis), center = moved.center(place);
+    requireFinite("rotate", "angle", angle);
+    return moved.mapped(
+        [&](const Point3& p, double w) { return rotated(p, direction, center, w * angle); });
+}
+
+std::vector<Point3> scale(std::span<const Point3> positions, const Point3& factors,
+                          const Place& place) {
+    const Weighted moved("scale", positions, place.weights);
+    requireFinite("scale", "factors", factors);
+    const Point3 center = moved.center(place);
+    return moved.mapped([&](const Point3& p, double w) {
+        Point3 result = p;
+        for (std::size_t i = 0; i < 3; ++i) result[i] += w * (factors[i] - 1) * (p[i] - center[i]);
+        return result;
+    });
+}
+
+std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis, double angle,
+                          const Place& place) {
+    const Weighted moved("twist", positions, place.weights);
+    const Along line = along(moved, axis, place);
+    requireFinite("twist", "angle", angle);
+    return moved.mapped([&](const Point3& p, double w) {
+        return rotated(p, line.axis, line.center, w * angle * line.fraction(dot(p, line.axis)));
+    });
+}
+
+std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, double angle,
+                         const Point3& toward, const Place& place) {
+    const Weighted moved("bend", positions, place.weights);
+    const Along line = along(moved, axis, place);
+    requireFinite("bend", "angle", angle);
+    const Point3 target = unitVector("bend", "toward", toward);
+    const Point3 across = difference(target, scaled(line.axis, dot(target, line.axis)));
+    // Less is the rounding of a parallel vector.
+    constexpr double kRounding = 1e-9;
+    if (!(length(across) > kRounding))
+        refuseField("bend", "toward", textOf(toward), "vectors that are not parallel to the axis");
+    const Point3 normal = normalised(across);
+    return moved.mapped([&](const Point3& p, double w) {
+        const double s = dot(p, line.axis), r = dot(difference(p, line.center), normal);
+        const double inside = std::clamp(s, line.low, line.high) - line.low,
+                     beyond = s - line.low - inside;
+        const double theta = w * angle * inside / (line.high - line.low);
+        // sin(θ) / k and (1 − cos(θ)) / k, for k = θ / inside that may be 0.
+        const double arc = inside * sinc(theta);
+        const double rise = inside * std::sin(theta / 2) * sinc(theta / 2);
+        const double newS = line.low + arc - std::sin(theta) * r + std::cos(theta) * beyond;
+        const double newR = rise + std::cos(theta) * r + std::sin(theta) * beyond;
+        return sum(p, sum(scaled(line.axis, newS - s), scaled(normal, newR - r)));
+    });
+}
+
+std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis, double factor,
+                          const Place& place) {
+    const Weighted moved("taper", positions, place.weights);
+    const Along line = along(moved, axis, place);
+    requireFinite("taper", "factor", factor);
+    if (factor < 0) refuseField("taper", "factor", textOf(factor), "0 or more");
+    return moved.mapped([&](const Point3& p, double w) {
+        const double change = w * (factor - 1) * line.fraction(dot(p, line.axis));
+        return sum(p, scaled(difference(p, line.foot(p)), change));
+    });
+}
+
+}  // namespace espalier::shapes::pose

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// \file
+/// Operations that pose a lattice: move, rotate, scale, twist, bend and taper. Each takes positions
+/// and returns the new ones.
+///
+/// Each operation gives a position with weight w a part of its effect: all of it at w = 1; at w = 0
+/// the position stays as it is, bit for bit. Angles are in radians.
+///
+/// Twist, bend and taper vary along an axis. In their formulas, e is the unit vector of the axis,
+/// c the centre, s = e·p the coordinate of a position along the axis, [a, b] the range, and
+/// t = (s − a) / (b − a), but 0 below the range and 1 above it. So the end at a stays, and the full
+/// effect is at b.
+///
+/// All functions throw Error naming the argument that is not finite, out of range, or of the wrong
+/// length, and for a position that is not finite.
+///
+/// \cite Barr 1984, Global and local deformations of solid primitives
+
+namespace espalier::shapes::pose {
+
+/// The positions that an operation moves, and its place. An operation that needs none of the fields
+/// ignores them.
+struct Place {
+    /// One weight per position, 0 to 1 (selection.h); empty: 1 for all.
+    std::span<const double> weights = {};
+
+    /// A point on the axis, or the fixed point of a scaling. By default, the middle of the box
+    /// around the positions whose weight is above 0.
+    std::optional<Point3> center = {};
+
+    /// The interval [a, b] of e·p along the axis, b above a. By default, the interval of the
+    /// positions whose weight is above 0.
+    std::optional<std::array<double, 2>> range = {};
+};
+
+/// Adds w · offset.
+ESPALIER_API std::vector<Point3> move(std::span<const Point3> positions, const Point3& offset,
+                                      std::span<const double> weights = {});
+
+/// Rotates by w · angle about an axis through the centre, anticlockwise seen from its tip.
+/// \param axis not zero, of any length
+ESPALIER_API std::vector<Point3> rotate(std::span<const Point3> positions, const Point3& axis,
+                                        double angle, const Place& place = {});
+
+/// Scales by 1 + w (factors − 1) along x, y and z about the centre.
+ESPALIER_API std::vector<Point3> scale(std::span<const Point3> positions, const Point3& factors,
+                                       const Place& place = {});
+
+/// Rotates by w · angle · t about an axis through the centre.
+/// \param axis not zero, of any length
+/// \cite Barr 1984, section 3.3
+ESPALIER_API std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis,
+                                       double angle, const Place& place = {});
+
+/// Bends the axis into an arc of a circle. The part of the axis in the range becomes an arc of the
+/// same length; the parts beyond it remain straight.
+///
+/// With n the unit vector across e nearest to `toward`, r = n·(p − c), s' = s limited to [a, b],
+/// k = w · angle / (b − a) and θ = k (s' − a), the coordinate along e becomes
+/// a + sin θ (1/k − r) + cos θ (s − s'), and the one along n, relative to c, becomes
+/// 1/k − cos θ (1/k − r) + sin θ (s − s').
+///
+/// \param axis not zero, of any length
+/// \param toward direction that the end at b bends to; not parallel to the axis
+/// \cite Barr 1984, section 3.4
+ESPALIER_API std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis,
+                                      double angle, const Point3& toward, const Place& place = {});
+
+/// Scales by 1 + w (factor − 1) t across an axis through the centre.
+/// \param axis not zero, of any length
+/// \param factor 0 or more
+/// \cite Barr 1984, section 3.2
+ESPALIER_API std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis,
+                                       double factor, const Place& place = {});
+
+}  // namespace espalier::shapes::pose

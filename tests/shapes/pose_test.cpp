@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/pose.h>
+#include <espalier/shapes/selection.h>
+#include <espalier/shapes/transform.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/test.h"
+
+namespace espalier::shapes::pose {
+namespace {
+
+// The bound that operations and their inverses keep for coordinates up to 2: some 20 roundings.
+constexpr double kFewRoundings = 1e-14;
+
+constexpr Point3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1};
+
+/// Returns 200 points in the box from (−1, −1, 0) to (1, 1, 2), with its corners.
+std::vector<Point3> cloud(unsigned seed = 1) {
+    const auto numbers = randomValues(600, seed);
+    std::vector<Point3> points;
+    for (std::size_t i = 0; i < 200; ++i)
+        points.push_back({numbers[3 * i], numbers[3 * i + 1], 1 + numbers[3 * i + 2]});
+    for (int i = 0; i < 8; ++i)
+        points.push_back({2.0 * (i & 1) - 1, 1.0 * (i & 2) - 1, 0.5 * (i & 4)});
+    return points;
+}
+
+void expectNear(const std::vector<Point3>& points, const std::vector<Point3>& expected,
+                double bound = kFewRoundings) {
+    ASSERT_EQ(points.size(), expected.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(points[i][axis], expected[i][axis], bound) << "point " << i;
+}
+
+/// Returns map(p) for each point.
+template <class Map>
+std::vector<Point3> each(const std::vector<Point3>& points, const Map& map) {
+    std::vector<Point3> result;
+    for (const Point3& point : points) result.push_back(map(point));
+    return result;
+}
+
+TEST(Pose, AffineOperationsAreTheirMaps) {
+    const auto points = cloud();
+    expectNear(move(points, {1, 2, -3}), each(points, translation({1, 2, -3})));
+    // The middle of the box around the points is (0, 0, 1).
+    const Affine toMiddle = translation(kZ), back = translation({0, 0, -1});
+    expectNear(rotate(points, {1, 2, 3}, 0.7),
+               each(points, toMiddle * rotation({1, 2, 3}, 0.7) * back));
+    expectNear(scale(points, {2, 3, -0.5}), each(points, toMiddle * scaling({2, 3, -0.5}) * back));
+    const Point3 center = {0.3, -0.2, 0.9};
+    expectNear(
+        rotate(points, kX, 1.5, {.center = center}),
+        each(points, translation(center) * rotation(kX, 1.5) * translation({-0.3, 0.2, -0.9})));
+    expectNear(
+        scale(points, {2, 2, 2}, {.center = center}),
+        each(points, translation(center) * scaling({2, 2, 2}) * translation({-0.3, 0.2, -0.9})));
+}
+
+TEST(Pose, AffineOperationsHaveInverses) {
+    const auto points = cloud();
+    const Place about{.center = Point3{0.1, 0.2, 0.3}};
+    expectNear(move(move(points, {1, 2, -3}), {-1, -2, 3}), points);
+    expectNear(rotate(rotate(points, {1, 2, 3}, 2.5, about), {1, 2, 3}, -2.5, about), points);
+    expectNear(scale(scale(points, {2, 0.5, 3}, about), {0.5, 2, 1.0 / 3}, about), points);
+}
+
+// Barr's (3.3) for the z axis: x' = x cos θ − y sin θ, y' = x sin θ + y cos θ, z' = z.
+TEST(Pose, TwistIsBarrsFormula) {
+    const auto points = cloud();
+    const auto expected = each(points, [](const Point3& p) -> Point3 {
+        const double theta = 1.2 * p[2] / 2;
+        return {p[0] * std::cos(theta) - p[1] * std::sin(theta),
+                p[0] * std::sin(theta) + p[1] * std::cos(theta), p[2]};
+    });
+    expectNear(twist(points, kZ, 1.2), expected);
+    expectNear(twist(points, {0, 0, 5}, 1.2), expected);  // The length of the axis does not matter.
+    // The coordinate along the axis stays, so the inverse is the twist by the opposite angle.
+    expectNear(twist(expected, kZ, -1.2, {.center = Point3{0, 0, 0}}), points);
+}
+
+TEST(Pose, TwistIsRigidBeyondItsRange) {
+    const auto points = cloud();
+    const auto twisted =
+        twist(points, kZ, 2, {.center = Point3{0, 0, 0}, .range = std::array{0.5, 1.5}});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (points[i][2] <= 0.5) EXPECT_EQ(twisted[i], points[i]);
+        if (points[i][2] >= 1.5) expectNear({twisted[i]}, {rotation(kZ, 2)(points[i])});
+    }
+}
+
+// Barr's (3.2) for the z axis: x' = r x, y' = r y, z' = z. Its inverse divides by r.
+TEST(Pose, TaperIsBarrsFormulaAndHasAnInverse) {
+    const auto points = cloud();
+    const auto r = [](const Point3& p) { return 1 + (0.25 - 1) * p[2] / 2; };
+    const auto tapered = taper(points, kZ, 0.25);
+    expectNear(tapered, each(points, [&](const Point3& p) -> Point3 {
+                   return {r(p) * p[0], r(p) * p[1], p[2]};
+               }));
+    expectNear(each(tapered,
+                    [&](const Point3& p) -> Point3 {
+                        return {p[0] / r(p), p[1] / r(p), p[2]};
+                    }),
+               points);
+}
+
+/// Barr's (3.4) for the y axis and a bend in the y, z plane, with y0 = y_min, and its inverse.
+struct BarrBend {
+    double low, high, k;
+
+    Point3 operator()(const Point3& p) const {
+        const double limited = std::clamp(p[1], low, high), theta = k * (limited - low);
+        const double c = std::cos(theta), s = std::sin(theta);
+        return {p[0], -s * (p[2] - 1 / k) + low + c * (p[1] - limited),
+                c * (p[2] - 1 / k) + 1 / k + s * (p[1] - limited)};
+    }
+
+    Point3 inverse(const Point3& p) const {
+        const double free = std::atan2(p[1] - low, 1 / k - p[2]);
+        const double theta = std::clamp(free, 0.0, k * (high - low));
+        const double c = std::cos(theta), s = std::sin(theta), limited = theta / k + low;
+        if (theta == free) return {p[0], limited, 1 / k - std::hypot(p[1] - low, p[2] - 1 / k)};
+        return {p[0], (p[1] - low) * c + (p[2] - 1 / k) * s + limited,
+                -(p[1] - low) * s + (p[2] - 1 / k) * c + 1 / k};
+    }
+};
+
+TEST(Pose, BendIsBarrsFormulaAndHasAnInverse) {
+    for (const double angle : {0.1, 1.0, 1.9}) {
+        const BarrBend barr{-0.5, 0.75, angle / 1.25};
+        const auto points = each(cloud(), [](const Point3& p) -> Point3 {
+            return {p[0], p[1], 0.3 * (p[2] - 1)};  // below 1 / k in z, so that nothing folds
+        });
+        const auto bent =
+            bend(points, kY, angle, kZ,
+                 {.center = Point3{0, 0, 0}, .range = std::array{barr.low, barr.high}});
+        // 1 / k is up to 12.5: Barr's form loses the digits of the difference from it.
+        expectNear(bent, each(points, barr), 1e-13);
+        expectNear(each(bent, [&](const Point3& p) { return barr.inverse(p); }), points, 1e-13);
+    }
+}
+
+TEST(Pose, ABendOfNothingIsExact) {
+    const auto points = cloud();
+    expectNear(bend(points, kZ, 0, kX), points, 1e-15);
+    // A small angle is continuous with it.
+    expectNear(bend(points, kZ, 1e-12, kX), points, 1e-11);
+}
+
+TEST(Pose, AHalfCircleHasTheLengthOfTheAxis) {
+    const std::vector<Point3> axis = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
+    const double radius = 2 / std::numbers::pi;
+    expectNear(bend(axis, kZ, std::numbers::pi, kX),
+               {{0, 0, 0}, {radius, 0, radius}, {2 * radius, 0, 0}}, 1e-15);
+}
+
+// The direction of a bend is the part of `toward` across the axis.
+TEST(Pose, BendTurnsTowards) {
+    const auto points = cloud();
+    expectNear(bend(points, kZ, 1, {3, 0, 7}), bend(points, kZ, 1, kX));
+    const auto opposite = bend(points, kZ, 1, {-1, 0, 0});
+    expectNear(opposite, bend(points, kZ, -1, kX));
+}
+
+TEST(Pose, WeightsGivePartsOfAnOperation) {
+    const auto points = cloud();
+    std::vector<double> weights;
+    for (std::size_t i = 0; i < points.size(); ++i) weights.push_back(0.25 * (i % 5));
+    // Of the whole cloud, so that the places do not depend on the weights.
+    const auto with = [&](std::span<const double> chosen) {
+        return Place{chosen, Point3{0, 0, 1}, std::array{0.0, 2.0}};
+    };
+    const std::vector<double> all(points.size(), 1);
+    for (std::size_t part = 0; part <= 4; ++part) {
+        const double w = 0.25 * static_cast<double>(part);
+        const auto expectParts = [&](const std::vector<Point3>& parts,
+                                     const std::vector<Point3>& whole) {
+            for (std::size_t i = part; i < points.size(); i += 5) {
+                expectNear({parts[i]}, {whole[i]});
+                if (part == 0) EXPECT_EQ(parts[i], points[i]);
+            }
+        };
+        const Place parts = with(weights), whole = with(all);
+        expectParts(move(points, {1, 2, 3}, weights), move(points, {w, 2 * w, 3 * w}));
+        expectParts(rotate(points, kX, 2, parts), rotate(points, kX, 2 * w, whole));
+        expectParts(scale(points, {3, 2, 0}, parts),
+                    scale(points, {1 + 2 * w, 1 + w, 1 - w}, whole));
+        expectParts(twist(points, kZ, 2, parts), twist(points, kZ, 2 * w, whole));
+        expectParts(bend(points, kZ, 1, kX, parts), bend(points, kZ, w, kX, whole));
+        expectParts(taper(points, kZ, 3, parts), taper(points, kZ, 1 + 2 * w, whole));
+    }
+}
+
+// By default, centre and range are of the positions with a weight.
+TEST(Pose, ThePlaceIsTheSelectedPart) {
+    const auto points = cloud();
+    const auto weights = selectBox(points, {-1, -1, 1}, {1, 1, 2});
+    std::vector<Point3> upper;
+    for (const Point3& point : points)
+        if (point[2] >= 1) upper.push_back(point);
+    const auto twisted = twist(points, kZ, 2, {.weights = weights});
+    std::vector<Point3> twistedUpper;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i][2] >= 1)
+            twistedUpper.push_back(twisted[i]);
+        else
+            EXPECT_EQ(twisted[i], points[i]);
+    expectNear(twistedUpper, twist(upper, kZ, 2));
+}
+
+TEST(Pose, RefusesArgumentsOutOfRange) {
+    const auto points = cloud();
+    const std::vector<double> few(3, 1), nothing(points.size(), 0), large(points.size(), 1.5);
+    EXPECT_REFUSED(Error, "move: offset is", move(points, {kNan, 0, 0}));
+    EXPECT_REFUSED(Error, "move: weights has 3 numbers; expected one for each of the 208 positions",
+                   move(points, kX, few));
+    EXPECT_REFUSED(Error, "weights[0] is 1.5; allowed: 0 to 1", move(points, kX, large));
+    EXPECT_REFUSED(Error, "positions[1]",
+                   move(std::vector<Point3>{{0, 0, 0}, {0, kInfinity, 0}}, kX));
+    EXPECT_REFUSED(Error, "rotate: axis is (0, 0, 0)", rotate(points, {0, 0, 0}, 1));
+    EXPECT_REFUSED(Error, "rotate: angle is", rotate(points, kX, kInfinity));
+    EXPECT_REFUSED(Error, "rotate: no position has a weight above 0",
+                   rotate(points, kX, 1, {.weights = nothing}));
+    EXPECT_REFUSED(Error, "scale: factors is", scale(points, {1, 1, kNan}));
+    EXPECT_REFUSED(Error, "scale: center is", scale(points, kX, {.center = Point3{kNan, 0, 0}}));
+    EXPECT_REFUSED(Error, "twist: the selected positions are all at one place along the axis",
+                   twist(std::vector<Point3>{{0, 0, 5}, {1, 0, 5}}, kZ, 1));
+    EXPECT_REFUSED(Error, "max[0] is 1", twist(points, kZ, 1, {.range = std::array{1.0, 1.0}}));
+    EXPECT_REFUSED(Error, "bend: toward is (0, 0, 2)", bend(points, kZ, 1, {0, 0, 2}));
+    EXPECT_REFUSED(Error, "taper: factor is -1; allowed: 0 or more", taper(points, kZ, -1));
+}
+
+}  // namespace
+}  // namespace espalier::shapes::pose
