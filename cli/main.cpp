@@ -117,6 +117,7 @@ int run(int argumentCount, char** arguments) {
     program.get_formatter()->column_width(34);
     addInfoCommand(program);
     addShapeCommand(program);
+    addPoseCommand(program);
     addRefineCommand(program);
     addStencilsCommand(program);
     addDeformCommands(program);

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_core, module) {
     protectBaseClass();
     addLattice(module);
     addShapes(module);
+    addPose(module);
     addModel(module);
     addRefiner(module);
     addStencilTable(module);

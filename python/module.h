@@ -15,6 +15,7 @@ namespace py = pybind11;
 // functions that take them.
 void addLattice(py::module_& module);
 void addShapes(py::module_& module);
+void addPose(py::module_& module);
 void addModel(py::module_& module);
 void addStencilTable(py::module_& module);
 void addRefiner(py::module_& module);

@@ -28,7 +28,7 @@ Lattice, StencilTable and Binding can be pickled. They never change, so a copy i
 
 import enum
 
-from . import shapes
+from . import pose, shapes
 from ._core import *
 from ._core import __version__
 
@@ -58,6 +58,7 @@ __all__ = [
     "jacobian",
     "load_binding",
     "nest",
+    "pose",
     "read",
     "read_model",
     "refine",

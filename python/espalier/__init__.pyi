@@ -6,6 +6,7 @@ from typing import Any, Literal, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from . import pose as pose
 from . import shapes as shapes
 
 __version__: str

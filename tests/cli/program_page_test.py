@@ -34,6 +34,7 @@ VARIABLE = re.compile(r"\d+(\.\d+)? (s|B|kB|MB|GB|GB/s)\b|\b\d(\.\d+)?e-\d+")
 COMMANDS = {
     "info": ["info", "box.ovm", "-n", 1],
     "shape": ["shape", "box", "-o", "out.ovm"],
+    "pose": ["pose", "box.ovm", "--twist", "z", 30, "-o", "out.ovm"],
     "refine": ["refine", "box.ovm", "-n", 1, "-o", "out.ovm"],
     "stencils": ["stencils", "box.ovm", "-n", 1, "-o", "out%d.petsc"],
     "deform": ["deform", "model.obj", "--rest", "box.ovm", "--to", "pose.ovm", "-n", 1,

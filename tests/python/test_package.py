@@ -35,7 +35,7 @@ needs_build = pytest.mark.skipif(BINARY_DIR is None, reason="ctest says where th
 
 def public_objects():
     """Returns the names and objects that users see."""
-    for module in (espalier, espalier.shapes):
+    for module in (espalier, espalier.pose, espalier.shapes):
         for name in module.__all__:
             each = getattr(module, name)
             if inspect.ismodule(each) or isinstance(each, str):
@@ -49,7 +49,8 @@ def public_objects():
 
 def stub_functions():
     """Yields the qualified name and the syntax tree of each function in the stubs."""
-    for file, prefix in (("__init__.pyi", "espalier"), ("shapes.pyi", "espalier.shapes")):
+    for file, prefix in (("__init__.pyi", "espalier"), ("pose.pyi", "espalier.pose"),
+                         ("shapes.pyi", "espalier.shapes")):
         for node in ast.parse((PACKAGE / file).read_text()).body:
             if isinstance(node, ast.FunctionDef):
                 yield f"{prefix}.{node.name}", node
@@ -140,7 +141,8 @@ def test_installed_where_debians_python_looks(installed):
         assert f"{prefix}/{SITE}" in site.getsitepackages()
     assert check_import(installed) == espalier.__version__
     names = {path.name for path in (installed / "espalier").iterdir()}
-    assert names >= {"__init__.py", "__init__.pyi", "shapes.py", "shapes.pyi", "py.typed"}
+    assert names >= {"__init__.py", "__init__.pyi", "pose.py", "pose.pyi", "shapes.py",
+                     "shapes.pyi", "py.typed"}
     assert not any(path.is_symlink() for path in (installed / "espalier").iterdir())
 
 

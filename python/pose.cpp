@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/field_names.h>
+#include <espalier/shapes/pose.h>
+#include <espalier/shapes/selection.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "arguments.h"
+#include "module.h"
+
+// The module espalier.pose: operations that pose a lattice, and selections of its vertices.
+namespace espalier::python {
+namespace {
+
+using namespace pybind11::literals;
+namespace pose = shapes::pose;
+
+/// An axis: "x", "+y", "-z", or a vector.
+using Axis = std::variant<std::string, Point3>;
+using OptionalRange = std::optional<std::array<double, 2>>;
+
+Point3 vectorOf(const Axis& axis, const char* name) {
+    if (axis.index() == 1) return std::get<1>(axis);
+    const std::string& word = std::get<0>(axis);
+    const bool hasSign = !word.empty() && (word[0] == '+' || word[0] == '-');
+    const std::string letter = word.substr(hasSign ? 1 : 0);
+    if (letter.size() != 1 || letter[0] < 'x' || letter[0] > 'z')
+        throw Error(std::string(name) + " is '" + word + "'; expected x, y or z, or a vector");
+    Point3 vector = {0, 0, 0};
+    vector[static_cast<std::size_t>(letter[0] - 'x')] = word[0] == '-' ? -1 : 1;
+    return vector;
+}
+
+/// The positions and weights of a call, as C++ reads them.
+struct Arguments {
+    std::vector<Point3> positions;
+    std::vector<double> weights;
+
+    Arguments(const py::handle& points, const py::object& weightsOrNone)
+        : positions(toPoints(points, "positions")) {
+        if (weightsOrNone.is_none()) return;
+        const auto array = realArray<double>(weightsOrNone, "weights");
+        if (array.ndim() != 1 || array.shape(0) != std::ssize(positions))
+            throw Error("weights has shape " + shapeText(array) +
+                        "; expected one number for each of the " +
+                        std::to_string(positions.size()) + " positions");
+        weights.assign(array.data(), array.data() + array.size());
+    }
+};
+
+/// Calls a function of selection.h.
+/// \throws Error with the name of the function in Python
+template <class Select>
+py::array select(const py::handle& points, const Select& make) {
+    const auto positions = toPoints(points, "positions");
+    try {
+        return toArray(make(positions));
+    } catch (const MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        throw Error(shapes::withUnderscores(error.what()));
+    }
+}
+
+shapes::Falloff falloffOf(const std::string& profile, double radius) {
+    return {chosen(shapes::kFalloffWords, "falloff", profile), radius};
+}
+
+void addOperations(py::module_& module) {
+    module.def(
+        "move",
+        [](const ArrayLike& positions, const Point3& offset, const py::object& weights) {
+            const Arguments given(positions, weights);
+            return toArray(pose::move(given.positions, offset, given.weights));
+        },
+        "positions"_a, "offset"_a, py::kw_only(), "weights"_a = py::none(),
+        R"(
+Moves positions by a vector.
+
+positions : (N, 3) array of float; weights : array (N,) of float from 0 to 1, the part of the vector
+that each position moves by (1)
+)");
+    module.def(
+        "rotate",
+        [](const ArrayLike& positions, const Axis& axis, double angle, const py::object& weights,
+           const std::optional<Point3>& center) {
+            const Arguments given(positions, weights);
+            return toArray(pose::rotate(given.positions, vectorOf(axis, "axis"), angle,
+                                        {given.weights, center}));
+        },
+        "positions"_a, "axis"_a, "angle"_a, py::kw_only(), "weights"_a = py::none(),
+        "center"_a = py::none(),
+        R"(
+Rotates positions about an axis, anticlockwise seen from its tip.
+
+positions : (N, 3) array of float; axis : "x", "y", "z", with a sign or not, or 3 float
+angle : in radians; weights : array (N,) of float from 0 to 1, the part of the angle that each
+position rotates by (1); center : 3 float, a point on the axis (the middle of the box around the
+positions with a weight above 0)
+)");
+    module.def(
+        "scale",
+        [](const ArrayLike& positions, const std::variant<double, Point3>& factors,
+           const py::object& weights, const std::optional<Point3>& center) {
+            const Arguments given(positions, weights);
+            Point3 three;
+            if (factors.index() == 0)
+                three.fill(std::get<0>(factors));
+            else
+                three = std::get<1>(factors);
+            return toArray(pose::scale(given.positions, three, {given.weights, center}));
+        },
+        "positions"_a, "factors"_a, py::kw_only(), "weights"_a = py::none(),
+        "center"_a = py::none(), R"(
+Scales positions about `center`.
+
+positions : (N, 3) array of float; factors : float, or 3 float for x, y and z
+weights : array (N,) of float from 0 to 1: a position with weight w is scaled by 1 + w (factor - 1)
+center : as in rotate()
+)");
+    module.def(
+        "twist",
+        [](const ArrayLike& positions, const Axis& axis, double angle, const py::object& weights,
+           const std::optional<Point3>& center, const OptionalRange& range) {
+            const Arguments given(positions, weights);
+            return toArray(pose::twist(given.positions, vectorOf(axis, "axis"), angle,
+                                       {given.weights, center, range}));
+        },
+        "positions"_a, "axis"_a, "angle"_a, py::kw_only(), "weights"_a = py::none(),
+        "center"_a = py::none(), "range"_a = py::none(),
+        R"(
+Rotates positions about an axis: by 0 at the start of `range`, by `angle` at its end and beyond.
+
+positions : (N, 3) array of float; axis, weights, center : as in rotate(); angle : in radians
+range : 2 float, coordinates along the axis (those of the positions with a weight above 0)
+)");
+    module.def(
+        "bend",
+        [](const ArrayLike& positions, const Axis& axis, double angle, const Axis& toward,
+           const py::object& weights, const std::optional<Point3>& center,
+           const OptionalRange& range) {
+            const Arguments given(positions, weights);
+            return toArray(pose::bend(given.positions, vectorOf(axis, "axis"), angle,
+                                      vectorOf(toward, "toward"), {given.weights, center, range}));
+        },
+        "positions"_a, "axis"_a, "angle"_a, "toward"_a, py::kw_only(), "weights"_a = py::none(),
+        "center"_a = py::none(), "range"_a = py::none(),
+        R"(
+Bends the axis into an arc of a circle (Barr 1984, section 3.4). The start of `range` stays.
+
+positions : (N, 3) array of float; axis, weights, center : as in rotate(); range : as in twist()
+angle : of the arc, in radians; toward : the direction that the end of `range` bends to, as an axis
+)");
+    module.def(
+        "taper",
+        [](const ArrayLike& positions, const Axis& axis, double factor, const py::object& weights,
+           const std::optional<Point3>& center, const OptionalRange& range) {
+            const Arguments given(positions, weights);
+            return toArray(pose::taper(given.positions, vectorOf(axis, "axis"), factor,
+                                       {given.weights, center, range}));
+        },
+        "positions"_a, "axis"_a, "factor"_a, py::kw_only(), "weights"_a = py::none(),
+        "center"_a = py::none(), "range"_a = py::none(),
+        R"(
+Scales positions across an axis: by 1 at the start of `range`, by `factor` at its end and beyond.
+
+positions : (N, 3) array of float; factor : 0 or more; axis, weights, center : as in rotate()
+range : as in twist()
+)");
+}
+
+void addSelections(py::module_& module) {
+    module.def(
+        "select_box",
+        [](const ArrayLike& positions, const Point3& corner, const Point3& opposite,
+           const std::string& falloff, double radius) {
+            return select(positions, [&](const std::vector<Point3>& points) {
+                return shapes::selectBox(points, corner, opposite, falloffOf(falloff, radius));
+            });
+        },
+        "positions"_a, "corner"_a, "opposite"_a, py::kw_only(), "falloff"_a = "linear",
+        "falloff_radius"_a = 0.0, R"(
+Returns weights, an array (N,): 1 in the box with two opposite corners, 0 outside.
+
+positions : (N, 3) array of float; corner, opposite : 3 float each
+falloff, falloff_radius : how weights decrease with the distance d from the box: "linear",
+1 - d / radius; or "smooth", with slope 0 at both ends. They are 0 from falloff_radius on
+)");
+    module.def(
+        "select_ball",
+        [](const ArrayLike& positions, const Point3& center, double ballRadius,
+           const std::string& falloff, double radius) {
+            return select(positions, [&](const std::vector<Point3>& points) {
+                return shapes::selectBall(points, center, ballRadius, falloffOf(falloff, radius));
+            });
+        },
+        "positions"_a, "center"_a, "radius"_a, py::kw_only(), "falloff"_a = "linear",
+        "falloff_radius"_a = 0.0, R"(
+Returns weights, an array (N,): 1 in a ball, 0 outside.
+
+positions : (N, 3) array of float; center : 3 float; falloff, falloff_radius : as in select_box()
+)");
+    module.def(
+        "select_half_space",
+        [](const ArrayLike& positions, const Point3& point, const Point3& normal,
+           const std::string& falloff, double radius) {
+            return select(positions, [&](const std::vector<Point3>& points) {
+                return shapes::selectHalfSpace(points, point, normal, falloffOf(falloff, radius));
+            });
+        },
+        "positions"_a, "point"_a, "normal"_a, py::kw_only(), "falloff"_a = "linear",
+        "falloff_radius"_a = 0.0,
+        R"(
+Returns weights, an array (N,): 1 on the side of a plane that `normal` points to, 0 on the other.
+
+positions : (N, 3) array of float; point, normal : 3 float each
+falloff, falloff_radius : as in select_box()
+)");
+    module.def(
+        "select_end",
+        [](const ArrayLike& positions, const Axis& direction, const std::string& falloff,
+           double radius) {
+            return select(positions, [&](const std::vector<Point3>& points) {
+                return shapes::selectEnd(points, vectorOf(direction, "direction"),
+                                         falloffOf(falloff, radius));
+            });
+        },
+        "positions"_a, "direction"_a, py::kw_only(), "falloff"_a = "linear",
+        "falloff_radius"_a = 0.0,
+        R"(
+Returns weights, an array (N,): 1 for the positions that are farthest in a direction, up to 1 % of
+the extent, 0 for the others.
+
+positions : (N, 3) array of float; direction : "+z", "-x" and so on, or 3 float
+falloff, falloff_radius : as in select_box()
+)");
+    module.def(
+        "select_numbers",
+        [](const ArrayLike& positions, const py::handle& numbers, const std::string& falloff,
+           double radius) {
+            return select(positions, [&](const std::vector<Point3>& points) {
+                return shapes::selectNumbers(points, toIndices(numbers, "numbers"),
+                                             falloffOf(falloff, radius));
+            });
+        },
+        "positions"_a, "numbers"_a, py::kw_only(), "falloff"_a = "linear", "falloff_radius"_a = 0.0,
+        R"(
+Returns weights, an array (N,): 1 for the positions with some numbers, 0 for the others.
+
+positions : (N, 3) array of float; numbers : array (M,) of int
+falloff, falloff_radius : as in select_box(), with the distance from the nearest of these positions
+)");
+}
+
+}  // namespace
+
+void addPose(py::module_& module) {
+    auto poseModule = module.def_submodule(
+        "_pose", "Operations that pose a lattice (Barr 1984), and selections of its vertices.");
+    poseModule.attr("__module__") = "espalier.pose";
+    addOperations(poseModule);
+    addSelections(poseModule);
+    py::delattr(poseModule, "__module__");
+}
+
+}  // namespace espalier::python
