@@ -33,14 +33,13 @@ class Readme(CliTest):
         self.write_model(icosphere_points(20))
         self.write_mesh()
         self.run_program("shape", "cylinder", "-o", "lattice.vtu")
-        self.run_program("shape", "box", "--cells", 2, 2, 4, "--max", 1, 1, 5, "-o", "pose.vtu")
         has_compare = "--html" in self.run_program("compare", "--help").stdout
         commands = [words[1:] for words in COMMANDS if words[0] == "espalier"]
-        self.assertEqual([words[0] for words in commands], ["shape", "deform", "compare"])
+        self.assertEqual([words[0] for words in commands], ["shape", "pose", "deform", "compare"])
         for words in commands:
             if words[0] != "compare" or has_compare:
                 self.run_program(*words)
-        self.assertTrue((self.path / "deformed.obj").is_file())
+        self.assertTrue((self.path / "twisted.obj").is_file())
 
     def test_the_scripts_are_there(self):
         scripts = {words[0] for words in COMMANDS} - {"espalier"}
