@@ -88,7 +88,9 @@ TEST(Pose, TwistIsRigidBeyondItsRange) {
     const auto twisted =
         twist(points, kZ, 2, {.center = Point3{0, 0, 0}, .range = std::array{0.5, 1.5}});
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (points[i][2] <= 0.5) EXPECT_EQ(twisted[i], points[i]);
+        if (points[i][2] <= 0.5) {
+            EXPECT_EQ(twisted[i], points[i]);
+        }
         if (points[i][2] >= 1.5) expectNear({twisted[i]}, {rotation(kZ, 2)(points[i])});
     }
 }
@@ -169,7 +171,8 @@ TEST(Pose, BendTurnsTowards) {
 TEST(Pose, WeightsGivePartsOfAnOperation) {
     const auto points = cloud();
     std::vector<double> weights;
-    for (std::size_t i = 0; i < points.size(); ++i) weights.push_back(0.25 * (i % 5));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        weights.push_back(0.25 * static_cast<double>(i % 5));
     // Of the whole cloud, so that the places do not depend on the weights.
     const auto with = [&](std::span<const double> chosen) {
         return Place{chosen, Point3{0, 0, 1}, std::array{0.0, 2.0}};
@@ -181,7 +184,9 @@ TEST(Pose, WeightsGivePartsOfAnOperation) {
                                      const std::vector<Point3>& whole) {
             for (std::size_t i = part; i < points.size(); i += 5) {
                 expectNear({parts[i]}, {whole[i]});
-                if (part == 0) EXPECT_EQ(parts[i], points[i]);
+                if (part == 0) {
+                    EXPECT_EQ(parts[i], points[i]);
+                }
             }
         };
         const Place parts = with(weights), whole = with(all);
