@@ -136,7 +136,11 @@ private:
         std::vector<Point2> projected;
         projected.reserve(points.size());
         for (const Point3& point : points) projected.push_back({dot(point, u), dot(point, v)});
-        const Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
+        Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
+        // Of the four directions of the sides, the one nearest to u, so that the axes keep their
+        // numbers and each is turned about in turn.
+        if (std::abs(side[1]) > std::abs(side[0])) side = {side[1], -side[0]};
+        if (side[0] < 0) side = {-side[0], -side[1]};
         Point3 first;
         for (std::size_t i = 0; i < 3; ++i) first[i] = side[0] * u[i] + side[1] * v[i];
         first = normalised(first);
