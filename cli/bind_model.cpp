@@ -40,8 +40,7 @@ ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> p
                                    .gradients = hasGradients,
                                    .progress = progress});
     ModelBinding result;
-    if (hasGradients)
-        result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
+    if (hasGradients) result.gradients = {std::move(bound.binding.table.gradients)};
     result.points = limit::withoutGradients(std::move(bound));
     return result;
 }

@@ -49,11 +49,12 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
 
 /// Returns the deformation gradient of each point for a pose of the lattice.
 std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradients,
+                                                 const std::vector<Point3>& rest,
                                                  const std::vector<Point3>& pose) {
     // Computed from displacements, so that points that do not move have exactly the identity.
     std::vector<double> moved;
     for (std::size_t v = 0; v < pose.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - gradients.rest[v][c]);
+        for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - rest[v][c]);
     const Index count = gradients.tables[0].rowCount();
     std::vector<io::DeformationGradient> result(count, {1, 0, 0, 0, 1, 0, 0, 0, 1});
     const auto layout = osd::BufferDescriptor::packed(3);
@@ -68,14 +69,16 @@ std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradi
 }
 
 /// Applies a pose and writes the deformed model.
+/// \param rest the lattice at rest; empty if it is not known
 /// \param gradients deform the normals and tangents of the model, if there are any
-void writePose(const io::Model& model, const Binding& binding,
+void writePose(const io::Model& model, const Binding& binding, const std::vector<Point3>& rest,
                const std::optional<io::BoundGradients>& gradients, const std::vector<Point3>& pose,
                const std::filesystem::path& path, Stages& stages) {
     std::vector<io::DeformationGradient> atPoints;
     const auto points = stages.run("applying", [&] {
-        auto moved = osd::evaluateBinding(binding, pose);
-        if (gradients) atPoints = gradientsAt(*gradients, pose);
+        auto moved = rest.empty() ? osd::evaluateBinding(binding, pose)
+                                  : osd::evaluateBinding(binding, {model.positions(), rest}, pose);
+        if (gradients) atPoints = gradientsAt(*gradients, rest, pose);
         stages.addBytes(bytesOf(binding.table) + (pose.size() + moved.size()) * sizeof(Point3));
         return moved;
     });
@@ -100,7 +103,7 @@ void runDeform(const DeformOptions& options) {
     const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
                                               options.limit && model->hasDirections());
     for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.binding, gradients, poses[i], paths[i], stages);
+        writePose(*model, bound.binding, rest.positions, gradients, poses[i], paths[i], stages);
     print({&bound, bound.binding, stages, peakMemory()}, options.report, options.common);
 }
 
@@ -123,6 +126,7 @@ void runBind(const DeformOptions& options) {
                                         options.limit && model->hasDirections());
     file.binding = std::move(bound.binding);
     file.gradients = std::move(gradients);
+    file.rest = rest.positions;
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
@@ -153,7 +157,7 @@ void runApply(const DeformOptions& options) {
     };
     const auto poses = readPoses(options.poses, difference, stages);
     for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.binding, bound.gradients, poses[i], paths[i], stages);
+        writePose(*model, bound.binding, bound.rest, bound.gradients, poses[i], paths[i], stages);
     print({nullptr, bound.binding, stages, peakMemory()}, options.report, options.common);
 }
 

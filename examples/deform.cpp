@@ -19,5 +19,6 @@ int main(int, char** arguments) {
         embed::bindPoints({base, rest.positions}, model->positions(), {.level = 3}).binding;
 
     // For every pose: one sparse product.
-    model->write(arguments[4], osd::evaluateBinding(binding, pose.positions));
+    model->write(arguments[4], osd::evaluateBinding(binding, {model->positions(), rest.positions},
+                                                    pose.positions));
 }

@@ -15,7 +15,8 @@ namespace espalier::io {
 namespace {
 
 constexpr std::string_view kBindingMagic = "ESPALIER";
-constexpr std::uint32_t kWithoutGradients = 1, kWithGradients = 2;  // versions
+// Versions.
+constexpr std::uint32_t kTableOnly = 1, kWithGradients = 2, kWithRest = 3;
 
 using stencils::StencilTable;
 
@@ -23,6 +24,7 @@ using stencils::StencilTable;
 struct Sizes {
     std::int64_t rows, columns, entries, kept, nameBytes, modelBytes;
     std::optional<std::array<std::int64_t, 3>> gradientEntries;
+    bool hasRest;
 };
 
 template <class Number>
@@ -69,8 +71,8 @@ bool fileSizeMatches(const Sizes& sizes, std::size_t left) {
     if (sizes.gradientEntries) {
         for (const std::int64_t entries : *sizes.gradientEntries)
             if (!takeTable(entries)) return false;
-        if (!take(sizes.columns, 3 * 8)) return false;
     }
+    if (sizes.hasRest && !take(sizes.columns, 3 * 8)) return false;
     return takeTable(sizes.entries) && take(sizes.kept, 3 * 8 + 4) && take(sizes.nameBytes, 1) &&
            take(sizes.modelBytes, 1) && room == sizeof(std::uint32_t);
 }
@@ -82,14 +84,15 @@ Sizes readHeader(ByteInput& in, std::uint64_t& hash) {
         throw CodingError("is not a bound model");
     if (in.left() + kBindingMagic.size() < kHeaderSize) throw CodingError("is truncated");
     const auto version = in.number<std::uint32_t>();
-    if (version != kWithoutGradients && version != kWithGradients)
-        throw CodingError(concat("has version ", version, "; expected 1 or 2"));
+    if (version < kTableOnly || version > kWithRest)
+        throw CodingError(concat("has version ", version, "; expected 1 to 3"));
     in.number<std::uint32_t>();
     hash = in.number<std::uint64_t>();
     Sizes sizes{};
     for (std::int64_t* size : {&sizes.rows, &sizes.columns, &sizes.entries, &sizes.kept,
                                &sizes.nameBytes, &sizes.modelBytes})
         *size = in.number<std::int64_t>();
+    sizes.hasRest = version != kTableOnly;
     if (version == kWithGradients) {
         if (in.left() < kGradientSizes) throw CodingError("is truncated");
         for (std::int64_t& entries : sizes.gradientEntries.emplace())
@@ -122,23 +125,25 @@ BoundGradients readGradients(const Sizes& sizes, ByteInput& in) {
         gradients.tables[axis] =
             makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     }
-    gradients.rest = readPoints(in, sizes.columns, "vertex of the lattice at rest");
     return gradients;
 }
 
 /// \throws Error unless the gradients have the binding's points as rows and its lattice vertices as
-///         columns
-void checkShape(const BoundGradients& gradients, const StencilTable<double>& table) {
+///         columns, and the lattice at rest has these vertices
+void checkShape(const BoundModel& model) {
+    const StencilTable<double>& table = model.binding.table;
     const auto refuse = [&](const std::string& what, const std::string& got) {
         throw Error(concat("a bound model of ", table.rowCount(), " points and ",
                            table.columnCount(), " lattice vertices has ", what, " of ", got));
     };
-    for (const auto& each : gradients.tables)
-        if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
-            refuse("gradients",
-                   concat(each.rowCount(), " points and ", each.columnCount(), " vertices"));
-    if (gradients.rest.size() != static_cast<std::size_t>(table.columnCount()))
-        refuse("a lattice at rest", concat(gradients.rest.size(), " vertices"));
+    if (model.gradients)
+        for (const auto& each : model.gradients->tables)
+            if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
+                refuse("gradients",
+                       concat(each.rowCount(), " points and ", each.columnCount(), " vertices"));
+    const bool needsRest = model.gradients || !model.rest.empty();
+    if (needsRest && std::ssize(model.rest) != table.columnCount())
+        refuse("a lattice at rest", concat(model.rest.size(), " vertices"));
 }
 
 void write(ByteOutput& out, const std::vector<Point3>& points) {
@@ -151,7 +156,6 @@ void write(ByteOutput& out, const BoundGradients& gradients) {
         out.numbers(table.weights());
         out.numbers(table.columns());
     }
-    write(out, gradients.rest);
 }
 
 BoundModel decodeBoundModel(std::string_view bytes) {
@@ -181,6 +185,7 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     model.binding.table =
         makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     if (sizes.gradientEntries) model.gradients = readGradients(sizes, in);
+    if (sizes.hasRest) model.rest = readPoints(in, sizes.columns, "vertex of the lattice at rest");
     model.modelName = in.bytes(sizes.nameBytes);
     model.modelBytes = in.bytes(sizes.modelBytes);
     return model;
@@ -190,11 +195,11 @@ BoundModel decodeBoundModel(std::string_view bytes) {
 
 void writeBoundModel(const std::filesystem::path& path, const BoundModel& model) {
     const StencilTable<double>& table = model.binding.table;
-    if (model.gradients) checkShape(*model.gradients, table);
+    checkShape(model);
     writeFile(path, [&](std::ostream& stream) {
         ChecksummedOutput out(stream, std::endian::little);
         out.bytes(kBindingMagic);
-        out.number(model.gradients ? kWithGradients : kWithoutGradients);
+        out.number(model.gradients ? kWithGradients : model.rest.empty() ? kTableOnly : kWithRest);
         out.number(std::uint32_t{0});
         out.number(model.binding.topologyHash);
         out.number(std::int64_t{table.rowCount()});
@@ -212,6 +217,7 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
         out.numbers(table.columns());
         out.numbers(std::span<const Index>(model.binding.kept));
         if (model.gradients) write(out, *model.gradients);
+        write(out, model.rest);
         out.bytes(model.modelName);
         out.bytes(model.modelBytes);
         out.number(out.checksum());

@@ -21,12 +21,9 @@ namespace espalier::io {
 /// are carried along.
 struct BoundGradients {
     /// One row per point and one column per base vertex, as in limit::LimitTable::gradients. Table
-    /// j times a pose is column j of F.
+    /// j times a pose is column j of F. Table j times the displacements of the pose from the rest
+    /// is column j of F − 1, which is exactly 0 where nothing moves.
     std::array<stencils::StencilTable<double>, 3> tables;
-
-    /// The base vertices at rest. Table j times the displacements from them is column j of F − 1,
-    /// which is exactly 0 where nothing moves.
-    std::vector<Point3> rest;
 
     friend bool operator==(const BoundGradients&, const BoundGradients&) = default;
 };
@@ -42,12 +39,17 @@ struct BoundModel {
     /// Present if the model has normals or tangents and is bound to the limit. Without gradients,
     /// applying a pose leaves normals and tangents as they are.
     std::optional<BoundGradients> gradients = {};
+
+    /// The base vertices at rest. With them, points that do not move are given exactly. Empty if
+    /// they are not known, as in files of version 1.
+    std::vector<Point3> rest = {};
 };
 
 /// Writes a bound model (.espb). The file is little-endian throughout and holds:
 ///
 ///     8 bytes   "ESPALIER"
-///     u32       version of the format: 2 with gradients, 1 without
+///     u32       version of the format: 2 with gradients; 3 with the lattice at rest, and no
+///               gradients; 1 with neither
 ///     u32       0
 ///     u64       hash of the lattice topology (far::topologyHash)
 ///     i64 × 6   rows, columns, entries, kept points, bytes of the model's name, bytes of the model
@@ -61,15 +63,17 @@ struct BoundModel {
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
 ///       i32     columns
-///     f64 × 3   version 2: the lattice at rest, one position per column
+///     f64 × 3   versions 2 and 3: the lattice at rest, one position per column
 ///     bytes     the model's name; the model
 ///     u32       CRC-32 (zlib's) of all bytes before it
 ///
-/// \throws Error if the gradients do not have the shape of the binding; FileError if the file
+/// \throws Error if the gradients or the lattice at rest do not have the shape of the binding, or
+/// if
+///         there are gradients and no lattice at rest; FileError if the file
 ///         cannot be written
 ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model);
 
-/// Reads a bound model of version 1 or 2. The sizes that the file claims are checked before memory
+/// Reads a bound model of version 1 to 3. The sizes that the file claims are checked before memory
 /// is allocated for them.
 /// \throws FileError if the file cannot be read, is of another kind or version, is truncated, or
 ///         has a wrong checksum; if a weight or a position is not finite

@@ -23,27 +23,54 @@ std::vector<Real> times(const stencils::FactoredTable<Real>& table, std::span<co
     return times<Real>(table.points, times<Real>(table.vertices, source));
 }
 
+/// Returns D times one vector per vertex.
+template <class Table>
+std::vector<Point3> product(const Table& table, std::span<const Point3> vectors) {
+    using Real = typename Table::Weight;
+    std::vector<Real> source;
+    source.reserve(3 * vectors.size());
+    for (const Point3& vector : vectors)
+        for (const double coordinate : vector) source.push_back(static_cast<Real>(coordinate));
+    const std::vector<Real> values = times<Real>(table, source);
+    std::vector<Point3> result(values.size() / 3);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    return result;
+}
+
+template <class Table>
+void requireVertices(const Table& table, std::size_t count) {
+    if (count != static_cast<std::size_t>(table.columnCount()))
+        throw Error(concat("the pose has ", count, " vertices; the model is bound to a lattice of ",
+                           table.columnCount()));
+}
+
 }  // namespace
 
 template <class Table>
 std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                     std::span<const Point3> pose) {
-    using Real = typename Table::Weight;
-    if (pose.size() != static_cast<std::size_t>(binding.table.columnCount()))
-        throw Error(concat("the pose has ", pose.size(),
-                           " vertices; the model is bound to a lattice of ",
-                           binding.table.columnCount()));
-    std::vector<Real> source;
-    source.reserve(3 * pose.size());
-    for (const Point3& position : pose)
-        for (const double coordinate : position) source.push_back(static_cast<Real>(coordinate));
-    const std::vector<Real> values = times<Real>(binding.table, source);
-
-    std::vector<Point3> points(values.size() / 3);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    requireVertices(binding.table, pose.size());
+    std::vector<Point3> points = product(binding.table, pose);
     for (std::size_t i = 0; i < binding.kept.size(); ++i)
         points[binding.kept[i]] = binding.keptAt[i];
+    return points;
+}
+
+template <class Table>
+std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
+                                    const RestPositions& rest, std::span<const Point3> pose) {
+    requireVertices(binding.table, pose.size());
+    requireVertices(binding.table, rest.vertices.size());
+    if (std::ssize(rest.points) != binding.table.rowCount())
+        throw Error(concat("there are ", rest.points.size(),
+                           " points at rest; the bound model has ", binding.table.rowCount()));
+    std::vector<Point3> displacements(pose.begin(), pose.end());
+    for (std::size_t v = 0; v < displacements.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) displacements[v][c] -= rest.vertices[v][c];
+    std::vector<Point3> points = product(binding.table, displacements);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) points[i][c] += rest.points[i][c];
     return points;
 }
 
@@ -54,11 +81,19 @@ using Factors = stencils::FactoredTable<Real>;
 
 template std::vector<Point3> evaluateBinding(const embed::BindingOf<Rows<float>>&,
                                              std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Rows<float>>&,
+                                             const RestPositions&, std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(const embed::BindingOf<Rows<double>>&,
                                              std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Rows<double>>&,
+                                             const RestPositions&, std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<float>>&,
                                              std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<float>>&,
+                                             const RestPositions&, std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<double>>&,
                                              std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<double>>&,
+                                             const RestPositions&, std::span<const Point3>);
 
 }  // namespace espalier::osd

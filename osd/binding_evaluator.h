@@ -24,6 +24,25 @@ template <class Table>
 ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                                  std::span<const Point3> pose);
 
+/// A bound model and its lattice at rest.
+struct RestPositions {
+    std::span<const Point3> points;    ///< one per row of D
+    std::span<const Point3> vertices;  ///< one per column of D
+};
+
+/// Returns the points of a bound model as x + D · (p' − p), where x and p are the points and the
+/// lattice at rest. A point that no moved vertex influences is exactly where it was, and the
+/// rounding error is relative to the displacement of a point, not to its coordinates. The placement
+/// error of the binding cancels too.
+///
+/// \param pose positions of the base vertices
+/// \throws Error as above, or if there is not one position for each row and each column
+/// \cost the cost of evaluateBinding() above, and one addition per coordinate
+template <class Table>
+ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
+                                                 const RestPositions& rest,
+                                                 std::span<const Point3> pose);
+
 /// Writes the rest positions of the points that the binding keeps in place. Evaluators of
 /// binding.table write 0 for these points, so call this after each evaluation. The two calls
 /// allocate nothing:

@@ -49,14 +49,14 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
             {refiner.base(), lattice.positions}, points,
             {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
         if (hasDirections)
-            result.bound.gradients = {std::move(inLimit.binding.table.gradients),
-                                      lattice.positions};
+            result.bound.gradients = {std::move(inLimit.binding.table.gradients)};
         found = limit::withoutGradients(std::move(inLimit));
     } else {
         found = embed::bindPoints({refiner.base(), lattice.positions}, points,
                                   {.level = level, .embedding = options});
     }
     result.bound.binding = std::move(found.binding);
+    result.bound.rest = lattice.positions;
     result.statuses = std::move(found.statuses);
     result.largestResidual = found.largestResidual;
 }
@@ -107,7 +107,7 @@ void save(const BoundPoints& self, const std::filesystem::path& path) {
     // Stores the points as a model, so that `espalier apply` can use the binding.
     auto file = modelOfPoints(*self.points);
     io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes),
-                               self.bound.gradients});
+                               self.bound.gradients, self.bound.rest});
 }
 
 /// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array

@@ -216,21 +216,19 @@ std::shared_ptr<Table> tableOfState(const py::tuple& state) {
 
 namespace {
 
-py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound, const py::object& self) {
+py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
     if (!bound->bound.gradients) return py::none();
     io::BoundGradients& gradients = *bound->bound.gradients;
     py::tuple tables(gradients.tables.size());
     for (std::size_t axis = 0; axis < gradients.tables.size(); ++axis)
         tables[axis] =
             stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients.tables[axis])));
-    return py::make_tuple(tables, viewOf(gradients.rest, self));
+    return tables;
 }
 
 std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, const Table& table) {
     if (state.is_none()) return std::nullopt;
-    const auto parts = state.cast<py::tuple>();
-    requireState(parts.size() == 2);
-    const auto tables = parts[0].cast<py::tuple>();
+    const auto tables = state.cast<py::tuple>();
     io::BoundGradients gradients;
     requireState(tables.size() == gradients.tables.size());
     for (std::size_t axis = 0; axis < tables.size(); ++axis) {
@@ -238,7 +236,6 @@ std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, cons
         requireState(gradients.tables[axis].rowCount() == table.rowCount() &&
                      gradients.tables[axis].columnCount() == table.columnCount());
     }
-    gradients.rest = toPoints(parts[1], "rest", table.columnCount());
     return gradients;
 }
 
@@ -258,11 +255,12 @@ py::tuple stateOfBinding(const py::object& self) {
     return py::make_tuple(
         stateOfTable(py::cast(tableIn(shared))), viewOf(std::span<const Index>(binding.kept), self),
         viewOf(binding.keptAt, self), binding.topologyHash, py::bytes(bound.modelName),
-        py::bytes(bound.modelBytes), at, statuses, residual, stateOfGradients(shared, self));
+        py::bytes(bound.modelBytes), at, statuses, residual, stateOfGradients(shared),
+        bound.rest.empty() ? py::object(py::none()) : viewOf(bound.rest, self));
 }
 
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
-    requireState(state.size() == 10);
+    requireState(state.size() == 11);
     auto result = std::make_shared<BoundPoints>();
     auto& binding = result->bound.binding;
     binding.table = std::move(*tableOfState(state[0]));
@@ -284,6 +282,9 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
         requireState(std::ssize(result->statuses) == rows);
     }
     result->bound.gradients = gradientsOfState(state[9], binding.table);
+    if (!state[10].is_none())
+        result->bound.rest = toPoints(state[10], "rest", binding.table.columnCount());
+    requireState(!result->bound.gradients || !result->bound.rest.empty());
     return result;
 }
 

@@ -2,7 +2,6 @@
 #include "smallest_box.h"
 
 #include <espalier/base/vector3.h>
-#include <espalier/shapes/transform.h>
 
 #include <algorithm>
 #include <cmath>
@@ -193,10 +192,6 @@ Axes named(const Axes& axes) {
     return best;
 }
 
-Axes turned(const Axes& axes, const Affine& map) {
-    return {map(axes[0]), map(axes[1]), map(axes[2])};
-}
-
 }  // namespace
 
 Axes axesAlong(const Point3& direction) {
@@ -227,11 +222,6 @@ Axes smallestBox(std::span<const Point3> points, double padding) {
     Search rough{extremes, padding};
     rough.start(kCoordinateAxes);
     for (const Point3& direction : directions(kStarts)) rough.start(axesAlong(direction));
-    // Turns about single axes can end where only a turn about another axis makes the box smaller.
-    constexpr int kShakes = 12;
-    for (const double angle : {0.3, -0.3, 0.1, -0.1, 0.03, -0.03})
-        for (const Point3& direction : directions(kShakes))
-            rough.start(turned(rough.axes, rotation(direction, angle)));
     Search search{points, padding};
     search.start(kCoordinateAxes);
     search.start(rough.axes);

@@ -416,7 +416,22 @@ class Deform(CliTest):
 
     def test_rest_pose_gives_the_model_back(self):
         self.deform("model.obj", "rest.vtu", "rest.vtu", out="out.obj")
-        self.assert_close(self.read_points("out.obj"), self.points, 1e-12)
+        self.assertEqual(self.bytes("out.obj"), self.bytes("model.obj"))
+        self.bind("model.obj", "rest.vtu", out="m.espb")
+        self.run_program("apply", "m.espb", "--to", "rest.vtu", "-o", "applied.obj")
+        self.assertEqual(self.bytes("applied.obj"), self.bytes("model.obj"))
+
+    def test_points_that_no_moved_vertex_reaches_keep_their_text(self):
+        # At level 2, the corner of 6 by 1 by 1 cells has no weight in the far half.
+        self.run_program("shape", "box", "--cells", 6, 1, 1, "--max", 6, 1, 1, "-o", "long.vtu")
+        self.run_program("pose", "long.vtu", "--select", "end", "+x", "--move", 1, 0, 0, "-o",
+                         "longer.vtu")
+        texts = ["v 0.348799 0.5 0.50", "v 1.10 0.1 0.3", "v 5.5 0.5 0.5"]
+        self.put("texts.obj", "\n".join(texts) + "\n")
+        self.deform("texts.obj", "long.vtu", "longer.vtu", "-n", 2, out="out.obj")
+        lines = self.text("out.obj").splitlines()
+        self.assertEqual(lines[:2], texts[:2])
+        self.assertGreater(float(lines[2].split()[1]), 5.6)
 
     def test_example_of_the_readme_does_what_the_program_does(self):
         self.deform("model.obj", "rest.vtu", "pose.vtk", "-n", 3, out="out.obj")

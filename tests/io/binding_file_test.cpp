@@ -24,13 +24,19 @@ BoundModel sample() {
     return model;
 }
 
+BoundModel sampleWithRest() {
+    BoundModel model = sample();
+    model.rest = {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}};
+    return model;
+}
+
 BoundModel sampleWithGradients() {
     BoundModel model = sample();
     model.gradients = BoundGradients{
         {stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
          stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
-         stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})},
-        {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}}};
+         stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})}};
+    model.rest = sampleWithRest().rest;
     return model;
 }
 
@@ -39,6 +45,7 @@ void expectEqual(const BoundModel& a, const BoundModel& b) {
     EXPECT_EQ(a.modelName, b.modelName);
     EXPECT_EQ(a.modelBytes, b.modelBytes);
     EXPECT_EQ(a.gradients, b.gradients);
+    EXPECT_EQ(a.rest, b.rest);
 }
 
 /// Replaces the checksum at the end of the bytes by the right one.
@@ -56,16 +63,21 @@ TEST(BindingFile, RoundTripIsExact) {
     expectEqual(readBoundModel(folder / "a.espb"), sample());
     writeBoundModel(folder / "g.espb", sampleWithGradients());
     expectEqual(readBoundModel(folder / "g.espb"), sampleWithGradients());
+    writeBoundModel(folder / "r.espb", sampleWithRest());
+    expectEqual(readBoundModel(folder / "r.espb"), sampleWithRest());
 }
 
-// A model without gradients is written in version 1, for programs that do not know version 2.
-TEST(BindingFile, OnlyGradientsNeedTheNewVersion) {
+TEST(BindingFile, TheVersionSaysWhichPartsThereAre) {
     const TemporaryFolder folder;
     writeBoundModel(folder / "a.espb", sample());
     writeBoundModel(folder / "g.espb", sampleWithGradients());
+    writeBoundModel(folder / "r.espb", sampleWithRest());
     const std::string old = readFile(folder / "a.espb"), with = readFile(folder / "g.espb");
+    const std::string withRest = readFile(folder / "r.espb");
     EXPECT_EQ(old[8], 1);
     EXPECT_EQ(with[8], 2);
+    EXPECT_EQ(withRest[8], 3);
+    EXPECT_EQ(withRest.size(), old.size() + 4 * 24);
     // The header, 3 offsets + 1, 3 weights, a point, 3 columns, a kept point; model and checksum.
     EXPECT_EQ(old.size(), 72u + 4 * 8 + 3 * 8 + 24 + 3 * 4 + 4 + 9 + 10 + 4);
     EXPECT_EQ(with.size(), old.size() + 3 * 8 + 3 * 4 * 8 + 6 * (8 + 4) + 4 * 24);
@@ -74,7 +86,7 @@ TEST(BindingFile, OnlyGradientsNeedTheNewVersion) {
 TEST(BindingFile, GradientsOfAnotherShapeAreNotWritten) {
     const TemporaryFolder folder;
     BoundModel model = sampleWithGradients();
-    model.gradients->rest.pop_back();
+    model.rest.pop_back();
     EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
     model = sampleWithGradients();
     model.gradients->tables[1] = {};
@@ -130,8 +142,8 @@ TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
 TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
     std::string newer = bytes;
-    newer[8] = 3;
-    expectRefused(newer, "has version 3; expected 1 or 2");
+    newer[8] = 4;
+    expectRefused(newer, "has version 4; expected 1 to 3");
 }
 
 // A header that claims 10¹⁸ entries is refused before memory is allocated for them.

@@ -30,6 +30,69 @@ TEST(Binding, MovesPointsInsideAndKeepsPointsOutside) {
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
 }
 
+// At rest each point is exactly where it was: 0.348799 stays 0.348799. A pose that moves one corner
+// leaves the points exactly where they were whose rows do not have this corner.
+TEST(Binding, DisplacementsLeavePointsThatDoNotMoveExactlyWhereTheyAre) {
+    const Lattice box = shapes::box({.cells = {6, 2, 2}, .max = {3.1, 1.2, 0.7}});
+    std::vector<Point3> points = {{0.348799, 0.1, 0.2}, {9, 9, 9}};
+    for (int i = 0; i < 100; ++i) points.push_back({0.031 * i, 0.011 * i, 0.3});
+    const auto binding = bindTo(box, 2, points);
+    const RestPositions rest{points, box.positions};
+    EXPECT_EQ(evaluateBinding(binding, rest, box.positions), points);
+    EXPECT_EQ(evaluateBinding(embed::convertBinding<float>(binding), rest, box.positions), points);
+    auto pose = box.positions;
+    pose[0] = {-1, -1, -1};
+    const auto moved = evaluateBinding(binding, rest, pose), whole = evaluateBinding(binding, pose);
+    Index same = 0;
+    for (Index i = 0; i < std::ssize(points); ++i) {
+        const auto columns = binding.table.columns(i);
+        if (std::ranges::find(columns, 0) == columns.end()) {
+            EXPECT_EQ(moved[i], points[i]);
+            ++same;
+        }
+        // The same points as by D · p', up to the placement error and roundings.
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], whole[i][c], 1e-13);
+    }
+    EXPECT_GT(same, 20);
+    EXPECT_LT(same, 90);
+}
+
+// In single precision, the error is relative to the displacement, not to the distance from the
+// origin: here 1000 times as small.
+TEST(Binding, DisplacementsKeepDigitsFarFromTheOrigin) {
+    Lattice box = shapes::box({.cells = {3, 3, 3}});
+    std::vector<Point3> points;
+    for (int i = 0; i < 50; ++i) points.push_back({0.02 * i, 0.5, 1 - 0.02 * i});
+    for (auto* positions : {&box.positions, &points})
+        for (Point3& p : *positions) p[0] += 1000;
+    const auto exact = bindTo(box, 2, points);
+    const auto single = embed::convertBinding<float>(exact);
+    auto pose = box.positions;
+    for (Point3& p : pose) p[0] += 0.1 * p[1] * p[2];
+    const auto expected = evaluateBinding(exact, pose);
+    const auto moved = evaluateBinding(single, {points, box.positions}, pose);
+    const auto whole = evaluateBinding(single, pose);
+    double error = 0, errorOfWhole = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        error = std::max(error, std::abs(moved[i][0] - expected[i][0]));
+        errorOfWhole = std::max(errorOfWhole, std::abs(whole[i][0] - expected[i][0]));
+    }
+    EXPECT_LT(error, 64 * 6e-8 * 0.1);  // roundings of up to 64 products of size 0.1
+    EXPECT_GT(errorOfWhole, 1e-5);      // roundings of numbers of size 1000
+}
+
+TEST(Binding, DisplacementsNeedOnePositionForEachPointAndVertex) {
+    const Lattice cube = shapes::box();
+    const std::vector<Point3> points = {{0.5, 0.5, 0.5}}, none;
+    const auto binding = bindTo(cube, 1, points);
+    EXPECT_REFUSED(Error, "there are 0 points at rest; the bound model has 1",
+                   evaluateBinding(binding, {none, cube.positions}, cube.positions));
+    EXPECT_REFUSED(Error, "the pose has 1 vertices",
+                   evaluateBinding(binding, {points, cube.positions}, points));
+    EXPECT_REFUSED(Error, "the pose has 1 vertices",
+                   evaluateBinding(binding, {points, points}, cube.positions));
+}
+
 // In the factored D, the lattice moves the vertices of the level, and these move the points.
 TEST(Binding, FactoredBindingMovesAndKeepsTheSamePoints) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});

@@ -154,7 +154,7 @@ def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, p
     model = espalier.read_model(tmp_path / "model.obj")
     first, copy = tmp_path / "first.espb", tmp_path / "copy.espb"
     for binding, version in [(espalier.bind(rest, model, limit=True), 2),
-                             (espalier.bind(rest, model), 1),
+                             (espalier.bind(rest, model), 3),
                              (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
                                             limit=True), 1)]:
         binding.save(first)
