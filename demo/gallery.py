@@ -17,6 +17,7 @@ import gallery_curves
 import gallery_lattices
 import gallery_patch
 import gallery_polyhedra
+import gallery_poses
 import gallery_rats
 import gallery_solvers
 from gallery_page import Entry, demo_entries, write_page
@@ -26,7 +27,7 @@ from palette import write_palette_png
 #: Headings, figures of scripts/demo, and figures to draw.
 SECTIONS = (
     ("Lattices and their cells", [], gallery_lattices.FIGURES + gallery_cells.FIGURES),
-    ("Deformations", demo_entries(), gallery_bases.FIGURES),
+    ("Deformations", demo_entries(), gallery_poses.FIGURES + gallery_bases.FIGURES),
     ("Curves and a patch", [], gallery_curves.FIGURES + gallery_patch.FIGURES),
     ("Polyhedra", [], gallery_polyhedra.FIGURES),
     ("RATS splines", [], gallery_rats.FIGURES),
