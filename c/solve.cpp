@@ -108,7 +108,7 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         });
         std::memcpy(displacements, fit.displacements.data(),
                     fit.displacements.size() * sizeof(Point3));
-        if (quality != nullptr) *quality = {fit.largestMiss, fit.meanMiss, fit.condition};
+        if (quality != nullptr) *quality = {fit.largestMiss, fit.rmsMiss, fit.condition};
     });
 }
 

@@ -46,7 +46,9 @@ struct HeldPart {
 
 struct FitCommandOptions : BindOptions {
     std::string targets;
+    std::vector<std::array<double, 6>> pulls;  ///< a place and a displacement each
     HoldOptions hold;
+    std::optional<solve::Smoothing> smoothing;
     solve::FitOptions fit;
     std::string output;
     ReportFormat report = ReportFormat::Text;
@@ -182,9 +184,34 @@ bool isList(const std::string& path) {
     return io::lowerCase(std::filesystem::path(path).extension().string()) == ".txt";
 }
 
+/// Adds a target for each --pull: the point nearest to its place moves by its displacement.
+/// \throws Error naming a point that has a target already
+void addPulls(const FitCommandOptions& options, std::span<const Point3> points, Wishes& wishes) {
+    for (const auto& [x, y, z, dx, dy, dz] : options.pulls) {
+        const auto squaredDistance = [&](const Point3& point) {
+            const double a = point[0] - x, b = point[1] - y, c = point[2] - z;
+            return a * a + b * b + c * c;
+        };
+        const auto nearest = std::ranges::min_element(points, {}, squaredDistance);
+        const auto number = static_cast<Index>(nearest - points.begin());
+        for (const io::Target& target : wishes.targets)
+            if (target.point == number)
+                throw Error(
+                    fmt::format("--pull {} {} {}: the nearest point is {}, which has a "
+                                "target already",
+                                x, y, z, number));
+        wishes.add(*nearest,
+                   {number, {(*nearest)[0] + dx, (*nearest)[1] + dy, (*nearest)[2] + dz}, 0});
+        if (!options.common.quiet && options.report == ReportFormat::Text)
+            fmt::print("pulled                point {} at {:.6g} {:.6g} {:.6g}\n", number,
+                       (*nearest)[0], (*nearest)[1], (*nearest)[2]);
+    }
+}
+
 Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stages& stages) {
     const auto points = model.positions();
     Wishes wishes;
+    if (options.targets.empty()) return wishes;
     if (isList(options.targets)) {
         const auto targets = stages.read(options.targets, [&] {
             return io::readTargets(options.targets, static_cast<Index>(points.size()));
@@ -335,7 +362,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
             {"left_out", leftOut},
             {"held_vertices", heldCount},
             {"largest_miss", fit.largestMiss},
-            {"rms_miss", fit.meanMiss},
+            {"rms_miss", fit.rmsMiss},
             {"largest_displacement", largest},
             // JSON has no infinity.
             {"condition", std::isinf(fit.condition) ? OrderedJson() : OrderedJson(fit.condition)}};
@@ -348,10 +375,12 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
                    leftOut);
     if (options.hold.box) fmt::print("vertices held         {}\n", heldCount);
     fmt::print("largest distance      {:.3g} from a target\n", fit.largestMiss);
-    fmt::print("root mean square      {:.3g} of these distances\n", fit.meanMiss);
+    fmt::print("root mean square      {:.3g} of these distances\n", fit.rmsMiss);
     fmt::print("largest displacement  {:.3g} of a lattice vertex\n", largest);
     if (std::isinf(fit.condition))
-        fmt::print("condition number      infinite: the targets do not determine all vertices\n");
+        fmt::print(
+            "undetermined          the targets leave vertices free, which move as little as "
+            "possible; --smoothing chooses otherwise\n");
     else
         fmt::print("condition number      {:.3g}\n", fit.condition);
 }
@@ -359,8 +388,10 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
 void runFit(const FitCommandOptions& options) {
     checkBasis(options);
     const ThreadLimit limit(options.common.threads);
-    const std::vector<Input> inputs = {
-        {"MODEL", options.model}, {"--rest", options.rest}, {"--targets", options.targets}};
+    if (options.targets.empty() && options.pulls.empty())
+        throw CLI::ValidationError("--targets or --pull is required: where the points should go");
+    std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
+    if (!options.targets.empty()) inputs.push_back({"--targets", options.targets});
     checkInputs(inputs);
     checkOutput(options.output, inputs);
     io::checkLatticeTarget(options.output);
@@ -368,6 +399,7 @@ void runFit(const FitCommandOptions& options) {
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     Lattice lattice = readLattice(options.rest, stages);
     Wishes wishes = readWishes(options, *model, stages);
+    addPulls(options, model->positions(), wishes);
     const std::size_t wishCount = wishes.targets.size();
     const auto points = model->positions();
     const HeldPart part = findHeldPart(options.hold, options, points, lattice);
@@ -379,6 +411,8 @@ void runFit(const FitCommandOptions& options) {
     const auto held = heldVertices(part, options.hold, bind, points, rows.ofHeld, lattice, stages);
     solve::FitOptions fitOptions = options.fit;
     fitOptions.frozen = frozenVertices(options, held, lattice);
+    fitOptions.smoothing = options.smoothing.value_or(
+        options.pulls.empty() ? solve::Smoothing::None : solve::Smoothing::Tikhonov);
     const auto fit = stages.run(
         "solving", [&] { return fitNamingTargets(options, rows, wishes, lattice, fitOptions); });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
@@ -395,17 +429,27 @@ void addFitCommand(CLI::App& program) {
         program, "fit", "Find the pose of a lattice that moves points of a model to given targets",
         runFit);
     addModelAndRest(command, options);
+    command.add_option(
+        "--targets", options.targets,
+        "Where the points should go: a .txt with the number of a point, from 0, and three "
+        "coordinates on each line; or the whole model in the wanted shape, in any model format");
     command
-        .add_option(
-            "--targets", options.targets,
-            "Where the points should go: a .txt with the number of a point, from 0, and three "
-            "coordinates on each line; or the whole model in the wanted shape, in any model format")
-        ->required();
+        .add_option_function<std::vector<double>>(
+            "--pull",
+            [&pulls = options.pulls](const std::vector<double>& numbers) {
+                std::ranges::copy(numbers, pulls.emplace_back().begin());
+            },
+            "Pull the point of the model that is nearest to X Y Z by DX DY DZ. May be given "
+            "several times")
+        ->expected(6)
+        ->delimiter(',')
+        ->type_name("X Y Z DX DY DZ")
+        ->trigger_on_parse();
     addBindingOptions(command, options);
-    addChoice<solve::Smoothing>(command, "--smoothing", options.fit.smoothing,
-                                solve::kSmoothingWords,
+    addChoice<solve::Smoothing>(command, "--smoothing", options.smoothing, solve::kSmoothingWords,
                                 "The second aim of the fit, for the displacements of the lattice. "
-                                "tikhonov: small ones; laplacian: like the neighbours' ones");
+                                "tikhonov: small ones; laplacian: like the neighbours' ones",
+                                "none, but tikhonov with --pull");
     command
         .add_option("--strength", options.fit.strength,
                     "Weight of the smoothing against the targets, 0.0001 to 10000")

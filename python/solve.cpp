@@ -120,7 +120,7 @@ void addFit(py::module_& module) {
             "the targets.")
         .def_readonly("largest_miss", &solve::LatticeFit::largestMiss,
                       "The largest distance of a point from its target: float.")
-        .def_readonly("rms_miss", &solve::LatticeFit::meanMiss,
+        .def_readonly("rms_miss", &solve::LatticeFit::rmsMiss,
                       "The root mean square of these distances: float.")
         .def_readonly(
             "condition", &solve::LatticeFit::condition,

@@ -230,8 +230,8 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
     }
     const Eigen::VectorXd distances = (view.matrix() * all - wanted).rowwise().norm();
     fit.largestMiss = distances.maxCoeff();
-    fit.meanMiss = distances.norm() / std::sqrt(static_cast<double>(distances.size()));
-    if (!all.allFinite() || !std::isfinite(fit.meanMiss)) refuseFarTargets(misses);
+    fit.rmsMiss = distances.norm() / std::sqrt(static_cast<double>(distances.size()));
+    if (!all.allFinite() || !std::isfinite(fit.rmsMiss)) refuseFarTargets(misses);
     return fit;
 }
 

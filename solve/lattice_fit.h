@@ -56,7 +56,7 @@ struct FitOptions {
 struct LatticeFit {
     std::vector<Point3> displacements;  ///< one for each vertex
     double largestMiss = 0;             ///< largest distance of a point from its target
-    double meanMiss = 0;                ///< root mean square of the distances
+    double rmsMiss = 0;                 ///< root mean square of the distances
 
     /// Condition of the least-squares matrix, smoothing included: its largest singular value over
     /// its smallest. Infinity if the smallest is below 1e-5 of the largest, which counts as 0: the

@@ -102,7 +102,7 @@ TEST(LatticeFit, ContradictoryTargetsAreFittedByLeastSquares) {
     auto left = model.moved(fit.displacements);
     for (std::size_t i = 0; i < left.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) left[i][c] -= misses[i][c];
-    EXPECT_NEAR(fit.meanMiss, std::sqrt(squareSum(left) / 40), 1e-14);
+    EXPECT_NEAR(fit.rmsMiss, std::sqrt(squareSum(left) / 40), 1e-14);
     std::vector<Point3> gradient(model.lattice.positions.size(), Point3{});
     for (Index row = 0; row < 40; ++row)
         for (std::size_t k = 0; k < model.deformation.columns(row).size(); ++k)
@@ -122,9 +122,9 @@ TEST(LatticeFit, TikhonovMakesDisplacementsSmaller) {
             model.fit(misses, {.smoothing = Smoothing::Tikhonov, .strength = strength});
         EXPECT_TRUE(std::isfinite(fit.condition));
         EXPECT_LT(squareSum(fit.displacements), size);
-        EXPECT_GT(fit.meanMiss, miss);
+        EXPECT_GT(fit.rmsMiss, miss);
         size = squareSum(fit.displacements);
-        miss = fit.meanMiss;
+        miss = fit.rmsMiss;
     }
 }
 
