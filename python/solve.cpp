@@ -6,6 +6,7 @@
 #include <espalier/shapes/lattice.h>
 #include <espalier/solve/design_variables.h>
 #include <espalier/solve/lattice_fit.h>
+#include <espalier/solve/section_variables.h>
 #include <pybind11/stl.h>
 
 #include <array>
@@ -173,6 +174,46 @@ outside    : a vertex of the child outside the parent: "nearest" moves it with t
 }
 
 void addDesignVariables(py::module_& module) {
+    using solve::SectionVariables;
+    py::class_<SectionVariables>(module, "SectionVariables", R"(
+Five variables for each section of a lattice along an axis: twist, scale of the chord, and a
+translation x, y, z; section by section. Twists are in radians, anticlockwise seen from the tip of
+the axis. Between sections they are linear in the coordinate along the axis.
+
+positions : array (V, 3), the lattice at rest; stations : array (S,), coordinates of the sections
+along the axis, ascending
+axis, chord : 3 float each, directions; center : 3 float, a point on the axis
+)")
+        .def(py::init([](const ArrayLike& positions, const ArrayLike& stations, const Point3& axis,
+                         const Point3& chord, const Point3& center) {
+                 const auto array = realArray<double>(stations, "stations");
+                 return SectionVariables(
+                     toPoints(positions, "positions"),
+                     {axis, chord, center, {array.data(), array.data() + array.size()}});
+             }),
+             "positions"_a, "stations"_a, "axis"_a = Point3{0, 0, 1}, "chord"_a = Point3{1, 0, 0},
+             "center"_a = Point3{0, 0, 0})
+        .def_property_readonly(
+            "at_rest", [](const SectionVariables& self) { return toArray(self.atRest()); },
+            "The values, an array (5 S,), that leave the lattice at rest: 0, 1, 0, 0, 0 for each "
+            "section.")
+        .def(
+            "positions",
+            [](const SectionVariables& self, const ArrayLike& values) {
+                const auto array = realArray<double>(values, "values");
+                return toArray(self.positions({array.data(), std::size_t(array.size())}));
+            },
+            "values"_a, "Returns the lattice, an array (V, 3), for some values: array (5 S,).")
+        .def(
+            "matrix",
+            [](const SectionVariables& self, const ArrayLike& values) {
+                const auto array = realArray<double>(values, "values");
+                return std::make_shared<Table>(
+                    self.matrix({array.data(), std::size_t(array.size())}));
+            },
+            "values"_a,
+            "Returns the derivatives of the coordinates by the variables, a StencilTable 3 V × 5 S "
+            "for jacobian(), at some values: array (5 S,).");
     py::class_<DesignVariables>(module, "DesignVariables", R"(
 The variables that an optimiser may choose: at first one for each coordinate of each lattice vertex.
 matrix() returns B, which turns variables into displacements.

@@ -46,6 +46,7 @@ __all__ = [
     "PointStatus",
     "PoseValidity",
     "Refiner",
+    "SectionVariables",
     "StencilTable",
     "ThreadLimit",
     "ValidityCheck",

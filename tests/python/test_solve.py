@@ -130,3 +130,23 @@ def test_a_lattice_in_a_lattice(rest, points, binding, pose):
                                atol=1e-12)
     with pytest.raises(ValueError, match="vertex"):
         espalier.nest(binding, pose, parent.transformed(np.eye(3) / 9), level=2)
+
+
+def test_sections_along_an_axis(rest, points):
+    sections = espalier.SectionVariables(rest.positions, [0.0, 1.5, 3.0])
+    values = sections.at_rest
+    np.testing.assert_array_equal(values, [0, 1, 0, 0, 0] * 3)
+    np.testing.assert_allclose(sections.positions(values), rest.positions, atol=1e-15)
+    values[0::5] = [0, 0.5, 1]
+    np.testing.assert_allclose(sections.positions(values),
+                               espalier.pose.twist(rest.positions, "z", 1.0, center=(0, 0, 0)),
+                               atol=1e-14)
+    # One step of a gradient method: the points move as the Jacobian says.
+    binding = espalier.bind(rest, points)
+    jacobian = espalier.jacobian(binding, sections.matrix(values)).csr()
+    step = 1e-7 * np.random.default_rng(1).normal(size=15)
+    moved = binding.deform(sections.positions(values + step))
+    np.testing.assert_allclose((moved - binding.deform(sections.positions(values))).ravel(),
+                               jacobian @ step, atol=1e-12)
+    with pytest.raises(ValueError, match="there are 3 values; expected 15"):
+        sections.positions([0, 1, 0])
