@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""README.md: its commands run, and it stays short. (tests/docs checks its code and its links.)
+"""README.md and docs/your-model.md: their commands run, and README.md stays short. (tests/docs checks
+code and links.)
 
     readme_test.py PATH_OF_ESPALIER
 """
@@ -19,10 +20,15 @@ TOP = pathlib.Path(__file__).resolve().parents[2]
 README = (TOP / "README.md").read_text(encoding="utf-8")
 MAX_WORDS = 1300
 
-# The lines of all blocks of commands, without comments.
-COMMANDS = [shlex.split(line, comments=True)
-            for block in re.findall(r"^```sh\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
+
+def commands_in(page):
+    """Returns the lines of all blocks of commands, split into words, without comments."""
+    return [shlex.split(line, comments=True)
+            for block in re.findall(r"^```sh\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
             for line in block.splitlines()]
+
+
+COMMANDS = commands_in(README)
 
 
 class Readme(CliTest):
@@ -40,6 +46,17 @@ class Readme(CliTest):
             if words[0] != "compare" or has_compare:
                 self.run_program(*words)
         self.assertTrue((self.path / "twisted.obj").is_file())
+
+    def test_the_commands_for_a_model_of_your_own_run(self):
+        self.write_model(icosphere_points(200))
+        page = (TOP / "docs/your-model.md").read_text(encoding="utf-8")
+        commands = commands_in(page)
+        self.assertGreater(len(commands), 6)
+        for words in commands:
+            if words[0] == "espalier":
+                self.run_program(*words[1:])
+        for output in ["twisted.obj", "pulled.obj", "frame-0001.obj"]:
+            self.assertTrue((self.path / output).is_file(), output)
 
     def test_the_scripts_are_there(self):
         scripts = {words[0] for words in COMMANDS} - {"espalier"}
