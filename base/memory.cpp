@@ -70,6 +70,11 @@ MemoryLimit::~MemoryLimit() {
     limits().remove(bytes_);
 }
 
+std::optional<std::uint64_t> memoryLimit() {
+    const std::uint64_t limit = limits().lowest();
+    return limit == kNoLimit ? std::nullopt : std::optional(limit);
+}
+
 std::uint64_t residentMemory() {
     // The file has numbers of pages: total, resident, shared ... Streams would allocate memory.
     const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);

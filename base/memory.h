@@ -5,6 +5,7 @@
 #include <espalier/base/error.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 /// \file
@@ -39,6 +40,9 @@ public:
 private:
     std::uint64_t bytes_;
 };
+
+/// Returns the limit that applies to this process; nothing if there is none.
+ESPALIER_API std::optional<std::uint64_t> memoryLimit();
 
 /// Returns the bytes that this process holds in memory (its resident set); 0 if the system does not
 /// tell.

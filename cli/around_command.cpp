@@ -120,13 +120,10 @@ void addAroundCommand(CLI::App& shape) {
         ->required()
         ->expected(1, 1000);
     CLI::Option* const cells =
-        command
-            .add_option("--cells", options.cells,
-                        "One number: cells along the longest side, and as many along the others as "
-                        "make them closest to cubes. Three numbers: cells along x, y and z")
+        addNumbers(command, "--cells", options.cells, "N|I J K",
+                   "One number: cells along the longest side, and as many along the others as make "
+                   "them closest to cubes. Three numbers: cells along x, y and z")
             ->expected(1, 3)
-            ->delimiter(',')
-            ->type_name("N|I J K")
             ->default_str("4");
     command
         .add_option("--size", options.shape.cellSize,
@@ -140,13 +137,10 @@ void addAroundCommand(CLI::App& shape) {
         ->capture_default_str();
     command.add_flag("--oriented", options.shape.oriented,
                      "Turn the box so that its volume is smallest, instead of along the axes");
-    command
-        .add_option("--around-part", options.part,
-                    "Use only the points in the box with these two opposite corners")
-        ->expected(6)
-        ->type_name("X0 Y0 Z0 X1 Y1 Z1");
-    command.add_option("-o,--output", options.output, "The lattice: .ovm, .vtu or .vtk")
-        ->required();
+    addNumbers(command, "--around-part", options.part, "X0 Y0 Z0 X1 Y1 Z1",
+               "Use only the points in the box with these two opposite corners")
+        ->expected(6);
+    addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options.common);
 }
 

@@ -3,11 +3,14 @@
 
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 
 #include "files.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
@@ -102,6 +105,21 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
         stages.addBytes(bytesOf(bound.points.binding.table));
         return bound;
     });
+}
+
+void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
+                         const CommonOptions& options) {
+    const Offset outside = std::ranges::count(statuses, embed::PointStatus::Outside);
+    if (options.quiet || outside == 0 || options.embedding.outside != embed::OutsidePolicy::Keep)
+        return;
+    const Offset all = std::ssize(statuses);
+    printError(
+        fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
+                    "--outside nearest to move them with the nearest cell, or make a lattice "
+                    "around the whole model: espalier shape around",
+                    outside, all, outside == 1 ? "is" : "are", outside == 1 ? "stays" : "stay",
+                    outside < all ? ", so a pose may tear the model" : "")
+            .c_str());
 }
 
 std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,

@@ -53,6 +53,12 @@ struct ModelBinding {
 ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
                        const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
+/// Prints a warning to standard error if points stay in place because they are outside the lattice:
+/// the parts of a model that move may come apart from them. Prints nothing if the run is quiet.
+/// \param statuses of all points
+void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
+                         const CommonOptions& options);
+
 /// Binds like bindModel(), in the stage "binding in factors", but returns the matrix as a product
 /// of two tables. Returns nothing for the limit and for a basis other than subdivision.
 std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,

@@ -258,11 +258,10 @@ void addCheckCommand(CLI::App& program) {
         .add_option("--list", options.listed,
                     "How many cells to name of those that are flat, folded or inverted")
         ->capture_default_str();
-    command.add_option(
-        "-o,--output", options.output,
-        "Write the pose at level N (level 0 with --limit) with two vertex attributes: "
-        "volume_ratio, the smallest of the cells at the vertex, and bad_at_rest, the "
-        "number of these cells that are flat or folded at rest: .ovm, .vtu or .vtk");
+    addOutputOption(command, options.output,
+                    "Write the pose at level N (level 0 with --limit) with two vertex attributes: "
+                    "volume_ratio, the smallest of the cells at the vertex, and bad_at_rest, the "
+                    "number of these cells that are flat or folded at rest: .ovm, .vtu or .vtk");
     addRefinementOptions(command, options.common);
     addRunOptions(command, options.common);
     addReportOption(command, options.report);

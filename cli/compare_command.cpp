@@ -144,9 +144,9 @@ void addCompareCommand(CLI::App& program) {
     command.add_option("FILE", options.files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 1);
-    command.add_option(
-        "--html", options.html,
-        "Write a report in HTML with all files, levels and pictures of the differences");
+    addOutputOption(command, options.html,
+                    "Write a report in HTML with all files, levels and pictures of the differences",
+                    "--html");
     addRefinementOptions(command, options.common, RulesFor::OpenSubdiv);
     addRunOptions(command, options.common);
 }

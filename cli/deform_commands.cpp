@@ -167,11 +167,10 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
             "--to", options.poses,
             "The poses: one or more deformed lattices with the topology of the lattice at rest")
         ->required();
-    command
-        .add_option(
-            "-o,--output", options.output,
-            "The deformed model, in the format of MODEL. With several poses, %04d in the name "
-            "stands for the number of the pose, and .0000, .0001 ... is added without it")
+    addOutputOption(
+        command, options.output,
+        "The deformed model, in the format of MODEL. With several poses, %04d in the name "
+        "stands for the number of the pose, and .0000, .0001 ... is added without it")
         ->required();
 }
 
@@ -196,7 +195,7 @@ void addDeformCommands(CLI::App& program) {
         program, "bind",
         "Bind a model to a lattice at rest, and write the binding, for espalier apply", runBind);
     addModelAndRest(bind, bindOptions);
-    bind.add_option("-o,--output", bindOptions.output, "The bound model: .espb")->required();
+    addOutputOption(bind, bindOptions.output, "The bound model: .espb")->required();
     addBindingOptions(bind, bindOptions);
     addRunAndReport(bind, bindOptions);
 

@@ -76,12 +76,9 @@ std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Latti
 /// Adds --hold and --continuity, which need --basis subdivision.
 void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) {
     CLI::Option* box =
-        command
-            .add_option(
-                "--hold", hold.box,
-                "Keep points of the model and boundary faces of the lattice that lie in the box "
-                "from corner X0 Y0 Z0 to corner X1 Y1 Z1 where they are")
-            ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+        addNumbers(command, "--hold", hold.box, "X0 Y0 Z0 X1 Y1 Z1",
+                   "Keep points of the model and boundary faces of the lattice that lie in the box "
+                   "from corner X0 Y0 Z0 to corner X1 Y1 Z1 where they are");
     addChoice<Continuity>(
         command, "--continuity", hold.continuity, embed::kContinuityWords,
         "How the part in the box of --hold meets the rest. c0: without a gap; c1: "
@@ -233,6 +230,7 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
 /// Rows of D for the points that have targets and for the held points.
 struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;
+    std::vector<embed::PointStatus> statuses = {};  ///< of all these points
 };
 
 /// Returns the end of a message: why the row of a point in D is empty.
@@ -323,6 +321,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
     if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
+    rows.statuses = std::move(bound.statuses);
     return rows;
 }
 
@@ -420,6 +419,7 @@ void runFit(const FitCommandOptions& options) {
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
         printFit(options, wishes, wishCount - wishes.targets.size(), held.size(), fit);
+    warnOfPointsOutside(rows.statuses, options.common);
 }
 
 }  // namespace
@@ -443,6 +443,7 @@ void addFitCommand(CLI::App& program) {
             "several times")
         ->expected(6)
         ->delimiter(',')
+        ->check(isNumberOf("X Y Z DX DY DZ"))
         ->type_name("X Y Z DX DY DZ")
         ->trigger_on_parse();
     addBindingOptions(command, options);
@@ -463,7 +464,7 @@ void addFitCommand(CLI::App& program) {
         command, "--undetermined", options.fit.undetermined, solve::kUndeterminedWords,
         "If the targets do not determine all vertices. smallest: take the "
         "smallest displacements; refuse: that is an error");
-    command.add_option("-o,--output", options.output, "The pose: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output, "The pose: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options.common);
     addReportOption(command, options.report);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -16,15 +17,20 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #ifdef ESPALIER_WITH_TBB
 #include <tbb/task_scheduler_observer.h>
 #endif
 
 #include "commands.h"
+#include "completion.h"
 #include "man_page.h"
 #include "run.h"
 #include "standard_streams.h"
+#include "unknown_words.h"
+#include "version.h"
 
 namespace {
 
@@ -108,11 +114,19 @@ int run(int argumentCount, char** arguments) {
         "Deforms 3D models by lattices of any polyhedral topology, and writes the matrices that do "
         "it",
         "espalier");
-    program.set_version_flag("--version", ESPALIER_VERSION);
+    program.set_version_flag("--version", versionText());
     // Printed as the version is: without a subcommand, and with exit code 0.
     program.add_flag_callback(
         "--man", [&program] { throw CLI::CallForVersion(manPage(program, ESPALIER_VERSION), 0); },
         "Print the manual page; espalier --man | man -l - shows it");
+    program
+        .add_option_function<std::string>(
+            "--completion",
+            [&program](const std::string& shell) {
+                throw CLI::CallForVersion(completionScript(program, shell), 0);
+            },
+            "Print the script by which a shell completes commands and options")
+        ->type_name("bash|zsh");
     program.require_subcommand(1);
     program.get_formatter()->column_width(34);
     addInfoCommand(program);
@@ -126,7 +140,7 @@ int run(int argumentCount, char** arguments) {
     addCheckCommand(program);
     addCompareCommand(program);
     program.footer(
-        std::string("espalier COMMAND --help lists the options of a command.\nExit codes: ") +
+        std::string("espalier help COMMAND lists the options of a command.\nExit codes: ") +
         kExitCodes);
     const auto memory = std::make_shared<MemoryOption>();
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
@@ -134,8 +148,23 @@ int run(int argumentCount, char** arguments) {
 #ifdef ESPALIER_WITH_TBB
     const SignalsToMainThread signals;
 #endif
+    std::vector<std::string> words(arguments + std::min(argumentCount, 1),
+                                   arguments + argumentCount);
+    if (!words.empty() && words.front() == "help") {
+        words.erase(words.begin());
+        words.push_back("--help");
+    }
     try {
-        program.parse(argumentCount, arguments);
+        const CLI::App& command = findCommand(program, words);
+        if (!command.get_subcommands({}).empty() &&
+            (words.empty() || words.back() == command.get_name())) {
+            const bool isProgram = &command == &program;
+            fmt::print("{}", command.help(isProgram ? "" : program.get_name()));
+            printError("expected a command, as listed above");
+            return kUsage;
+        }
+        std::ranges::reverse(words);  // as the parser takes them
+        program.parse(std::move(words));
     } catch (const CLI::Success& helpOrVersion) {
         program.exit(helpOrVersion);
     } catch (const CLI::ParseError& error) {
@@ -160,10 +189,10 @@ int main(int argumentCount, char** arguments) {
     } catch (const OutOfMemory& error) {
         printPrintableError(error.what());
     } catch (const std::bad_alloc&) {
-        printError("out of memory");
+        printPrintableError(OutOfMemory().what());
     } catch (const std::length_error&) {
         // A container would have become larger than memory.
-        printError("out of memory");
+        printPrintableError(OutOfMemory().what());
     } catch (const std::system_error& error) {
         printError(error);
     } catch (const std::exception& error) {

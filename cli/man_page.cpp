@@ -2,11 +2,14 @@
 #include "man_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <string_view>
 #include <vector>
+
+#include "command_tree.h"
 
 namespace espalier::cli {
 
@@ -82,16 +85,6 @@ std::string valueOf(const CLI::Option& option) {
     return type;
 }
 
-/// Returns "-n, --level".
-std::string namesOf(const CLI::Option& option) {
-    std::string names;
-    for (const std::string& name : option.get_snames())
-        names += (names.empty() ? "-" : ", -") + name;
-    for (const std::string& name : option.get_lnames())
-        names += (names.empty() ? "--" : ", --") + name;
-    return names;
-}
-
 /// Returns " Only with A and B.", from the words before and after; nothing if there are no options.
 std::string withOthers(const std::set<CLI::Option*>& others, const char* before,
                        const char* after) {
@@ -108,7 +101,7 @@ std::string entryOf(const CLI::Option& option) {
         term = italic(option.get_name(true, false));
         if (option.get_expected_max() >= CLI::detail::expected_max_vector_size) term += " ...";
     } else {
-        term = bold(namesOf(option));
+        term = bold(fmt::format("{}", fmt::join(namesOf(option), ", ")));
         if (const auto value = valueOf(option); !value.empty()) term += " " + italic(value);
     }
     std::string text = sentence(option.get_description());
@@ -122,12 +115,6 @@ std::string entryOf(const CLI::Option& option) {
     return fmt::format(".TP\n{}\n{}\n", term, text);
 }
 
-/// Returns the options and arguments of a command, without --help, which every command has.
-std::vector<const CLI::Option*> optionsOf(const CLI::App& command) {
-    return command.get_options(
-        [&](const CLI::Option* option) { return option != command.get_help_ptr(); });
-}
-
 /// Describes each command and the commands in it.
 class Commands {
 public:
@@ -138,8 +125,9 @@ public:
                 const std::string entry = entryOf(*option);
                 if (++counts[entry] == kSharedBy) shared_.push_back(entry);
             }
-        for (const CLI::App* command : program.get_subcommands({}))
-            describe(*command, program.get_name() + " " + command->get_name());
+        forEachCommand(program, [this](const CLI::App& command, const std::string& name) {
+            describe(command, name);
+        });
     }
 
     const std::string& synopsis() const { return synopsis_; }
@@ -158,9 +146,8 @@ private:
         if (!command.get_subcommands({}).empty()) return usage + " " + italic("NAME");
         for (const CLI::Option* option : optionsOf(command))
             if (option->get_required() && !option->get_positional()) {
-                const std::string names = namesOf(*option);
-                usage += fmt::format(" {} {}", bold(names.substr(0, names.find(','))),
-                                     italic(valueOf(*option)));
+                usage +=
+                    fmt::format(" {} {}", bold(namesOf(*option).front()), italic(valueOf(*option)));
             }
         return usage + " [" + italic("OPTIONS") + "]";
     }
@@ -191,8 +178,6 @@ private:
                 descriptions_ += fmt::format(".PP\nAlso {} ({}).\n", fmt::join(others, ", "),
                                              bold("COMMON OPTIONS"));
         }
-        for (const CLI::App* inner : command.get_subcommands({}))
-            describe(*inner, name + " " + inner->get_name());
     }
 
     std::string synopsis_, descriptions_;

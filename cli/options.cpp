@@ -86,6 +86,33 @@ void addRunOptions(CLI::App& command, CommonOptions& options) {
         ->capture_default_str();
 }
 
+CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
+                             const std::string& name) {
+    const CLI::Validator isNotDash(
+        [](std::string& text) {
+            return text == "-"
+                       ? "- does not mean standard output: reports are printed there, and "
+                         "the extension of a name tells the format. Use /dev/stdout, or for "
+                         "a lattice a link to it with the extension of the format, and "
+                         "--quiet"
+                       : std::string();
+        },
+        "");
+    return command.add_option(name, path, help)->check(isNotDash);
+}
+
+CLI::Validator isNumberOf(const std::string& names) {
+    return CLI::Validator(
+        [names](std::string& text) {
+            double number = 0;
+            return CLI::detail::lexical_cast(text, number)
+                       ? std::string()
+                       : "expected the numbers " + names + ", with spaces or commas between, got " +
+                             (text.empty() ? "nothing" : text);
+        },
+        "");
+}
+
 void addLevelOption(CLI::App& command, int& level, int least) {
     // Level 15 of a single cell has 8¹⁵ cells, far more than an index can count.
     constexpr int kMaxLevel = 15;

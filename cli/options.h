@@ -86,6 +86,27 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options);
 /// Adds --quiet and --threads to a command.
 void addRunOptions(CLI::App& command, CommonOptions& options);
 
+/// Adds an option that names a file to write, and refuses "-" for it. Returns it, to be required.
+CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
+                             const std::string& name = "-o,--output");
+
+/// Returns a check that a word is a number. Its message has the names of all numbers of an option:
+/// "X Y Z".
+CLI::Validator isNumberOf(const std::string& names);
+
+/// Adds an option that takes several numbers, with spaces or commas between them.
+///
+/// \param value an array or a vector of numbers, or a std::optional of one
+/// \param names the numbers in the help: "X Y Z"
+template <class Value>
+CLI::Option* addNumbers(CLI::App& command, const std::string& name, Value& value,
+                        const std::string& names, const std::string& help) {
+    return command.add_option(name, value, help)
+        ->delimiter(',')
+        ->check(isNumberOf(names))
+        ->type_name(names);
+}
+
 /// Adds -n to a command.
 void addLevelOption(CLI::App& command, int& level, int least);
 

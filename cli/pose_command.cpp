@@ -365,7 +365,7 @@ void addPoseCommand(CLI::App& program) {
     add("--bend", 2, 2, "AXIS DEGREES", "Bend the axis into an arc of a circle");
     add("--taper", 2, 2, "AXIS FACTOR",
         "Scale across the axis: by 1 at its start, FACTOR at its end");
-    command.add_option("-o,--output", options.output, "The pose: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output, "The pose: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options.common);
 }
 

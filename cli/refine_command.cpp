@@ -68,8 +68,7 @@ void addRefineCommand(CLI::App& program) {
         "Refine a lattice, a mesh or a curve N times, and write it with its attributes and marks",
         runRefine);
     addLatticeOptions(command, FileKind::Refinable, options);
-    command
-        .add_option("-o,--output", options.output,
+    addOutputOption(command, options.output,
                     "The refined lattice (.ovm, .vtu or .vtk), mesh or curve (.obj)")
         ->required();
 }

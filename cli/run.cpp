@@ -47,8 +47,12 @@ void exchangeHandlers(void (*from)(int), void (*to)(int)) {
 }  // namespace
 
 OutOfMemory::OutOfMemory(std::string_view stage) noexcept {
-    std::snprintf(text_.data(), text_.size(), "out of memory while %.*s",
-                  static_cast<int>(stage.size()), stage.data());
+    // Texts as short as sizes allocate nothing.
+    const std::optional<std::uint64_t> limit = memoryLimit();
+    std::snprintf(text_.data(), text_.size(), "out of memory%s%.*s: %s were in use at most%s%s%s",
+                  stage.empty() ? "" : " while ", static_cast<int>(stage.size()), stage.data(),
+                  formatBytes(peakMemory()).c_str(), limit ? "; the limit is " : "",
+                  limit ? formatBytes(*limit).c_str() : "", limit ? " (--max-memory)" : "");
 }
 
 // The functions below write progress. They do not throw, because stages end in destructors.

@@ -17,15 +17,16 @@
 
 namespace espalier::cli {
 
-/// Memory ran out in a stage of the run. what() is "out of memory while binding". Making the
-/// exception allocates nothing.
+/// Memory ran out. what() is "out of memory while binding: 5.9 GB were in use at most; the limit is
+/// 6.0 GB (--max-memory)". Making the exception allocates nothing.
 class OutOfMemory : public std::bad_alloc {
 public:
-    explicit OutOfMemory(std::string_view stage) noexcept;
+    /// \param stage of the run; empty outside the stages
+    explicit OutOfMemory(std::string_view stage = {}) noexcept;
     const char* what() const noexcept override { return text_.data(); }
 
 private:
-    std::array<char, 80> text_ = {};
+    std::array<char, 200> text_ = {};
 };
 
 /// Times the stages of a run, and shows on a terminal which stage runs and how much of it is done.

@@ -57,7 +57,8 @@ OrderedJson toJson(const RunReport& report);
 
 void printText(const RunReport& report);
 
-/// Prints a report to standard output in the chosen format, unless the run is quiet.
+/// Prints a report to standard output in the chosen format, and warns of points outside the
+/// lattice; nothing if the run is quiet.
 void print(const RunReport& report, ReportFormat format, const CommonOptions& options);
 
 }  // namespace espalier::cli

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/printable.h>
-#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -18,15 +19,12 @@
 namespace espalier::cli {
 namespace {
 
-/// Adds the command of one shape. `addOptions` adds its options. When the command runs, `check`
-/// checks the options and the path of the output, and `make` makes the lattice.
+/// Adds the command of one shape. `addOptions` adds its options. When the command runs, `make`
+/// makes the lattice.
 template <class Options>
-void addShape(
-    CLI::App& parent, const std::string& name, const std::string& help,
-    const std::function<void(CLI::App&, Options&)>& addOptions,
-    const std::function<Lattice(const Options&)>& make,
-    const std::function<void(const Options&, const std::string&)>& check =
-        [](const Options&, const std::string&) {}) {
+void addShape(CLI::App& parent, const std::string& name, const std::string& help,
+              const std::function<void(CLI::App&, Options&)>& addOptions,
+              const std::function<Lattice(const Options&)>& make) {
     struct State {
         Options shape;
         std::string output;
@@ -35,11 +33,11 @@ void addShape(
     auto state = std::make_shared<State>();
     CLI::App& command = *parent.add_subcommand(name, help);
     addOptions(command, state->shape);
-    command.add_option("-o,--output", state->output, "The lattice: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, state->output, "The lattice: .ovm, .vtu or .vtk")->required();
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
-    command.callback([state, make, check] {
+    command.callback([state, make] {
+        checkOutput(state->output, {});
         io::checkLatticeTarget(state->output);
-        check(state->shape, state->output);
         Stages stages(state->common.quiet);
         const Lattice lattice = stages.run("building", [&] { return make(state->shape); });
         stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
@@ -55,27 +53,26 @@ void add(CLI::App& command, const std::string& name, Value& value, const std::st
     command.add_option(name, value, help)->capture_default_str();
 }
 
+/// Adds an option for several numbers, whose default is shown in the help.
+template <class Value>
+void addAll(CLI::App& command, const std::string& name, Value& value, const std::string& names,
+            const std::string& help) {
+    addNumbers(command, name, value, names, help)
+        ->default_str(fmt::format("{}", fmt::join(value, ",")));
+}
+
 void addPattern(CLI::App& command, shapes::DiskPattern& pattern) {
     add(command, "--rings", pattern.rings, "Rings of cells in the disk, counting the core");
     addChoice<shapes::Core>(command, "--core", pattern.core, shapes::kCoreWords,
                             "Core of the disk: wedges around a vertex, or one polygonal prism");
 }
 
-/// Reads "x,y,z,radius" or "x,y,z,radius,twist" (degrees).
-shapes::ArmJoint parseJoint(const std::string& text) {
-    std::vector<double> numbers;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        double number = 0;
-        if (!io::parseNumber(std::string_view(text).substr(begin, end - begin), number))
-            throw CLI::ValidationError("--joint",
-                                       text + ": expected 4 or 5 numbers x,y,z,radius[,twist]");
-        numbers.push_back(number);
-        begin = end + 1;
-    }
+/// Returns the joint of the numbers x, y, z, radius and perhaps twist (degrees).
+shapes::ArmJoint jointOf(const std::vector<double>& numbers) {
     if (numbers.size() != 4 && numbers.size() != 5)
-        throw CLI::ValidationError("--joint",
-                                   text + ": expected 4 or 5 numbers x,y,z,radius[,twist]");
+        throw CLI::ValidationError(
+            "--joint",
+            fmt::format("expected 4 or 5 numbers X Y Z RADIUS [TWIST], got {}", numbers.size()));
     const double degrees = numbers.size() == 5 ? numbers[4] : 0;
     return {{numbers[0], numbers[1], numbers[2]}, numbers[3], degrees * std::numbers::pi / 180};
 }
@@ -89,8 +86,8 @@ void addRoundShapes(CLI::App& shape) {
             addPattern(command, options.pattern);
             add(command, "--layers", options.layers, "Layers of cells");
             add(command, "--radius", options.radius, "Radius of the outermost vertices");
-            add(command, "--from", options.from, "Centre of the first end");
-            add(command, "--to", options.to, "Centre of the last end");
+            addAll(command, "--from", options.from, "X Y Z", "Centre of the first end");
+            addAll(command, "--to", options.to, "X Y Z", "Centre of the last end");
         },
         shapes::cylinder);
     addShape<shapes::TorusOptions>(
@@ -142,25 +139,24 @@ void addJointedShapes(CLI::App& shape) {
         shapes::barbell);
     struct Arm {
         shapes::ArmOptions options;
-        std::vector<std::string> joints;
+        std::vector<std::vector<double>> joints;
     };
     addShape<Arm>(
         shape, "arm", "A tube around a limb (Figure 9)",
         [](CLI::App& command, Arm& arm) {
-            command.add_option(
-                "--joint", arm.joints,
-                "A joint of the limb: x,y,z,radius[,twist in degrees]. Repeat the option "
-                "for each joint, from the shoulder to the hand");
+            addNumbers(command, "--joint", arm.joints, "X Y Z RADIUS [TWIST]",
+                       "A joint of the limb; its twist is in degrees. Repeat the option for each "
+                       "joint, from the shoulder to the hand");
             add(command, "--segments", arm.options.segments, "Cells from joint to joint");
             add(command, "--sides", arm.options.sides, "Sides of the cross-section");
             addPattern(command, arm.options.pattern);
-            add(command, "--up", arm.options.up,
-                "Direction in which the first vertex of the cross-section lies");
+            addAll(command, "--up", arm.options.up, "X Y Z",
+                   "Direction in which the first vertex of the cross-section lies");
         },
         [](const Arm& arm) {
             shapes::ArmOptions options = arm.options;
             if (!arm.joints.empty()) options.joints.clear();
-            for (const std::string& joint : arm.joints) options.joints.push_back(parseJoint(joint));
+            for (const auto& joint : arm.joints) options.joints.push_back(jointOf(joint));
             return shapes::arm(options);
         });
 }
@@ -194,6 +190,70 @@ void addSolids(CLI::App& shape) {
                         addPolygon, shapes::bipyramid);
 }
 
+struct MergeCommandOptions {
+    CommonOptions common;
+    std::vector<std::string> lattices;
+    shapes::MergeOptions merge;
+    bool allowSeparate = false;
+    std::string output;
+};
+
+/// Throws if a lattice shares no face with the first one, directly or through other lattices:
+/// parts that look joined would come apart under a pose.
+void requireJoined(const MergeCommandOptions& options, const shapes::MergeJoints& joints,
+                   const std::string& counts) {
+    const auto apart = std::ranges::find_if(joints.groups, [](auto group) { return group != 0; });
+    if (apart == joints.groups.end()) return;
+    throw io::FileError(
+        options.lattices[apart - joints.groups.begin()],
+        fmt::format("is not joined to {}: no face is in both, directly or through another lattice "
+                    "({}). Where parts touch, the vertices and faces of one must be those of the "
+                    "other, within --tolerance; --allow-separate accepts parts that are apart",
+                    printable(options.lattices.front()), counts));
+}
+
+void runMerge(const MergeCommandOptions& options) {
+    const std::vector<Input> inputs = inputsOf("LATTICE", options.lattices);
+    checkInputs(inputs);
+    checkOutput(options.output, inputs);
+    io::checkLatticeTarget(options.output);
+    Stages stages(options.common.quiet);
+    std::vector<Lattice> lattices;
+    shapes::MergeOptions merge = options.merge;
+    for (const std::string& path : options.lattices) {
+        lattices.push_back(readLattice(path, stages));
+        merge.names.push_back(io::shownPath(path));
+    }
+    const Lattice merged = stages.run("building", [&] { return shapes::merge(lattices, merge); });
+    const shapes::MergeJoints joints = shapes::findJoints(lattices, merged);
+    const auto numberOf = [](Index count, const char* one, const char* several) {
+        return fmt::format("{} {}", count, count == 1 ? one : several);
+    };
+    const std::string counts = numberOf(joints.weldedVertices, "vertex", "vertices") + " welded, " +
+                               numberOf(joints.sharedFaces, "face", "faces") + " shared";
+    if (!options.allowSeparate) requireJoined(options, joints, counts);
+    stages.run("writing", [&] { io::writeLattice(options.output, merged); });
+    if (!options.common.quiet)
+        fmt::print("{}: {} vertices, {} cells; {}\n", printable(options.output),
+                   merged.complex.count(0), merged.complex.count(3), counts);
+}
+
+void addMerge(CLI::App& shape) {
+    const auto [command, options] = addCommand(
+        shape, "merge", "Merge lattices into one: vertices at the same place are joined", runMerge);
+    command.add_option("LATTICE", options.lattices, "Two or more lattices: .ovm, .vtu or .vtk")
+        ->required()
+        ->expected(2, 1000);
+    add(command, "--tolerance", options.merge.tolerance,
+        "Largest distance between vertices that are joined, as a fraction of the diagonal of "
+        "the box around all lattices");
+    command.add_flag("--allow-separate", options.allowSeparate,
+                     "Accept lattices that share no face with the others; otherwise they are an "
+                     "error");
+    addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();
+    command.add_flag("--quiet", options.common.quiet, "Print nothing but errors");
+}
+
 }  // namespace
 
 void addShapeCommand(CLI::App& program) {
@@ -204,47 +264,16 @@ void addShapeCommand(CLI::App& program) {
     addShape<shapes::BoxOptions>(
         shape, "box", "A box of hexahedra (Figure 1 of MacCracken & Joy 1996)",
         [](CLI::App& command, shapes::BoxOptions& options) {
-            add(command, "--cells", options.cells, "Cells along x, y and z");
-            add(command, "--min", options.min, "Lowest corner");
-            add(command, "--max", options.max, "Highest corner");
+            addAll(command, "--cells", options.cells, "I J K", "Cells along x, y and z");
+            addAll(command, "--min", options.min, "X Y Z", "Lowest corner");
+            addAll(command, "--max", options.max, "X Y Z", "Highest corner");
         },
         shapes::box);
     addAroundCommand(shape);
     addRoundShapes(shape);
     addJointedShapes(shape);
     addSolids(shape);
-    struct Merge {
-        std::vector<std::string> lattices;
-        shapes::MergeOptions options;
-    };
-    addShape<Merge>(
-        shape, "merge", "Merge lattices into one: vertices at the same place are joined",
-        [](CLI::App& command, Merge& merge) {
-            command
-                .add_option("LATTICE", merge.lattices, "Two or more lattices: .ovm, .vtu or .vtk")
-                ->required()
-                ->expected(2, 1000);
-            add(command, "--tolerance", merge.options.tolerance,
-                "Largest distance between vertices that are joined, as a fraction of the diagonal "
-                "of "
-                "the box around all lattices");
-        },
-        [](const Merge& merge) {
-            std::vector<Lattice> lattices;
-            shapes::MergeOptions options = merge.options;
-            for (const std::string& path : merge.lattices) {
-                io::ReadNotes notes;
-                lattices.push_back(io::readLattice(path, &notes));
-                printNotes(path, notes);
-                options.names.push_back(io::shownPath(path));
-            }
-            return shapes::merge(lattices, options);
-        },
-        [](const Merge& merge, const std::string& output) {
-            const std::vector<Input> inputs = inputsOf("LATTICE", merge.lattices);
-            checkInputs(inputs);
-            checkOutput(output, inputs);
-        });
+    addMerge(shape);
 }
 
 }  // namespace espalier::cli

@@ -13,6 +13,8 @@
 #include <new>
 #include <string>
 
+#include "run.h"
+
 namespace espalier::cli {
 namespace {
 
@@ -27,7 +29,7 @@ private:
         try {
             if (std::current_exception()) throw;
         } catch (const std::bad_alloc&) {
-            printError("out of memory");
+            printPrintableError(OutOfMemory().what());
             std::_Exit(1);
         } catch (...) {
         }
@@ -61,14 +63,11 @@ void flushOutput() {
 void printError(const char* cause) noexcept {
     // Messages of CLI11 and of the system contain arguments and paths unescaped.
     constexpr std::size_t kMaxBytes = 2000;
-    std::string text;
     try {
-        text = printable(cause, kMaxBytes);
-        cause = text.c_str();
+        printPrintableError(printable(cause, kMaxBytes).c_str());
     } catch (const std::bad_alloc&) {
-        cause = "out of memory";
+        printPrintableError(OutOfMemory().what());
     }
-    printPrintableError(cause);
 }
 
 void printPrintableError(const char* cause) noexcept {

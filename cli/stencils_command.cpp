@@ -85,6 +85,7 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
     const Lattice lattice = readLattice(options.lattice, stages);
     auto [bound, gradients] =
         bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
+    warnOfPointsOutside(bound.statuses, options.common);
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",
@@ -198,11 +199,10 @@ void addStencilsCommand(CLI::App& program) {
             "--level-tables", options.levelTables,
             "Write the matrices R_1 to R_N, each from one level to the next, to numbered files")
         ->excludes(points);
-    command
-        .add_option(
-            "-o,--output", options.output,
-            "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), the same arrays in three "
-            "files (.npy), or PETSc's binary format (.petsc)")
+    addOutputOption(
+        command, options.output,
+        "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), the same arrays in three "
+        "files (.npy), or PETSc's binary format (.petsc)")
         ->required();
     addChoice<io::PetscInt>(
         command, "--petsc-indices", options.petscIntegers, kPetscIntWords,

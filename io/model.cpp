@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/model.h>
@@ -55,8 +56,13 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
 void Model::checkTarget(const std::filesystem::path& path) const {
     const ModelFormat* format = findModelFormat(path);
     if (format && format->extension != extension())
-        throw FileError(path, "the model was read as " + std::string(extension()) +
-                                  " and can only be written in this format");
+        throw FileError(
+            path, concat("a model that was read as ", extension(), " can only be written as ",
+                         extension(),
+                         ", because everything but its coordinates is copied from "
+                         "its file; name the output ",
+                         shownPath(std::filesystem::path(path).replace_extension(extension())),
+                         ", or convert the model to ", format->extension, " first"));
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {

@@ -260,4 +260,32 @@ Lattice merge(const Lattice& first, const Lattice& second, const MergeOptions& o
     return merge(lattices, options);
 }
 
+MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged) {
+    const int dimension = merged.complex.dimension();
+    MergeJoints joints{.weldedVertices = -merged.complex.count(0)};
+    std::vector<Index> lastCells;  // per lattice: the number after its last cell in the result
+    for (const Lattice& lattice : lattices) {
+        joints.weldedVertices += lattice.complex.count(0);
+        joints.groups.push_back(joints.groups.size());
+        lastCells.push_back((lastCells.empty() ? 0 : lastCells.back()) +
+                            lattice.complex.count(dimension));
+    }
+    const auto latticeOf = [&](Index cell) {
+        return std::ranges::upper_bound(lastCells, cell) - lastCells.begin();
+    };
+    for (Index face = 0; face < merged.complex.count(dimension - 1); ++face) {
+        const auto cells = merged.complex.relation(dimension - 1, dimension)[face];
+        const auto first = latticeOf(cells.front());
+        bool isShared = false;
+        for (const Index cell : cells) {
+            const auto other = latticeOf(cell);
+            isShared |= other != first;
+            const auto [low, high] = std::minmax(joints.groups[first], joints.groups[other]);
+            if (low != high) std::ranges::replace(joints.groups, std::size_t{high}, low);
+        }
+        joints.sharedFaces += isShared;
+    }
+    return joints;
+}
+
 }  // namespace espalier::shapes

@@ -53,4 +53,21 @@ ESPALIER_API Lattice merge(std::span<const Lattice> lattices, const MergeOptions
 ESPALIER_API Lattice merge(const Lattice& first, const Lattice& second,
                            const MergeOptions& options = {});
 
+/// How merge() has joined lattices.
+struct MergeJoints {
+    Index weldedVertices = 0;  ///< how many vertices the result has fewer than the lattices
+    Index sharedFaces = 0;     ///< faces (of meshes edges, of curves vertices) between two lattices
+    /// Per lattice: the lowest number of a lattice that it is joined to by shared faces, directly
+    /// or through other lattices. 0 for all if the result is in one piece.
+    std::vector<std::size_t> groups = {};
+};
+
+/// Finds how merge() has joined lattices. Parts that were meant to match, and do not, have no
+/// shared faces.
+///
+/// \param lattices the arguments of merge()
+/// \param merged its result
+/// \cost linear in the number of faces, plus the square of the number of lattices
+ESPALIER_API MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged);
+
 }  // namespace espalier::shapes

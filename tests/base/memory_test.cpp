@@ -17,6 +17,7 @@ constexpr std::uint64_t kGigabyte = 1'000'000'000;
 
 TEST(MemoryLimit, WithoutALimitNothingIsRefused) {
     EXPECT_NO_THROW(requireMemory(kGigabyte * kGigabyte, "everything"));
+    EXPECT_EQ(memoryLimit(), std::nullopt);
 }
 
 TEST(MemoryLimit, RefusesWorkBeyondTheLimitByName) {
@@ -34,7 +35,9 @@ TEST(MemoryLimit, LowestOfSeveralApplies) {
     std::optional<MemoryLimit> low(std::in_place, held + kGigabyte);
     const MemoryLimit high(held + 3 * kGigabyte);
     EXPECT_THROW(requireMemory(2 * kGigabyte, "this"), MemoryError);
+    EXPECT_EQ(memoryLimit(), held + kGigabyte);
     low.reset();
+    EXPECT_EQ(memoryLimit(), held + 3 * kGigabyte);
     EXPECT_NO_THROW(requireMemory(2 * kGigabyte, "this"));
 }
 

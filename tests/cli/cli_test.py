@@ -49,14 +49,33 @@ class Shapes(CliTest):
     def test_merge(self):
         self.run_program("shape", "box", "-o", "a.ovm")
         self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
-        self.run_program("shape", "merge", "a.ovm", "b.ovm", "-o", "ab.ovm")
+        self.assertEqual(self.run_program("shape", "merge", "a.ovm", "b.ovm", "-o", "ab.ovm").stdout,
+                         "ab.ovm: 12 vertices, 2 cells; 4 vertices welded, 1 face shared\n")
         self.assertEqual(self.info("ab.ovm", "-n", 0)["levels"][0]["counts"],
                          {"vertices": 12, "edges": 20, "faces": 11, "cells": 2})
+
+    def test_merges_of_parts_that_share_no_face_need_allow_separate(self):
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "two.ovm")
+        self.run_program("shape", "box", "--cells", 3, 3, 2, "--min", 0, 0, 1, "--max", 1, 1, 2,
+                         "-o", "three.ovm")
+        self.run_program("shape", "box", "-o", "a.ovm")
+        self.run_program("shape", "box", "--min", .5, .5, .5, "--max", 2, 2, 2, "-o", "over.ovm")
+        for first, second, size, counts in [
+                ("two.ovm", "three.ovm", "71 vertices, 26 cells", "4 vertices welded, 0 faces shared"),
+                ("a.ovm", "over.ovm", "16 vertices, 2 cells", "0 vertices welded, 0 faces shared")]:
+            error = self.error_of("shape", "merge", first, second, "-o", "m.ovm")
+            self.assertRegex(error, rf"^espalier: {second}: is not joined to {first}: .*{counts}"
+                                    ".*--allow-separate")
+            self.assertFalse((self.path / "m.ovm").exists())
+            self.assertEqual(self.run_program("shape", "merge", first, second, "--allow-separate",
+                                              "-o", "m.ovm").stdout, f"m.ovm: {size}; {counts}\n")
+            (self.path / "m.ovm").unlink()
 
     def test_refused_merges_name_the_files(self):
         self.run_program("shape", "box", "-o", "a.ovm")
         self.run_program("shape", "box", "--min", 5, 0, 0, "--max", 6, 1, 1, "-o", "far.ovm")
-        self.run_program("shape", "merge", "far.ovm", "a.ovm", "-o", "two.vtu")
+        self.run_program("shape", "merge", "far.ovm", "a.ovm", "--allow-separate",
+                         "-o", "two.vtu")
         self.assertEqual(self.error_of("shape", "merge", "two.vtu", "a.ovm", "-o", "m.vtu"),
                          "espalier: merge: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
                          "each cell may be in one lattice only\n")
@@ -491,6 +510,40 @@ class Deform(CliTest):
             self.bind("model.obj", "rest.vtu", "--threads", threads, out="m.espb")
             outputs.add(self.bytes("m.espb"))
         self.assertEqual(len(outputs), 1)
+
+    def test_points_outside_that_stay_are_warned_of(self):
+        self.run_program("shape", "box", "-o", "rest.ovm")
+        self.write_model([(.5, .5, .5), (.2, .2, .3), (3, 3, 3)])
+        self.put("targets.txt", "0 .6 .5 .5\n2 3 3 3\n")
+        bound = ["model.obj", "--rest", "rest.ovm", "-n", 1]
+        commands = {"deform": ["deform", *bound, "--to", "rest.ovm", "-o", "out.obj"],
+                    "bind": ["bind", *bound, "-o", "out.espb"],
+                    "fit": ["fit", *bound, "--targets", "targets.txt", "-o", "fit.ovm"],
+                    "stencils": ["stencils", "rest.ovm", "--points", "model.obj", "-o", "D.npz"]}
+        for name, command in commands.items():
+            count = 2 if name == "fit" else 3  # points with targets
+            self.assertEqual(
+                self.run_program(*command).stderr,
+                f"espalier: warning: 1 of {count} points is outside the lattice and stays in place, "
+                "so a pose may tear the model. Use --outside nearest to move them with the nearest "
+                "cell, or make a lattice around the whole model: espalier shape around\n")
+            for option in [["--quiet"], ["--outside", "nearest"]]:
+                self.assertEqual(self.run_program(*command, *option).stderr, "")
+        self.write_model([(3, 3, 3), (4, 4, 4), (5, 5, 5)])
+        self.assertIn("warning: 3 of 3 points are outside the lattice and stay in place. Use",
+                      self.run_program(*commands["bind"]).stderr)
+        self.write_model([(.3, .3, .3), (.4, .4, .4), (.5, .5, .5)])
+        self.assertEqual(self.run_program(*commands["bind"]).stderr, "")
+
+    def test_a_model_keeps_its_format(self):
+        self.run_program("shape", "box", "-o", "rest.ovm")
+        self.write_model([(.5, .5, .5), (.2, .2, .3), (.3, .3, .3)])
+        self.assertEqual(
+            self.error_of("deform", "model.obj", "--rest", "rest.ovm", "--to", "rest.ovm", "-o",
+                          "out.stl"),
+            "espalier: out.stl: a model that was read as .obj can only be written as .obj, because "
+            "everything but its coordinates is copied from its file; name the output out.obj, or "
+            "convert the model to .stl first\n")
 
     def test_points_outside(self):
         self.write_model(self.points + [(1.5, 0.5, 0.5)])

@@ -67,11 +67,13 @@ class DebianPackages(unittest.TestCase):
 
     def test_1_the_program_alone(self):
         self.install(self.file_of("espalier"), *self.own_libraries())
-        self.assertRegex(self.in_root("espalier --version"), r"^\d+\.\d+\.\d+\n$")
+        self.assertRegex(self.in_root("espalier --version"), r"^espalier \d+\.\d+\.\d+\b")
         self.in_root("espalier shape box --cells 2 2 2 -o rest.vtu")
         self.in_root("espalier deform rest.vtu --rest rest.vtu --to rest.vtu -n 2 -o moved.vtu")
         self.assertTrue((self.root / "root/moved.vtu").is_file())
-        self.assertTrue((self.root / "usr/share/man/man1/espalier.1").is_file())
+        for name in ("man/man1/espalier.1", "bash-completion/completions/espalier",
+                     "zsh/site-functions/_espalier"):
+            self.assertTrue((self.root / "usr/share" / name).is_file(), name)
 
     def test_2_somebody_elses_program(self):
         self.install(self.file_of("libespalier-dev"), "g++", "cmake", "ninja-build", "pkg-config")

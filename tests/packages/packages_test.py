@@ -53,9 +53,11 @@ class Packages(InstalledBuild):
         out = self.run_program("by-package/consumer", env=self.environment())
         self.assertIn("none.ovm", out)
 
-    def test_the_program_has_its_manual_page(self):
-        self.assertEqual((self.prefix / "share/man/man1/espalier.1").is_file(),
-                         (self.prefix / "bin/espalier").is_file())
+    def test_the_program_has_its_manual_page_and_its_completion(self):
+        for name in ("man/man1/espalier.1", "bash-completion/completions/espalier",
+                     "zsh/site-functions/_espalier"):
+            self.assertEqual((self.prefix / "share" / name).is_file(),
+                             (self.prefix / "bin/espalier").is_file(), name)
 
     def test_components_that_are_not_there_are_named(self):
         (self.folder / "asks").mkdir()

@@ -91,6 +91,43 @@ TEST(Merge, WeldsTheVerticesOfOneLattice) {
     EXPECT_EQ(merge(std::span(&apart, 1), {1e-2}).complex.count(0), 18);
 }
 
+using Groups = std::vector<std::size_t>;
+
+TEST(MergeJoints, CountWeldedVerticesAndSharedFaces) {
+    const Lattice parts[] = {boxFrom(0, 2, 2), boxFrom(2, 3, 3), boxFrom(5, 1, 1)};
+    // boxFrom() has 2 · 1 faces of 3 · 2 vertices at each end.
+    const MergeJoints joints = findJoints(parts, merge(parts));
+    EXPECT_EQ(joints.weldedVertices, 2 * 6);
+    EXPECT_EQ(joints.sharedFaces, 2 * 2);
+    EXPECT_EQ(joints.groups, (Groups{0, 0, 0}));
+}
+
+TEST(MergeJoints, ShowPartsThatDoNotMatch) {
+    // A side of 2 · 2 faces on a side of 3 · 3 faces: only the four corners coincide.
+    const Lattice parts[] = {box({.cells = {2, 2, 2}}), box({{3, 3, 2}, {0, 0, 1}, {1, 1, 2}})};
+    const MergeJoints joints = findJoints(parts, merge(parts));
+    EXPECT_EQ(joints.weldedVertices, 4);
+    EXPECT_EQ(joints.sharedFaces, 0);
+    EXPECT_EQ(joints.groups, (Groups{0, 1}));
+    const Lattice overlapping[] = {box(), box({{1, 1, 1}, {0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}})};
+    EXPECT_EQ(findJoints(overlapping, merge(overlapping)).weldedVertices, 0);
+}
+
+TEST(MergeJoints, GroupLatticesThatAreJoinedThroughOthers) {
+    // Lattices 0, 3 and 4 touch in a row, and so do 1 and 2. Lattice 4 comes last and joins 0 to 3.
+    const Lattice parts[] = {boxFrom(0, 1, 1), boxFrom(10, 1, 1), boxFrom(11, 1, 1),
+                             boxFrom(2, 1, 1), boxFrom(1, 1, 1)};
+    EXPECT_EQ(findJoints(parts, merge(parts)).groups, (Groups{0, 1, 1, 0, 0}));
+}
+
+TEST(MergeJoints, CountSharedEdgesOfMeshes) {
+    const Lattice parts[] = {gridMesh({{2, 2}, {0, 0}, {1, 1}}),
+                             gridMesh({{2, 2}, {1, 0}, {2, 1}})};
+    EXPECT_EQ(findJoints(parts, merge(parts)).sharedFaces, 2);
+    // The faces inside one lattice are not shared with another one.
+    EXPECT_EQ(findJoints(std::span(parts, 1), merge(std::span(parts, 1))).sharedFaces, 0);
+}
+
 TEST(Merge, JoinsMeshes) {
     const Lattice mesh =
         merge(gridMesh({{2, 2}, {0, 0}, {1, 1}}), gridMesh({{2, 2}, {1, 0}, {2, 1}}));
