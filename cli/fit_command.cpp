@@ -441,7 +441,8 @@ void addFitCommand(CLI::App& program) {
             },
             "Pull the point of the model that is nearest to X Y Z by DX DY DZ. May be given "
             "several times")
-        ->expected(6)
+        ->type_size(6)
+        ->expected(1)
         ->delimiter(',')
         ->check(isNumberOf("X Y Z DX DY DZ"))
         ->type_name("X Y Z DX DY DZ")

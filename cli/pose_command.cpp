@@ -324,19 +324,19 @@ void addPoseCommand(CLI::App& program) {
                     if (name == "--select") checkWords(step);
                 },
                 help)
-            ->expected(least, most)
+            ->type_size(least, most)
+            ->expected(1)
             ->type_name(values)
             ->trigger_on_parse();
     };
     constexpr int kMany = 1000000;
-    add("--select", 1, kMany, "KIND ...",
+    // Two words at least, so that the second one may begin with a minus.
+    add("--select", 2, kMany, "KIND ...",
         "Vertices for the operations that follow: box X0 Y0 Z0 X1 Y1 Z1; ball X Y Z RADIUS; "
         "half-space X Y Z NX NY NZ, a point of its plane and the normal into it; end +z, the last "
         "layer in a direction; vertices NUMBER...; attribute NAME, whose values from 0 to 1 are "
         "the parts of the operation that the vertices get. Clears the four options below")
-        ->delimiter(',')
-        // Two words at least, so that the second one may begin with a minus.
-        ->type_size(2, kMany);
+        ->delimiter(',');
     command
         .add_flag_callback(
             "--select-all",
