@@ -122,24 +122,26 @@ double leastRatio(const CheckedVolume& volume, Index part, int orientation,
 
 /// Returns the size of a piece at the end of the way, which may be beyond the pose.
 ///
-/// \param end size at rest + most (pose − rest)
-PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double most) {
+/// \param end size at rest + maxLength (pose − rest)
+PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double maxLength) {
     // The uncertainty includes the uncertainties of rest and pose, multiplied by the length of the
-    // way: most (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) / most.
-    end.uncertainty = 2 * (end.uncertainty + (1 + most) * rest.uncertainty);
+    // way: maxLength (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) /
+    // maxLength.
+    end.uncertainty = 2 * (end.uncertainty + (1 + maxLength) * rest.uncertainty);
     return end;
 }
 
 /// Shortens a step to the length for which a part is proved valid.
 void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int orientation,
-             const LimitPositions& rest, const LimitPositions& end, double most) {
+             const LimitPositions& rest, const LimitPositions& end, double maxLength) {
     volume.forEachPiece(
         part,
         [&](const auto& before, const auto& after) {
             if (!(step.length > 0)) return;
             const ProvedTime proved = positiveUpTo(
-                aboveFloor(determinant(before.derivatives, after.derivatives), orientation,
-                           determinantFloor(before.size, sizeAtEnd(after.size, before.size, most))),
+                aboveFloor(
+                    determinant(before.derivatives, after.derivatives), orientation,
+                    determinantFloor(before.size, sizeAtEnd(after.size, before.size, maxLength))),
                 step.length);
             if (proved.time < step.length)
                 step = {proved.time, volume.cellOf(part), proved.isTight};
@@ -209,30 +211,31 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
     return result;
 }
 
-LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most) const {
+LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxLength) const {
     constexpr double kMaxAsked = 1e6;
-    if (!(most > 0 && most <= kMaxAsked))
-        throw Error(concat("the largest step to look for is ", most,
+    if (!(maxLength > 0 && maxLength <= kMaxAsked))
+        throw Error(concat("the largest step to look for is ", maxLength,
                            "; expected a number above 0, up to a million"));
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), pose, "pose");
     std::vector<Point3> ends = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
-            ends[vertex][c] += most * (pose[vertex][c] - ends[vertex][c]);
+            ends[vertex][c] += maxLength * (pose[vertex][c] - ends[vertex][c]);
     const LimitPositions end = volume.place(ends);
     // Each range of parts has its own step, because the last digits of a result depend on how far
-    // earlier parts have shortened the step. Lengths are fractions of `most` here.
+    // earlier parts have shortened the step. Lengths are fractions of `maxLength` here.
     std::vector<LargestStep> ofRanges((volume.partCount() + volume.grain() - 1) / volume.grain(),
                                       {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {
         const int orientation = orientation_[volume.cellOf(part)];
-        if (orientation != 0) shorten(ofRanges[range], volume, part, orientation, rest_, end, most);
+        if (orientation != 0)
+            shorten(ofRanges[range], volume, part, orientation, rest_, end, maxLength);
     });
     LargestStep result{1, {}, true};
     for (const LargestStep& step : ofRanges)
         if (step.length < result.length) result = step;
-    result.length *= most;
+    result.length *= maxLength;
     return result;
 }
 

@@ -142,7 +142,7 @@ TEST(VertexLimits, RegularRowsEqualTheEigenvector) {
             }
         }
     }
-    EXPECT_GT(seen, least(300));
+    EXPECT_GT(seen, shownBySome(300));
 }
 
 /// Checks that the limits of the base vertices equal the limits of their children on further

@@ -15,7 +15,8 @@
 #include <utility>
 
 #include "host_warp.h"
-#ifdef __SANITIZE_ADDRESS__
+#include "support/sanitizers.h"
+#ifdef ESPALIER_TEST_HAS_ADDRESS_SANITIZER
 #include <sanitizer/asan_interface.h>
 #endif
 
@@ -59,7 +60,7 @@ cudaError_t enter(const char* name, cudaError_t how = cudaErrorUnknown) {
 }
 
 void setAccess([[maybe_unused]] bool isOpen) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef ESPALIER_TEST_HAS_ADDRESS_SANITIZER
     for (const auto& [memory, size] : device.memory)
         isOpen ? __asan_unpoison_memory_region(memory, size)
                : __asan_poison_memory_region(memory, size);

@@ -122,7 +122,7 @@ TEST(Solids, PointsInsideFollowTheRules) {
             }
         }
     }
-    EXPECT_GT(count, least(10000));
+    EXPECT_GT(count, shownBySome(10000));
 }
 
 // Checks section 3 of MacCracken & Joy for each point on the boundary.
@@ -147,7 +147,7 @@ TEST(Solids, PointsOnTheBoundaryFollowTheRules) {
                 << name << " vertex " << vertex;
         }
     }
-    EXPECT_GE(seen, std::size_t(least(int(unmarked.size()))));
+    EXPECT_GE(seen, std::size_t(shownBySome(int(unmarked.size()))));
 }
 
 // The edge rules of the two papers are (C + 2A + M)/4 and (C + 2A + (n − 3)M)/n. So the rows differ

@@ -138,7 +138,7 @@ TEST(Mlca, SplitsAndAverages) {
                 const std::array<int, 3> kind = {complex, entity, stratum};
                 EXPECT_GT(seen[kind], 0) << complex << entity << stratum;
             }
-    EXPECT_GT(fading, least(1000));
+    EXPECT_GT(fading, shownBySome(1000));
 }
 
 // Weights are positive, so refinement stays in the convex hull. The exception is Chaikin's rule for

@@ -4,12 +4,21 @@
 #include <cstddef>
 #include <vector>
 
+// GCC defines the first macro, Clang has the feature.
+#if defined(__SANITIZE_ADDRESS__)
+#define ESPALIER_TEST_HAS_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ESPALIER_TEST_HAS_ADDRESS_SANITIZER
+#endif
+#endif
+
 namespace espalier::test {
 
 /// True in builds with the address sanitizer, where a test takes ten times as long. These builds
 /// look for memory errors, for which a few shapes suffice; the Release build tests the numbers of
 /// all shapes.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef ESPALIER_TEST_HAS_ADDRESS_SANITIZER
 inline constexpr bool kIsSlow = true;
 #else
 inline constexpr bool kIsSlow = false;
@@ -26,7 +35,7 @@ std::vector<Shape> someOf(std::vector<Shape> all) {
 }
 
 /// Returns the number of cases that the shapes of someOf() must show if all shapes show `count`.
-constexpr int least(int count) {
+constexpr int shownBySome(int count) {
     return kIsSlow ? count / 4 : count;
 }
 
