@@ -13,6 +13,10 @@
 namespace espalier::far {
 namespace {
 
+std::vector<std::uint8_t> allFaces(const CellComplex& complex) {
+    return std::vector<std::uint8_t>(complex.count(2), 1);
+}
+
 /// The cut mesh at level 0. A vertex of it is a pair of a value and a vertex of the mesh.
 struct CutMesh {
     CellComplex complex;
@@ -56,6 +60,7 @@ class CutStrata {
 public:
     CutStrata(const Level& mesh, const CellComplex& cut, FaceVaryingLinear linear)
         : mesh_(mesh), cut_(cut), linear_(linear), fans_(cut, allFaces(cut)) {
+        const SurfaceFans meshFans(mesh.complex, allFaces(mesh.complex));
         for (int d = 0; d <= 2; ++d) origins_[d].resize(cut.count(d));
         for (Index face = 0; face < cut.count(2); ++face) {
             origins_[2][face] = face;
@@ -66,6 +71,14 @@ public:
         valuesOf_.resize(mesh.complex.count(0));
         for (Index vertex = 0; vertex < cut.count(0); ++vertex)
             valuesOf_[origins_[0][vertex]].push_back(vertex);
+        isCut_.assign(mesh.complex.count(0), 0);
+        for (Index edge = 0; edge < cut.count(1); ++edge)
+            if (isSeam(edge))
+                for (const Index vertex : cut.relation(1, 0)[edge])
+                    isCut_[origins_[0][vertex]] = 1;
+        isManifold_.resize(mesh.complex.count(0));
+        for (Index vertex = 0; vertex < mesh.complex.count(0); ++vertex)
+            isManifold_[vertex] = meshFans.vertex(vertex) == SurfaceFans::VertexKind::Fan;
     }
 
     /// \param creasing of the mesh
@@ -78,20 +91,14 @@ public:
     }
 
 private:
-    static std::vector<std::uint8_t> allFaces(const CellComplex& complex) {
-        return std::vector<std::uint8_t>(complex.count(2), 1);
-    }
-
     /// Returns true if an edge of the cut mesh is one side of a seam.
     bool isSeam(Index edge) const {
         return cut_.relation(1, 2)[edge].size() !=
                mesh_.complex.relation(1, 2)[origins_[1][edge]].size();
     }
 
-    bool isOnSeam(Index vertex) const {
-        const auto edges = cut_.relation(0, 1)[vertex];
-        return std::any_of(edges.begin(), edges.end(), [&](Index edge) { return isSeam(edge); });
-    }
+    /// Returns true if a seam passes the vertex of the mesh.
+    bool isOnSeam(Index vertex) const { return isCut_[origins_[0][vertex]] != 0; }
 
     /// Returns true if the value at a vertex of the cut mesh is fixed, besides the sharpness that
     /// the mesh has.
@@ -107,7 +114,9 @@ private:
                 return true;
         }
         if (!isOnSeam(vertex)) return false;
-        if (fans_.vertex(vertex) != SurfaceFans::VertexKind::Fan) return true;
+        if (isManifold_[origins_[0][vertex]] == 0 ||
+            fans_.vertex(vertex) != SurfaceFans::VertexKind::Fan)
+            return true;
         const std::vector<Index>& values = valuesOf_[origins_[0][vertex]];
         const bool plus2 = linear_ == FaceVaryingLinear::CornersPlus2;
         if (plus2 || linear_ == FaceVaryingLinear::CornersPlus1)
@@ -138,8 +147,7 @@ private:
         for (const std::vector<Index>& values : valuesOf_) {
             if (values.size() != 2) continue;
             for (const auto& [from, to] : {std::pair(values[0], values[1]), {values[1], values[0]}}) {
-                if (!isOnSeam(from) || strata.of({0, from}) != 0 || strata.of({0, to}) == 0)
-                    continue;
+                if (isFixed(from) || strata.of({0, from}) != 0 || strata.of({0, to}) == 0) continue;
                 // The other value fades with the same weight: a sharpness of at most 1 is the
                 // weight of a vertex.
                 const auto fading = fadingOf(cut_, strata, creasing, {0, from});
@@ -165,7 +173,10 @@ private:
     FaceVaryingLinear linear_;
     SurfaceFans fans_;
     std::array<std::vector<Index>, 3> origins_;  ///< the entity of the mesh, by dimension
-    std::vector<std::vector<Index>> valuesOf_;   ///< for each vertex of the mesh, its vertices here
+    // For each vertex of the mesh:
+    std::vector<std::vector<Index>> valuesOf_;  ///< its vertices here
+    std::vector<std::uint8_t> isCut_;
+    std::vector<std::uint8_t> isManifold_;  ///< its faces form one fan
 };
 
 }  // namespace
