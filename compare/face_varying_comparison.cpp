@@ -27,7 +27,8 @@ void addRow(const stencils::StencilTable<double>& table, Index row, double scale
 }
 
 /// Returns OpenSubdiv's value at the corner of a face that is at a vertex of OpenSubdiv.
-Index valueAt(const OpenSubdiv::Far::TopologyLevel& level, Index face, std::optional<Index> vertex) {
+Index valueAt(const OpenSubdiv::Far::TopologyLevel& level, Index face,
+              std::optional<Index> vertex) {
     const auto loop = level.GetFaceVertices(face);
     for (int corner = 0; corner < loop.size(); ++corner)
         if (vertex == loop[corner]) return level.GetFaceFVarValues(face)[corner];

@@ -74,8 +74,7 @@ public:
         isCut_.assign(mesh.complex.count(0), 0);
         for (Index edge = 0; edge < cut.count(1); ++edge)
             if (isSeam(edge))
-                for (const Index vertex : cut.relation(1, 0)[edge])
-                    isCut_[origins_[0][vertex]] = 1;
+                for (const Index vertex : cut.relation(1, 0)[edge]) isCut_[origins_[0][vertex]] = 1;
         isManifold_.resize(mesh.complex.count(0));
         for (Index vertex = 0; vertex < mesh.complex.count(0); ++vertex)
             isManifold_[vertex] = meshFans.vertex(vertex) == SurfaceFans::VertexKind::Fan;
@@ -100,20 +99,22 @@ private:
     /// Returns true if a seam passes the vertex of the mesh.
     bool isOnSeam(Index vertex) const { return isCut_[origins_[0][vertex]] != 0; }
 
+    bool isOfOneFace(Index vertex) const { return cut_.relation(0, 2)[vertex].size() == 1; }
+
     /// Returns true if the value at a vertex of the cut mesh is fixed, besides the sharpness that
     /// the mesh has.
     bool isFixed(Index vertex) const {
         if (linear_ == FaceVaryingLinear::All) return true;
-        const bool isOfOneFace = cut_.relation(0, 2)[vertex].size() == 1;
-        if (isOfOneFace && linear_ != FaceVaryingLinear::None) return true;
+        if (isOfOneFace(vertex) && linear_ != FaceVaryingLinear::None) return true;
         if (linear_ == FaceVaryingLinear::Boundaries) {
             const auto edges = cut_.relation(0, 1)[vertex];
             if (std::any_of(edges.begin(), edges.end(), [&](Index edge) {
-                    return fans_.edge(edge) != SurfaceFans::EdgeKind::Manifold;
+                    return fans_.edge(edge) == SurfaceFans::EdgeKind::Boundary;
                 }))
                 return true;
         }
         if (!isOnSeam(vertex)) return false;
+        if (linear_ == FaceVaryingLinear::Boundaries) return true;
         if (isManifold_[origins_[0][vertex]] == 0 ||
             fans_.vertex(vertex) != SurfaceFans::VertexKind::Fan)
             return true;
@@ -122,10 +123,8 @@ private:
         if (plus2 || linear_ == FaceVaryingLinear::CornersPlus1)
             if (values.size() > 2) return true;
         if (!plus2) return false;
-        return values.size() == 1 ||
-               std::any_of(values.begin(), values.end(), [&](Index value) {
-                   return cut_.relation(0, 2)[value].size() == 1;
-               });
+        return values.size() == 1 || std::any_of(values.begin(), values.end(),
+                                                 [&](Index value) { return isOfOneFace(value); });
     }
 
     SharpnessValues edgesAndVertices() const {
@@ -141,13 +140,15 @@ private:
         return sharpness;
     }
 
-    /// Where a vertex has two values, makes each as sharp as the edges inside the faces of the
-    /// other.
+    /// Where a vertex has two values, makes each as sharp as sharp edges and seams inside the faces
+    /// of the other make the other.
     void sharpenPairs(const Strata& strata, Creasing creasing, SharpnessValues& sharpness) const {
         for (const std::vector<Index>& values : valuesOf_) {
             if (values.size() != 2) continue;
-            for (const auto& [from, to] : {std::pair(values[0], values[1]), {values[1], values[0]}}) {
-                if (isFixed(from) || strata.of({0, from}) != 0 || strata.of({0, to}) == 0) continue;
+            for (const auto& [from, to] :
+                 {std::pair(values[0], values[1]), {values[1], values[0]}}) {
+                if (isOfOneFace(from) || strata.of({0, from}) != 0 || strata.of({0, to}) == 0)
+                    continue;
                 // The other value fades with the same weight: a sharpness of at most 1 is the
                 // weight of a vertex.
                 const auto fading = fadingOf(cut_, strata, creasing, {0, from});

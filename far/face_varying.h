@@ -20,15 +20,15 @@ namespace espalier::far {
 /// value that is "fixed" does not move; all other values along a seam or a boundary follow the rule
 /// of a crease. Each mode fixes all values that the mode before fixes.
 enum class FaceVaryingLinear {
-    None,         ///< fixes a value only where its vertex is a corner, where three or more sharp
-                  ///< edges and seams meet in it, or where its faces do not form one fan
-    CornersOnly,  ///< also fixes values of one face
+    None,          ///< fixes a value only where its vertex is a corner, where three or more sharp
+                   ///< edges and seams meet in it, or where its faces do not form one fan
+    CornersOnly,   ///< also fixes values of one face
     CornersPlus1,  ///< also fixes all values of a vertex that has three or more values; and of the
                    ///< two values of a vertex, one is as sharp as sharp edges make the other
     CornersPlus2,  ///< also fixes both values of a vertex if one of the two is of one face, and the
                    ///< value where a seam ends inside the mesh
-    Boundaries,  ///< also fixes all values along seams and boundaries, which are linear then
-    All          ///< fixes everything: values are bilinear in each face
+    Boundaries,    ///< also fixes all values along seams and boundaries, which are linear then
+    All            ///< fixes everything: values are bilinear in each face
 };
 inline constexpr Word<FaceVaryingLinear> kFaceVaryingLinearWords[] = {
     {"none", FaceVaryingLinear::None},
@@ -64,7 +64,8 @@ struct FaceVaryingTopology {
 ///         is not one value per corner, or a number is negative
 /// \cost as TopologyRefiner::refineUniform()
 /// \cite OpenSubdiv 3.5, Sdc::Options::FVarLinearInterpolation; the rules agree with its
-///       Far::PrimvarRefiner::InterpolateFaceVarying() (tests/compare/face_varying_comparison_test.cpp)
+///       Far::PrimvarRefiner::InterpolateFaceVarying()
+///       (tests/compare/face_varying_comparison_test.cpp)
 ESPALIER_API FaceVaryingTopology refineFaceVarying(const TopologyRefiner& refiner,
                                                    std::span<const Index> cornerValues,
                                                    FaceVaryingLinear linear);

@@ -56,7 +56,8 @@ void expectFaceVaryingAgreement(const std::string& name, const Lattice& mesh, in
                 faceVaryingDifferences(refiner, randomValues(mesh, seed), linear);
             EXPECT_EQ(differences.size(), std::size_t(level));
             for (const double difference : differences)
-                EXPECT_LE(difference, Bounds().weight) << name << ", " << word << ", seams " << seed;
+                EXPECT_LE(difference, Bounds().weight)
+                    << name << ", " << word << ", seams " << seed;
         }
 }
 
