@@ -55,7 +55,9 @@ struct FaceVaryingTopology {
 /// Cuts a mesh along the seams of face-varying values, and refines it to the same level.
 ///
 /// Inside the charts, sharpness is the sharpness of the mesh, level by level; seams are infinitely
-/// sharp.
+/// sharp. The result differs from OpenSubdiv's in three cases: at vertices where faces with the
+/// same value do not form one fan, the value is fixed here; with semi-sharp edges at a seam, under
+/// CornersPlus1 and CornersPlus2; and with Creasing::Chaikin, where semi-sharp edges end on a seam.
 ///
 /// \param refiner of a mesh, refined uniformly
 /// \param cornerValues number of the value (0 or more) at each corner of each face of level 0: face
