@@ -17,6 +17,7 @@ namespace {
 
 struct RefineOptions : LatticeOptions {
     std::string output;
+    far::FaceVaryingLinear faceVarying = far::FaceVaryingLinear::All;
 };
 
 /// Prints a line to standard error for each attribute with values that are not finite: how many
@@ -51,7 +52,7 @@ void runRefine(const RefineOptions& options) {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
     const Lattice refined = stages.run("computing positions", [&] {
-        return stencils::refinedLattice(refiner, options.level, base);
+        return stencils::refinedLattice(refiner, options.level, base, options.faceVarying);
     });
     stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)
@@ -71,6 +72,9 @@ void addRefineCommand(CLI::App& program) {
     addOutputOption(command, options.output,
                     "The refined lattice (.ovm, .vtu or .vtk), mesh or curve (.obj)")
         ->required();
+    addChoice<far::FaceVaryingLinear>(
+        command, "--face-varying", options.faceVarying, far::kFaceVaryingLinearWords,
+        "Where texture coordinates (vt of a mesh) are linear: OpenSubdiv's face-varying modes");
 }
 
 }  // namespace espalier::cli

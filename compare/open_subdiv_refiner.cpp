@@ -97,7 +97,14 @@ struct Description {
     std::vector<int> faceSizes, faceVertices;
     std::vector<int> creasePairs, corners, holes;
     std::vector<float> creaseWeights, cornerWeights;
+    std::vector<int> faceVaryingValues;                     ///< one per corner, or none
+    Far::TopologyDescriptor::FVarChannel faceVarying = {};  ///< refers to faceVaryingValues
 
+    void setFaceVarying(std::span<const Index> cornerValues) {
+        faceVaryingValues.assign(cornerValues.begin(), cornerValues.end());
+        faceVarying.numValues = 1 + *std::ranges::max_element(faceVaryingValues);
+        faceVarying.valueIndices = faceVaryingValues.data();
+    }
     void addCrease(int a, int b, float sharpness) {
         creasePairs.insert(creasePairs.end(), {a, b});
         creaseWeights.push_back(std::min(sharpness, kInfinite));
@@ -121,6 +128,8 @@ struct Description {
         view.cornerWeights = cornerWeights.data();
         view.numHoles = static_cast<int>(holes.size());
         view.holeIndices = holes.data();
+        view.numFVarChannels = faceVaryingValues.empty() ? 0 : 1;
+        view.fvarChannels = &faceVarying;
         return view;
     }
 };
@@ -171,6 +180,24 @@ Description describe(const far::TopologyRefiner& refiner, const Surface& surface
         if (isOnSurface(vertex)) description.addCorner(nameOf(vertex), sharpness);
     description.holes.assign(holes.begin(), holes.end());
     return description;
+}
+
+Sdc::Options::FVarLinearInterpolation openSubdivMode(far::FaceVaryingLinear linear) {
+    switch (linear) {
+        case far::FaceVaryingLinear::None:
+            return Sdc::Options::FVAR_LINEAR_NONE;
+        case far::FaceVaryingLinear::CornersOnly:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
+        case far::FaceVaryingLinear::CornersPlus1:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
+        case far::FaceVaryingLinear::CornersPlus2:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
+        case far::FaceVaryingLinear::Boundaries:
+            return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
+        case far::FaceVaryingLinear::All:
+            break;
+    }
+    return Sdc::Options::FVAR_LINEAR_ALL;
 }
 
 Sdc::Options schemeOptions(const far::TopologyRefiner& refiner) {
@@ -274,11 +301,15 @@ void checkValences(const far::CellComplex& complex, const Surface& surface) {
 
 }  // namespace
 
-OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner,
-                                        const Surface& surface) {
+OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner, const Surface& surface,
+                                        const FaceVaryingValues* faceVarying) {
     checkValences(refiner.level(0).complex, surface);
-    const Sdc::Options options = schemeOptions(refiner);
+    Sdc::Options options = schemeOptions(refiner);
     Description description = describe(refiner, surface);
+    if (faceVarying != nullptr) {
+        description.setFaceVarying(faceVarying->cornerValues);
+        options.SetFVarLinearInterpolation(openSubdivMode(faceVarying->linear));
+    }
     OpenSubdivRefiner result{create(description, surface.vertices.size(), options)};
 #if OPENSUBDIV_VERSION_NUMBER < 30601
     const std::vector<int> misjudged = misjudgedCorners(*result.refiner);

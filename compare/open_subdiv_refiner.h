@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/face_varying.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <opensubdiv/far/topologyRefiner.h>
@@ -27,6 +28,12 @@ struct OpenSubdivRefiner {
     Index correctedCorners = 0;
 };
 
+/// The face-varying values of a mesh, as far::refineFaceVarying() takes them.
+struct FaceVaryingValues {
+    std::span<const Index> cornerValues;
+    far::FaceVaryingLinear linear;
+};
+
 /// Refines the surface of a refiner's level 0 with OpenSubdiv, to the same level. OpenSubdiv's
 /// vertex i is surface.vertices[i], its face i is surface.faces[i].
 ///
@@ -34,9 +41,10 @@ struct OpenSubdivRefiner {
 /// OpenSubdiv does not have, it gets the sharpness of edges and vertices that marks or rules set,
 /// and finds any other sharp features itself.
 ///
+/// \param faceVarying null, or the values of OpenSubdiv's face-varying channel 0; for a mesh only
 /// \throws Error if OpenSubdiv cannot represent the surface
-OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner,
-                                        const Surface& surface);
+OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner, const Surface& surface,
+                                        const FaceVaryingValues* faceVarying = nullptr);
 
 /// Checks the memory for OpenSubdiv's topology of levels 1 to `maxLevel`.
 /// \param cornerCount number of corners of all faces of the surface at level 0

@@ -92,16 +92,24 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 
 }  // namespace
 
-void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
+Refinement TopologyRefiner::splitWhole(const Level& parent, Boundary boundary) {
+    if (boundary != Boundary::Open) return Refinement(parent.complex);
+    const Refinement::Kept kept{closedEntities(parent), marksOf(parent.complex, 1)};
+    return Refinement(parent.complex, &kept);
+}
+
+void TopologyRefiner::addLevel(Refinement refinement) {
+    const Level& parent = levels_.back();
+    Strata strata =
+        refineStrata(parent.complex, parent.strata, refinement, boundary(), options_.creasing);
+    addLevel(std::move(refinement), std::move(strata));
+}
+
+void TopologyRefiner::addLevel(Refinement refinement, Strata strata) {
     // Reserve memory first: an exception below then leaves the levels unchanged.
     refinements_.reserve(refinements_.size() + 1);
     levels_.reserve(levels_.size() + 1);
-    const Level& parent = levels_.back();
-    Refinement refinement(parent.complex, kept);
-    Level next{
-        refinement.child(),
-        refineStrata(parent.complex, parent.strata, refinement, boundary(), options_.creasing),
-        refineHoles(parent, refinement)};
+    Level next{refinement.child(), std::move(strata), refineHoles(levels_.back(), refinement)};
     refinements_.push_back(std::move(refinement));
     levels_.push_back(std::move(next));
 }
@@ -131,13 +139,7 @@ void TopologyRefiner::refineUniform(int level) {
             throw Error(concat("level ", maxLevel(),
                                " is refined around some cells only: there is no whole level ",
                                level));
-        const Level& parent = levels_.back();
-        if (boundary() == Boundary::Open) {
-            const Refinement::Kept kept{closedEntities(parent), marksOf(parent.complex, 1)};
-            addLevel(&kept);
-        } else {
-            addLevel(nullptr);
-        }
+        addLevel(splitWhole(levels_.back(), boundary()));
     }
 }
 
@@ -213,7 +215,7 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
             chosen = grown(parent.complex, chosen);
         unmarkOutside(parent.complex, chosen, kept.lower);
     }
-    addLevel(&kept);
+    addLevel(Refinement(parent.complex, &kept));
     chosen_ = std::move(chosen);
 }
 

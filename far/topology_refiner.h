@@ -64,6 +64,9 @@ struct Level {
     std::vector<Index> holes = {};  ///< faces of a mesh that are holes, ascending
 };
 
+struct FaceVaryingTopology;
+enum class FaceVaryingLinear;
+
 /// Refines a complex level by level. Level 0 is the base; level k has about 8 times (lattice), 4
 /// times (mesh) or twice (curve) the entities of level k − 1.
 ///
@@ -138,7 +141,15 @@ public:
     const Refinement& refinement(int level) const;
 
 private:
-    void addLevel(const Refinement::Kept* kept);
+    friend FaceVaryingTopology refineFaceVarying(const TopologyRefiner& refiner,
+                                                 std::span<const Index> cornerValues,
+                                                 FaceVaryingLinear linear);
+
+    /// Splits a complete level, without the children on its open boundary.
+    static Refinement splitWhole(const Level& parent, Boundary boundary);
+
+    void addLevel(Refinement refinement);
+    void addLevel(Refinement refinement, Strata strata);
 
     RefinerOptions options_;
     /// The cells around which the finest level is complete; nothing if it is complete everywhere.

@@ -16,6 +16,10 @@ namespace espalier::io {
 std::string describe(const std::filesystem::path& path, const ReadNotes& notes) {
     constexpr std::size_t kMaxNamed = 5;
     const std::vector<Index>& dropped = notes.droppedVertices;
+    // Only meshes have texture coordinates, and only lattices and curves drop vertices.
+    if (notes.droppedTextureCoordinates > 0)
+        return concat(shownPath(path), ": dropped ", notes.droppedTextureCoordinates,
+                      " texture coordinates, because some corners of faces have none");
     if (dropped.empty()) return "";
     const bool isOne = dropped.size() == 1;
     std::string text = concat(shownPath(path), ": dropped ", dropped.size(),

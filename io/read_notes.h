@@ -20,6 +20,10 @@ struct ReadNotes {
     /// file, ascending. The reader leaves them out and numbers the other vertices without gaps.
     std::vector<Index> droppedVertices;
 
+    /// The number of texture coordinates that were dropped, because some corners of faces name
+    /// none.
+    Index droppedTextureCoordinates = 0;
+
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };
 

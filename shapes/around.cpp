@@ -74,6 +74,9 @@ Lattice around(std::span<const Point3> points, const AroundOptions& options) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         extents.min[axis] -= margin;
         extents.max[axis] += margin;
+        if (!std::isfinite(extents.size(axis)))
+            refuseField("around", "margin", textOf(options.margin),
+                        "fractions for which the box is finite");
         if (!(extents.size(axis) > 0))
             throw Error(
                 "around: the points lie in a plane, so that the box would be flat; give a margin "

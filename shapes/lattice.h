@@ -54,6 +54,17 @@ struct VertexAttribute {
     std::vector<double> values;  ///< `components` values per vertex, vertex by vertex
 };
 
+/// Values on the corners of the faces of a mesh, such as texture coordinates with seams. They are
+/// refined by far::refineFaceVarying().
+struct FaceVaryingAttribute {
+    int components = 2;
+    std::vector<double> values;  ///< `components` numbers per value, value by value
+    std::vector<Index> corners;  ///< the value at each corner of each face, in the order of the
+                                 ///< loops; empty if there are no values
+
+    bool empty() const { return corners.empty(); }
+};
+
 /// Refinement options that a file sets; OBJ meshes can. They override a program's defaults, and the
 /// options of its user override them.
 struct RefinementTags {
@@ -71,6 +82,7 @@ struct Lattice {
     std::vector<VertexAttribute> attributes;
     RefinementTags tags = {};
     std::vector<VertexIntegers> integers = {};
+    FaceVaryingAttribute textureCoordinates = {};  ///< of a mesh; `vt` in an OBJ
 };
 
 }  // namespace espalier

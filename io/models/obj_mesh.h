@@ -15,7 +15,9 @@
 ///
 ///     v x y z                        a vertex; w or a colour after it is not kept
 ///     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
-///                                    vertex so far. vt and vn are not kept. Old files have fo
+///                                    vertex so far. vn is not kept. Old files have fo
+///     vt u v                         texture coordinates; w is not kept. All are dropped if a
+///                                    corner of a face names none
 ///     l v v ...                      a line of a curve, vertices as in f; a closed line ends with
 ///                                    its first vertex. Ignored if the file has a face
 ///     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness

@@ -285,21 +285,24 @@ far::Marks ObjTags::marks(const far::CellComplex& mesh, std::span<const Index> d
     return marks;
 }
 
-bool isEmptyOrWhole(std::string_view text) {
-    std::int64_t ignored = 0;
-    return text.empty() || parseNumber(text, ignored);
+/// Reads a whole number, or 0 from an empty word. Returns false if the word is malformed.
+bool parseWholeOrEmpty(std::string_view word, std::int64_t& number) {
+    number = 0;
+    return word.empty() || parseNumber(word, number);
 }
 
-/// Reads the vertex, 1, of a corner "1", "1/2", "1//3" or "1/2/3". Returns false if it is
-/// malformed.
-bool parseCorner(std::string_view corner, std::int64_t& vertex) {
+/// Reads the vertex, 1, and the texture coordinate, 2 or 0 if there is none, of a corner "1",
+/// "1/2", "1//3" or "1/2/3". Returns false if it is malformed.
+bool parseCorner(std::string_view corner, std::int64_t& vertex, std::int64_t& texture) {
+    texture = 0;
     const std::size_t first = corner.find('/');
     if (!parseNumber(corner.substr(0, first), vertex)) return false;
     if (first == std::string_view::npos) return true;
     const std::string_view rest = corner.substr(first + 1);
     const std::size_t second = rest.find('/');
-    return isEmptyOrWhole(rest.substr(0, second)) &&
-           (second == std::string_view::npos || isEmptyOrWhole(rest.substr(second + 1)));
+    std::int64_t normal = 0;
+    return parseWholeOrEmpty(rest.substr(0, second), texture) &&
+           (second == std::string_view::npos || parseWholeOrEmpty(rest.substr(second + 1), normal));
 }
 
 /// The faces or the lines of a file.
@@ -308,6 +311,8 @@ struct Paths {
     std::vector<std::int64_t> corners;     ///< of all paths, from 0; may exceed the last vertex
     std::vector<std::size_t> ends;         ///< per path: end of its corners
     std::vector<std::size_t> lineNumbers;  ///< per path: its line in the file
+    /// Texture coordinates of all corners, from 0; −1 where a corner has none; may exceed the last.
+    std::vector<std::int64_t> textures = {};
     std::size_t count() const { return ends.size(); }
 };
 
@@ -327,6 +332,8 @@ public:
             const std::string_view keyword = readObjKeyword(words, path_, line);
             if (keyword == "v")
                 mesh_.positions.push_back(readObjPoint(words, path_, line).position);
+            else if (keyword == "vt")
+                textures_.push_back(readTexture(words, line));
             else if (keyword == "f" || keyword == "fo")
                 readPath(words, line, mesh_.positions.size(), faces_);
             else if (keyword == "l")
@@ -345,17 +352,49 @@ public:
         eraseVertices(dropped, 1, mesh_.positions);
         if (notes) notes->droppedVertices = std::move(dropped);
         mesh_.tags = tags_.refinement();
+        if (!isCurve) addTextureCoordinates(notes);
         return std::move(mesh_);
     }
 
 private:
+    /// Reads u and v of a `vt` statement; v is 0 if it is missing, and w is not kept.
+    std::array<double, 2> readTexture(ObjWords& words, std::size_t line) const {
+        std::array<double, 2> texture = {};
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::string_view word = words.next();
+            if (i == 1 && word.empty()) break;
+            if (!parseNumber(word, texture[i]) || !std::isfinite(texture[i]))
+                throw FileError(path_, line,
+                                inQuotes(word) + " is not a texture coordinate; expected a number");
+        }
+        return texture;
+    }
+
+    /// Gives the mesh its texture coordinates, if each corner of each face names one.
+    void addTextureCoordinates(ReadNotes* notes) {
+        if (textures_.empty()) return;
+        const auto count = static_cast<std::int64_t>(textures_.size());
+        for (const std::int64_t texture : faces_.textures) {
+            if (0 <= texture && texture < count) continue;
+            if (notes)
+                notes->droppedTextureCoordinates =
+                    checkedIndex(path_, textures_.size(), "texture coordinates");
+            return;
+        }
+        FaceVaryingAttribute& result = mesh_.textureCoordinates;
+        for (const auto& texture : textures_)
+            result.values.insert(result.values.end(), texture.begin(), texture.end());
+        for (const std::int64_t texture : faces_.textures)
+            result.corners.push_back(static_cast<Index>(texture));
+    }
+
     /// Adds a statement to `paths`.
     /// \param vertexCount number of vertices before the statement
     void readPath(ObjWords& words, std::size_t line, std::size_t vertexCount, Paths& paths) const {
         const auto before = static_cast<std::int64_t>(vertexCount);
         for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-            std::int64_t vertex = 0;
-            if (!parseCorner(word, vertex))
+            std::int64_t vertex = 0, texture = 0;
+            if (!parseCorner(word, vertex, texture))
                 throw FileError(path_, line,
                                 inQuotes(word) + " is not a corner of a " + paths.name +
                                     "; expected v, v/vt, v//vn or v/vt/vn");
@@ -369,6 +408,9 @@ private:
                                 concat("a ", paths.name, " names vertex ", vertex, "; there are ",
                                        before, " before it"));
             paths.corners.push_back(vertex < 0 ? before + vertex : vertex - 1);
+            const auto texturesBefore = static_cast<std::int64_t>(textures_.size());
+            paths.textures.push_back(
+                texture < 0 ? std::max<std::int64_t>(texturesBefore + texture, -1) : texture - 1);
         }
         paths.ends.push_back(paths.corners.size());
         paths.lineNumbers.push_back(line);
@@ -440,6 +482,7 @@ private:
     Lattice mesh_;
     ObjTags tags_;
     Paths faces_{"face", {}, {}, {}};
+    std::vector<std::array<double, 2>> textures_;
     std::vector<LineStatement> lineStatements_;
 };
 

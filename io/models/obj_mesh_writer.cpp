@@ -54,11 +54,13 @@ public:
             for (const double coordinate : position) out_.put(" ", coordinate);
             out_.put("\n");
         }
+        const FaceVaryingAttribute& textures = mesh.textureCoordinates;
+        for (std::size_t i = 0; i < textures.values.size(); ++i)
+            out_.put(i % 2 == 0 ? "vt " : " ", textures.values[i], i % 2 == 0 ? "" : "\n");
         if (mesh.complex.dimension() == 1)
             for (const std::vector<Index>& line : linesOf(mesh.complex)) writePath("l", line);
         else
-            for (Index face = 0; face < mesh.complex.count(2); ++face)
-                writePath("f", mesh.complex.relation(2, 0)[face]);
+            for (Index face = 0; face < mesh.complex.count(2); ++face) writeFace(mesh, face);
         writeTags(mesh.tags);
         for (const auto& mark : marks.edges)
             writeMark("t crease 2/1/0", {mark.vertices[0], mark.vertices[1]}, mark.sharpness);
@@ -71,6 +73,15 @@ private:
     void writePath(const char* keyword, std::span<const Index> vertices) {
         out_.put(keyword);
         for (const Index vertex : vertices) out_.put(" ", vertex + 1);
+        out_.put("\n");
+    }
+
+    void writeFace(const Lattice& mesh, Index face) {
+        const far::Incidence& loops = mesh.complex.relation(2, 0);
+        if (mesh.textureCoordinates.empty()) return writePath("f", loops[face]);
+        out_.put("f");
+        for (Offset i = loops.offset(face); i < loops.offset(face + 1); ++i)
+            out_.put(" ", loops.values()[i] + 1, "/", mesh.textureCoordinates.corners[i] + 1);
         out_.put("\n");
     }
 

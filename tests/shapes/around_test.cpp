@@ -98,6 +98,7 @@ TEST(Around, RefusesOptionsOutOfRange) {
     EXPECT_REFUSED(Error, "cellsAlongLongest", around(points, {.cellsAlongLongest = 0}));
     EXPECT_REFUSED(Error, "margin", around(points, {.margin = -0.1}));
     EXPECT_REFUSED(Error, "margin", around(points, {.margin = kInfinity}));
+    EXPECT_REFUSED(Error, "margin", around(points, {.margin = 1e308}));
     EXPECT_REFUSED(far::TopologyError, "", around(points, {.cells = {100000, 100000, 100000}}));
 }
 
