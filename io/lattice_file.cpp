@@ -92,6 +92,10 @@ LatticeReader refinableReaderOf(const Path& path) {
 
 }  // namespace
 
+bool isLatticeFile(const Path& path) {
+    return findFormat(path) != nullptr;
+}
+
 Lattice readLattice(const Path& path, ReadNotes* notes) {
     const LatticeFormat& format = formatOf(path);
     return format.read(path, readFile(path), notes);

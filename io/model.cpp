@@ -19,8 +19,11 @@ struct ModelFormat {
     std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
 };
 
-constexpr ModelFormat kModelFormats[] = {
-    {".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".vtu", readVtuModel}};
+constexpr ModelFormat kModelFormats[] = {{".obj", readObj},
+                                         {".ply", readPly},
+                                         {".stl", readStl},
+                                         {".vtu", readVtuModel},
+                                         {".vtp", readVtpModel}};
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
@@ -74,6 +77,10 @@ void Model::write(const std::filesystem::path& path, std::span<const Point3> mov
 void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
     checkTarget(path);
     checkAll(moved, positions().size(), "positions", "new position");
+}
+
+bool isModelFile(const std::filesystem::path& path) {
+    return findModelFormat(path) != nullptr;
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {

@@ -3,10 +3,12 @@
 
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
+#include <espalier/io/model.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,6 +18,34 @@
 namespace espalier::io {
 
 inline constexpr std::int64_t kVtkPolyhedron = 42;
+
+/// Returns the dimension, 0, 1 or 2, of a VTK type of vertices, lines or surface cells; nothing for
+/// all other types.
+std::optional<int> lowDimensionOf(std::int64_t type);
+
+inline constexpr std::int64_t kVtkStrip = 6;
+inline constexpr std::int64_t kVtkPolygon = 7;
+
+/// Collects the faces of a model from cells of the types 5 (triangle), 6 (strip of triangles), 7
+/// (polygon), 8 (pixel) and 9 (quadrilateral). Cells of other types have no faces.
+class VtkFaceReader {
+public:
+    explicit VtkFaceReader(std::filesystem::path path) : path_(std::move(path)) {}
+
+    /// Begins a piece. Cells added from now on number its points from 0.
+    void beginPiece(std::size_t firstPoint, std::size_t pointCount);
+
+    /// \throws FileError if the cell is a face and names a point that the piece does not have
+    void add(std::int64_t type, std::span<const std::int64_t> points);
+
+    ModelFaces take() { return std::move(faces_); }
+
+private:
+    std::filesystem::path path_;
+    std::size_t firstPoint_ = 0;
+    std::size_t pointCount_ = 0;
+    ModelFaces faces_;
+};
 
 /// Builds a complex from the cells of a VTK file: types 10 (tetrahedron), 11 (voxel), 12
 /// (hexahedron), 13 (wedge), 14 (pyramid) and 42 (polyhedron).

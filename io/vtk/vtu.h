@@ -72,6 +72,9 @@ ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lat
 /// normals if its name is "Normals" or if it is the active Normals of the piece; tangents likewise
 /// by "Tangents". All other arrays are kept.
 ///
+/// The faces are the cells of the types 5 to 9: triangles, strips, polygons, pixels and
+/// quadrilaterals. Cells of a volume have no faces here.
+///
 /// A changed array of Points is written inline, with the same number type (Float64 if it held
 /// integers): ascii if it was ascii, else base64, compressed if the file is. In a piece where no
 /// point has moved, the array stays as it was. The same holds for arrays of directions.
@@ -81,6 +84,11 @@ ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lat
 /// \throws FileError if the file is malformed, has a point that is not finite, or has an array of
 ///         directions whose length is not the number of points
 ESPALIER_API std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path,
+                                                 std::string bytes);
+
+/// The same for VTK's XML files of surfaces (.vtp, PolyData), which OpenFOAM writes. The faces are
+/// the cells of Polys, and the triangles of Strips.
+ESPALIER_API std::unique_ptr<Model> readVtpModel(const std::filesystem::path& path,
                                                  std::string bytes);
 
 }  // namespace espalier::io
