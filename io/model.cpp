@@ -5,6 +5,7 @@
 #include <espalier/io/models/obj.h>
 #include <espalier/io/models/ply.h>
 #include <espalier/io/models/stl.h>
+#include <espalier/io/vtk/vtk_legacy.h>
 #include <espalier/io/vtk/vtu.h>
 
 #include <cmath>
@@ -19,11 +20,9 @@ struct ModelFormat {
     std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
 };
 
-constexpr ModelFormat kModelFormats[] = {{".obj", readObj},
-                                         {".ply", readPly},
-                                         {".stl", readStl},
-                                         {".vtu", readVtuModel},
-                                         {".vtp", readVtpModel}};
+constexpr ModelFormat kModelFormats[] = {{".obj", readObj},      {".ply", readPly},
+                                         {".stl", readStl},      {".vtu", readVtuModel},
+                                         {".vtp", readVtpModel}, {".vtk", readVtkLegacyModel}};
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());

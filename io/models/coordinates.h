@@ -106,6 +106,10 @@ private:
 /// \param changes at least one, as for TextChanges
 void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
 
+/// Writes binary data with all changes, in this byte order.
+void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
+                        std::endian order);
+
 /// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);
 

@@ -367,7 +367,7 @@ private:
             if (header_.format == PlyFormat::Ascii)
                 writeChanged(out, bytes_, changes);
             else
-                writeBinary(out, changes);
+                writeChangedBinary(out, bytes_, changes, header_.byteOrder());
         });
     }
 
@@ -377,17 +377,6 @@ private:
 
     static Precision narrowest(const std::array<Precision, 3>& precisions) {
         return *std::min_element(precisions.begin(), precisions.end());
-    }
-
-    void writeBinary(std::ostream& out, std::span<const VectorChange> changes) const {
-        std::string bytes = bytes_;
-        for (const VectorChange& change : changes)
-            for (std::size_t point = 0; point < change.places.size(); ++point)
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    if (const auto value = change.at(point, axis))
-                        storeCoordinate(bytes, change.places[point][axis], *value,
-                                        change.precisions[axis], header_.byteOrder());
-        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     }
 
     std::filesystem::path path_;  ///< path of the file that was read

@@ -4,6 +4,7 @@
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -93,6 +94,10 @@ void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
 }
 
 void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertices) {
+    if (const auto dimension = lowDimensionOf(type)) {
+        ++skippedCells_[*dimension];
+        return;
+    }
     const std::optional<StandardCell> kind = kindOf(type);
     if (!kind)
         fail(concat("is of VTK's type ", type,
@@ -143,13 +148,27 @@ void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
 Index VtkCellReader::checkedVertex(std::int64_t vertex) const {
     if (vertex < 0 || vertex >= pieceVertexCount_)
         throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {3, cellCount_},
-                                 concat(shownPath(path_), ": cell ", cellCount_, " names vertex ",
+                                 concat(shownPath(path_), ": cell ", cellInFile(), " names vertex ",
                                         vertex, "; there are ", pieceVertexCount_));
     return firstVertex_ + static_cast<Index>(vertex);
 }
 
 void VtkCellReader::fail(const std::string& cause) const {
-    throw FileError(path_, concat("cell ", cellCount_, " ", cause));
+    throw FileError(path_, concat("cell ", cellInFile(), " ", cause));
+}
+
+Index VtkCellReader::cellInFile() const {
+    return std::accumulate(skippedCells_.begin(), skippedCells_.end(), cellCount_);
+}
+
+far::ComplexBuilder VtkCellReader::takeBuilder() {
+    if (cellCount_ == 0 && cellInFile() > 0)
+        throw far::TopologyError(
+            far::TopologyCause::EmptyComplex, {3, 0},
+            concat(shownPath(path_), ": there is no cell of a volume; the file has ",
+                   skippedCells_[0], " vertex cells, ", skippedCells_[1], " lines and ",
+                   skippedCells_[2], " surface cells, which are not cells of a lattice"));
+    return std::move(builder_);
 }
 
 VtkCells vtkCells(const far::CellComplex& complex) {

@@ -5,6 +5,7 @@
 #include <espalier/far/topology_error.h>
 #include <espalier/io/model.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -60,7 +61,7 @@ public:
     /// Begins a piece of the lattice. Cells added from now on number its vertices from 0.
     void beginPiece(Index firstVertex, Index vertexCount);
 
-    /// Adds a cell of any type but 42.
+    /// Adds a cell of any type but 42. Skips and counts vertices, lines and surface cells.
     void add(std::int64_t type, std::span<const std::int64_t> vertices);
 
     /// Adds a polyhedron by its loops.
@@ -70,22 +71,30 @@ public:
     /// its vertices and the vertices.
     void addPolyhedron(std::span<const std::int64_t> faceStream);
 
+    /// Returns the numbers of skipped cells, by dimension.
+    const std::array<Index, 3>& skippedCells() const { return skippedCells_; }
+
     /// Returns an upper bound of the number of edges of the cells so far.
     std::size_t maxEdges() const { return maxEdges_; }
 
     /// Returns the builder with the cells. The reader must not be used afterwards.
-    far::ComplexBuilder takeBuilder() { return std::move(builder_); }
+    /// \throws TopologyError (EmptyComplex) if all cells were skipped
+    far::ComplexBuilder takeBuilder();
 
 private:
     Index checkedVertex(std::int64_t vertex) const;
     [[noreturn]] void fail(const std::string& cause) const;
 
+    /// Returns the number of the next cell in the file, which counts skipped cells.
+    Index cellInFile() const;
+
     std::filesystem::path path_;
     far::ComplexBuilder builder_;
     Index firstVertex_ = 0;
     Index pieceVertexCount_ = 0;
-    Index cellCount_ = 0;
+    Index cellCount_ = 0;  ///< without skipped cells
     std::size_t maxEdges_ = 0;
+    std::array<Index, 3> skippedCells_ = {};
 };
 
 /// The cells of a lattice as arrays of a VTK file. Standard cells have their own types; all other

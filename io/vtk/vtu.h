@@ -16,7 +16,8 @@
 /// Reads and writes lattices in VTK's XML files of unstructured grids (.vtu).
 ///
 ///     Points                             positions
-///     Cells                              the types 10, 11, 12, 13, 14 and 42
+///     Cells                              the types 10, 11, 12, 13, 14 and 42; vertices, lines and
+///                                        surface cells are skipped
 ///     PointData                          attributes, and Lattice::integers; arrays without
 ///                                        numbers, and vtkGhostType, are skipped
 ///     PointData espalier:vertex_sharpness
@@ -40,14 +41,14 @@ enum class VtuEncoding {
 ///
 /// Several pieces become one lattice: vertices are numbered piece after piece, and vertices that
 /// coincide are not welded. Vertices that no cell uses are dropped, and the vertices after them get
-/// lower numbers. Cells keep their numbers.
+/// lower numbers. Cells keep their order; skipped cells have no number.
 ///
 /// Counts and arrays that are read first determine the length of each later array. An array whose
 /// header claims another length is refused before it is decoded.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param notes receives the dropped vertices; may be null
+/// \param notes receives the dropped vertices and skipped cells; may be null
 /// \throws FileError with the line, if the file is malformed, holds cells of other types or
 ///         a sharpness that is NaN, or has anything but comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice

@@ -34,6 +34,7 @@ public:
             readCells(piece, cells);
             firstVertex += count;
         }
+        if (notes) notes->skippedCells = cells.skippedCells();
         readEdgeMarks(cells.maxEdges());
         lattice_.marks.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
         return finishLattice(file_.path(), cells.takeBuilder(), std::move(lattice_), notes);
