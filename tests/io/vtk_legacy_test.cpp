@@ -156,7 +156,7 @@ TEST(VtkLegacy, ErrorsNameTheOffender) {
     EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 2.0\nt\nTEXT\n"),
                 StartsWith(":3: expected ASCII or BINARY, got 'text'"));
     EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 2.0\nt\nASCII\nDATASET POLYDATA\n"),
-                StartsWith(":4: holds 'polydata'; expected UNSTRUCTURED_GRID"));
+                StartsWith(": holds a surface (POLYDATA) without cells of a volume; a lattice"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + "POINTS 1 string\n0 0 0\n"),
                 HasSubstr("'string' is not a type of numbers"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 x 1\n"),
