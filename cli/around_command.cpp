@@ -116,7 +116,7 @@ void runAround(const AroundCommandOptions& options) {
 void addAroundCommand(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "around", "A box of hexahedra around the points of one or more models", runAround);
-    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl or .vtu")
+    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
         ->required()
         ->expected(1, 1000);
     CLI::Option* const cells =

@@ -56,7 +56,8 @@ std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
 }  // namespace
 
 void addModelAndRest(CLI::App& command, BindOptions& options) {
-    command.add_option("MODEL", options.model, "The model: .obj, .ply, .stl or .vtu")->required();
+    command.add_option("MODEL", options.model, "The model: .obj, .ply, .stl, .vtu, .vtp or .vtk")
+        ->required();
     command
         .add_option("--rest", options.rest,
                     "The lattice at rest, around the model: .ovm, .vtu or .vtk")

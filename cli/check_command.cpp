@@ -239,7 +239,9 @@ void addCheckCommand(CLI::App& program) {
                    "lattice can move "
                    "towards the pose before one folds; exit code 3 if there are such cells",
                    runCheck);
-    command.add_option("LATTICE", options.pose, "The pose: .ovm, .vtu or .vtk")->required();
+    command
+        .add_option("LATTICE", options.pose, "The pose: .ovm, .vtu or .vtk, or a cage (.obj, .ply)")
+        ->required();
     command
         .add_option("--rest", options.rest, "The lattice at rest, with the topology of the pose")
         ->required();

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
-#include <espalier/far/topology_match.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
-#include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/numbered_path.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
@@ -148,14 +147,10 @@ void runApply(const DeformOptions& options) {
     if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model,
                             "is damaged: its model does not have the points that were bound");
-    const auto difference = [&](const Lattice& pose) -> std::optional<std::string> {
-        if (far::topologyHash(pose.complex) == bound.binding.topologyHash) return std::nullopt;
-        return fmt::format(
-            "the lattice that {} was bound to: the bound lattice has {} vertices, the pose {}; or "
-            "their cells differ",
-            printable(options.model), table.columnCount(), pose.complex.count(0));
+    const auto read = [&](const std::string& path, io::ReadNotes* notes) {
+        return io::readPose(path, bound.binding, printable(options.model), notes);
     };
-    const auto poses = readPoses(options.poses, difference, stages);
+    const auto poses = readPoses(options.poses, read, stages);
     for (std::size_t i = 0; i < poses.size(); ++i)
         writePose(*model, bound.binding, bound.rest, bound.gradients, poses[i], paths[i], stages);
     print({nullptr, bound.binding, stages, peakMemory()}, options.report, options.common);
@@ -165,7 +160,8 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
     command
         .add_option(
             "--to", options.poses,
-            "The poses: one or more deformed lattices with the topology of the lattice at rest")
+            "The poses: one or more deformed lattices with the topology of the lattice at rest, or "
+            "cages of it (.obj, .ply)")
         ->required();
     addOutputOption(
         command, options.output,

@@ -2,9 +2,9 @@
 #include "files.h"
 
 #include <espalier/base/printable.h>
-#include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/shapes/refiner_options.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -172,17 +172,13 @@ void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes) {
 
 std::vector<std::vector<Point3>> readPoses(
     const std::vector<std::string>& paths,
-    const std::function<std::optional<std::string>(const Lattice&)>& difference, Stages& stages) {
+    const std::function<std::vector<Point3>(const std::string& path, io::ReadNotes* notes)>& read,
+    Stages& stages) {
     std::vector<std::vector<Point3>> poses;
     io::ReadNotes before;
     for (const std::string& path : paths) {
         io::ReadNotes notes;
-        poses.push_back(stages.read(path, [&] {
-            Lattice pose = io::readLattice(path, &notes);
-            if (const auto text = difference(pose))
-                throw io::FileError(path, "is not a pose of " + *text);
-            return std::move(pose.positions);
-        }));
+        poses.push_back(stages.read(path, [&] { return read(path, &notes); }));
         if (notes != before) printNotes(path, notes);
         before = std::move(notes);
     }
@@ -192,13 +188,10 @@ std::vector<std::vector<Point3>> readPoses(
 std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths,
                                            const Lattice& rest, const std::string& restPath,
                                            Stages& stages) {
-    const auto difference = [&](const Lattice& pose) {
-        auto text = far::topologyDifference(rest.complex, pose.complex);
-        if (text)
-            *text = io::shownPath(restPath) + " (called the first, this file the second): " + *text;
-        return text;
+    const auto read = [&](const std::string& path, io::ReadNotes* notes) {
+        return io::readPose(path, rest, io::shownPath(restPath), notes);
     };
-    return readPoses(paths, difference, stages);
+    return readPoses(paths, read, stages);
 }
 
 }  // namespace espalier::cli

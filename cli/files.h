@@ -84,12 +84,12 @@ void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes);
 /// one, so that a bad pose leaves nothing half done. If consecutive poses have the same notes, only
 /// the notes of the first are printed.
 ///
-/// \param difference returns nothing for a pose; otherwise the lattice that it should be a pose of,
-///        and how they differ
+/// \param read returns the positions of a pose (io/pose_file.h)
 /// \throws FileError naming the file that is not a pose, and the difference
 std::vector<std::vector<Point3>> readPoses(
     const std::vector<std::string>& paths,
-    const std::function<std::optional<std::string>(const Lattice&)>& difference, Stages& stages);
+    const std::function<std::vector<Point3>(const std::string& path, io::ReadNotes* notes)>& read,
+    Stages& stages);
 
 /// Reads poses of the lattice `rest`, which was read from `restPath`.
 std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths,

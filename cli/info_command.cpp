@@ -3,7 +3,12 @@
 #include <espalier/base/printable.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/far/standard_cells.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
+#include <espalier/io/binding_file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
@@ -16,12 +21,15 @@
 #include <complex>
 #include <limits>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "files.h"
+#include "model_info.h"
 
 namespace espalier::cli {
 namespace {
@@ -29,6 +37,7 @@ namespace {
 struct InfoOptions : LatticeOptions {
     bool json = false;
     bool smoothness = false;
+    bool asModel = false;
 };
 
 using SortedJson = nlohmann::json;
@@ -167,12 +176,7 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
 /// refined lattice may leave the convex hull there (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
                          const far::TopologyRefiner& refiner) {
-    Point3 least = lattice.positions.front(), most = least;
-    for (const Point3& position : lattice.positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            least[axis] = std::min(least[axis], position[axis]);
-            most[axis] = std::max(most[axis], position[axis]);
-        }
+    const Extent extent = extentOf(lattice.positions);
     std::vector<std::string> attributes;
     for (const VertexAttribute& attribute : lattice.attributes)
         attributes.push_back(attribute.name);
@@ -184,7 +188,9 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
     return {{"lattice", path},
-            {"bounds", {least, most}},
+            {"bounds", {extent.least, extent.most}},
+            {"size", extent.size()},
+            {"diagonal", extent.diagonal()},
             {"marks", lattice.marks.edges.size() + lattice.marks.vertices.size()},
             {"attributes", attributes},
             {"interior_edges_of_two_faces", edgesOfTwoFaces},
@@ -336,9 +342,8 @@ void printLevel(std::size_t number, const SortedJson& level) {
 
 void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("{}\n", printable(options.lattice));
-    fmt::print("bounds      ({:.4g}) to ({:.4g})\n",
-               fmt::join(report["bounds"][0].get<Point3>(), ", "),
-               fmt::join(report["bounds"][1].get<Point3>(), ", "));
+    fmt::print("{}",
+               Extent{report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}.text());
     fmt::print("marks       {} edges and vertices with a sharpness set by hand\n",
                report["marks"].get<std::size_t>());
     std::string attributes;
@@ -389,22 +394,75 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
     }
 }
 
+void printJson(const SortedJson& report) {
+    // ASCII only, since names come from files; a byte that is not UTF-8 becomes U+FFFD.
+    fmt::print("{}\n", report.dump(2, ' ', true, SortedJson::error_handler_t::replace));
+}
+
+/// The contents of the file that `info` describes: a lattice or a model.
+struct Described {
+    std::optional<Lattice> lattice;
+    std::unique_ptr<io::Model> model;
+    io::ReadNotes notes;
+};
+
+/// Reads a lattice, or a model if the format or --model says so, or if a .vtu or .vtk has no cells
+/// of a volume.
+Described readDescribed(const InfoOptions& options) {
+    const std::filesystem::path path = options.lattice;
+    Described result;
+    if (io::lowerCase(path.extension().string()) == ".espb") {
+        io::BoundModel bound = io::readBoundModel(path);
+        result.model = io::readModel(bound.modelName, std::move(bound.modelBytes));
+        return result;
+    }
+    const bool isModel = io::isModelFile(path), isLattice = io::isLatticeFile(path);
+    std::string bytes = io::readFile(path);
+    if (!isModel || (isLattice && !options.asModel)) {
+        try {
+            result.lattice = io::readLattice(path, bytes, &result.notes);
+            return result;
+        } catch (const far::TopologyError& error) {
+            if (!isModel || error.cause() != far::TopologyCause::EmptyComplex) throw;
+        }
+    }
+    result.model = io::readModel(path, std::move(bytes));
+    return result;
+}
+
+void runModelInfo(const InfoOptions& options, const io::Model& model, Stages& stages) {
+    if (options.smoothness)
+        throw io::FileError(options.lattice, "is a model; --smoothness needs a lattice");
+    const SortedJson report =
+        stages.run("measuring", [&] { return reportModel(options.lattice, model); });
+    if (options.json)
+        printJson(report);
+    else if (!options.common.quiet)
+        fmt::print("{}", modelText(report));
+}
+
 void runInfo(const InfoOptions& options) {
     const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
-    const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
-    SortedJson report = stages.run("measuring", [&, &lattice = lattice, &refiner = refiner] {
-        return reportLattice(options.lattice, lattice, refiner);
+    const Described described =
+        stages.read(options.lattice, [&] { return readDescribed(options); });
+    if (!described.lattice) {
+        runModelInfo(options, *described.model, stages);
+        return;
+    }
+    const Lattice& lattice = *described.lattice;
+    printNotes(options.lattice, described.notes);
+    const auto refiner = stages.run("refining", [&] {
+        return refineLattice(options.lattice, lattice, options.common, options.level);
     });
+    SortedJson report =
+        stages.run("measuring", [&] { return reportLattice(options.lattice, lattice, refiner); });
     std::vector<Smoothness> smoothness;
     if (options.smoothness)
-        smoothness = stages.run("finding eigenvalues",
-                                [&, &refiner = refiner] { return reportSmoothness(refiner); });
+        smoothness = stages.run("finding eigenvalues", [&] { return reportSmoothness(refiner); });
     if (options.json) {
         if (options.smoothness) report["smoothness"] = toJson(smoothness);
-        // ASCII only, since names come from files; a byte that is not UTF-8 becomes U+FFFD.
-        using Handler = SortedJson::error_handler_t;
-        fmt::print("{}\n", report.dump(2, ' ', true, Handler::replace));
+        printJson(report);
     } else if (!options.common.quiet) {
         printText(report, options);
         if (options.smoothness) printSmoothness(smoothness);
@@ -414,11 +472,17 @@ void runInfo(const InfoOptions& options) {
 }  // namespace
 
 void addInfoCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(program, "info",
-                                               "Print what a lattice and its levels consist of: "
-                                               "counts, sharp parts, valences, cell quality",
-                                               runInfo);
+    const auto [command, options] =
+        addCommand(program, "info",
+                   "Print what a model, or a lattice and its levels, consist of: "
+                   "counts, bounds, sharp parts, valences, cell quality",
+                   runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
+    command.get_option("LATTICE")->description(
+        "A lattice (.ovm, .vtu or .vtk), a model (.obj, .ply, .stl, .vtu, .vtp or .vtk) or a bound "
+        "model (.espb). A .vtu or .vtk is a lattice if it has cells of a volume");
+    command.add_flag("--model", options.asModel,
+                     "Describe a .vtu or .vtk as a model, whatever cells it has");
     command.add_flag("--json", options.json, "Print JSON");
     command.add_flag("--smoothness", options.smoothness,
                      "Also print how smooth the limit is at each irregular vertex and edge: the "

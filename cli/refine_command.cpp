@@ -2,6 +2,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/stencils/refined_lattice.h>
 #include <fmt/format.h>
 
@@ -47,14 +48,20 @@ void runRefine(const RefineOptions& options) {
     const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);
     warnOfNonFinite(options.lattice, base);
     const int dimension = base.complex.dimension();
-    io::checkRefinableTarget(options.output, dimension);
+    const bool isCage = dimension == 3 && io::isCageFile(options.output);
+    if (!isCage) io::checkRefinableTarget(options.output, dimension);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
     const Lattice refined = stages.run("computing positions", [&] {
         return stencils::refinedLattice(refiner, options.level, base, options.faceVarying);
     });
-    stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
+    stages.run("writing", [&] {
+        if (isCage)
+            io::writeCage(options.output, refined);
+        else
+            io::writeRefinable(options.output, refined);
+    });
     if (!options.common.quiet)
         fmt::print("{}: level {}, {} vertices, {} {}\n", printable(options.output), options.level,
                    refined.complex.count(0), refined.complex.count(dimension),
@@ -70,7 +77,8 @@ void addRefineCommand(CLI::App& program) {
         runRefine);
     addLatticeOptions(command, FileKind::Refinable, options);
     addOutputOption(command, options.output,
-                    "The refined lattice (.ovm, .vtu or .vtk), mesh or curve (.obj)")
+                    "The refined lattice (.ovm, .vtu or .vtk), or its faces as a cage for mesh "
+                    "editors (.obj or .ply); the refined mesh or curve (.obj)")
         ->required();
     addChoice<far::FaceVaryingLinear>(
         command, "--face-varying", options.faceVarying, far::kFaceVaryingLinearWords,

@@ -13,20 +13,53 @@
 
 namespace espalier::io {
 
-std::string describe(const std::filesystem::path& path, const ReadNotes& notes) {
+namespace {
+
+/// Returns the note on skipped cells, "skipped 2 lines and 6 surface cells, ..."; empty if there
+/// are none.
+std::string skippedText(const std::array<Index, 3>& counts) {
+    constexpr const char* kNames[3][2] = {
+        {"vertex cell", "vertex cells"}, {"line", "lines"}, {"surface cell", "surface cells"}};
+    std::vector<std::string> parts;
+    for (std::size_t d = 0; d < counts.size(); ++d)
+        if (counts[d] > 0) parts.push_back(concat(counts[d], " ", kNames[d][counts[d] > 1]));
+    if (parts.empty()) return "";
+    std::string text = "skipped " + parts[0];
+    for (std::size_t i = 1; i < parts.size(); ++i)
+        text += (i + 1 < parts.size() ? ", " : " and ") + parts[i];
+    const bool isOne = counts[0] + counts[1] + counts[2] == 1;
+    return text +
+           (isOne ? ", which is not a cell of a lattice" : ", which are not cells of a lattice");
+}
+
+/// Returns the note on texture coordinates; empty if none were dropped.
+std::string droppedText(Index textureCoordinates) {
+    if (textureCoordinates == 0) return "";
+    return concat("dropped ", textureCoordinates,
+                  " texture coordinates, because some corners of faces have none");
+}
+
+/// Returns the note on vertices; empty if none were dropped.
+std::string droppedText(const std::vector<Index>& dropped) {
     constexpr std::size_t kMaxNamed = 5;
-    const std::vector<Index>& dropped = notes.droppedVertices;
-    // Only meshes have texture coordinates, and only lattices and curves drop vertices.
-    if (notes.droppedTextureCoordinates > 0)
-        return concat(shownPath(path), ": dropped ", notes.droppedTextureCoordinates,
-                      " texture coordinates, because some corners of faces have none");
     if (dropped.empty()) return "";
     const bool isOne = dropped.size() == 1;
-    std::string text = concat(shownPath(path), ": dropped ", dropped.size(),
+    std::string text = concat("dropped ", dropped.size(),
                               isOne ? " unused vertex (vertex " : " unused vertices (vertices ");
     for (std::size_t i = 0; i < std::min(dropped.size(), kMaxNamed); ++i)
         text += concat(i == 0 ? "" : ", ", dropped[i]);
     return text + (dropped.size() > kMaxNamed ? ", ...)" : ")");
+}
+
+}  // namespace
+
+std::string describe(const std::filesystem::path& path, const ReadNotes& notes) {
+    const std::string all[] = {skippedText(notes.skippedCells), droppedText(notes.droppedVertices),
+                               droppedText(notes.droppedTextureCoordinates)};
+    std::string text;
+    for (const std::string& note : all)
+        if (!note.empty()) text += (text.empty() ? shownPath(path) + ": " : "; ") + note;
+    return text;
 }
 
 namespace {
@@ -95,6 +128,10 @@ LatticeReader refinableReaderOf(const Path& path) {
 }
 
 }  // namespace
+
+bool isLatticeFile(const Path& path) {
+    return findFormat(path) != nullptr;
+}
 
 Lattice readLattice(const Path& path, ReadNotes* notes) {
     const LatticeFormat& format = formatOf(path);

@@ -28,6 +28,10 @@ struct WriteLatticeOptions {
     VtuEncoding vtuEncoding = VtuEncoding::Compressed;
 };
 
+/// Returns true if the extension names a format of lattices, in upper or lower case: .ovm, .vtu or
+/// .vtk. A .vtu or .vtk may hold a model instead.
+ESPALIER_API bool isLatticeFile(const std::filesystem::path& path);
+
 /// Reads a lattice in the format that the extension names, in upper or lower case: .ovm (ovm.h),
 /// .vtu (vtu.h) or .vtk (vtk_legacy.h).
 ///

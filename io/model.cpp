@@ -6,6 +6,7 @@
 #include <espalier/io/models/obj.h>
 #include <espalier/io/models/ply.h>
 #include <espalier/io/models/stl.h>
+#include <espalier/io/vtk/vtk_legacy.h>
 #include <espalier/io/vtk/vtu.h>
 
 #include <cmath>
@@ -20,8 +21,9 @@ struct ModelFormat {
     std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
 };
 
-constexpr ModelFormat kModelFormats[] = {
-    {".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".vtu", readVtuModel}};
+constexpr ModelFormat kModelFormats[] = {{".obj", readObj},      {".ply", readPly},
+                                         {".stl", readStl},      {".vtu", readVtuModel},
+                                         {".vtp", readVtpModel}, {".vtk", readVtkLegacyModel}};
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
@@ -80,6 +82,10 @@ void Model::write(const std::filesystem::path& path, std::span<const Point3> mov
 void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
     checkTarget(path);
     checkAll(moved, positions().size(), "positions", "new position");
+}
+
+bool isModelFile(const std::filesystem::path& path) {
+    return findModelFormat(path) != nullptr;
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {

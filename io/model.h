@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/io/directions.h>
 
@@ -11,8 +12,30 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace espalier::io {
+
+/// The faces of a model. A face is a loop of points, by their numbers in positions().
+struct ModelFaces {
+    std::vector<Index> corners;     ///< of all faces, one face after the other
+    std::vector<std::size_t> ends;  ///< per face: end of its corners
+
+    std::size_t count() const { return ends.size(); }
+
+    std::span<const Index> operator[](std::size_t face) const {
+        const std::size_t begin = face == 0 ? 0 : ends[face - 1];
+        return std::span(corners).subspan(begin, ends[face] - begin);
+    }
+
+    /// Ends a face, whose corners have been added.
+    void endFace() { ends.push_back(corners.size()); }
+
+    friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
+};
+
+/// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
+enum class CoordinateStorage { Text, Float, Double, Integer };
 
 /// A file with points that a lattice deforms. write() copies the file with new coordinates and
 /// keeps all other bytes as they were read. If no point has moved, the copy is identical.
@@ -30,6 +53,19 @@ public:
 
     /// The points in the order of the file; all are finite.
     virtual std::span<const Point3> positions() const = 0;
+
+    /// Reads the faces from the file, which the model keeps; the result is not stored, so that a
+    /// model whose faces nobody asks for costs no memory for them.
+    ///
+    /// The headers of the formats say what a face is. In an STL, corners at equal places are one
+    /// point: the first of them.
+    ///
+    /// \throws FileError if a face is malformed, or names a point that does not exist
+    /// \cost one pass over the file; O(n log n) for an STL
+    virtual ModelFaces readFaces() const = 0;
+
+    /// How the file stores the coordinates. If parts of a file differ, the least precise of them.
+    virtual CoordinateStorage storage() const = 0;
 
     /// Extension of the format, in lower case: ".obj". A model is written in the format from which
     /// it was read.
@@ -73,6 +109,9 @@ private:
     virtual void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                               std::span<const DeformationGradient> gradients) const = 0;
 };
+
+/// Returns true if the extension names a format of models, in upper or lower case.
+ESPALIER_API bool isModelFile(const std::filesystem::path& path);
 
 /// Reads a model in the format that its extension names, in upper or lower case.
 /// \throws FileError if the extension is not known, if the file cannot be read or is malformed

@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,11 +25,16 @@ struct ReadNotes {
     /// none.
     Index droppedTextureCoordinates = 0;
 
+    /// The numbers of vertex cells, line cells and surface cells in a file of a lattice (.vtu,
+    /// .vtk), by dimension. The reader skips them and numbers the other cells without gaps.
+    std::array<Index, 3> skippedCells = {};
+
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };
 
-/// Returns the notes on a file as one line of text, "a.vtu: dropped 1 unused vertex (vertex 17)";
-/// empty if there are no notes. The line names at most five vertices.
+/// Returns the notes on a file as one line of text, "a.vtu: skipped 2 lines and 6 surface cells,
+/// which are not cells of a lattice; dropped 1 unused vertex (vertex 17)"; empty if there are no
+/// notes. The line names at most five vertices.
 ESPALIER_API std::string describe(const std::filesystem::path& path, const ReadNotes& notes);
 
 }  // namespace espalier::io

@@ -3,6 +3,7 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/shapes/transform.h>
 #include <pybind11/stl.h>
@@ -478,6 +479,13 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
                                "creasing and triangles that the file sets.");
 }
 
+/// Issues a UserWarning with the notes on a file, if there are any.
+void warnOf(const std::filesystem::path& path, const io::ReadNotes& notes) {
+    const std::string text = io::describe(path, notes);
+    if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
+        throw py::error_already_set();
+}
+
 }  // namespace
 
 void addLattice(py::module_& module) {
@@ -545,6 +553,14 @@ linear : array (3, 3); translation : 3 float
             "path"_a,
             "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). An existing file is "
             "replaced only when the new one is complete.")
+        .def(
+            "write_cage",
+            [](const Lattice& self, const std::filesystem::path& path) {
+                withoutGil([&] { io::writeCage(path, self); });
+            },
+            "path"_a,
+            "Writes the vertices of a lattice in their order, and all its faces, as .obj or .ply, "
+            "for mesh editors. read_pose() reads the edited file.")
         .def("__repr__", &summaryOf);
     addArrays(type);
     addPickling(type, &stateOfLattice, &latticeOfState);
@@ -553,15 +569,27 @@ linear : array (3, 3); translation : 3 float
         [](const std::filesystem::path& path) {
             io::ReadNotes notes;
             auto lattice = sharedWithoutGil([&] { return io::readRefinable(path, &notes); });
-            const std::string text = io::describe(path, notes);
-            if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
-                throw py::error_already_set();
+            warnOf(path, notes);
             return lattice;
         },
         "path"_a,
         "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices in no "
         "cell of a lattice, or no line of a curve, are dropped with a UserWarning; the vertices "
         "after them get lower numbers.");
+    module.def(
+        "read_pose",
+        [](const std::filesystem::path& path, const Lattice& rest) {
+            io::ReadNotes notes;
+            auto points =
+                withoutGil([&] { return io::readPose(path, rest, "the lattice", &notes); });
+            warnOf(path, notes);
+            return toArray(std::move(points));
+        },
+        "path"_a, "rest"_a,
+        "Reads the positions of a pose of the Lattice `rest`: array (V, 3) of float64. The file is "
+        "a lattice (.ovm, .vtu, .vtk) with the same topology, or a cage (.obj, .ply): one point "
+        "per vertex, in the order of the vertices, and faces that are faces of the lattice. "
+        "Lattice.write_cage() writes a cage.");
 }
 
 }  // namespace espalier::python

@@ -91,7 +91,7 @@ byte for byte. Made by read_model().
                     ModelFile{path.filename().string(), std::move(bytes), std::move(model)});
             });
         },
-        "path"_a, "Reads a Model from .obj, .ply, .stl or .vtu.");
+        "path"_a, "Reads a Model from .obj, .ply, .stl, .vtu, .vtp or .vtk.");
 }
 
 }  // namespace espalier::python

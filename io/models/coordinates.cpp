@@ -135,6 +135,17 @@ void writeChanged(std::ostream& out, std::string_view text, std::span<const Vect
     patch.finish();
 }
 
+void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
+                        std::endian order) {
+    for (const VectorChange& change : changes)
+        for (std::size_t point = 0; point < change.places.size(); ++point)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                if (const auto value = change.at(point, axis))
+                    storeCoordinate(bytes, change.places[point][axis], *value,
+                                    change.precisions[axis], order);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
 bool isDirection(const Point3& numbers, Precision precision) {
     const double largest = precision == Precision::Float ? std::numeric_limits<float>::max()
                                                          : std::numeric_limits<double>::max();

@@ -3,6 +3,7 @@
 
 #include <espalier/base/point.h>
 #include <espalier/io/directions.h>
+#include <espalier/io/model.h>
 
 #include <array>
 #include <bit>
@@ -25,6 +26,10 @@ class TextPatch;
 
 /// How a file holds a coordinate.
 enum class Precision { Float, Double };
+
+inline CoordinateStorage storageOf(Precision precision) {
+    return precision == Precision::Float ? CoordinateStorage::Float : CoordinateStorage::Double;
+}
 
 /// Offsets of x, y and z of one point in the bytes of its file.
 using CoordinatePlaces = std::array<std::size_t, 3>;
@@ -100,6 +105,10 @@ private:
 /// Writes `text` with all changes.
 /// \param changes at least one, as for TextChanges
 void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
+
+/// Writes binary data with all changes, in this byte order.
+void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
+                        std::endian order);
 
 /// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);

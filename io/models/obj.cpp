@@ -314,6 +314,29 @@ public:
     std::span<const Point3> positions() const override { return positions_; }
     std::string_view extension() const override { return ".obj"; }
     bool hasDirections() const override { return hasNormals_; }
+    CoordinateStorage storage() const override { return CoordinateStorage::Text; }
+
+    ModelFaces readFaces() const override {
+        ModelFaces faces;
+        std::size_t before = 0;
+        forEachObjStatement(path_, text_, [&](ObjWords& words, std::size_t line) {
+            const std::string_view keyword = words.next();
+            if (keyword == "v") ++before;
+            if (keyword != "f" && keyword != "fo") return;
+            for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+                const auto point =
+                    referenceOf(word.substr(0, word.find('/')), before, positions_.size());
+                if (!point)
+                    throw FileError(path_, line,
+                                    concat("a face has the corner ", inQuotes(word),
+                                           ", which names no point; there are ", before,
+                                           " before it and ", positions_.size(), " in the file"));
+                faces.corners.push_back(static_cast<Index>(point->index));
+            }
+            faces.endFace();
+        });
+        return faces;
+    }
 
 private:
     void addPoint(const ObjPoint& point) {

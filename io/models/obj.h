@@ -34,6 +34,8 @@ namespace espalier::io {
 /// - A corner that names no normal of the file stays. A corner that names a normal but no point of
 ///   the file keeps its normal, and does not count as a corner of this normal above.
 ///
+/// The faces are the statements `f` and `fo`.
+///
 /// \param path for messages
 /// \param bytes the whole file
 /// \throws FileError with the line, if a `v` is malformed or not finite, or if the first word of a

@@ -39,8 +39,14 @@ struct PlyPoints {
 class RowReader {
 public:
     /// \param path, bytes, header must outlive the reader
-    RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
-        : path_(path), bytes_(bytes), header_(header), slots_(header.vertices().properties.size()) {
+    /// \param faces receives the faces; may be null
+    RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
+              ModelFaces* faces)
+        : path_(path),
+          bytes_(bytes),
+          header_(header),
+          faces_(faces),
+          slots_(header.vertices().properties.size()) {
         points_.directions.resize(header.directions.size());
         setSlots(header.axes, points_.positions);
         for (std::size_t i = 0; i < header.directions.size(); ++i)
@@ -53,6 +59,7 @@ public:
     PlyPoints read() {
         for (const PlyElement& element : header_.elements) {
             isVertex_ = &element == &header_.vertices();
+            isFace_ = element.name == "face";
             // Rows without properties have no bytes in the file.
             if (element.properties.empty()) continue;
             checkClaim(element);
@@ -97,6 +104,26 @@ protected:
         slot.vectors->places[row_][slot.axis] = place;
     }
 
+    /// Returns true if a list of the current element has the corners of a face that is wanted.
+    bool isFaceList(const PlyProperty& property) const {
+        return faces_ && isFace_ && isInteger(property.type) &&
+               (property.name == "vertex_indices" || property.name == "vertex_index");
+    }
+
+    /// Returns true if a corner of a face names a point, and adds it then.
+    bool addCorner(std::int64_t point) {
+        if (point < 0 || static_cast<std::uint64_t>(point) >= header_.vertices().count)
+            return false;
+        faces_->corners.push_back(static_cast<Index>(point));
+        return true;
+    }
+
+    void endFace() { faces_->endFace(); }
+
+    std::string nameOfPoints() const {
+        return concat("a point; there are ", header_.vertices().count);
+    }
+
     /// Returns the beginning of a message about too few rows.
     static std::string claimOf(const PlyElement& element) {
         return concat("the file ends; the header claims ", element.count, " rows of the element ",
@@ -120,14 +147,17 @@ private:
     }
 
     PlyPoints points_;
+    ModelFaces* faces_;
     std::vector<Slot> slots_;  ///< one for each column of the vertices
     bool isVertex_ = false;
+    bool isFace_ = false;
 };
 
 class AsciiRows final : public RowReader {
 public:
-    AsciiRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
-        : RowReader(path, bytes, header),
+    AsciiRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
+              ModelFaces* faces)
+        : RowReader(path, bytes, header, faces),
           lines_(path, bytes.substr(header.size), header.lineCount + 1) {}
 
 private:
@@ -151,7 +181,7 @@ private:
             const PlyProperty& property = element.properties[column];
             if (column > 0) word = needWord(line, property);
             if (property.lengthType)
-                skipList(line, word, property);
+                readList(line, word, property);
             else if (const Slot* slot = slotOf(column))
                 set(*slot, parse(*slot, word), word.data() - bytes_.data());
         }
@@ -184,13 +214,20 @@ private:
         return word;
     }
 
-    void skipList(std::string_view& line, std::string_view length,
-                  const PlyProperty& property) const {
+    void readList(std::string_view& line, std::string_view length, const PlyProperty& property) {
         std::uint64_t left = 0;
         if (!parseNumber(length, left))
             lines_.fail(inQuotes(length) + " is not a length; expected the length of the list " +
                         inQuotes(property.name));
-        for (; left > 0; --left) needWord(line, property);
+        const bool isFace = isFaceList(property);
+        for (; left > 0; --left) {
+            const std::string_view word = needWord(line, property);
+            std::int64_t point = 0;
+            if (isFace && (!parseNumber(word, point) || !addCorner(point)))
+                lines_.fail("a face has the corner " + inQuotes(word) +
+                            ", which is not the number of " + nameOfPoints());
+        }
+        if (isFace) endFace();
     }
 
     TextReader lines_;
@@ -198,8 +235,9 @@ private:
 
 class BinaryRows final : public RowReader {
 public:
-    BinaryRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
-        : RowReader(path, bytes, header), at_(header.size), order_(header.byteOrder()) {}
+    BinaryRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
+               ModelFaces* faces)
+        : RowReader(path, bytes, header, faces), at_(header.size), order_(header.byteOrder()) {}
 
 private:
     [[noreturn]] void fail(const std::string& cause) const {
@@ -224,7 +262,7 @@ private:
             const PlyProperty& property = element.properties[column];
             const std::size_t size = byteSize(property.type);
             if (property.lengthType)
-                skipList(property);
+                readList(property);
             else if (const Slot* slot = slotOf(column))
                 readReal(*slot, take(1, size, property));
             else
@@ -248,14 +286,23 @@ private:
         return std::exchange(at_, at_ + count * size);
     }
 
-    void skipList(const PlyProperty& property) {
+    void readList(const PlyProperty& property) {
         const NumberType type = *property.lengthType;
         const std::size_t at = take(1, byteSize(type), property);
         const std::int64_t length = loadInteger(bytes_.data() + at, type, order_);
         if (length < 0)
             fail(concat("a list ", inQuotes(property.name), " has the length ", length,
                         "; expected 0 or more"));
-        take(static_cast<std::uint64_t>(length), byteSize(property.type), property);
+        const std::size_t size = byteSize(property.type);
+        const std::size_t begin = take(static_cast<std::uint64_t>(length), size, property);
+        if (!isFaceList(property)) return;
+        for (std::size_t place = begin; place < at_; place += size) {
+            const std::int64_t point = loadInteger(bytes_.data() + place, property.type, order_);
+            if (!addCorner(point))
+                fail(concat("a face has the corner ", point, ", which is not the number of ",
+                            nameOfPoints()));
+        }
+        endFace();
     }
 
     void readReal(const Slot& slot, std::size_t at) {
@@ -275,24 +322,35 @@ private:
 ///
 /// \param path for messages
 /// \param bytes the whole file
+/// \param faces receives the faces; may be null
 /// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
 ///         than the header claims, if a row is malformed, or if a position is not finite
 PlyPoints readPlyRows(const std::filesystem::path& path, std::string_view bytes,
-                      const PlyHeader& header) {
-    if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header).read();
-    return BinaryRows(path, bytes, header).read();
+                      const PlyHeader& header, ModelFaces* faces = nullptr) {
+    if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header, faces).read();
+    return BinaryRows(path, bytes, header, faces).read();
 }
 
 class PlyModel final : public Model {
 public:
     PlyModel(const std::filesystem::path& path, std::string bytes)
-        : bytes_(std::move(bytes)),
+        : path_(path),
+          bytes_(std::move(bytes)),
           header_(parsePlyHeader(path, bytes_)),
           points_(readPlyRows(path, bytes_, header_)) {}
 
     std::span<const Point3> positions() const override { return points_.positions.values; }
     std::string_view extension() const override { return ".ply"; }
     bool hasDirections() const override { return !points_.directions.empty(); }
+    CoordinateStorage storage() const override {
+        return storageOf(narrowest(points_.positions.precisions));
+    }
+
+    ModelFaces readFaces() const override {
+        ModelFaces faces;
+        readPlyRows(path_, bytes_, header_, &faces);
+        return faces;
+    }
 
 private:
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
@@ -309,7 +367,7 @@ private:
             if (header_.format == PlyFormat::Ascii)
                 writeChanged(out, bytes_, changes);
             else
-                writeBinary(out, changes);
+                writeChangedBinary(out, bytes_, changes, header_.byteOrder());
         });
     }
 
@@ -321,17 +379,7 @@ private:
         return *std::min_element(precisions.begin(), precisions.end());
     }
 
-    void writeBinary(std::ostream& out, std::span<const VectorChange> changes) const {
-        std::string bytes = bytes_;
-        for (const VectorChange& change : changes)
-            for (std::size_t point = 0; point < change.places.size(); ++point)
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    if (const auto value = change.at(point, axis))
-                        storeCoordinate(bytes, change.places[point][axis], *value,
-                                        change.precisions[axis], header_.byteOrder());
-        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    }
-
+    std::filesystem::path path_;  ///< path of the file that was read
     std::string bytes_;
     PlyHeader header_;
     PlyPoints points_;

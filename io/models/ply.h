@@ -18,6 +18,8 @@ namespace espalier::io {
 /// exists once and is a float or a double. In these properties a word that is no number is not an
 /// error.
 ///
+/// The faces are the rows of the element `face`: its lists `vertex_indices` or `vertex_index`.
+///
 /// The file must have exactly the rows that its header claims. In ASCII a row is a line; empty
 /// lines between and after rows are kept and ignored. In binary one line end may follow the rows.
 ///

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <ostream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -61,6 +63,23 @@ public:
     std::string_view extension() const override { return ".stl"; }
     bool hasDirections() const override { return false; }
 
+    ModelFaces readFaces() const override {
+        std::vector<std::size_t> order(positions_.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return std::tie(positions_[a], a) < std::tie(positions_[b], b);
+        });
+        ModelFaces faces;
+        faces.corners.resize(positions_.size());
+        std::size_t first = 0;  // the first of all corners at a place
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            if (i == 0 || positions_[order[i]] != positions_[first]) first = order[i];
+            faces.corners[order[i]] = static_cast<Index>(first);
+        }
+        for (std::size_t facet = 1; facet <= facetCount(); ++facet) faces.ends.push_back(3 * facet);
+        return faces;
+    }
+
 protected:
     explicit StlModel(std::string bytes) : bytes_(std::move(bytes)) {}
 
@@ -85,6 +104,8 @@ public:
                     loadCoordinate(bytes_, placeOf(point, axis), Precision::Float,
                                    std::endian::little, axis, point, path);
     }
+
+    CoordinateStorage storage() const override { return CoordinateStorage::Float; }
 
 private:
     static std::size_t normalPlace(std::size_t facet) { return kFirstFacet + facet * kFacetSize; }
@@ -128,6 +149,8 @@ public:
         TextReader reader(path, bytes_);
         while (!reader.atEnd()) readSolid(reader, path);
     }
+
+    CoordinateStorage storage() const override { return CoordinateStorage::Text; }
 
 private:
     using Place = std::array<std::string_view, 3>;

@@ -4,6 +4,7 @@
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -47,12 +48,56 @@ std::int64_t typeOf(StandardCell kind) {
 
 }  // namespace
 
+std::optional<int> lowDimensionOf(std::int64_t type) {
+    constexpr std::int64_t kLines[] = {3, 4, 21, 35, 68, 75};
+    constexpr std::int64_t kSurfaces[] = {5, 6, 7, 8, 9, 22, 23, 28, 30, 34, 36, 69, 70, 76, 77};
+    if (type == 1 || type == 2) return 0;
+    if (std::ranges::count(kLines, type) > 0) return 1;
+    if (std::ranges::count(kSurfaces, type) > 0) return 2;
+    return std::nullopt;
+}
+
+void VtkFaceReader::beginPiece(std::size_t firstPoint, std::size_t pointCount) {
+    firstPoint_ = firstPoint;
+    pointCount_ = pointCount;
+}
+
+void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points) {
+    constexpr std::int64_t kPixel = 8;
+    if (type < 5 || type > 9) return;
+    std::vector<Index> corners;
+    for (const std::int64_t point : points) {
+        if (point < 0 || static_cast<std::uint64_t>(point) >= pointCount_)
+            throw FileError(path_, concat("a face names point ", point, "; there are ", pointCount_,
+                                          " points"));
+        corners.push_back(static_cast<Index>(firstPoint_ + static_cast<std::size_t>(point)));
+    }
+    if (type == kVtkStrip) {
+        for (std::size_t i = 2; i < corners.size(); ++i) {
+            // Every second triangle of a strip is wound the other way.
+            const std::size_t odd = i % 2;
+            faces_.corners.insert(faces_.corners.end(),
+                                  {corners[i - 2 + odd], corners[i - 1 - odd], corners[i]});
+            faces_.endFace();
+        }
+        return;
+    }
+    // A pixel orders its points by rows; a quadrilateral goes around.
+    if (type == kPixel && corners.size() == 4) std::swap(corners[2], corners[3]);
+    faces_.corners.insert(faces_.corners.end(), corners.begin(), corners.end());
+    faces_.endFace();
+}
+
 void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
     firstVertex_ = firstVertex;
     pieceVertexCount_ = vertexCount;
 }
 
 void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertices) {
+    if (const auto dimension = lowDimensionOf(type)) {
+        ++skippedCells_[*dimension];
+        return;
+    }
     const std::optional<StandardCell> kind = kindOf(type);
     if (!kind)
         fail(concat("is of VTK's type ", type,
@@ -103,13 +148,27 @@ void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
 Index VtkCellReader::checkedVertex(std::int64_t vertex) const {
     if (vertex < 0 || vertex >= pieceVertexCount_)
         throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {3, cellCount_},
-                                 concat(shownPath(path_), ": cell ", cellCount_, " names vertex ",
+                                 concat(shownPath(path_), ": cell ", cellInFile(), " names vertex ",
                                         vertex, "; there are ", pieceVertexCount_));
     return firstVertex_ + static_cast<Index>(vertex);
 }
 
 void VtkCellReader::fail(const std::string& cause) const {
-    throw FileError(path_, concat("cell ", cellCount_, " ", cause));
+    throw FileError(path_, concat("cell ", cellInFile(), " ", cause));
+}
+
+Index VtkCellReader::cellInFile() const {
+    return std::accumulate(skippedCells_.begin(), skippedCells_.end(), cellCount_);
+}
+
+far::ComplexBuilder VtkCellReader::takeBuilder() {
+    if (cellCount_ == 0 && cellInFile() > 0)
+        throw far::TopologyError(
+            far::TopologyCause::EmptyComplex, {3, 0},
+            concat(shownPath(path_), ": there is no cell of a volume; the file has ",
+                   skippedCells_[0], " vertex cells, ", skippedCells_[1], " lines and ",
+                   skippedCells_[2], " surface cells, which are not cells of a lattice"));
+    return std::move(builder_);
 }
 
 VtkCells vtkCells(const far::CellComplex& complex) {

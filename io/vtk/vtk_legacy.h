@@ -3,10 +3,13 @@
 
 #include <espalier/base/api.h>
 #include <espalier/far/topology_error.h>
+#include <espalier/io/model.h>
 #include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <string_view>
 
 /// \file
@@ -22,12 +25,12 @@ namespace espalier::io {
 /// SCALARS, VECTORS, NORMALS, TEXTURE_COORDINATES, TENSORS and the arrays of FIELD in POINT_DATA
 /// become attributes, or Lattice::integers if they have an integer type. The reader skips
 /// vtkGhostType, arrays without numbers, colours, ids, lookup tables, METADATA and all of
-/// CELL_DATA. Vertices that no cell uses are dropped, and the vertices after them get lower
-/// numbers. Cells keep their numbers.
+/// CELL_DATA. Vertices, lines and surface cells are skipped, and the other cells keep their order.
+/// Vertices that no other cell uses are dropped, and the vertices after them get lower numbers.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param notes receives the dropped vertices; may be null
+/// \param notes receives the dropped vertices and skipped cells; may be null
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes,
@@ -39,5 +42,18 @@ ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::strin
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
 ///         file cannot be written; TopologyError if a mark names an entity that does not exist
 ESPALIER_API void writeVtkLegacy(const std::filesystem::path& path, const Lattice& lattice);
+
+/// Reads a surface (POLYDATA) or an unstructured grid as a model. Only its points are read, of type
+/// float or double, and only they are replaced on writing; everything else is kept byte for byte,
+/// normals too. The faces are the cells of POLYGONS and TRIANGLE_STRIPS, or the cells of the types
+/// 5 to 9.
+///
+/// \param path for messages
+/// \param bytes the whole file
+/// \throws FileError with the line, if the file is malformed up to the end of its points, has
+/// points
+///         of another type, or has a point that is not finite
+ESPALIER_API std::unique_ptr<Model> readVtkLegacyModel(const std::filesystem::path& path,
+                                                       std::string bytes);
 
 }  // namespace espalier::io

@@ -268,4 +268,18 @@ std::vector<Point3> readPoints(const VtkXmlFile& file, const VtkPiece& piece) {
     return pointsOf(file.reals(pointArray(file, piece), count));
 }
 
+VtkRows::VtkRows(const VtkXmlFile& file, const VtkSection& section, const char* values,
+                 const char* offsets, std::size_t count, std::string_view reason)
+    : ends_(file.list(file.array(section, offsets), count, reason)) {
+    std::int64_t before = 0;
+    for (const std::int64_t end : ends_) {
+        if (end < before)
+            file.fail(file.array(section, offsets).line,
+                      concat("the array ", inQuotes(offsets), " has ", end, " after ", before,
+                             "; expected ascending offsets"));
+        before = end;
+    }
+    values_ = file.list(file.array(section, values), before, "the last of " + inQuotes(offsets));
+}
+
 }  // namespace espalier::io

@@ -147,6 +147,30 @@ private:
     std::size_t appendedEnd_ = 0;
 };
 
+/// The reason why a number of rows is expected, for messages.
+inline constexpr std::string_view kOneACell = "one a cell";
+
+/// Reads an array of rows and the array of offsets at which the rows end. The offsets are read
+/// first, because they determine the number of values.
+class VtkRows {
+public:
+    /// \param values, offsets names of the arrays
+    /// \param count number of rows
+    /// \param reason why this number is expected (VtkXmlFile::list())
+    /// \throws FileError if the number of offsets or values differs, or the offsets descend
+    VtkRows(const VtkXmlFile& file, const VtkSection& section, const char* values,
+            const char* offsets, std::size_t count, std::string_view reason);
+
+    std::span<const std::int64_t> operator[](std::size_t row) const {
+        const std::size_t begin = row == 0 ? 0 : ends_[row - 1];
+        return std::span(values_).subspan(begin, static_cast<std::size_t>(ends_[row]) - begin);
+    }
+
+private:
+    std::vector<std::int64_t> values_;
+    std::vector<std::int64_t> ends_;
+};
+
 /// The encoding of an inline array.
 enum class VtkArrayForm { Ascii, Base64 };
 

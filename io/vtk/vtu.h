@@ -16,7 +16,8 @@
 /// Reads and writes lattices in VTK's XML files of unstructured grids (.vtu).
 ///
 ///     Points                             positions
-///     Cells                              the types 10, 11, 12, 13, 14 and 42
+///     Cells                              the types 10, 11, 12, 13, 14 and 42; vertices, lines and
+///                                        surface cells are skipped
 ///     PointData                          attributes, and Lattice::integers; arrays without
 ///                                        numbers, and vtkGhostType, are skipped
 ///     PointData espalier:vertex_sharpness
@@ -40,14 +41,14 @@ enum class VtuEncoding {
 ///
 /// Several pieces become one lattice: vertices are numbered piece after piece, and vertices that
 /// coincide are not welded. Vertices that no cell uses are dropped, and the vertices after them get
-/// lower numbers. Cells keep their numbers.
+/// lower numbers. Cells keep their order; skipped cells have no number.
 ///
 /// Counts and arrays that are read first determine the length of each later array. An array whose
 /// header claims another length is refused before it is decoded.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param notes receives the dropped vertices; may be null
+/// \param notes receives the dropped vertices and skipped cells; may be null
 /// \throws FileError with the line, if the file is malformed, holds cells of other types or
 ///         a sharpness that is NaN, or has anything but comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
@@ -72,6 +73,9 @@ ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lat
 /// normals if its name is "Normals" or if it is the active Normals of the piece; tangents likewise
 /// by "Tangents". All other arrays are kept.
 ///
+/// The faces are the cells of the types 5 to 9: triangles, strips, polygons, pixels and
+/// quadrilaterals. Cells of a volume have no faces here.
+///
 /// A changed array of Points is written inline, with the same number type (Float64 if it held
 /// integers): ascii if it was ascii, else base64, compressed if the file is. In a piece where no
 /// point has moved, the array stays as it was. The same holds for arrays of directions.
@@ -81,6 +85,11 @@ ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lat
 /// \throws FileError if the file is malformed, has a point that is not finite, or has an array of
 ///         directions whose length is not the number of points
 ESPALIER_API std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path,
+                                                 std::string bytes);
+
+/// The same for VTK's XML files of surfaces (.vtp, PolyData), which OpenFOAM writes. The faces are
+/// the cells of Polys, and the triangles of Strips.
+ESPALIER_API std::unique_ptr<Model> readVtpModel(const std::filesystem::path& path,
                                                  std::string bytes);
 
 }  // namespace espalier::io

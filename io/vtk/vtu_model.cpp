@@ -10,6 +10,7 @@
 
 #include "../files/bytes.h"
 #include "../models/coordinates.h"
+#include "vtk_cells.h"
 #include "vtk_xml.h"
 
 namespace espalier::io {
@@ -67,10 +68,13 @@ bool areSame(std::span<const Point3> a, std::span<const Point3> b) {
     return std::equal(a.begin(), a.end(), b.begin(), isSamePoint);
 }
 
-class VtuModel final : public Model {
+/// A .vtu (UnstructuredGrid) or a .vtp (PolyData): their points are stored alike.
+class VtkXmlModel final : public Model {
 public:
-    VtuModel(const std::filesystem::path& path, std::string bytes)
-        : file_(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid")) {
+    VtkXmlModel(const std::filesystem::path& path, std::string bytes, std::string_view extension)
+        : extension_(extension),
+          file_(VtkXmlFile::read(path, std::move(bytes),
+                                 isGrid() ? "UnstructuredGrid" : "PolyData")) {
         for (const VtkPiece& piece : file_.pieces()) {
             const std::size_t first = positions_.size();
             const std::vector<Point3> points = readPoints(file_, piece);
@@ -84,10 +88,38 @@ public:
     }
 
     std::span<const Point3> positions() const override { return positions_; }
-    std::string_view extension() const override { return ".vtu"; }
+    std::string_view extension() const override { return extension_; }
     bool hasDirections() const override {
         return std::ranges::any_of(arrays_,
                                    [](const PlacedArray& a) { return a.carry != nullptr; });
+    }
+
+    ModelFaces readFaces() const override {
+        VtkFaceReader faces(file_.path());
+        std::size_t firstPoint = 0;
+        for (const VtkPiece& piece : file_.pieces()) {
+            const std::size_t pointCount = file_.count(piece, "NumberOfPoints");
+            faces.beginPiece(firstPoint, pointCount);
+            if (isGrid())
+                addCells(piece, faces);
+            else
+                for (const auto& [section, type] :
+                     {std::pair{"Polys", kVtkPolygon}, std::pair{"Strips", kVtkStrip}})
+                    addRows(piece, section, type, faces);
+            firstPoint += pointCount;
+        }
+        return faces.take();
+    }
+
+    CoordinateStorage storage() const override {
+        CoordinateStorage storage = CoordinateStorage::Double;
+        for (const PlacedArray& placed : arrays_) {
+            if (placed.carry) continue;
+            if (isInteger(*placed.array.type)) return CoordinateStorage::Integer;
+            if (precisionOf(*placed.array.type) == Precision::Float)
+                storage = CoordinateStorage::Float;
+        }
+        return storage;
     }
 
 private:
@@ -99,6 +131,27 @@ private:
         Carry carry = nullptr;  ///< null for the points themselves
         std::vector<Point3> directions;
     };
+
+    bool isGrid() const { return extension_ == ".vtu"; }
+
+    void addCells(const VtkPiece& piece, VtkFaceReader& faces) const {
+        const std::size_t count = file_.count(piece, "NumberOfCells");
+        if (count == 0) return;
+        const VtkSection& section = file_.section(piece, "Cells");
+        const auto types = file_.list(file_.array(section, "types"), count, kOneACell);
+        const VtkRows cells(file_, section, "connectivity", "offsets", count, kOneACell);
+        for (std::size_t cell = 0; cell < count; ++cell) faces.add(types[cell], cells[cell]);
+    }
+
+    /// Adds the cells of a section of PolyData, which all have one type.
+    void addRows(const VtkPiece& piece, const std::string& section, std::int64_t type,
+                 VtkFaceReader& faces) const {
+        const auto counted = piece.counts.find("NumberOf" + section);
+        if (counted == piece.counts.end() || counted->second == 0) return;
+        const VtkRows cells(file_, file_.section(piece, section), "connectivity", "offsets",
+                            counted->second, kOneACell);
+        for (std::size_t cell = 0; cell < counted->second; ++cell) faces.add(type, cells[cell]);
+    }
 
     void addDirections(const VtkPiece& piece, std::size_t firstPoint, std::size_t pointCount) {
         const auto pointData = piece.sections.find("PointData");
@@ -141,6 +194,7 @@ private:
         });
     }
 
+    std::string_view extension_;
     VtkXmlFile file_;
     std::vector<PlacedArray> arrays_;  ///< in the order of the file
     std::vector<Point3> positions_;
@@ -149,7 +203,11 @@ private:
 }  // namespace
 
 std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<VtuModel>(path, std::move(bytes));
+    return std::make_unique<VtkXmlModel>(path, std::move(bytes), ".vtu");
+}
+
+std::unique_ptr<Model> readVtpModel(const std::filesystem::path& path, std::string bytes) {
+    return std::make_unique<VtkXmlModel>(path, std::move(bytes), ".vtp");
 }
 
 }  // namespace espalier::io

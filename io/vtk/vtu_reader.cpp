@@ -14,41 +14,6 @@
 namespace espalier::io {
 namespace {
 
-constexpr std::string_view kOneACell = "one a cell";
-
-/// Reads an array of rows and the array of offsets at which the rows end. The offsets are read
-/// first, because they determine the number of values.
-class RowsOfFile {
-public:
-    /// \param values, offsets names of the arrays
-    /// \param count number of rows
-    /// \param reason why this number is expected (VtkXmlFile::list())
-    /// \throws FileError if the number of offsets or values differs, or the offsets descend
-    RowsOfFile(const VtkXmlFile& file, const VtkSection& section, const char* values,
-               const char* offsets, std::size_t count, std::string_view reason)
-        : ends_(file.list(file.array(section, offsets), count, reason)) {
-        std::int64_t before = 0;
-        for (const std::int64_t end : ends_) {
-            if (end < before)
-                file.fail(file.array(section, offsets).line,
-                          concat("the array ", inQuotes(offsets), " has ", end, " after ", before,
-                                 "; expected ascending offsets"));
-            before = end;
-        }
-        values_ =
-            file.list(file.array(section, values), before, "the last of " + inQuotes(offsets));
-    }
-
-    std::span<const std::int64_t> operator[](std::size_t row) const {
-        const std::size_t begin = row == 0 ? 0 : ends_[row - 1];
-        return std::span(values_).subspan(begin, static_cast<std::size_t>(ends_[row]) - begin);
-    }
-
-private:
-    std::vector<std::int64_t> values_;
-    std::vector<std::int64_t> ends_;
-};
-
 class VtuReader {
 public:
     VtuReader(const std::filesystem::path& path, std::string bytes)
@@ -69,6 +34,7 @@ public:
             readCells(piece, cells);
             firstVertex += count;
         }
+        if (notes) notes->skippedCells = cells.skippedCells();
         readEdgeMarks(cells.maxEdges());
         lattice_.marks.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
         return finishLattice(file_.path(), cells.takeBuilder(), std::move(lattice_), notes);
@@ -148,7 +114,7 @@ private:
         if (count == 0) return;
         const VtkSection& section = file_.section(piece, "Cells");
         const auto types = file_.list(file_.array(section, "types"), count, kOneACell);
-        const RowsOfFile vertices(file_, section, "connectivity", "offsets", count, kOneACell);
+        const VtkRows vertices(file_, section, "connectivity", "offsets", count, kOneACell);
         const bool havePolyhedra =
             std::find(types.begin(), types.end(), kVtkPolyhedron) != types.end();
         const auto addStandard = [&](std::size_t cell) { cells.add(types[cell], vertices[cell]); };
@@ -164,8 +130,8 @@ private:
     template <class AddStandard>
     void addWithFaceLists(const VtkSection& section, const std::vector<std::int64_t>& types,
                           AddStandard addStandard, VtkCellReader& cells) {
-        const RowsOfFile faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets",
-                               types.size(), kOneACell);
+        const VtkRows faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets",
+                            types.size(), kOneACell);
         std::int64_t lastFace = -1;
         for (std::size_t cell = 0; cell < types.size(); ++cell)
             for (const std::int64_t face : faces[cell]) {
@@ -174,9 +140,9 @@ private:
                                                     face, "; expected 0 or more"));
                 lastFace = std::max(lastFace, face);
             }
-        const RowsOfFile loops(file_, section, "face_connectivity", "face_offsets",
-                               static_cast<std::size_t>(lastFace) + 1,
-                               concat("as the last face that a polyhedron names is ", lastFace));
+        const VtkRows loops(file_, section, "face_connectivity", "face_offsets",
+                            static_cast<std::size_t>(lastFace) + 1,
+                            concat("as the last face that a polyhedron names is ", lastFace));
         std::vector<std::span<const std::int64_t>> cellLoops;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) {

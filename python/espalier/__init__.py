@@ -62,6 +62,7 @@ __all__ = [
     "pose",
     "read",
     "read_model",
+    "read_pose",
     "refine",
     "shapes",
 ]

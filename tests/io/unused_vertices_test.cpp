@@ -217,6 +217,11 @@ TEST(ReadNotes, AreDescribedInOneLine) {
     EXPECT_EQ(
         io::describe("a\n.vtu", {{1, 2, 3, 5, 8, 13}}),
         io::shownPath("a\n.vtu") + ": dropped 6 unused vertices (vertices 1, 2, 3, 5, 8, ...)");
+    EXPECT_EQ(io::describe("a.vtk", {{}, {0, 0, 1}}),
+              "a.vtk: skipped 1 surface cell, which is not a cell of a lattice");
+    EXPECT_EQ(io::describe("a.vtk", {{17}, {2, 1, 24}}),
+              "a.vtk: skipped 2 vertex cells, 1 line and 24 surface cells, which are not cells of "
+              "a lattice; dropped 1 unused vertex (vertex 17)");
 }
 
 }  // namespace

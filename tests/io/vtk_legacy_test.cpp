@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/topology_match.h>
+
 #include "lattice_samples.h"
 
 namespace espalier::test {
@@ -13,6 +15,49 @@ TEST(VtkLegacy, ReadsATetrahedron) {
     EXPECT_EQ(lattice.complex.count(0), 4);
     EXPECT_EQ(lattice.complex.count(2), 4);
     EXPECT_EQ(lattice.positions[3], (Point3{0, 0, 1}));
+}
+
+/// Gmsh 4.8 writes the vertices, lines and surfaces of a model before its volumes.
+TEST(VtkLegacy, CellsOfLowerDimensionAreSkippedAndCounted) {
+    const std::string bytes =
+        kHead + "POINTS 6 double\n0 0 0 1 0 0\n9 9 9 0 1 0 0 0 1\n1 1 1\n" +
+        "CELLS 8 30\n1 0\n1 1\n2 0 1\n3 0 1 3\n4 0 1 2 3\n3 0 1 4\n4 0 1 3 4\n4 1 3 4 5\n"
+        "CELL_TYPES 8\n1\n1\n3\n5\n9\n5\n10\n10\n";
+    const auto read = [](const std::string& name, const std::string& text, io::ReadNotes& notes) {
+        return io::readLattice(name, text, &notes);
+    };
+    io::ReadNotes notes;
+    const Lattice lattice = read("a.vtk", bytes, notes);
+    EXPECT_EQ(lattice.complex.count(3), 2);
+    EXPECT_EQ(lattice.complex.count(0), 5);
+    EXPECT_EQ(notes, (io::ReadNotes{{2}, {2, 1, 3}}));
+    // The same in the layout of version 5.
+    std::string newer = bytes;
+    newer.replace(newer.find("2.0"), 3, "5.1");
+    const std::size_t cells = newer.find("CELLS"), types = newer.find("CELL_TYPES");
+    newer.replace(cells, types - cells,
+                  "CELLS 9 20\nOFFSETS vtktypeint64\n0 1 2 4 7 11 14 18 22\n"
+                  "CONNECTIVITY vtktypeint64\n0 1 0 1 0 1 3 0 1 2 3 0 1 4 0 1 3 4 1 3 4 5\n");
+    newer.replace(newer.find("9 20"), 4, "9 22");
+    io::ReadNotes notesOfNewer;
+    EXPECT_EQ(far::topologyDifference(read("b.vtk", newer, notesOfNewer).complex, lattice.complex),
+              std::nullopt);
+    EXPECT_EQ(notesOfNewer, notes);
+}
+
+TEST(VtkLegacy, AFileWithoutVolumesSaysWhatItHolds) {
+    const std::string surface = kHead + kPoints + "CELLS 2 7\n3 0 1 2\n2 0 1\nCELL_TYPES 2\n5 3\n";
+    EXPECT_THAT([&] { latticeOf("a.vtk", surface); },
+                ThrowsMessage<far::TopologyError>(HasSubstr(
+                    "a.vtk: there is no cell of a volume; the file has 0 vertex cells, 1 lines and "
+                    "1 surface cells, which are not cells of a lattice")));
+}
+
+TEST(VtkLegacy, ErrorsCountSkippedCells) {
+    EXPECT_THAT(
+        refusalOf("a.vtk", kHead + kPoints + "CELLS 2 8\n2 0 1\n4 0 1 2 3\nCELL_TYPES 2\n3 24\n",
+                  [](const auto& path) { io::readLattice(path); }),
+        HasSubstr("cell 1 is of VTK's type 24"));
 }
 
 TEST(VtkLegacy, KeywordsMayBeInUpperOrLowerCase) {
@@ -111,7 +156,7 @@ TEST(VtkLegacy, ErrorsNameTheOffender) {
     EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 2.0\nt\nTEXT\n"),
                 StartsWith(":3: expected ASCII or BINARY, got 'text'"));
     EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 2.0\nt\nASCII\nDATASET POLYDATA\n"),
-                StartsWith(":4: holds 'polydata'; expected UNSTRUCTURED_GRID"));
+                StartsWith(": holds a surface (POLYDATA) without cells of a volume; a lattice"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + "POINTS 1 string\n0 0 0\n"),
                 HasSubstr("'string' is not a type of numbers"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 x 1\n"),
@@ -124,8 +169,8 @@ TEST(VtkLegacy, ErrorsNameTheOffender) {
                 HasSubstr("CELLS has 6 numbers, of which 5 belong to cells"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\n"),
                 HasSubstr("has 1 cells and 0 cell types"));
-    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n5\n"),
-                HasSubstr("cell 0 is of VTK's type 5"));
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n24\n"),
+                HasSubstr("cell 0 is of VTK's type 24"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n"),
                 HasSubstr("cell 0 names vertex 9; there are 4"));
     EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 5\n"),

@@ -172,6 +172,18 @@ TEST(Vtu, ReadsArraysInAllEncodings) {
             }
 }
 
+TEST(Vtu, CellsOfLowerDimensionAreSkippedAndCounted) {
+    const TemporaryFolder folder;
+    const std::string bytes =
+        Vtu()
+            .piece({4, 4}, kTetrahedronPoints, cells("0 0 1 0 1 2 0 1 2 3", "1 3 6 10", "1 3 5 10"))
+            .text();
+    io::ReadNotes notes;
+    const Lattice lattice = io::readLattice("a.vtu", bytes, &notes);
+    EXPECT_EQ(lattice.complex.count(3), 1);
+    EXPECT_EQ(notes, (io::ReadNotes{{}, {1, 1, 1}}));
+}
+
 TEST(Vtu, ErrorsNameTheOffender) {
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4", "24")).refusal(),
                 HasSubstr("cell 0 is of VTK's type 24; only the types 10, 11, 12, 13, 14 and 42"));

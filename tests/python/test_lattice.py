@@ -306,3 +306,29 @@ def test_a_box_around_points():
 def test_what_a_lattice_looks_like():
     assert repr(espalier.shapes.box()) == (
         "<espalier.Lattice: 8 vertices, 12 edges, 6 faces, 1 cells>")
+
+
+@pytest.mark.parametrize("name", ["cage.obj", "cage.ply", "pose.vtu"])
+def test_poses_are_read_from_cages_and_lattices(tmp_path, name):
+    box = espalier.shapes.box(cells=(2, 1, 1))
+    posed = box.with_positions(box.positions * (1, 2, 1 / 3))
+    (posed.write if name.endswith("vtu") else posed.write_cage)(tmp_path / name)
+    positions = espalier.read_pose(tmp_path / name, box)
+    assert positions.dtype == np.float64
+    np.testing.assert_array_equal(positions, posed.positions)
+    moved = espalier.bind(box, box.positions, level=1).deform(positions)
+    np.testing.assert_allclose(moved, posed.positions, atol=1e-14)
+    with pytest.raises(ValueError, match=f"{name}: is not a pose of the lattice"):
+        espalier.read_pose(tmp_path / name, espalier.shapes.box(cells=(1, 1, 1)))
+
+
+def test_the_notes_on_the_file_of_a_pose_are_warnings(tmp_path):
+    box = espalier.shapes.box()
+    box.write(tmp_path / "pose.ovm")
+    text = (tmp_path / "pose.ovm").read_text()
+    assert "Vertices\n8\n" in text
+    text = text.replace("Vertices\n8\n", "Vertices\n9\n").replace("Edges", "9 9 9\nEdges", 1)
+    (tmp_path / "pose.ovm").write_text(text)
+    with pytest.warns(UserWarning, match="dropped 1 unused vertex"):
+        positions = espalier.read_pose(tmp_path / "pose.ovm", box)
+    np.testing.assert_array_equal(positions, box.positions)

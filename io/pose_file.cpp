@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
+#include <espalier/io/pose_file.h>
+
+#include <algorithm>
+#include <ostream>
+#include <span>
+
+#include "files/text_output.h"
+#include "lattices/lattice_parts.h"
+
+namespace espalier::io {
+namespace {
+
+using Path = std::filesystem::path;
+using LoopView = std::span<const Index>;
+
+bool isPly(const Path& path) {
+    return lowerCase(path.extension().string()) == ".ply";
+}
+
+[[noreturn]] void refuse(const Path& path, const std::string& name, const std::string& cause) {
+    throw FileError(path, "is not a pose of " + name + cause);
+}
+
+/// Returns true if the loops are equal from some vertex on, in one of the directions.
+bool isSameLoop(LoopView a, LoopView b) {
+    if (a.empty() || a.size() != b.size()) return false;
+    const std::size_t size = a.size();
+    const std::size_t start = std::ranges::find(b, a[0]) - b.begin();
+    if (start == size) return false;
+    bool isForward = true, isBackward = true;
+    for (std::size_t i = 0; i < size; ++i) {
+        isForward = isForward && a[i] == b[(start + i) % size];
+        isBackward = isBackward && a[i] == b[(start + size - i) % size];
+    }
+    return isForward || isBackward;
+}
+
+bool isPartOf(LoopView part, LoopView whole) {
+    return std::ranges::all_of(part,
+                               [&](Index vertex) { return std::ranges::count(whole, vertex) > 0; });
+}
+
+std::string listOf(LoopView vertices) {
+    constexpr std::size_t kMaxNamed = 6;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(vertices.size(), kMaxNamed); ++i)
+        text += concat(i == 0 ? "" : ", ", vertices[i]);
+    return text + (vertices.size() > kMaxNamed ? ", ..." : "");
+}
+
+void checkPointCount(const Path& path, const std::string& name, std::size_t got, Index expected) {
+    if (got != static_cast<std::size_t>(expected))
+        refuse(path, name,
+               concat(": it has ", got, " points; expected one for each of the ", expected,
+                      " vertices of the lattice, in their order. Export the mesh without removing, "
+                      "merging or splitting vertices"));
+}
+
+/// Throws unless each face of a cage is a face of the lattice.
+void checkFaces(const Path& path, const std::string& name, const ModelFaces& faces,
+                const far::CellComplex& lattice) {
+    for (std::size_t face = 0; face < faces.count(); ++face) {
+        const LoopView loop = faces[face];
+        const LoopView candidates = loop.empty() ? LoopView() : lattice.relation(0, 2)[loop[0]];
+        const auto loopOf = [&](Index candidate) { return lattice.relation(2, 0)[candidate]; };
+        if (std::ranges::any_of(
+                candidates, [&](Index candidate) { return isSameLoop(loop, loopOf(candidate)); }))
+            continue;
+        const auto split = std::ranges::find_if(candidates, [&](Index candidate) {
+            return loop.size() < loopOf(candidate).size() && isPartOf(loop, loopOf(candidate));
+        });
+        const std::string what =
+            concat(": face ", face, " of the file, of vertices ", listOf(loop), ", ");
+        if (split != candidates.end())
+            refuse(path, name,
+                   concat(what, "is a part of face ", *split, " of the lattice, of vertices ",
+                          listOf(loopOf(*split)),
+                          ". Export the mesh without splitting faces into triangles"));
+        refuse(path, name,
+               what +
+                   "is not a face of the lattice. The vertices may have another order: begin "
+                   "with a cage written by 'espalier refine LATTICE -n 0 -o cage.obj', and keep "
+                   "the order of its vertices");
+    }
+}
+
+/// Reads a cage with this number of vertices.
+/// \param check called with the faces
+template <class Check>
+std::vector<Point3> readCage(const Path& path, const std::string& name, Index vertexCount,
+                             Check check) {
+    const auto model = readModel(path);
+    checkPointCount(path, name, model->positions().size(), vertexCount);
+    check(model->readFaces());
+    return {model->positions().begin(), model->positions().end()};
+}
+
+void put(TextOutput& out, const Point3& position) {
+    out.put(position[0], " ", position[1], " ", position[2], "\n");
+}
+
+}  // namespace
+
+std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::string& restName,
+                             ReadNotes* notes) {
+    const far::CellComplex& complex = rest.complex;
+    if (complex.dimension() < 2)
+        throw Error("a pose needs a lattice or a mesh at rest, got a curve or nothing");
+    if (isCageFile(path))
+        return readCage(path, restName, complex.count(0), [&](const ModelFaces& faces) {
+            checkFaces(path, restName, faces, complex);
+        });
+    Lattice pose = readLattice(path, notes);
+    if (const auto difference = far::topologyDifference(complex, pose.complex))
+        refuse(path, restName, " (called the first, this file the second): " + *difference);
+    return std::move(pose.positions);
+}
+
+std::vector<Point3> readPose(const Path& path, const embed::Binding& binding,
+                             const std::string& bindingName, ReadNotes* notes) {
+    const std::string name = "the lattice that " + bindingName + " was bound to";
+    const Index vertexCount = binding.table.columnCount();
+    if (isCageFile(path)) return readCage(path, name, vertexCount, [](const ModelFaces&) {});
+    Lattice pose = readLattice(path, notes);
+    if (far::topologyHash(pose.complex) != binding.topologyHash)
+        refuse(path, name,
+               concat(": the bound lattice has ", vertexCount, " vertices, the pose ",
+                      pose.complex.count(0), "; or their cells differ"));
+    return std::move(pose.positions);
+}
+
+bool isCageFile(const Path& path) {
+    return isPly(path) || lowerCase(path.extension().string()) == ".obj";
+}
+
+void writeCage(const Path& path, const Lattice& lattice) {
+    if (!isCageFile(path))
+        throw FileError(path, "a cage cannot be written in this format; expected .obj or .ply");
+    checkedForWriting(path, lattice);
+    const far::CellComplex& complex = lattice.complex;
+    writeFile(path, [&](std::ostream& stream) {
+        TextOutput out(stream);
+        const bool ply = isPly(path);
+        if (ply)
+            out.put("ply\nformat ascii 1.0\nelement vertex ", complex.count(0),
+                    "\nproperty double x\nproperty double y\nproperty double z\nelement face ",
+                    complex.count(2), "\nproperty list int int vertex_indices\nend_header\n");
+        for (const Point3& position : lattice.positions) {
+            if (!ply) out.put("v ");
+            put(out, position);
+        }
+        for (Index face = 0; face < complex.count(2); ++face) {
+            const LoopView loop = complex.relation(2, 0)[face];
+            if (ply)
+                out.put(loop.size());
+            else
+                out.put("f");
+            for (const Index vertex : loop) out.put(" ", ply ? vertex : vertex + 1);
+            out.put("\n");
+        }
+    });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/embed/binding.h>
+#include <espalier/io/read_notes.h>
+#include <espalier/shapes/lattice.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// \file
+/// Poses of a lattice as files: other positions of the same vertices. A pose is a lattice file
+/// (lattice_file.h) or a cage: an .obj or .ply with the vertices and faces of the lattice, which
+/// mesh editors can change.
+
+namespace espalier::io {
+
+/// Reads the positions of a pose: one point per vertex of `rest`.
+///
+/// A lattice file must have the same cells on the same vertex numbers; see
+/// far::topologyDifference(). A cage must have one point per vertex, in the order of the vertices,
+/// and each of its faces must be a face of the lattice: the same loop of vertices, from any of them
+/// and in either direction. Faces may be missing.
+///
+/// \param restName name of the lattice in messages
+/// \param notes receives the notes of the reader; may be null
+/// \throws FileError if the file cannot be read, or is not a pose of this lattice, with the first
+///         difference; the errors of readLattice() and readModel()
+/// \cost that of readLattice() or readModel(), and O(number of faces)
+ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
+                                          const std::string& restName = "the lattice",
+                                          ReadNotes* notes = nullptr);
+
+/// The same for the lattice that points were bound to, of which a binding holds the number of
+/// vertices and the hash of the topology: the faces of a cage are not compared.
+///
+/// \param bindingName name of the binding in messages
+ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path,
+                                          const embed::Binding& binding,
+                                          const std::string& bindingName,
+                                          ReadNotes* notes = nullptr);
+
+/// Returns true if the extension is .obj or .ply, in upper or lower case.
+ESPALIER_API bool isCageFile(const std::filesystem::path& path);
+
+/// Writes a lattice as a cage: its vertices in their order, and all its faces, interior ones too.
+/// readPose() reads the positions back, bit for bit. Cells, attributes and marks are not written.
+///
+/// \throws FileError unless isCageFile(path), if the lattice is not of dimension 3 or a position
+///         is not finite, or if the file cannot be written
+ESPALIER_API void writeCage(const std::filesystem::path& path, const Lattice& lattice);
+
+}  // namespace espalier::io

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`espalier info` of models, and the size of lattices.
+
+    info_command_test.py PATH_OF_ESPALIER
+"""
+
+import math
+import pathlib
+import sys
+import unittest
+
+import program
+from program import CliTest
+
+# Models that are not part of the repository: tried where they are there.
+MODELS = pathlib.Path(__file__).resolve().parents[3] / "shared/data/models"
+
+# Two tetrahedra without common points, 3 wide in x, and a point in no face.
+TWO = """v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 1\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 6\nv 1 1 1
+f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n"""
+
+
+class Info(CliTest):
+    def test_the_surface_of_a_model_is_described(self):
+        self.put("two.obj", TWO)
+        report = self.info("two.obj")
+        self.assertAlmostEqual(report.pop("diagonal"), 7, delta=1e-15)
+        self.assertEqual(report, {
+            "model": "two.obj", "points": 9, "faces": 8, "points_in_no_face": 1, "components": 2,
+            "closed": True, "boundary_edges": 0, "nonmanifold_edges": 0,
+            "bounds": [[0, 0, 0], [3, 2, 6]], "size": [3, 2, 6], "precision": "text"})
+        self.assertEqual(self.run_program("info", "two.obj").stdout, (
+            "two.obj\n"
+            "points      9, of which 1 in no face\n"
+            "faces       8\n"
+            "surface     2 components, closed\n"
+            "bounds      (0, 0, 0) to (3, 2, 6)\n"
+            "size        3 × 2 × 6, diagonal 7\n"
+            "precision   text\n"))
+
+    def test_open_and_nonmanifold_surfaces_are_not_closed(self):
+        # Without one face, its three edges are in one face; a fin on an edge gives it three.
+        self.put("open.obj", TWO.replace("f 7 5 8\n", "f 1 2 9\n"))
+        report = self.info("open.obj")
+        self.assertEqual((report["closed"], report["boundary_edges"], report["nonmanifold_edges"]),
+                         (False, 3 + 2, 1))
+        self.assertIn("surface     2 components, not closed: 5 edges in one face, 1 in more than "
+                      "two\n", self.run_program("info", "open.obj").stdout)
+        self.put("points.obj", "v 1 2 3\n")
+        report = self.info("points.obj")
+        self.assertEqual((report["closed"], report["faces"], report["components"]), (False, 0, 0))
+        self.assertEqual(self.run_program("info", "points.obj").stdout,
+                         "points.obj\npoints      1\nfaces       0\n"
+                         "bounds      (1, 2, 3) to (1, 2, 3)\nsize        0 × 0 × 0, diagonal 0\n"
+                         "precision   text\n")
+
+    def test_corners_of_an_stl_at_one_place_are_one_point(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        facets = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+        lines = ["solid a"]
+        for facet in facets:
+            lines += ["facet normal 0 0 0", "outer loop"]
+            lines += ["vertex %g %g %g" % points[corner] for corner in facet]
+            lines += ["endloop", "endfacet"]
+        self.put("a.stl", "\n".join([*lines, "endsolid"]) + "\n")
+        report = self.info("a.stl")
+        self.assertEqual((report["points"], report["components"], report["closed"]), (12, 1, True))
+        self.assertEqual((report["distinct_points"], report["points_in_no_face"]), (4, 0))
+        self.assertIn("points      12, at 4 places\nfaces       4\n",
+                      self.run_program("info", "a.stl").stdout)
+
+    def test_a_bound_model_is_described_as_its_model(self):
+        self.put("two.obj", TWO)
+        self.run_program("shape", "around", "two.obj", "-o", "rest.vtu")
+        self.bind("two.obj", "rest.vtu", out="two.espb")
+        expected = self.info("two.obj")
+        expected["model"] = "two.espb"
+        self.assertEqual(self.info("two.espb"), expected)
+
+    def test_a_vtu_is_a_lattice_if_it_has_volumes(self):
+        self.run_program("shape", "box", "--max", 1, 2, 4, "-o", "box.vtu")
+        report = self.info("box.vtu", "-n", 0)
+        self.assertEqual(report["size"], [1, 2, 4])
+        self.assertAlmostEqual(report["diagonal"], math.sqrt(21), delta=1e-15)
+        self.assertIn("bounds      (0, 0, 0) to (1, 2, 4)\nsize        1 × 2 × 4, diagonal 4.583\n",
+                      self.run_program("info", "box.vtu", "-n", 0).stdout)
+        report = self.info("box.vtu", "--model")
+        self.assertEqual((report["model"], report["points"], report["faces"], report["precision"]),
+                         ("box.vtu", 8, 0, "double"))
+        self.put("surface.vtu", """<VTKFile type="UnstructuredGrid" version="1.0"
+            byte_order="LittleEndian"><UnstructuredGrid><Piece NumberOfPoints="3" NumberOfCells="1">
+            <Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">
+            0 0 0 1 0 0 0 1 0</DataArray></Points><Cells>
+            <DataArray type="Int64" Name="connectivity" format="ascii">0 1 2</DataArray>
+            <DataArray type="Int64" Name="offsets" format="ascii">3</DataArray>
+            <DataArray type="UInt8" Name="types" format="ascii">5</DataArray>
+            </Cells></Piece></UnstructuredGrid></VTKFile>""")
+        report = self.info("surface.vtu")
+        self.assertEqual((report["points"], report["faces"], report["precision"]), (3, 1, "float"))
+
+    def test_options_of_lattices_are_refused_for_models(self):
+        self.put("two.obj", TWO)
+        self.assertEqual(self.error_of("info", "two.obj", "--smoothness"),
+                         "espalier: two.obj: is a model; --smoothness needs a lattice\n")
+
+    def test_shared_models_are_described(self):
+        # Points by `grep -c '^v '`, faces by `grep -c '^f '`.
+        for name, counts in (("spot.obj", (2930, 5856, 1, True)),
+                             ("rocker-arm.obj", (10044, 20088, 1, True)),
+                             ("stanford-bunny.obj", (35947, 69451, 1, False))):
+            with self.subTest(name):
+                if not (MODELS / name).exists():
+                    self.skipTest(f"{MODELS / name} is absent")
+                report = self.info(MODELS / name)
+                self.assertEqual(tuple(report[key] for key in
+                                       ("points", "faces", "components", "closed")), counts)
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()

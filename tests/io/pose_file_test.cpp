@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/topology_match.h>
+#include <espalier/io/model.h>
+#include <espalier/io/pose_file.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <algorithm>
+
+#include "lattice_samples.h"
+#include "support/test.h"
+
+namespace espalier::test {
+namespace {
+
+/// A cube with the vertices of VTK's hexahedron, 1 wide.
+Lattice cube() {
+    far::ComplexBuilder builder(3, 8);
+    builder.addCell(far::StandardCell::Hexahedron, std::vector<Index>{0, 1, 2, 3, 4, 5, 6, 7});
+    Lattice lattice;
+    lattice.complex = builder.build();
+    lattice.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                         {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    return lattice;
+}
+
+/// The text of an OBJ with the eight vertices of the cube, the last one moved to (2, 2, 2).
+std::string cageWith(const std::string& faces) {
+    return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 2 2 2\n" + faces;
+}
+
+std::vector<Point3> readCage(const std::string& bytes, const Lattice& rest,
+                             const std::string& name = "cage.obj") {
+    const TemporaryFolder folder;
+    putLatticeFile(folder / name, bytes);
+    return io::readPose(folder / name, rest, "rest.vtu");
+}
+
+/// The message, after the path, that refuses a cage as a pose of the cube.
+std::string refusalOfCage(const std::string& bytes, const std::string& name = "cage.obj") {
+    return refusalOf(name, bytes, [](const auto& path) { io::readPose(path, cube(), "rest.vtu"); });
+}
+
+TEST(PoseFile, CagesKeepThePositionsOfEachVertexBitForBit) {
+    const TemporaryFolder folder;
+    for (Lattice lattice : {mixedLattice(), boxLattice()}) {
+        lattice.positions[1] = {0.1 + 0.2, -1e-300, 12345678901234567.0};
+        for (const char* name : {"cage.obj", "cage.PLY"}) {
+            io::writeCage(folder / name, lattice);
+            EXPECT_EQ(io::readPose(folder / name, lattice), lattice.positions) << name;
+        }
+    }
+}
+
+TEST(PoseFile, CagesHaveEveryFaceOfTheLattice) {
+    const TemporaryFolder folder;
+    const Lattice lattice = boxLattice();
+    for (const char* name : {"cage.obj", "cage.ply"}) {
+        io::writeCage(folder / name, lattice);
+        const io::ModelFaces faces = io::readModel(folder / name)->readFaces();
+        ASSERT_EQ(faces.count(), static_cast<std::size_t>(lattice.complex.count(2)));
+        for (Index face = 0; face < lattice.complex.count(2); ++face)
+            EXPECT_TRUE(std::ranges::equal(faces[face], lattice.complex.relation(2, 0)[face]));
+    }
+}
+
+TEST(PoseFile, LatticeFilesArePosesIfTheirCellsAreEqual) {
+    const TemporaryFolder folder;
+    Lattice pose = cube();
+    pose.positions[6] = {3, 3, 3};
+    io::writeLattice(folder / "pose.vtk", pose);
+    EXPECT_EQ(io::readPose(folder / "pose.vtk", cube()), pose.positions);
+    EXPECT_THAT(messageOf<io::FileError>(
+                    [&] { io::readPose(folder / "pose.vtk", boxLattice(), "rest.vtu"); }),
+                HasSubstr("pose.vtk: is not a pose of rest.vtu (called the first, this file the "
+                          "second): the numbers of vertices differ"));
+}
+
+TEST(PoseFile, FacesMayBeginAnywhereTurnEitherWayAndBeMissing) {
+    const std::vector<Point3> expected = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                          {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {2, 2, 2}};
+    for (const char* faces : {"", "f 1 2 3 4\n", "f 3 4 1 2\n", "f 4/1/1 3/2/1 2/3/1 1/1/1\n",
+                              "f -8 -7 -6 -5\nf 8 5 6 7\n"})
+        EXPECT_EQ(readCage(cageWith(faces), cube()), expected) << faces;
+}
+
+TEST(PoseFile, TrianglesOfAFaceAreNamedAsSuch) {
+    EXPECT_EQ(refusalOfCage(cageWith("f 1 2 3 4\nf 5 6 7\nf 5 7 8\n")),
+              ": is not a pose of rest.vtu: face 1 of the file, of vertices 4, 5, 6, is a part of "
+              "face 5 of the lattice, of vertices 4, 5, 6, 7. Export the mesh without splitting "
+              "faces into triangles");
+}
+
+TEST(PoseFile, FacesThatTheLatticeDoesNotHaveAreRefused) {
+    const std::string message =
+        " is not a face of the lattice. The vertices may have another order: begin with a cage "
+        "written by 'espalier refine LATTICE -n 0 -o cage.obj', and keep the order of its vertices";
+    EXPECT_EQ(refusalOfCage(cageWith("f 1 2 3 5\n")),
+              ": is not a pose of rest.vtu: face 0 of the file, of vertices 0, 1, 2, 4," + message);
+    // The vertices of a face, but crosswise.
+    EXPECT_THAT(refusalOfCage(cageWith("f 1 3 2 4\n")), HasSubstr("0, 2, 1, 3," + message));
+}
+
+TEST(PoseFile, TheNumberOfPointsMustBeTheNumberOfVertices) {
+    EXPECT_EQ(refusalOfCage(cageWith("v 0 0 0\n")),
+              ": is not a pose of rest.vtu: it has 9 points; expected one for each of the 8 "
+              "vertices of the lattice, in their order. Export the mesh without removing, merging "
+              "or splitting vertices");
+}
+
+TEST(PoseFile, MalformedFacesNameTheirPlace) {
+    EXPECT_EQ(refusalOfCage(cageWith("f 1 2 3 9\n")),
+              ":9: a face has the corner '9', which names no point; there are 8 before it and 8 in "
+              "the file");
+    EXPECT_THAT(refusalOfCage(cageWith("f 1 2 0\n")), HasSubstr(":9: a face has the corner '0'"));
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n"
+        "1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n4 0 1 2 ";
+    EXPECT_EQ(readCage(ply + "3\n", cube(), "cage.ply"), cube().positions);
+    EXPECT_EQ(refusalOfCage(ply + "8\n", "cage.ply"),
+              ":18: a face has the corner '8', which is not the number of a point; there are 8");
+}
+
+TEST(PoseFile, BindingsCompareTheNumberOfPointsAndTheCells) {
+    const TemporaryFolder folder;
+    io::writeCage(folder / "cage.obj", cube());
+    io::writeLattice(folder / "pose.ovm", cube());
+    embed::Binding binding;
+    binding.topologyHash = far::topologyHash(cube().complex);
+    binding.table = stencils::StencilTable<double>(8, {0}, {}, {});
+    for (const char* name : {"cage.obj", "pose.ovm"})
+        EXPECT_EQ(io::readPose(folder / name, binding, "m.espb"), cube().positions);
+    ++binding.topologyHash;
+    EXPECT_THAT(
+        messageOf<io::FileError>([&] { io::readPose(folder / "pose.ovm", binding, "m.espb"); }),
+        HasSubstr("pose.ovm: is not a pose of the lattice that m.espb was bound to: the bound "
+                  "lattice has 8 vertices, the pose 8; or their cells differ"));
+    binding.table = stencils::StencilTable<double>(9, {0}, {}, {});
+    EXPECT_THAT(
+        messageOf<io::FileError>([&] { io::readPose(folder / "cage.obj", binding, "m.espb"); }),
+        HasSubstr("cage.obj: is not a pose of the lattice that m.espb was bound to: it has 8 "
+                  "points; expected one for each of the 9 vertices"));
+}
+
+TEST(PoseFile, OnlyObjAndPlyAreCages) {
+    EXPECT_TRUE(io::isCageFile("a.Obj"));
+    EXPECT_TRUE(io::isCageFile("a.ply"));
+    for (const char* name : {"a.vtu", "a.stl", "a"}) {
+        EXPECT_FALSE(io::isCageFile(name));
+        EXPECT_EQ(messageOf<io::FileError>([&] { io::writeCage(name, cube()); }),
+                  name + std::string(": a cage cannot be written in this format; expected .obj or "
+                                     ".ply"));
+    }
+}
+
+}  // namespace
+}  // namespace espalier::test
