@@ -21,13 +21,13 @@ struct ReadNotes {
     /// file, ascending. The reader leaves them out and numbers the other vertices without gaps.
     std::vector<Index> droppedVertices;
 
-    /// The number of texture coordinates that were dropped, because some corners of faces name
-    /// none.
-    Index droppedTextureCoordinates = 0;
-
     /// The numbers of vertex cells, line cells and surface cells in a file of a lattice (.vtu,
     /// .vtk), by dimension. The reader skips them and numbers the other cells without gaps.
     std::array<Index, 3> skippedCells = {};
+
+    /// The number of texture coordinates that were dropped, because some corners of faces name
+    /// none.
+    Index droppedTextureCoordinates = 0;
 
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };
