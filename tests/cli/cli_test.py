@@ -233,12 +233,37 @@ class RefineAndStencils(CliTest):
         self.assertIn("out.ovm", self.error_of("refine", "mesh.obj", "-n", 1, "-o", "out.ovm"))
         self.assertFalse((self.path / "out.ovm").exists())
         self.run_program("shape", "box", "-o", "b.ovm")
-        self.assertIn("b.obj", self.error_of("refine", "b.ovm", "-n", 1, "-o", "b.obj"))
-        self.assertIn("mesh.obj", self.error_of("info", "mesh.obj"))
+        self.assertIn("b.stl", self.error_of("refine", "b.ovm", "-n", 1, "-o", "b.stl"))
         self.write_mesh(["t crease 2/1/0 0 9 1"])
         error = self.error_of("refine", "mesh.obj", "-n", 1, "-o", "out.obj")
         self.assertIn("mesh.obj:26", error)
         self.assertIn("(0, 9)", error)
+
+    def test_texture_coordinates_of_a_mesh_are_refined(self):
+        corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        self.put("quad.obj", "".join(f"v {x} {y} 0\nvt {x} {y}\n" for x, y in corners) +
+                 "f 1/1 2/2 3/3 4/4\n")
+
+        def refined(*options):
+            self.run_program("refine", "quad.obj", "-n", 1, *options, "-o", "out.obj")
+            lines = self.text("out.obj").splitlines()
+            self.assertEqual(sum(line.startswith("f ") and "/" in line for line in lines), 4)
+            return {tuple(map(float, line.split()[1:])) for line in lines if line[:3] == "vt "}
+        grid = {(x / 2, y / 2) for x in range(3) for y in range(3)}
+        self.assertEqual(refined(), grid)  # the default, all: bilinear
+        self.assertEqual(refined("--face-varying", "corners-only"), grid)
+        # The crease mask of a corner that is not sharp: 3/4 of itself, 1/8 of each neighbour. The
+        # corner of the mesh, which is sharp by default, must be smooth too.
+        self.assertIn((0, 0), refined("--face-varying", "none"))
+        smooth = refined("--face-varying", "none", "--boundary", "edge-only")
+        self.assertIn((0.125, 0.125), smooth)
+        self.assertIn((0.5, 0), smooth)
+
+        # A corner without a texture coordinate: a note says how many are dropped.
+        self.put("part.obj", self.text("quad.obj").replace("4/4", "4"))
+        result = self.run_program("refine", "part.obj", "-n", 1, "-o", "out.obj")
+        self.assertIn("part.obj: dropped 4 texture coordinates", result.stderr)
+        self.assertNotIn("vt", self.text("out.obj"))
 
     def test_attributes_are_refined_with_the_positions(self):
         # The attribute is the z coordinate of a cube, so on the refined lattice it is z again.

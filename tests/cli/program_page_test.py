@@ -74,8 +74,8 @@ SAMPLES = {
     "--max-memory": [["1000MB"], ["4GB"]],  # `bench` measures the memory's speed on some 500 MB
     "--seconds": [["0.002"]],
 }
-FROM_TABLE = {"--basis", "--boundary", "--creasing", "--triangles", "--sharp-edges", "--rules",
-              "--petsc-indices", "--outside", "--report"}
+FROM_TABLE = {"--basis", "--boundary", "--face-varying", "--creasing", "--triangles",
+              "--sharp-edges", "--rules", "--petsc-indices", "--outside", "--report"}
 
 QUOTED = re.compile(r"`([^`]+)`")
 

@@ -81,7 +81,7 @@ TEST(ObjMesh, OtherStatementsAreIgnored) {
     const std::string text =
         "\xEF\xBB\xBF# t crease 2/1/0 0 1 1\nmtllib a.mtl\no a\ng b \\\nf 1 2 3\n"
         "v 0 0 0 1.5\nv 1 0 0 0.1 0.2 0.3\nv 2 0 0 # a comment\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
-        "vt 0 x\nvn 0 0 1\nvp 1\nusemtl m\ns off\nl 1 2\np 1\n\nf 1 2 5 4\nf 2 3 6 5\n"
+        "vt 0 0.5\nvn 0 0 1\nvp 1\nusemtl m\ns off\nl 1 2\np 1\n\nf 1 2 5 4\nf 2 3 6 5\n"
         "curv 0 1 1 2\nshadow_obj a.obj";
     for (const char* end : {"\n", "\r\n"}) {
         std::string withEnds;
