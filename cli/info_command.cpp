@@ -406,8 +406,8 @@ struct Described {
     io::ReadNotes notes;
 };
 
-/// Reads a lattice, or a model if the format or --model says so, or if a .vtu or .vtk has no cells
-/// of a volume.
+/// Reads a lattice or a model. A .vtu or .vtk without volume cells is a model, and with --model
+/// every .vtu or .vtk is one.
 Described readDescribed(const InfoOptions& options) {
     const std::filesystem::path path = options.lattice;
     Described result;

@@ -39,7 +39,7 @@ Extent extentOf(std::span<const Point3> points);
 ///     nonmanifold_edges
 ///                      edges in three or more faces
 ///     bounds, size, diagonal
-///                      of the box around the points, along the axes
+///                      the box around the points, with sides parallel to the axes
 ///     precision        how the file stores coordinates: "text", "float", "double" or "integer"
 nlohmann::json reportModel(const std::string& path, const io::Model& model);
 

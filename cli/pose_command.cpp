@@ -188,8 +188,8 @@ private:
                 step.option, "the values of an attribute are the weights already, without falloff");
     }
 
-    /// Returns the weight of each vertex; no weights if all vertices are selected. Selections are
-    /// of the positions in the file, not of those that earlier operations moved.
+    /// Returns the weight of each vertex; no weights if all vertices are selected. Selections use
+    /// the positions in the file: operations before them do not matter.
     std::vector<double> currentWeights() const {
         if (!selection_) return {};
         const Step& step = *selection_;

@@ -9,8 +9,8 @@
 
 namespace espalier::compare {
 
-/// Refines the face-varying values of a mesh with OpenSubdiv, and compares its stencils with those
-/// of far::refineFaceVarying(), at every corner of every face. Faces and corners are matched by
+/// Refines the face-varying values of a mesh with OpenSubdiv and with far::refineFaceVarying(), and
+/// compares the two stencils at every corner of every face. Faces and corners are matched by
 /// topology. Under Boundary::Open, only the faces that OpenSubdiv keeps are compared.
 ///
 /// \param refiner of a mesh, refined uniformly to level 1 or more

@@ -140,8 +140,8 @@ private:
         return sharpness;
     }
 
-    /// Where a vertex has two values, makes each as sharp as sharp edges and seams inside the faces
-    /// of the other make the other.
+    /// At each vertex with two values: if sharp edges make one value sharp, gives the other value
+    /// the same sharpness.
     void sharpenPairs(const Strata& strata, Creasing creasing, SharpnessValues& sharpness) const {
         for (const std::vector<Index>& values : valuesOf_) {
             if (values.size() != 2) continue;

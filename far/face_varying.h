@@ -11,14 +11,14 @@
 
 /// \file
 /// Refines the topology of face-varying values of a mesh, such as texture coordinates. Each corner
-/// of a face names a value. An edge where the two faces name different values at one end or both
-/// ends is a seam.
+/// of a face names a value. An edge is a seam if its two faces name different values at one end or
+/// at both.
 
 namespace espalier::far {
 
 /// Where face-varying values are interpolated linearly: OpenSubdiv's FVarLinearInterpolation. A
-/// value that is "fixed" does not move; all other values along a seam or a boundary follow the rule
-/// of a crease. Each mode fixes all values that the mode before fixes.
+/// "fixed" value does not change from level to level; all other values along a seam or a boundary
+/// follow the crease rule. Each mode fixes the values that the previous mode fixes, and more.
 enum class FaceVaryingLinear {
     None,          ///< fixes a value only where its vertex is a corner, where three or more sharp
                    ///< edges and seams meet in it, or where its faces do not form one fan
@@ -41,9 +41,9 @@ inline constexpr Word<FaceVaryingLinear> kFaceVaryingLinearWords[] = {
 /// The refined topology of the face-varying values of a mesh: a mesh that is cut along the seams.
 struct FaceVaryingTopology {
     /// Refines the cut mesh to the level of the mesh's own refiner. On each level, the faces and
-    /// their corners have the numbers and the order of the mesh's own faces and corners, so loops
-    /// of vertices of this refiner name the value of each corner. The tables of stencils/ and the
-    /// evaluators of osd/ take it as any other refiner.
+    /// their corners have the numbers and the order of the mesh's own faces and corners. So a loop
+    /// of this refiner gives the value at each corner of the same face of the mesh. The tables of
+    /// stencils/ and the evaluators of osd/ take it as any other refiner.
     TopologyRefiner refiner;
 
     /// The number of the value at each vertex of level 0 of `refiner`; ascending. A value that

@@ -48,8 +48,7 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
         auto inLimit = limit::bindLimit(
             {refiner.base(), lattice.positions}, points,
             {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
-        if (hasDirections)
-            result.bound.gradients = {std::move(inLimit.binding.table.gradients)};
+        if (hasDirections) result.bound.gradients = {std::move(inLimit.binding.table.gradients)};
         found = limit::withoutGradients(std::move(inLimit));
     } else {
         found = embed::bindPoints({refiner.base(), lattice.positions}, points,

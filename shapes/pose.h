@@ -28,8 +28,8 @@
 
 namespace espalier::shapes::pose {
 
-/// The positions that an operation moves, and its place. An operation that needs none of the fields
-/// ignores them.
+/// The positions that an operation moves, and its place. An operation ignores the fields that its
+/// formula does not need.
 struct Place {
     /// One weight per position, 0 to 1 (selection.h); empty: 1 for all.
     std::span<const double> weights = {};

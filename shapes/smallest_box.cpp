@@ -136,8 +136,8 @@ private:
         projected.reserve(points.size());
         for (const Point3& point : points) projected.push_back({dot(point, u), dot(point, v)});
         Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
-        // Of the four directions of the sides, the one nearest to u, so that the axes keep their
-        // numbers and each is turned about in turn.
+        // The sides have four directions. The one nearest to u becomes the new u, so that the axes
+        // keep their numbers and the search turns the box about each axis in turn.
         if (std::abs(side[1]) > std::abs(side[0])) side = {side[1], -side[0]};
         if (side[0] < 0) side = {-side[0], -side[1]};
         Point3 first;
@@ -163,8 +163,8 @@ std::vector<Point3> extremePoints(std::span<const Point3> points) {
     return result;
 }
 
-/// Returns the axes in another order and with other signs: of the 24 right-handed choices, the one
-/// nearest to x, y and z.
+/// Returns the axes in another order and with other signs. There are 24 right-handed choices; this
+/// returns the one nearest to x, y and z.
 Axes named(const Axes& axes) {
     std::array<std::size_t, 3> order = {0, 1, 2};
     Axes best = axes;

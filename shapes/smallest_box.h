@@ -28,7 +28,7 @@ struct Extents {
 Extents extentsAlong(const Axes& axes, std::span<const Point3> points);
 
 /// Returns the axes for which the box around the points is smallest, as far as a search finds them.
-/// Of the 24 ways to name the axes of a box, it returns the one nearest to x, y and z.
+/// There are 24 ways to name the axes of a box; this returns the one nearest to x, y and z.
 ///
 /// The search starts from a few dozen directions. It turns the box about each of its axes in turn
 /// until the volume no longer decreases. Each turn is exact: one side of the smallest rectangle

@@ -25,14 +25,14 @@ struct SectionOptions {
 /// the chord, and a translation. Between two sections, vertices take values that are linear in
 /// their coordinate along the axis; beyond the first and the last section, those of that section.
 ///
-/// A vertex whose point on the axis is f and which is at f + a·h + b·n, where h is the unit vector
-/// of the chord across the axis and n = e × h, goes to
+/// Let h be the unit vector of the chord across the axis, and n = e × h. A vertex at f + a·h + b·n,
+/// where f is on the axis, goes to
 ///
 ///     f + t + R(θ) (σ a h + b n)
 ///
 /// for the twist θ (in radians, anticlockwise seen from the tip of the axis), the scale σ and the
-/// translation t at its coordinate. A section so stays flat, and its twist turns it as a rigid body
-/// about the axis, whatever the values of the other sections.
+/// translation t at its coordinate. So a section stays flat, and a twist turns it as a rigid body
+/// about the axis, for any values of the other sections.
 ///
 /// The values are in one array: θ, σ, tx, ty, tz of section 0, then of section 1, and so on. At
 /// rest they are 0, 1, 0, 0, 0.

@@ -50,9 +50,8 @@ ESPALIER_API void writeVtkLegacy(const std::filesystem::path& path, const Lattic
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \throws FileError with the line, if the file is malformed up to the end of its points, has
-/// points
-///         of another type, or has a point that is not finite
+/// \throws FileError with the line, if the file is malformed up to the end of its points, if its
+///         points are not float or double, or if a point is not finite
 ESPALIER_API std::unique_ptr<Model> readVtkLegacyModel(const std::filesystem::path& path,
                                                        std::string bytes);
 

@@ -52,12 +52,12 @@ class Around(CliTest):
 
     def test_cells_size_and_margin(self):
         self.write_corners((0, 0, 0), (4, 2, 1))
+        # With this margin the box is a little larger than 4 by 2 by 1, so that cells of half a unit
+        # do not fill it exactly.
         for options, cells in [(["--cells", 8], 8 * 4 * 2), (["--cells", 2, 3, 5], 30),
-                               (["--cells=2,3,5"], 30), (["--size", 0.5], 8 * 4 * 2)]:
-            # Too thin a margin for rounding to matter; the counts are of the box itself.
+                               (["--cells=2,3,5"], 30), (["--size", 0.5], 9 * 5 * 3)]:
             out = self.around("model.obj", "--margin", 1e-6, *options)
-            expected = cells if options[0] != "--size" else 9 * 5 * 3  # a little more than 4, 2, 1
-            self.assertIn(f", {expected} cells;", out)
+            self.assertIn(f", {cells} cells;", out)
 
     def test_a_margin_of_0_is_widened_until_rounding_puts_no_point_outside(self):
         self.write_model([(0.1 * i, 0.7 - 0.1 * i, 0.3 * i * i) for i in range(8)])

@@ -62,7 +62,8 @@ TEST_F(DistributedTableErrors, VerticesThatAreNotTheColumns) {
 }
 
 TEST_F(DistributedTableErrors, Components) {
-    EXPECT_THAT(errorOfTable(rows_, vertices_.count(), 0), StartsWith("rank 0: the number of components is 0; expected 1 or more"));
+    EXPECT_THAT(errorOfTable(rows_, vertices_.count(), 0),
+                StartsWith("rank 0: the number of components is 0; expected 1 or more"));
     if (rankCount() > 1) {
         EXPECT_THAT(errorOfTable(rows_, vertices_.count(), isLast() ? 2 : 3),
                     StartsWith(lastRank() + "got 2 components, rank 0 has 3"));
