@@ -64,7 +64,7 @@ def draw_operations(program):
 FIGURES = [
     Figure(
         "three-commands", "A model of your own in three commands",
-        "the program",
+        "Three commands",
         "A box lattice around a model, the lattice twisted by a quarter turn, and the model that "
         "follows it. No coordinate is typed.",
         draw_three_commands),
