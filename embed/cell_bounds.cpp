@@ -3,7 +3,6 @@
 #include <espalier/embed/cell_bounds.h>
 #include <espalier/embed/cell_frame.h>
 #include <espalier/embed/regular_cells.h>
-#include <espalier/far/standard_cells.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -154,33 +153,29 @@ struct Neighbours {
     }
 };
 
-/// The neighbours of each corner of a hexahedron, in VTK's order of corners.
-constexpr std::array<std::array<std::size_t, 3>, 8> kNeighbours = {
-    {{1, 3, 4}, {0, 2, 5}, {1, 3, 6}, {0, 2, 7}, {0, 5, 7}, {1, 4, 6}, {2, 5, 7}, {3, 4, 6}}};
-
 }  // namespace
 
 /// Returns, for each coordinate, the largest |P₋ − 2P + P₊| over the vertices P of `ring`, which is
 /// a grid of cells. P₋ and P₊ are neighbours of P along one axis: neighbours that no cell has in
 /// common.
 Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) const {
-    std::vector<std::array<Index, 8>> cells;
+    std::vector<CellFrame> frames;
     std::vector<Index> vertices;
     for (const Index cell : ring) {
-        cells.push_back(*far::hexahedronVertices(level_.complex, CellId(cell)));
-        vertices.insert(vertices.end(), cells.back().begin(), cells.back().end());
+        const auto& corners = frames.emplace_back(*frameOf(level_.complex, cell)).corners;
+        vertices.insert(vertices.end(), corners.begin(), corners.end());
     }
     sortUnique(vertices);
     std::vector<Neighbours> around(vertices.size());
-    for (const auto& corners : cells)
+    for (const auto& [cell, corners] : frames)
         for (std::size_t i = 0; i < 8; ++i) {
             const auto at = std::lower_bound(vertices.begin(), vertices.end(), corners[i]);
             Neighbours& neighbours = around[at - vertices.begin()];
             std::array<std::size_t, 3> places;
             unsigned together = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                places[k] = neighbours.placeOf(corners[kNeighbours[i][k]]);
-                together |= 1U << places[k];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                places[axis] = neighbours.placeOf(corners[i ^ std::size_t{1} << axis]);
+                together |= 1U << places[axis];
             }
             for (const std::size_t place : places) neighbours.together[place] |= together;
         }
