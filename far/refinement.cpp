@@ -40,24 +40,24 @@ public:
 
     /// One of the two faces at an edge of the cell.
     struct EdgeFace {
-        Offset edgeInFace = 0;       ///< position of the edge in face → edges
-        Offset inCell = 0;           ///< position of the face in cell → faces
-        std::int8_t edgeSign = 0;    ///< of the edge in the boundary of the face
-        std::int8_t inCellSign = 0;  ///< of the face in the boundary of the cell
+        Offset edgeInFace;       ///< position of the edge in face → edges
+        Offset inCell;           ///< position of the face in cell → faces
+        std::int8_t edgeSign;    ///< of the edge in the boundary of the face
+        std::int8_t inCellSign;  ///< of the face in the boundary of the cell
     };
     struct Edge {
-        Offset inCell = 0;  ///< position in cell → edges
+        Offset inCell;  ///< position in cell → edges
         std::array<EdgeFace, 2> faces;
-        std::array<std::size_t, 2> ends = {};  ///< tail and head, as positions among the vertices
-                                               ///< of the cell
+        std::array<std::size_t, 2> ends;  ///< tail and head, as positions among the vertices of the
+                                          ///< cell
     };
     struct VertexFace {
-        Offset vertexInFace = 0;  ///< position in face → vertices
-        std::int8_t inCellSign = 0;
+        Offset vertexInFace;  ///< position in face → vertices
+        std::int8_t inCellSign;
     };
     struct VertexEdge {
-        Offset inCell = 0;           ///< position in cell → edges
-        std::int8_t vertexSign = 0;  ///< −1 if the vertex is the tail
+        Offset inCell;           ///< position in cell → edges
+        std::int8_t vertexSign;  ///< −1 if the vertex is the tail
     };
 
     /// Collects the data of a cell. \cost O(n log n) in the faces of the cell
