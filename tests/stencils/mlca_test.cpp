@@ -83,6 +83,12 @@ std::vector<NamedLattice> everything() {
                         std::vector<Point3>(6),
                         {.edges = {}, .vertices = {{2, 0.5}, {3, far::kInfinitelySharp}}},
                         {}}});
+    // A closed surface with a hexagon that passes a smooth vertex twice, between two triangles.
+    all.push_back({"a vertex twice, smooth",
+                   {far::buildMesh(5, Loops{{0, 1, 2, 0, 3, 4}, {1, 0, 2}, {3, 0, 4}}),
+                    std::vector<Point3>(5),
+                    {},
+                    {}}});
     return all;
 }
 
