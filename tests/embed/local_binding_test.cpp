@@ -433,6 +433,32 @@ TEST(LocalBinding, RefusesLongRowsBeforeTheyAreComputed) {
     EXPECT_EQ(groups, 0) << "points were bound before";
 }
 
+// Some three quarters of the points have rows, of all 600 vertices. The memory is estimated from a
+// sample of 64 points, so low that it is too high only once in a million times: by Chernoff's
+// bound, 64 · D(p ‖ q) = ln(10⁶) for the parts p of the sample and q of all points that have rows.
+TEST(LocalBinding, EstimatesRowsFromASample) {
+    const Lattice lattice = shapes::prism({.sides = 300});
+    const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    std::vector<Point3> points = spiral(20'000, 1);
+    for (std::size_t i = 0; i < points.size(); i += 4) points[i][2] += 5;  // outside
+    const MemoryLimit limit(residentMemory() + 80'000'000);
+    const std::string message = messageOf<MemoryError>([&] {
+        bindPoints({base, lattice.positions}, points, {.level = 2});
+    });
+    int weights = 0;
+    double megabytes = 0;
+    ASSERT_EQ(std::sscanf(message.c_str(),
+                          "binding 20000 points with some %d weights each takes about %lf MB",
+                          &weights, &megabytes),
+              2)
+        << message;
+    const double p = std::round(weights * 64 / 600.) / 64, q = megabytes / (20'000 * 600 * 24e-6);
+    EXPECT_NEAR(p, 0.75, 0.15);
+    // q is rounded by 2e-4, which changes the sum by 0.02.
+    EXPECT_NEAR(64 * (p * std::log(p / q) + (1 - p) * std::log((1 - p) / (1 - q))), std::log(1e6),
+                0.05);
+}
+
 // The upper bound from the lattice alone is far larger than D.
 TEST(LocalBinding, AcceptsShortRowsBesideLongOnes) {
     if (kIsSlow) GTEST_SKIP() << "memory that is free is held by the sanitizer";
