@@ -97,6 +97,22 @@ TEST(TrilinearMap, SearchFindsPlacesInATwistedCell) {
             }
 }
 
+// Cubes so strongly shaken that about one in ten folds. The search starts Newton's method at the
+// centre of each part. If it starts at a part's far corner instead, it misses 58 of these points.
+TEST(TrilinearMap, SearchFindsPlacesInFoldedCells) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (unsigned seed = 0; seed < 20000; ++seed) {
+        const auto corners = shakenCube(0.6, seed);
+        const Vector3d place(uniform(random), uniform(random), uniform(random));
+        const Vector3d point = Trilinear(corners).position(place);
+        const auto found = seenFrom(corners, point).findOriginInside(1e-10);
+        ASSERT_TRUE(found) << seed;
+        // The rounding of positions of size 2, times 8 terms, with a margin of 100.
+        EXPECT_LT((Trilinear(corners).position(*found) - point).norm(), 1e-12);
+    }
+}
+
 TEST(TrilinearMap, NearestPlaceOfACubeIsTheClampedPoint) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> uniform(-2, 3);
@@ -312,6 +328,23 @@ TEST(Boxes, TreeOfCoincidentBoxes) {
     }
     boxes.emplace_back(Vector3d::Constant(1e9), Vector3d::Constant(2e9));
     expectTreeMatchesBruteForce(boxes, random);
+}
+
+// findNearest() computes a distance only for items whose boxes are nearer than the best distance so
+// far. Eight boxes are one leaf of the tree, in the order of the line on which they stand.
+TEST(BoxTree, NearestComputesNoDistanceThatABoxExcludes) {
+    std::vector<BoxTree::Box> boxes;
+    for (int i = 0; i < 8; ++i)
+        boxes.emplace_back(Vector3d(10 * i, 0, 0), Vector3d(10 * i + 1, 1, 1));
+    const BoxTree tree(boxes);
+    const Vector3d point(0.5, 0.5, 0.5);
+    std::vector<Index> asked;
+    const auto nearest = tree.findNearest(point, [&](Index item) {
+        asked.push_back(item);
+        return boxes[static_cast<std::size_t>(item)].exteriorDistance(point);
+    });
+    EXPECT_EQ(nearest.index, 0);
+    EXPECT_EQ(asked, std::vector<Index>{0});
 }
 
 }  // namespace
