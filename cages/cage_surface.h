@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/point.h>
+#include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "point_groups.h"
+
+namespace espalier::cages {
+
+/// The boundary of a lattice as a mesh. The boundary of every level of the lattice, and of its
+/// limit volume, is the same level, and the limit, of this mesh.
+class CageSurface {
+public:
+    static constexpr int kLevel = 3;
+
+    /// \param lattice level 0 of a lattice
+    /// \throws Error if a smooth vertex of the boundary has fewer than three edges there: weights
+    ///         would be negative
+    explicit CageSurface(const far::TopologyRefiner& lattice);
+
+    /// Centres of the faces of level 3 over the vertices of the lattice.
+    const stencils::StencilTable<double>& fineCentres() const { return fineCentres_; }
+    /// Centres of the faces of level 2.
+    const stencils::StencilTable<double>& coarseCentres() const { return coarseCentres_; }
+    /// Returns the face of level 2 that contains a face of level 3.
+    Index coarseFaceOf(Index fineFace) const { return coarseOfFine_[fineFace]; }
+    Index baseFaceOf(Index coarseFace) const { return baseOfCoarse_[coarseFace]; }
+    /// The cell of the lattice that a face of the mesh bounds.
+    Index cellOf(Index baseFace) const { return cellOfBase_[baseFace]; }
+
+    std::vector<Point3> fineVertices(std::span<const Point3> positions) const;
+    std::span<const std::array<Index, 4>> fineFaces() const { return fineFaces_; }
+
+    /// Returns the vertices of level 3 whose convex hull contains the limit of a face of level 3,
+    /// and all further levels of the face.
+    std::span<const Index> hull(Index fineFace) const;
+
+private:
+    std::vector<Index> cellOfBase_;
+    stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
+    std::vector<std::array<Index, 4>> fineFaces_;
+    std::vector<Index> coarseOfFine_, baseOfCoarse_;
+    std::vector<Offset> hullOffsets_ = {0};
+    std::vector<Index> hulls_;
+};
+
+/// A group of points that is not proved to be inside.
+struct Uncovered {
+    Index group = 0;
+    Index point = 0;   ///< the worst point
+    double depth = 0;  ///< how much further inside the point must be, about
+};
+
+/// Proves that points are inside a surface.
+///
+/// A point is covered if it is outside a box around every hull() of the faces of level 3, and the
+/// triangles of level 3 wind around it. While a surface changes continuously from the triangles to
+/// the quadrilaterals of level 3 or to the limit, each face stays in its hull. So all of them wind
+/// around the point. A lattice fills what its boundary winds around, because its map is continuous.
+///
+/// \param positions of the vertices of the lattice
+/// \param margin least distance of the points from the hulls
+/// \return groups with an uncovered point, ascending
+std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
+                                     const PointGroups& points, double margin);
+
+}  // namespace espalier::cages
