@@ -5,6 +5,7 @@
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <utility>
@@ -58,7 +59,7 @@ double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Po
                         double weight, std::span<Point3> gradient) {
     // A determinant below this part of the cubed edge is treated as if it were slowly rising, so
     // that the energy is finite and has a slope in folded cells too.
-    constexpr double kFlat = 1e-2;
+    constexpr double kFlat = 1e-3;
     double total = 0;
     for (const auto& corner : kCorners) {
         const Index a = vertices[corner[0]], b = vertices[corner[1]], c = vertices[corner[2]],
@@ -145,8 +146,9 @@ double evaluatePlanes(const stencils::StencilTable<double>& table, std::span<con
             dot(term.direction, rowTimes(table, term.row, positions)) - term.offset;
         const double weight = distance < 0 ? term.inside : term.outside;
         if (weight == 0) continue;
-        total += weight * distance * distance;
-        addRow(table, term.row, scaled(term.direction, 2 * weight * distance), gradient);
+        const double limited = std::clamp(distance, -term.reach, term.reach);
+        total += weight * limited * (2 * distance - limited);
+        addRow(table, term.row, scaled(term.direction, 2 * weight * limited), gradient);
     }
     return total;
 }

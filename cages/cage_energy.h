@@ -20,6 +20,7 @@ struct PlaneTerm {
     double offset = 0;
     double inside = 0;   ///< weight of the squared distance where x is on the inner side
     double outside = 0;  ///< weight where x is on the outer side
+    double reach = 0;    ///< the energy grows linearly where the distance is larger
 };
 
 /// The shape of the cells of a lattice, as a function of its vertices.

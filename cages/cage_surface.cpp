@@ -325,7 +325,7 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
         for (Offset g = first; g < last; ++g) {
             const PointGroups::Group& group = groups[g];
             Uncovered& worst = ofGroups[g];
-            worst = {static_cast<Index>(g), group.first, -1};
+            worst = {static_cast<Index>(g), group.first, -1, -1};
             const Point3 middle = scaled(sum(group.low, group.high), 0.5);
             const Point3 half = scaled(difference(group.high, group.low), 0.5);
             near.clear();
@@ -345,11 +345,16 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
             for (Index i = group.first; i < end; ++i) {
                 const Point3& point = points.points()[i];
                 double depth = -1;
-                for (const Index face : near)
-                    if (boxes[face].contains(point))
-                        depth = std::max(depth, dot(boxes[face].axes[2], point) - boxes[face].low[2]);
+                Index deepest = -1;
+                for (const Index face : near) {
+                    if (!boxes[face].contains(point)) continue;
+                    const double here = dot(boxes[face].axes[2], point) - boxes[face].low[2];
+                    if (here <= depth) continue;
+                    depth = here;
+                    deepest = face;
+                }
                 if (depth < 0 && winding.around(point) <= 0) depth = 0.5 * grid.size;
-                if (depth > worst.depth) worst = {static_cast<Index>(g), i, depth};
+                if (depth > worst.depth) worst = {static_cast<Index>(g), i, depth, deepest};
             }
         }
     });

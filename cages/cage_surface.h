@@ -55,6 +55,7 @@ struct Uncovered {
     Index group = 0;
     Index point = 0;   ///< the worst point
     double depth = 0;  ///< how much further inside the point must be, about
+    Index face = -1;   ///< of level 3, whose box contains the point; −1 if the point is outside
 };
 
 /// Proves that points are inside a surface.

@@ -24,10 +24,11 @@
 namespace espalier::cages {
 namespace {
 
+double env(const char*n,double d){const char*e=std::getenv(n);return e?std::atof(e):d;}
 struct Weights {
-    double shape = 0.02;   ///< of a cell
-    double pull = 1;       ///< of the squared distance, in edges, of the surface from the points
-    double push = 300;     ///< of the squared distance by which a point sticks out
+    double shape = env("SHAPE", 0.04);   ///< of a cell
+    double pull = env("PULL", 1);       ///< of the squared distance, in edges, of the surface from the points
+    double push = env("PUSH", 1000);     ///< of the squared distance by which a point sticks out
 };
 
 struct Timer {
@@ -62,8 +63,8 @@ public:
           surface_(base_), positions_(start.positions), edge_(meanEdge(start)),
           groups_(points, gridAround(start, points, edge_)), shapes_(refiner_, 1),
           parts_(base_, options.levelOfParts),
-          clearance_(groups_.groups().size(), options.margin + 0.01 * edge_),
-          pull_(surface_.coarseCentres().rowCount(), 1.0) {}
+          clearance_(groups_.groups().size(), options.margin + env("CLR",0.05) * edge_),
+          pushOf_(clearance_.size(), 1.0), isRaised_(clearance_.size(), 0), pull_(surface_.coarseCentres().rowCount(), 1.0) {}
 
     std::vector<Point3> run();
 
@@ -108,6 +109,16 @@ private:
     CellShapes shapes_;
     limit::LimitParts parts_;
     std::vector<double> clearance_;  ///< of each group
+    std::vector<double> pushOf_;     ///< factor of each group
+    std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
+    /// A point in the box of a face, which must leave it.
+    struct Stuck {
+        Index face, point;
+        double weight;
+    };
+    std::vector<Stuck> stuck_;
+    std::vector<double> raise_;      ///< of the clearance of each group
+    std::vector<char> isRaised_;
     std::vector<double> pull_;       ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
     Weights weights_;
@@ -157,8 +168,10 @@ void Fit::associate() {
             term.direction = normalised(way);
             term.offset = dot(term.direction, groups_.farthest(group, term.direction)) +
                           clearance_[nearest];
+            if (isRaised_[nearest]) pull_[c] *= 0.9;
             term.outside = weights_.pull * unit / 16 * pull_[c];
             term.inside = 0;
+            term.reach = 0.25 * edge_;
         }
     });
     // Pushes: each group of points against the nearest face of level 3. Of the points at the faces
@@ -193,23 +206,34 @@ void Fit::associate() {
             nearestFace[g] = best;
         }
     });
-    std::vector<double> leastOf(pull_.size(), 0.25 * edge_);
-    std::vector<PlaneTerm> of(pull_.size());
+    distance_.assign(groups.size(), 0);
+    std::vector<double> leastOf(faceCount, 0.25 * edge_);
+    std::vector<PlaneTerm> of(faceCount);
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const Index f = nearestFace[g];
         if (f < 0) continue;
         const Point3& normal = normals[f];
         const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
         const double distance = dot(normal, centres[f]) - offset;
-        const Index coarse = surface_.coarseFaceOf(f);
-        if (distance < leastOf[coarse]) {
-            leastOf[coarse] = distance;
-            of[coarse] = {f, normal, offset, weights_.push * unit / 16, 0};
+        distance_[g] = distance;
+        if (distance < leastOf[f]) {
+            leastOf[f] = distance;
+            of[f] = {f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
         }
     }
     pushes_.clear();
     for (const PlaneTerm& term : of)
         if (term.inside > 0) pushes_.push_back(term);
+    for (const Stuck& stuck : stuck_) {
+        const Point3& normal = normals[stuck.face];
+        double low = dot(normal, centres[stuck.face]), middle = low;
+        for (const Index vertex : surface_.hull(stuck.face))
+            low = std::min(low, dot(normal, fine[vertex]));
+        const double offset = dot(normal, groups_.points()[stuck.point]) + middle - low +
+                              options_.margin + 0.005 * edge_;
+        pushes_.push_back({stuck.face, normal, offset, weights_.push * stuck.weight * unit / 64, 0,
+                           0.05 * edge_});
+    }
 }
 
 void Fit::optimise(int iterations) {
@@ -224,18 +248,44 @@ void Fit::optimise(int iterations) {
 }
 
 bool Fit::certify(int round) {
+    associate();
     bool isProved = true;
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
     double deepest = 0;
+    raise_.assign(groups_.groups().size(), 0);
     for (const Uncovered& group : uncovered) {
         if (group.depth > deepest) {
             deepest = group.depth;
             failure_ = concat("the point ", textOf(groups_.points()[group.point]),
                               " is not proved to be inside");
         }
-        clearance_[group.group] += 1.1 * group.depth + 0.002 * edge_;
+        if (distance_[group.group] < -0.02 * edge_)
+            pushOf_[group.group] = std::min(2 * pushOf_[group.group], 64.0);
+        if (group.face >= 0) {
+            const auto found = std::find_if(stuck_.begin(), stuck_.end(), [&](const Stuck& stuck) {
+                return stuck.face == group.face && stuck.point == group.point;
+            });
+            if (found == stuck_.end())
+                stuck_.push_back({group.face, group.point, 4});
+            else
+                found->weight = std::min(2 * found->weight, 256.0);
+        }
+        const double more = std::min(1.1 * group.depth, 0.05 * edge_) + 0.003 * edge_;
+        const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
+        for (Index ring = 0; ring <= 2; ++ring)
+            groups_.grid().forEachInRing(place, ring, [&](Index cube) {
+                if (const Index near = groups_.inCube(cube); near >= 0)
+                    raise_[near] = std::max(raise_[near], more * (1 - 0.25 * ring));
+            });
         isProved = false;
     }
+    for (std::size_t g = 0; g < raise_.size(); ++g) {
+        if (raise_[g] == 0) continue;
+        clearance_[g] = std::min(clearance_[g] + raise_[g], options_.margin + 0.25 * edge_);
+        isRaised_[g] = 1;
+    }
+    if (std::getenv("FIT_TRACE") && uncovered.size() < 6)
+        for (auto& u : uncovered) { auto& p=groups_.points()[u.point]; std::fprintf(stderr, "   group %d face %d (%.3f %.3f %.3f) depth %.4f distance %.4f clearance %.4f\n", u.group, u.face, p[0],p[1],p[2], u.depth/edge_, distance_[u.group]/edge_, clearance_[u.group]/edge_);}
     const solve::ValidityCheck check(parts_, positions_);
     if (std::getenv("FIT_TRACE"))
         std::fprintf(stderr, "round %d: uncovered %zu of %zu (depth %.4f), bad cells %zu\n", round,
@@ -255,19 +305,26 @@ bool Fit::certify(int round) {
 
 std::vector<Point3> Fit::run() {
     Timer timer;
-    for (int step = 0; step < 12; ++step) {
+    for (int step = 0; step < 20; ++step) {
         associate();
         timer.lap("associate");
-        optimise(12);
+        optimise(step < 10 ? 8 : 20);
         timer.lap("optimise");
+        if (std::getenv("FIT_TRACE")) {
+            std::vector<Point3> g(positions_.size(), {0, 0, 0});
+            const double q = shapes_.evaluate(positions_, g);
+            const double a = evaluatePlanes(surface_.coarseCentres(), pulls_, positions_, g);
+            const double b = evaluatePlanes(surface_.fineCentres(), pushes_, positions_, g);
+            std::fprintf(stderr, "   shape %.3f pull %.3f push %.4f (%zu)\n", q * weights_.shape, a, b, pushes_.size());
+        }
     }
     for (int round = 0; round < options_.maxRounds; ++round) {
         const bool isProved = certify(round);
         timer.lap("certify");
-        if (isProved) return std::move(positions_);
+        if (isProved || (std::getenv("FIT_ANY") && round == options_.maxRounds - 1)) return std::move(positions_);
         for (int step = 0; step < 3; ++step) {
             associate();
-            optimise(8);
+            optimise(25);
         }
         timer.lap("repair");
     }

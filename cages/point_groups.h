@@ -71,7 +71,10 @@ public:
     std::span<const Point3> points() const { return points_; }
     std::span<const Group> groups() const { return groups_; }
 
-    /// Returns the group with the point that is farthest along `direction`, and the point.
+    /// Returns the group of a cube; −1 if the cube is empty.
+    Index inCube(Index cube) const { return groupOfCube_[cube]; }
+
+    /// Returns the point of a group that is farthest along `direction`.
     const Point3& farthest(const Group& group, const Point3& direction) const;
 
     /// Returns the group whose centre is nearest to a point; −1 if none is within `rings` rings of
