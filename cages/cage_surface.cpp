@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace espalier::cages {
@@ -96,7 +97,7 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
                                " edges on the boundary; expected at least 3 at a smooth vertex"));
     }
     far::TopologyRefiner refiner(std::move(mesh), options);
-    refiner.refineUniform(kLevel);
+    refiner.refineUniform(kLevel + 1);
     fineTable_ = withColumns(stencils::buildStencils(refiner, kLevel), names, complex.count(0));
     fineCentres_ = centresOf(fineTable_, refiner.level(kLevel).complex);
     coarseCentres_ = centresOf(
@@ -105,8 +106,6 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
 
     const far::CellComplex& fine = refiner.level(kLevel).complex;
     for (Index face = 0; face < fine.count(2); ++face) {
-        const auto loop = fine.relation(2, 0)[face];
-        fineFaces_.push_back({loop[0], loop[1], loop[2], loop[3]});
         coarseOfFine_.push_back(refiner.refinement(kLevel).parentOf({2, face}).upper.index);
     }
     for (Index face = 0; face < refiner.level(kLevel - 1).complex.count(2); ++face) {
@@ -115,28 +114,39 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
             base = refiner.refinement(k).parentOf({2, base}).upper.index;
         baseOfCoarse_.push_back(base);
     }
-    // Faces around each corner of a face count up to the sharp edges: the limit of the face does
-    // not depend on what is beyond them.
-    const far::Strata& fineStrata = refiner.level(kLevel).strata;
-    const auto& edgesOfFace = fine.relation(2, 1);
-    const auto& facesOfEdge = fine.relation(1, 2);
+    finestTable_ = stencils::buildLevelTable(refiner, kLevel + 1);
+    fineFaces_.emplace(refiner.level(kLevel));
+    finestFaces_.emplace(refiner.level(kLevel + 1));
+}
+
+CageSurface::Faces::Faces(const far::Level& level) {
+    const far::CellComplex& mesh = level.complex;
+    const auto& edgesOfFace = mesh.relation(2, 1);
+    const auto& facesOfEdge = mesh.relation(1, 2);
+    const auto& endsOfEdge = mesh.relation(1, 0);
+    for (Index face = 0; face < mesh.count(2); ++face) {
+        const auto loop = mesh.relation(2, 0)[face];
+        loops.push_back({loop[0], loop[1], loop[2], loop[3]});
+    }
+    // The faces around each corner of a face count, up to the sharp edges: the limit of the face
+    // does not depend on the faces beyond them.
     std::vector<Index> hull;
-    for (Index face = 0; face < fine.count(2); ++face) {
+    for (Index face = 0; face < mesh.count(2); ++face) {
         hull.clear();
         for (std::size_t corner = 0; corner < 4; ++corner) {
-            const Index vertex = fineFaces_[face][corner];
+            const Index vertex = loops[face][corner];
             for (const std::size_t side : {corner, (corner + 3) % 4}) {
                 Index at = face, edge = edgesOfFace[face][side];
                 for (;;) {
-                    for (const Index v : fineFaces_[at]) hull.push_back(v);
-                    if (fineStrata.of({1, edge}) < 2) break;
+                    hull.insert(hull.end(), loops[at].begin(), loops[at].end());
+                    if (level.strata.of({1, edge}) < 2) break;
                     const auto pair = facesOfEdge[edge];
                     at = pair[0] == at ? pair[1] : pair[0];
                     if (at == face) break;
                     // The other edge of the next face at the vertex.
                     const auto edges = edgesOfFace[at];
                     for (std::size_t i = 0; i < 4; ++i) {
-                        const auto ends = fine.relation(1, 0)[edges[i]];
+                        const auto ends = endsOfEdge[edges[i]];
                         if (edges[i] != edge && (ends[0] == vertex || ends[1] == vertex)) {
                             edge = edges[i];
                             break;
@@ -146,18 +156,21 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
             }
         }
         sortUnique(hull);
-        hulls_.insert(hulls_.end(), hull.begin(), hull.end());
-        hullOffsets_.push_back(static_cast<Offset>(hulls_.size()));
+        hulls.insert(hulls.end(), hull.begin(), hull.end());
+        hullOffsets.push_back(static_cast<Offset>(hulls.size()));
     }
+}
+
+std::span<const Index> CageSurface::Faces::hull(Index face) const {
+    return std::span(hulls).subspan(hullOffsets[face], hullOffsets[face + 1] - hullOffsets[face]);
 }
 
 std::vector<Point3> CageSurface::fineVertices(std::span<const Point3> positions) const {
     return stencils::applyLevelTable(fineTable_, positions);
 }
 
-std::span<const Index> CageSurface::hull(Index fineFace) const {
-    return std::span(hulls_).subspan(hullOffsets_[fineFace],
-                                     hullOffsets_[fineFace + 1] - hullOffsets_[fineFace]);
+std::vector<Point3> CageSurface::finestVertices(std::span<const Point3> fineVertices) const {
+    return stencils::applyLevelTable(finestTable_, fineVertices);
 }
 
 namespace {
@@ -284,18 +297,23 @@ private:
     Bins columns_;
 };
 
-}  // namespace
+/// The boxes to use: around the hull of each face, or around its four corners.
+enum class Around { Hull, Corners };
 
-std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
-                                     const PointGroups& points, double margin) {
-    const std::vector<Point3> vertices = surface.fineVertices(positions);
-    const auto faces = surface.fineFaces();
+/// Returns those of some groups that have a point in a box, or that the triangles of the faces do
+/// not wind around.
+std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
+                                std::span<const Point3> vertices, const PointGroups& points,
+                                std::span<const Index> tried, double margin) {
+    const std::span<const std::array<Index, 4>> faces = surface.loops;
     const auto faceCount = static_cast<Index>(faces.size());
     const CubeGrid& grid = points.grid();
     std::vector<HullBox> boxes(faceCount);
     std::vector<std::array<Index, 3>> from(faceCount), to(faceCount);
     for (Index face = 0; face < faceCount; ++face) {
-        boxes[face] = boxAround(surface.hull(face), faces[face], vertices, margin);
+        boxes[face] = boxAround(around == Around::Hull ? surface.hull(face)
+                                                      : std::span<const Index>(faces[face]),
+                                faces[face], vertices, margin);
         Point3 centre = {0, 0, 0}, reach = {0, 0, 0};
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis) {
@@ -310,7 +328,8 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
         to[face] = grid.coordinatesOf(sum(centre, reach));
     }
     std::vector<char> isUsed(grid.cubeCount(), 0);
-    for (const PointGroups::Group& group : points.groups()) isUsed[group.cube] = 1;
+    const auto groups = points.groups();
+    for (const Index group : tried) isUsed[groups[group].cube] = 1;
     const Bins cubes(grid.cubeCount(), faceCount, [&](Index face, auto visit) {
         for (Index z = from[face][2]; z <= to[face][2]; ++z)
             for (Index y = from[face][1]; y <= to[face][1]; ++y)
@@ -318,14 +337,14 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
                     if (const Index cube = grid.cubeAt({x, y, z}); isUsed[cube]) visit(cube);
     });
     const Winding winding(faces, vertices, grid);
-    const auto groups = points.groups();
-    std::vector<Uncovered> ofGroups(groups.size());
-    parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
+    std::vector<Uncovered> ofGroups(tried.size());
+    parallelFor(std::ssize(tried), 256, [&](Offset first, Offset last) {
         std::vector<Index> near;
-        for (Offset g = first; g < last; ++g) {
+        for (Offset t = first; t < last; ++t) {
+            const Index g = tried[t];
             const PointGroups::Group& group = groups[g];
-            Uncovered& worst = ofGroups[g];
-            worst = {static_cast<Index>(g), group.first, -1, -1};
+            Uncovered& worst = ofGroups[t];
+            worst = {g, group.first, -1, -1};
             const Point3 middle = scaled(sum(group.low, group.high), 0.5);
             const Point3 half = scaled(difference(group.high, group.low), 0.5);
             near.clear();
@@ -354,12 +373,43 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
                     deepest = face;
                 }
                 if (depth < 0 && winding.around(point) <= 0) depth = 0.5 * grid.size;
-                if (depth > worst.depth) worst = {static_cast<Index>(g), i, depth, deepest};
+                if (depth > worst.depth) worst = {g, i, depth, deepest};
             }
         }
     });
     std::erase_if(ofGroups, [](const Uncovered& group) { return group.depth < 0; });
     return ofGroups;
+}
+
+}  // namespace
+
+std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
+                                     const PointGroups& points, double margin) {
+    std::vector<Index> groups(points.groups().size());
+    std::iota(groups.begin(), groups.end(), 0);
+    const std::vector<Point3> fine = surface.fineVertices(positions);
+    const auto namesOf = [&](const std::vector<Uncovered>& uncovered) {
+        groups.clear();
+        for (const Uncovered& group : uncovered) groups.push_back(group.group);
+    };
+    namesOf(findNear(surface.fineFaces(), Around::Hull, fine, points, groups, margin));
+    if (groups.empty()) return {};
+    auto atLevel = findNear(surface.fineFaces(), Around::Corners, fine, points, groups, margin);
+    auto inLimit = findNear(surface.finestFaces(), Around::Hull, surface.finestVertices(fine),
+                            points, groups, margin);
+    std::vector<Uncovered> result;
+    for (auto a = atLevel.begin(), b = inLimit.begin(); a != atLevel.end() || b != inLimit.end();) {
+        if (b == inLimit.end() || (a != atLevel.end() && a->group < b->group)) {
+            result.push_back(*a++);
+        } else if (a == atLevel.end() || b->group < a->group) {
+            result.push_back(*b++);
+        } else {
+            result.push_back(a->depth > b->depth ? *a : *b);
+            ++a;
+            ++b;
+        }
+    }
+    return result;
 }
 
 }  // namespace espalier::cages

@@ -6,6 +6,7 @@
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,20 +35,29 @@ public:
     /// The cell of the lattice that a face of the mesh bounds.
     Index cellOf(Index baseFace) const { return cellOfBase_[baseFace]; }
 
-    std::vector<Point3> fineVertices(std::span<const Point3> positions) const;
-    std::span<const std::array<Index, 4>> fineFaces() const { return fineFaces_; }
+    /// The faces of a level, as loops of vertices, and the vertices whose convex hull contains the
+    /// limit of a face, and all further levels of the face.
+    struct Faces {
+        std::vector<std::array<Index, 4>> loops;
+        std::vector<Offset> hullOffsets = {0};
+        std::vector<Index> hulls = {};
 
-    /// Returns the vertices of level 3 whose convex hull contains the limit of a face of level 3,
-    /// and all further levels of the face.
-    std::span<const Index> hull(Index fineFace) const;
+        explicit Faces(const far::Level& level);
+        std::span<const Index> hull(Index face) const;
+    };
+    const Faces& fineFaces() const { return *fineFaces_; }
+    std::vector<Point3> fineVertices(std::span<const Point3> positions) const;
+
+    /// The faces of level 4.
+    const Faces& finestFaces() const { return *finestFaces_; }
+    std::vector<Point3> finestVertices(std::span<const Point3> fineVertices) const;
 
 private:
     std::vector<Index> cellOfBase_;
     stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
-    std::vector<std::array<Index, 4>> fineFaces_;
+    stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
+    std::optional<Faces> fineFaces_, finestFaces_;
     std::vector<Index> coarseOfFine_, baseOfCoarse_;
-    std::vector<Offset> hullOffsets_ = {0};
-    std::vector<Index> hulls_;
 };
 
 /// A group of points that is not proved to be inside.
@@ -60,10 +70,13 @@ struct Uncovered {
 
 /// Proves that points are inside a surface.
 ///
-/// A point is covered if it is outside a box around every hull() of the faces of level 3, and the
+/// A point is covered if it is outside a box around the hull of every face of level 3, and the
 /// triangles of level 3 wind around it. While a surface changes continuously from the triangles to
 /// the quadrilaterals of level 3 or to the limit, each face stays in its hull. So all of them wind
 /// around the point. A lattice fills what its boundary winds around, because its map is continuous.
+///
+/// Points that are in a box are tried again: with boxes around the four corners of each face for
+/// level 3, and with the hulls of level 4 for the limit.
 ///
 /// \param positions of the vertices of the lattice
 /// \param margin least distance of the points from the hulls

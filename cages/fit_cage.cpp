@@ -111,12 +111,6 @@ private:
     std::vector<double> clearance_;  ///< of each group
     std::vector<double> pushOf_;     ///< factor of each group
     std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
-    /// A point in the box of a face, which must leave it.
-    struct Stuck {
-        Index face, point;
-        double weight;
-    };
-    std::vector<Stuck> stuck_;
     std::vector<double> raise_;      ///< of the clearance of each group
     std::vector<char> isRaised_;
     std::vector<double> pull_;       ///< factor of each face of level 2
@@ -128,7 +122,7 @@ private:
 void Fit::associate() {
     const double unit = 1 / (edge_ * edge_);
     const std::vector<Point3> fine = surface_.fineVertices(positions_);
-    const auto faces = surface_.fineFaces();
+    const std::span<const std::array<Index, 4>> faces = surface_.fineFaces().loops;
     const auto faceCount = static_cast<Index>(faces.size());
     std::vector<Point3> centres(faceCount), normals(faceCount);
     std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}), coarseNormals(pull_.size(), {0, 0, 0});
@@ -224,16 +218,6 @@ void Fit::associate() {
     pushes_.clear();
     for (const PlaneTerm& term : of)
         if (term.inside > 0) pushes_.push_back(term);
-    for (const Stuck& stuck : stuck_) {
-        const Point3& normal = normals[stuck.face];
-        double low = dot(normal, centres[stuck.face]), middle = low;
-        for (const Index vertex : surface_.hull(stuck.face))
-            low = std::min(low, dot(normal, fine[vertex]));
-        const double offset = dot(normal, groups_.points()[stuck.point]) + middle - low +
-                              options_.margin + 0.005 * edge_;
-        pushes_.push_back({stuck.face, normal, offset, weights_.push * stuck.weight * unit / 64, 0,
-                           0.05 * edge_});
-    }
 }
 
 void Fit::optimise(int iterations) {
@@ -261,15 +245,6 @@ bool Fit::certify(int round) {
         }
         if (distance_[group.group] < -0.02 * edge_)
             pushOf_[group.group] = std::min(2 * pushOf_[group.group], 64.0);
-        if (group.face >= 0) {
-            const auto found = std::find_if(stuck_.begin(), stuck_.end(), [&](const Stuck& stuck) {
-                return stuck.face == group.face && stuck.point == group.point;
-            });
-            if (found == stuck_.end())
-                stuck_.push_back({group.face, group.point, 4});
-            else
-                found->weight = std::min(2 * found->weight, 256.0);
-        }
         const double more = std::min(1.1 * group.depth, 0.05 * edge_) + 0.003 * edge_;
         const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
         for (Index ring = 0; ring <= 2; ++ring)
@@ -299,7 +274,7 @@ bool Fit::certify(int round) {
         isProved = false;
     }
     for (std::size_t c = 0; c < pull_.size(); ++c)
-        if (isBad[surface_.cellOf(surface_.baseFaceOf(static_cast<Index>(c)))]) pull_[c] *= 0.4;
+        if (isBad[surface_.cellOf(surface_.baseFaceOf(static_cast<Index>(c)))]) pull_[c] *= 0.5;
     return isProved;
 }
 
