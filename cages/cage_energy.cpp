@@ -109,7 +109,8 @@ CellShapes::CellShapes(const far::TopologyRefiner& refiner, int level) {
             const auto vertices = far::hexahedronVertices(complex, CellId(cell));
             if (!vertices) continue;
             Index base = cell;
-            for (int j = k; j > 0; --j) base = refiner.refinement(j).parentOf({3, base}).upper.index;
+            for (int j = k; j > 0; --j)
+                base = refiner.refinement(j).parentOf({3, base}).upper.index;
             cells.cells.push_back({*vertices, base});
         }
         cells.weight = k == 0 ? 0.5 : 1.0 / std::pow(8.0, k);
@@ -130,8 +131,8 @@ double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3>
         for (Index row = 0; row < level.table.rowCount(); ++row)
             refined[row] = rowTimes(level.table, row, positions);
         for (const Cell& cell : level.cells)
-            total += hexahedronEnergy(cell.vertices, refined, level.weight * weights_[cell.baseCell],
-                                      slopes);
+            total += hexahedronEnergy(cell.vertices, refined,
+                                      level.weight * weights_[cell.baseCell], slopes);
         for (Index row = 0; row < level.table.rowCount(); ++row)
             addRow(level.table, row, slopes[row], gradient);
     }
@@ -221,7 +222,8 @@ std::vector<Point3> minimise(const Energy& energy, std::vector<Point3> positions
             pair.change[i] = difference(nextGradient[i], gradient[i]);
         }
         pair.product = dotOf(pair.step, pair.change);
-        if (pair.product > 1e-12 * std::sqrt(dotOf(pair.step, pair.step) * dotOf(pair.change, pair.change))) {
+        if (pair.product >
+            1e-12 * std::sqrt(dotOf(pair.step, pair.step) * dotOf(pair.change, pair.change))) {
             history.push_back(std::move(pair));
             if (history.size() > kHistory) history.pop_front();
         }

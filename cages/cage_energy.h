@@ -33,6 +33,8 @@ public:
     /// \param refiner a lattice with level 1; kept (by reference)
     explicit CellShapes(const far::TopologyRefiner& refiner, int level);
 
+    void resetWeights() { weights_.assign(weights_.size(), 1.0); }
+
     /// Multiplies the weight of a base cell.
     void scaleWeight(Index baseCell, double factor) { weights_[baseCell] *= factor; }
 
@@ -47,7 +49,8 @@ private:
         Index baseCell;
     };
     struct LevelCells {
-        stencils::StencilTable<double> table;  ///< vertices of the level over the base; empty for level 0
+        stencils::StencilTable<double>
+            table;  ///< vertices of the level over the base; empty for level 0
         std::vector<Cell> cells;
         double weight = 1;
     };

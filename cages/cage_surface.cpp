@@ -254,7 +254,9 @@ class Winding {
 public:
     Winding(std::span<const std::array<Index, 4>> faces, std::span<const Point3> vertices,
             const CubeGrid& grid)
-        : faces_(faces), vertices_(vertices), grid_(grid),
+        : faces_(faces),
+          vertices_(vertices),
+          grid_(grid),
           columns_(grid.counts[0] * grid.counts[1], static_cast<Index>(faces.size()),
                    [&](Index face, auto visit) {
                        Point3 low = vertices[faces[face][0]], high = low;
@@ -265,8 +267,7 @@ public:
                            }
                        const auto from = grid.coordinatesOf(low), to = grid.coordinatesOf(high);
                        for (Index y = from[1]; y <= to[1]; ++y)
-                           for (Index x = from[0]; x <= to[0]; ++x)
-                               visit(y * grid.counts[0] + x);
+                           for (Index x = from[0]; x <= to[0]; ++x) visit(y * grid.counts[0] + x);
                    }) {}
 
     /// Follows the ray from `point` upwards. The point must not be on a triangle.
@@ -311,16 +312,15 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
     std::vector<HullBox> boxes(faceCount);
     std::vector<std::array<Index, 3>> from(faceCount), to(faceCount);
     for (Index face = 0; face < faceCount; ++face) {
-        boxes[face] = boxAround(around == Around::Hull ? surface.hull(face)
-                                                      : std::span<const Index>(faces[face]),
-                                faces[face], vertices, margin);
+        boxes[face] = boxAround(
+            around == Around::Hull ? surface.hull(face) : std::span<const Index>(faces[face]),
+            faces[face], vertices, margin);
         Point3 centre = {0, 0, 0}, reach = {0, 0, 0};
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis) {
                 const Point3& way = boxes[face].axes[k];
                 centre[axis] += way[axis] * (boxes[face].low[k] + boxes[face].high[k]) / 2;
-                reach[axis] +=
-                    std::abs(way[axis]) * (boxes[face].high[k] - boxes[face].low[k]) / 2;
+                reach[axis] += std::abs(way[axis]) * (boxes[face].high[k] - boxes[face].low[k]) / 2;
             }
         // Enlarged by more than rounding.
         reach = sum(reach, scaled({1, 1, 1}, 1e-6 * grid.size));

@@ -9,10 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstdio>
-#include <chrono>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,31 +20,22 @@
 namespace espalier::cages {
 namespace {
 
-double env(const char*n,double d){const char*e=std::getenv(n);return e?std::atof(e):d;}
-struct Weights {
-    double shape = env("SHAPE", 0.04);   ///< of a cell
-    double pull = env("PULL", 1);       ///< of the squared distance, in edges, of the surface from the points
-    double push = env("PUSH", 1000);     ///< of the squared distance by which a point sticks out
-};
+/// Steps of an attempt before the first proof.
+constexpr int kSteps = 20;
 
-struct Timer {
-    std::chrono::steady_clock::time_point t = std::chrono::steady_clock::now();
-    void lap(const char* name) {
-        const auto now = std::chrono::steady_clock::now();
-        if (std::getenv("FIT_TRACE"))
-            std::fprintf(stderr, "  %-12s %.3f\n", name,
-                         std::chrono::duration<double>(now - t).count());
-        t = now;
-    }
+struct Weights {
+    double shape = 0.1;  ///< of a cell
+    double pull = 1;     ///< of the squared distance, in edges, of the surface from the points
+    double push = 1000;  ///< of the squared distance by which a point sticks out
 };
 
 void checkFinite(std::span<const Point3> points, const char* name) {
     for (std::size_t i = 0; i < points.size(); ++i)
         for (const double coordinate : points[i])
             if (!(std::abs(coordinate) <= 1e90))
-                throw Error(concat("fitting a cage: ", name, " ", i,
-                                   std::isfinite(coordinate) ? " is too far from the origin"
-                                                             : " is not finite"));
+                throw Error(concat(
+                    "fitting a cage: ", name, " ", i,
+                    std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
 std::string textOf(const Point3& point) {
@@ -59,12 +46,15 @@ std::string textOf(const Point3& point) {
 class Fit {
 public:
     Fit(const Lattice& start, std::span<const Point3> points, const FitOptions& options)
-        : options_(options), base_(start.complex, refinerOptions(start)), refiner_(refinedOnce()),
-          surface_(base_), positions_(start.positions), edge_(meanEdge(start)),
-          groups_(points, gridAround(start, points, edge_)), shapes_(refiner_, 1),
-          parts_(base_, options.levelOfParts),
-          clearance_(groups_.groups().size(), options.margin + env("CLR",0.05) * edge_),
-          pushOf_(clearance_.size(), 1.0), isRaised_(clearance_.size(), 0), pull_(surface_.coarseCentres().rowCount(), 1.0) {}
+        : options_(options),
+          base_(start.complex, refinerOptions(start)),
+          refiner_(refinedOnce()),
+          surface_(base_),
+          start_(start.positions),
+          edge_(meanEdge(start)),
+          groups_(points, gridAround(start, points, edge_)),
+          shapes_(refiner_, 1),
+          parts_(base_, options.levelOfParts) {}
 
     std::vector<Point3> run();
 
@@ -78,8 +68,8 @@ private:
         double total = 0;
         const auto& ends = lattice.complex.relation(1, 0);
         for (Index edge = 0; edge < lattice.complex.count(1); ++edge)
-            total += length(difference(lattice.positions[ends[edge][0]],
-                                       lattice.positions[ends[edge][1]]));
+            total += length(
+                difference(lattice.positions[ends[edge][0]], lattice.positions[ends[edge][1]]));
         return total / lattice.complex.count(1);
     }
     static CubeGrid gridAround(const Lattice& lattice, std::span<const Point3> points,
@@ -96,14 +86,15 @@ private:
         return {low, high, edge / 8};
     }
 
+    void begin(double pull);
     void associate();
     void optimise(int iterations);
-    bool certify(int round);
+    bool certify();
 
     const FitOptions& options_;
     far::TopologyRefiner base_, refiner_;
     CageSurface surface_;
-    std::vector<Point3> positions_;
+    std::vector<Point3> start_, positions_;
     double edge_;
     PointGroups groups_;
     CellShapes shapes_;
@@ -113,11 +104,20 @@ private:
     std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
     std::vector<double> raise_;      ///< of the clearance of each group
     std::vector<char> isRaised_;
-    std::vector<double> pull_;       ///< factor of each face of level 2
+    std::vector<double> pull_;  ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
     Weights weights_;
     std::string failure_;
 };
+
+void Fit::begin(double pull) {
+    positions_ = start_;
+    shapes_.resetWeights();
+    pull_.assign(surface_.coarseCentres().rowCount(), pull);
+    clearance_.assign(groups_.groups().size(), options_.margin + 0.05 * edge_);
+    pushOf_.assign(clearance_.size(), 1.0);
+    isRaised_.assign(clearance_.size(), 0);
+}
 
 void Fit::associate() {
     const double unit = 1 / (edge_ * edge_);
@@ -125,11 +125,12 @@ void Fit::associate() {
     const std::span<const std::array<Index, 4>> faces = surface_.fineFaces().loops;
     const auto faceCount = static_cast<Index>(faces.size());
     std::vector<Point3> centres(faceCount), normals(faceCount);
-    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}), coarseNormals(pull_.size(), {0, 0, 0});
+    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
+        coarseNormals(pull_.size(), {0, 0, 0});
     for (Index f = 0; f < faceCount; ++f) {
         const auto& face = faces[f];
-        centres[f] = scaled(sum(sum(fine[face[0]], fine[face[1]]), sum(fine[face[2]], fine[face[3]])),
-                            0.25);
+        centres[f] =
+            scaled(sum(sum(fine[face[0]], fine[face[1]]), sum(fine[face[2]], fine[face[3]])), 0.25);
         const Point3 normal = cross(difference(fine[face[2]], fine[face[0]]),
                                     difference(fine[face[3]], fine[face[1]]));
         const double size = length(normal);
@@ -160,9 +161,9 @@ void Fit::associate() {
             else
                 way = normal;
             term.direction = normalised(way);
-            term.offset = dot(term.direction, groups_.farthest(group, term.direction)) +
-                          clearance_[nearest];
-            if (isRaised_[nearest]) pull_[c] *= 0.9;
+            term.offset =
+                dot(term.direction, groups_.farthest(group, term.direction)) + clearance_[nearest];
+            if (isRaised_[nearest]) pull_[c] *= 0.8;
             term.outside = weights_.pull * unit / 16 * pull_[c];
             term.inside = 0;
             term.reach = 0.25 * edge_;
@@ -231,7 +232,7 @@ void Fit::optimise(int iterations) {
     positions_ = minimise(energy, std::move(positions_), iterations, 0.1 * edge_);
 }
 
-bool Fit::certify(int round) {
+bool Fit::certify() {
     associate();
     bool isProved = true;
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
@@ -255,57 +256,47 @@ bool Fit::certify(int round) {
         isProved = false;
     }
     for (std::size_t g = 0; g < raise_.size(); ++g) {
-        if (raise_[g] == 0) continue;
-        clearance_[g] = std::min(clearance_[g] + raise_[g], options_.margin + 0.25 * edge_);
-        isRaised_[g] = 1;
+        // All others rise a little too, so that points do not stick out in turns.
+        const double more = std::max(raise_[g], 0.003 * edge_);
+        clearance_[g] = std::min(clearance_[g] + more, options_.margin + 0.25 * edge_);
+        if (raise_[g] > 0) isRaised_[g] = 1;
     }
-    if (std::getenv("FIT_TRACE") && uncovered.size() < 6)
-        for (auto& u : uncovered) { auto& p=groups_.points()[u.point]; std::fprintf(stderr, "   group %d face %d (%.3f %.3f %.3f) depth %.4f distance %.4f clearance %.4f\n", u.group, u.face, p[0],p[1],p[2], u.depth/edge_, distance_[u.group]/edge_, clearance_[u.group]/edge_);}
     const solve::ValidityCheck check(parts_, positions_);
-    if (std::getenv("FIT_TRACE"))
-        std::fprintf(stderr, "round %d: uncovered %zu of %zu (depth %.4f), bad cells %zu\n", round,
-                     uncovered.size(), groups_.groups().size(), deepest / edge_,
-                     check.badAtRest().size());
     std::vector<char> isBad(shapes_.cellCount(), 0);
+    const far::CellComplex& complex = base_.level(0).complex;
     for (const Index cell : check.badAtRest()) {
-        isBad[cell] = 1;
-        shapes_.scaleWeight(cell, 3);
+        shapes_.scaleWeight(cell, 2);
+        for (const Index vertex : complex.relation(3, 0)[cell])
+            for (const Index near : complex.relation(0, 3)[vertex]) isBad[near] = 1;
         if (isProved) failure_ = concat("cell ", cell, " is not proved to be free of folds");
         isProved = false;
     }
+    for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
+        if (isBad[cell]) shapes_.scaleWeight(cell, 1.5);
     for (std::size_t c = 0; c < pull_.size(); ++c)
         if (isBad[surface_.cellOf(surface_.baseFaceOf(static_cast<Index>(c)))]) pull_[c] *= 0.5;
     return isProved;
 }
 
 std::vector<Point3> Fit::run() {
-    Timer timer;
-    for (int step = 0; step < 20; ++step) {
-        associate();
-        timer.lap("associate");
-        optimise(step < 10 ? 8 : 20);
-        timer.lap("optimise");
-        if (std::getenv("FIT_TRACE")) {
-            std::vector<Point3> g(positions_.size(), {0, 0, 0});
-            const double q = shapes_.evaluate(positions_, g);
-            const double a = evaluatePlanes(surface_.coarseCentres(), pulls_, positions_, g);
-            const double b = evaluatePlanes(surface_.fineCentres(), pushes_, positions_, g);
-            std::fprintf(stderr, "   shape %.3f pull %.3f push %.4f (%zu)\n", q * weights_.shape, a, b, pushes_.size());
-        }
-    }
-    for (int round = 0; round < options_.maxRounds; ++round) {
-        const bool isProved = certify(round);
-        timer.lap("certify");
-        if (isProved || (std::getenv("FIT_ANY") && round == options_.maxRounds - 1)) return std::move(positions_);
-        for (int step = 0; step < 3; ++step) {
+    // Each attempt starts anew and pulls less. The last one only pushes.
+    for (const double pull : {1.0, 0.3, 0.1, 0.0}) {
+        begin(pull);
+        for (int step = 0; step < kSteps; ++step) {
             associate();
-            optimise(25);
+            // Early steps are short, because faces then change their nearest points.
+            optimise(step < kSteps / 2 ? 8 : 20);
         }
-        timer.lap("repair");
+        for (int round = 0; round < options_.maxRounds; ++round) {
+            if (certify()) return std::move(positions_);
+            for (int step = 0; step < 3; ++step) {
+                associate();
+                optimise(25);
+            }
+        }
     }
     throw Error(concat("fitting a cage of ", base_.level(0).complex.count(0),
-                       " vertices: ", failure_, " after ", options_.maxRounds,
-                       " rounds; try more vertices or a larger margin"));
+                       " vertices: ", failure_, "; try more vertices or a larger margin"));
 }
 
 }  // namespace
@@ -321,9 +312,7 @@ Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions&
                            start.complex.count(0), " vertices"));
     checkFinite(points, "point");
     checkFinite(start.positions, "vertex");
-    Timer timer;
     Fit fit(start, points, options);
-    timer.lap("setup");
     start.positions = fit.run();
     return start;
 }

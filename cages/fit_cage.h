@@ -17,8 +17,8 @@ struct FitOptions {
     /// Level to which limit::LimitParts refines irregular features for the proof of validity.
     int levelOfParts = 2;
 
-    /// Rounds of fitting between a proof that fails and the next one.
-    int maxRounds = 12;
+    /// Largest number of proofs that may fail before fitting starts anew with less pull.
+    int maxRounds = 8;
 };
 
 /// Moves the vertices of a lattice so that its boundary follows a model.

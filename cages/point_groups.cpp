@@ -55,7 +55,8 @@ PointGroups::PointGroups(std::span<const Point3> points, const CubeGrid& grid) :
         group.centre = sum(group.centre, point);
         points_.push_back(point);
     }
-    for (Group& group : groups_) group.centre = scaled(group.centre, 1.0 / (group.last - group.first));
+    for (Group& group : groups_)
+        group.centre = scaled(group.centre, 1.0 / (group.last - group.first));
 }
 
 const Point3& PointGroups::farthest(const Group& group, const Point3& direction) const {
