@@ -8,6 +8,8 @@
 #include <espalier/solve/validity.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -38,8 +40,13 @@ void checkFinite(std::span<const Point3> points, const char* name) {
                     std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
+std::string textOf(double value) {
+    std::array<char, 32> text;
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
 std::string textOf(const Point3& point) {
-    return concat("(", point[0], ", ", point[1], ", ", point[2], ")");
+    return concat("(", textOf(point[0]), ", ", textOf(point[1]), ", ", textOf(point[2]), ")");
 }
 
 /// The state of a fit.
@@ -305,7 +312,7 @@ Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions&
     if (start.complex.dimension() != 3) throw Error("fitting a cage: the start is not a lattice");
     if (points.empty()) throw Error("fitting a cage: there are no points");
     if (!(options.margin >= 0 && options.margin <= 1e90))
-        throw Error(concat("fitting a cage: the margin is ", options.margin,
+        throw Error(concat("fitting a cage: the margin is ", textOf(options.margin),
                            "; expected a finite number, 0 or more"));
     if (std::ssize(start.positions) != start.complex.count(0))
         throw Error(concat("fitting a cage: got ", start.positions.size(), " positions for ",

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/shapes/lattice.h>
 
@@ -37,7 +36,6 @@ struct FitOptions {
 /// \throws Error if there are no points, a number is not finite or out of range, or if no lattice
 ///         with these cells is found; names a point or a cell
 /// \cost about 2 s for 250,000 points and 500 vertices, on one thread
-ESPALIER_API Lattice fitCage(Lattice start, std::span<const Point3> points,
-                             const FitOptions& options = {});
+Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options = {});
 
 }  // namespace espalier::cages
