@@ -68,9 +68,9 @@ struct NamedSolid {
     test::Solid (*make)();
 };
 
-class FitCage : public testing::TestWithParam<NamedSolid> {};
+class FitCageAround : public testing::TestWithParam<NamedSolid> {};
 
-TEST_P(FitCage, holdsThePointsOfASolidTightly) {
+TEST_P(FitCageAround, holdsThePointsOfASolidTightly) {
     const test::Solid solid = GetParam().make();
     double edge = 0;
     const Lattice start = test::gridCageOf(solid, 500, edge);
@@ -88,7 +88,7 @@ TEST_P(FitCage, holdsThePointsOfASolidTightly) {
     EXPECT_GE(limitVolume(cage), solid.volume);
 }
 
-INSTANTIATE_TEST_SUITE_P(Solids, FitCage,
+INSTANTIATE_TEST_SUITE_P(Solids, FitCageAround,
                          testing::Values(NamedSolid{"ball", test::ball},
                                          NamedSolid{"torus", test::torus},
                                          NamedSolid{"brick", test::brick},

@@ -39,18 +39,18 @@ inline Solid torus() {
             2 * M_PI * M_PI * 0.35 * 0.35};
 }
 
-/// A box that is not aligned with the cells around it: sharp edges and corners.
+/// A box that is turned against the grid of cells around it: sharp edges and corners.
 inline Solid brick() {
-    return {
-        [](const Point3& p) {
-            const Point3 over = {std::abs(p[0]) - 1, std::abs(p[1]) - 0.7, std::abs(p[2]) - 0.4};
-            const double outside =
-                std::hypot(std::max(over[0], 0.0), std::max(over[1], 0.0), std::max(over[2], 0.0));
-            return outside + std::min(std::max({over[0], over[1], over[2]}), 0.0);
-        },
-        {-1, -0.7, -0.4},
-        {1, 0.7, 0.4},
-        8 * 0.7 * 0.4};
+    const auto distance = [](const Point3& p) {
+        // Turned by 3 : 4 : 5 and by 5 : 12 : 13.
+        const double x = 0.6 * p[0] + 0.8 * p[1], across = 0.6 * p[1] - 0.8 * p[0];
+        const double y = (12 * across + 5 * p[2]) / 13, z = (12 * p[2] - 5 * across) / 13;
+        const Point3 over = {std::abs(x) - 1, std::abs(y) - 0.7, std::abs(z) - 0.4};
+        const double outside =
+            std::hypot(std::max(over[0], 0.0), std::max(over[1], 0.0), std::max(over[2], 0.0));
+        return outside + std::min(std::max({over[0], over[1], over[2]}), 0.0);
+    };
+    return {distance, {-1.25, -1.25, -0.7}, {1.25, 1.25, 0.7}, 8 * 0.7 * 0.4};
 }
 
 /// A body with two arms that are thinner than a cell at 500 vertices.
