@@ -74,9 +74,9 @@ double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Po
         const double q = dot(u, vw) / cube;  // 1 for a cube
         const double root = std::sqrt(q * q + kFlat * kFlat);
         const double safe = (q + root) / 2;
-        total += 1 / safe;
-        // d(1/safe)/dq = −safe'/safe², with safe' = safe / root
-        const double slope = -weight / 8 / (safe * root);
+        total += 1 / (safe * safe);
+        // d(1/safe²)/dq = −2 safe'/safe³, with safe' = safe / root
+        const double slope = -weight / 4 / (safe * safe * root);
         // dq/de = d(det)/de / cube − q · 3/2 · d(square)/de / square, d(square)/du = 2u/3
         const double byDet = slope / cube, bySquare = -slope * q / square;
         Point3 gu = scaled(vw, byDet), gv = scaled(wu, byDet), gw = scaled(uv, byDet);

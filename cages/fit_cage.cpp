@@ -11,6 +11,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +27,7 @@ namespace {
 constexpr int kSteps = 20;
 
 struct Weights {
-    double shape = 0.1;  ///< of a cell
+    double shape = std::getenv("SHAPE") ? std::atof(std::getenv("SHAPE")) : 0.04;  ///< of a cell
     double pull = 1;     ///< of the squared distance, in edges, of the surface from the points
     double push = 1000;  ///< of the squared distance by which a point sticks out
 };
