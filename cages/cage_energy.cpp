@@ -3,6 +3,7 @@
 
 #include <espalier/base/vector3.h>
 #include <espalier/far/standard_cells.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -104,7 +105,7 @@ CellShapes::CellShapes(const far::TopologyRefiner& refiner, int level) {
     for (int k = 0; k <= level; ++k) {
         LevelCells cells;
         const far::CellComplex& complex = refiner.level(k).complex;
-        if (k > 0) cells.table = stencils::buildStencils(refiner, k);
+        if (k > 0) cells.table = limit::buildVertexLimits(refiner, k);
         for (Index cell = 0; cell < complex.count(3); ++cell) {
             const auto vertices = far::hexahedronVertices(complex, CellId(cell));
             if (!vertices) continue;
@@ -137,6 +138,29 @@ double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3>
             addRow(level.table, row, slopes[row], gradient);
     }
     return total;
+}
+
+std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions) const {
+    std::vector<double> least(weights_.size(), 1.0);
+    for (const LevelCells& level : levels_) {
+        std::vector<Point3> refined(positions.begin(), positions.end());
+        if (level.table.rowCount() > 0)
+            refined = stencils::applyLevelTable(level.table, positions);
+        for (const Cell& cell : level.cells)
+            for (const auto& corner : kCorners) {
+                std::array<Point3, 3> ways;
+                double lengths = 1;
+                for (int i = 0; i < 3; ++i) {
+                    ways[i] = difference(refined[cell.vertices[corner[i + 1]]],
+                                         refined[cell.vertices[corner[0]]]);
+                    lengths *= length(ways[i]);
+                }
+                const double volume = dot(ways[0], cross(ways[1], ways[2]));
+                double& value = least[cell.baseCell];
+                value = std::min(value, lengths > 0 ? volume / lengths : 0);
+            }
+    }
+    return least;
 }
 
 double evaluatePlanes(const stencils::StencilTable<double>& table, std::span<const PlaneTerm> terms,

@@ -5,6 +5,7 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <span>
@@ -35,11 +36,17 @@ public:
 
     void resetWeights() { weights_.assign(weights_.size(), 1.0); }
 
-    /// Multiplies the weight of a base cell.
-    void scaleWeight(Index baseCell, double factor) { weights_[baseCell] *= factor; }
+    /// Multiplies the weight of a base cell, up to 30 times the first weight.
+    void scaleWeight(Index baseCell, double factor) {
+        weights_[baseCell] = std::min(weights_[baseCell] * factor, 30.0);
+    }
 
     /// Returns the energy and adds its gradient.
     double evaluate(std::span<const Point3> positions, std::span<Point3> gradient) const;
+
+    /// Returns the least scaled Jacobian of each base cell: the determinant of the directions of the
+    /// three edges of a corner.
+    std::vector<double> leastJacobians(std::span<const Point3> positions) const;
 
     Index cellCount() const { return static_cast<Index>(weights_.size()); }
 

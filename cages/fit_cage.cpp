@@ -11,7 +11,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +24,21 @@
 
 namespace espalier::cages {
 namespace {
+
+/// Attempts to fit; each one pulls less than the one before, and keeps nearer to the start.
+constexpr int kAttempts = 4;
+
+/// A lattice that becomes larger than this, as a multiple of the volume of the start, is given up.
+/// The start is wide already; only one that leaves points outside must grow.
+constexpr double kMaxGrowth = 2;
+
+/// How far a point may be outside the start, in edges of the start.
+constexpr double kReach = 1;
+
+/// Rounds after the first proof that try to improve cells with a scaled Jacobian below
+/// kGoodJacobian.
+constexpr int kPolishes = 3;
+constexpr double kGoodJacobian = 0.3;
 
 /// Steps of an attempt before the first proof.
 constexpr int kSteps = 20;
@@ -59,6 +76,7 @@ public:
           refiner_(refinedOnce()),
           surface_(base_),
           start_(start.positions),
+          positions_(start_),
           edge_(meanEdge(start)),
           groups_(points, gridAround(start, points, edge_)),
           shapes_(refiner_, 1),
@@ -94,10 +112,13 @@ private:
         return {low, high, edge / 8};
     }
 
-    void begin(double pull);
+    void begin(int attempt);
     void associate();
     void optimise(int iterations);
     bool certify();
+    void polish();
+    void requireNear() const;
+    double enclosedVolume() const;
 
     const FitOptions& options_;
     far::TopologyRefiner base_, refiner_;
@@ -108,6 +129,7 @@ private:
     CellShapes shapes_;
     limit::LimitParts parts_;
     std::vector<double> clearance_;  ///< of each group
+    double anchor_ = 0;              ///< weight of the squared way of a vertex from the start
     std::vector<double> pushOf_;     ///< factor of each group
     std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
     std::vector<double> raise_;      ///< of the clearance of each group
@@ -118,8 +140,10 @@ private:
     std::string failure_;
 };
 
-void Fit::begin(double pull) {
+void Fit::begin(int attempt) {
+    const double pull = attempt + 1 < kAttempts ? std::pow(0.3, attempt) : 0;
     positions_ = start_;
+    anchor_ = 0.001 * std::pow(4, attempt) / (edge_ * edge_);
     shapes_.resetWeights();
     pull_.assign(surface_.coarseCentres().rowCount(), pull);
     clearance_.assign(groups_.groups().size(), options_.margin + 0.05 * edge_);
@@ -233,6 +257,11 @@ void Fit::optimise(int iterations) {
     const Energy energy = [&](std::span<const Point3> positions, std::span<Point3> gradient) {
         double total = shapes_.evaluate(positions, gradient) * weights_.shape;
         for (Point3& slope : gradient) slope = scaled(slope, weights_.shape);
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            const Point3 way = difference(positions[i], start_[i]);
+            total += anchor_ * dot(way, way);
+            gradient[i] = sum(gradient[i], scaled(way, 2 * anchor_));
+        }
         total += evaluatePlanes(surface_.coarseCentres(), pulls_, positions, gradient);
         total += evaluatePlanes(surface_.fineCentres(), pushes_, positions, gradient);
         return total;
@@ -270,6 +299,11 @@ bool Fit::certify() {
         if (raise_[g] > 0) isRaised_[g] = 1;
     }
     const solve::ValidityCheck check(parts_, positions_);
+    if (std::getenv("FIT_TRACE")) {
+        std::fprintf(stderr, "pull %g uncovered %zu (%.4f) bad", pull_[0], uncovered.size(), deepest / edge_);
+        for (Index c : check.badAtRest()) std::fprintf(stderr, " %d", c);
+        std::fprintf(stderr, "\n");
+    }
     std::vector<char> isBad(shapes_.cellCount(), 0);
     const far::CellComplex& complex = base_.level(0).complex;
     for (const Index cell : check.badAtRest()) {
@@ -286,17 +320,86 @@ bool Fit::certify() {
     return isProved;
 }
 
+/// Throws if a point is further than kReach edges from the box around the start.
+void Fit::requireNear() const {
+    Point3 low = start_.front(), high = low;
+    for (const Point3& vertex : surface_.fineVertices(start_))
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], vertex[axis]);
+            high[axis] = std::max(high[axis], vertex[axis]);
+        }
+    for (const Point3& point : groups_.points())
+        for (int axis = 0; axis < 3; ++axis) {
+            const double away = std::max(low[axis] - point[axis], point[axis] - high[axis]);
+            if (away > kReach * edge_)
+                throw Error(concat("fitting a cage: the point ", textOf(point), " is ",
+                                   textOf(away), " outside the start lattice; expected at most ",
+                                   textOf(kReach * edge_)));
+        }
+}
+
+/// Returns the volume inside the triangles of level 3.
+double Fit::enclosedVolume() const {
+    const std::vector<Point3> vertices = surface_.fineVertices(positions_);
+    double volume = 0;
+    for (const auto& face : surface_.fineFaces().loops) {
+        const Point3& origin = vertices.front();
+        const Point3 a = difference(vertices[face[0]], origin);
+        const Point3 b = difference(vertices[face[1]], origin);
+        const Point3 c = difference(vertices[face[2]], origin);
+        const Point3 d = difference(vertices[face[3]], origin);
+        volume += (dot(a, cross(b, c)) + dot(a, cross(c, d))) / 6;
+    }
+    return volume;
+}
+
+/// Improves the worst cells of a lattice that is proved.
+void Fit::polish() {
+    const far::CellComplex& complex = base_.level(0).complex;
+    std::vector<double> shapes = shapes_.leastJacobians(positions_);
+    double best = *std::min_element(shapes.begin(), shapes.end());
+    std::vector<Point3> kept = positions_;
+    for (int round = 0; round < kPolishes && best < kGoodJacobian; ++round) {
+        if (std::getenv("FIT_TRACE")) std::fprintf(stderr, "polish %g\n", best);
+        for (Index cell = 0; cell < shapes_.cellCount(); ++cell) {
+            if (shapes[cell] >= kGoodJacobian) continue;
+            shapes_.scaleWeight(cell, 2);
+            for (const Index face : complex.relation(3, 2)[cell])
+                for (const Index near : complex.relation(2, 3)[face])
+                    shapes_.scaleWeight(near, 1.2);
+        }
+        for (int step = 0; step < 2; ++step) {
+            associate();
+            optimise(25);
+        }
+        const bool isProved = certify();
+        shapes = shapes_.leastJacobians(positions_);
+        const double least = *std::min_element(shapes.begin(), shapes.end());
+        if (isProved && least > best) {
+            best = least;
+            kept = positions_;
+        }
+    }
+    positions_ = std::move(kept);
+}
+
 std::vector<Point3> Fit::run() {
     // Each attempt starts anew and pulls less. The last one only pushes.
-    for (const double pull : {1.0, 0.3, 0.1, 0.0}) {
-        begin(pull);
+    const double startVolume = enclosedVolume();
+    requireNear();
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        begin(attempt);
         for (int step = 0; step < kSteps; ++step) {
             associate();
             // Early steps are short, because faces then change their nearest points.
             optimise(step < kSteps / 2 ? 8 : 20);
         }
         for (int round = 0; round < options_.maxRounds; ++round) {
-            if (certify()) return std::move(positions_);
+            if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
+            if (certify()) {
+                polish();
+                return std::move(positions_);
+            }
             for (int step = 0; step < 3; ++step) {
                 associate();
                 optimise(25);
