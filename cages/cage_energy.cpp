@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cage_energy.h"
 
+#include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/limit/vertex_limits.h>
@@ -100,9 +101,9 @@ double dotOf(std::span<const Point3> a, std::span<const Point3> b) {
 
 }  // namespace
 
-CellShapes::CellShapes(const far::TopologyRefiner& refiner, int level) {
+CellShapes::CellShapes(const far::TopologyRefiner& refiner) {
     weights_.assign(refiner.level(0).complex.count(3), 1.0);
-    for (int k = 0; k <= level; ++k) {
+    for (int k = 0; k <= kLevel; ++k) {
         LevelCells cells;
         const far::CellComplex& complex = refiner.level(k).complex;
         if (k > 0) cells.table = limit::buildVertexLimits(refiner, k);
@@ -117,6 +118,34 @@ CellShapes::CellShapes(const far::TopologyRefiner& refiner, int level) {
         cells.weight = k == 0 ? 0.5 : 1.0 / std::pow(8.0, k);
         levels_.push_back(std::move(cells));
     }
+    resetWeights();
+}
+
+void CellShapes::resetWeights() {
+    weights_.assign(weights_.size(), 1.0);
+    isExamined_.assign(weights_.size(), 0);
+    activate();
+}
+
+void CellShapes::examine(std::span<const Index> baseCells) {
+    for (const Index cell : baseCells) isExamined_[cell] = 1;
+    activate();
+}
+
+void CellShapes::activate() {
+    for (std::size_t k = 1; k < levels_.size(); ++k) {
+        LevelCells& level = levels_[k];
+        level.activeCells.clear();
+        level.activeRows.clear();
+        for (std::size_t i = 0; i < level.cells.size(); ++i) {
+            const Cell& cell = level.cells[i];
+            if (k > 1 && isExamined_[cell.baseCell] == 0) continue;
+            level.activeCells.push_back(static_cast<Index>(i));
+            level.activeRows.insert(level.activeRows.end(), cell.vertices.begin(),
+                                    cell.vertices.end());
+        }
+        sortUnique(level.activeRows);
+    }
 }
 
 double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3> gradient) const {
@@ -128,14 +157,16 @@ double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3>
                                           level.weight * weights_[cell.baseCell], gradient);
             continue;
         }
+        if (level.activeCells.empty()) continue;
         std::vector<Point3> refined(level.table.rowCount()), slopes(refined.size());
-        for (Index row = 0; row < level.table.rowCount(); ++row)
+        for (const Index row : level.activeRows)
             refined[row] = rowTimes(level.table, row, positions);
-        for (const Cell& cell : level.cells)
+        for (const Index number : level.activeCells) {
+            const Cell& cell = level.cells[number];
             total += hexahedronEnergy(cell.vertices, refined,
                                       level.weight * weights_[cell.baseCell], slopes);
-        for (Index row = 0; row < level.table.rowCount(); ++row)
-            addRow(level.table, row, slopes[row], gradient);
+        }
+        for (const Index row : level.activeRows) addRow(level.table, row, slopes[row], gradient);
     }
     return total;
 }
@@ -144,8 +175,7 @@ std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions
     std::vector<double> least(weights_.size(), 1.0);
     for (const LevelCells& level : levels_) {
         std::vector<Point3> refined(positions.begin(), positions.end());
-        if (level.table.rowCount() > 0)
-            refined = stencils::applyLevelTable(level.table, positions);
+        if (level.table.rowCount() > 0) refined = stencils::applyLevelTable(level.table, positions);
         for (const Cell& cell : level.cells)
             for (const auto& corner : kCorners) {
                 std::array<Point3, 3> ways;

@@ -31,10 +31,16 @@ struct PlaneTerm {
 /// infinity where the corner becomes flat. Corners of the cells of level 0 and of level 1 count.
 class CellShapes {
 public:
-    /// \param refiner a lattice with level 1; kept (by reference)
-    explicit CellShapes(const far::TopologyRefiner& refiner, int level);
+    static constexpr int kLevel = 2;
 
-    void resetWeights() { weights_.assign(weights_.size(), 1.0); }
+    /// \param refiner a lattice with levels up to kLevel
+    explicit CellShapes(const far::TopologyRefiner& refiner);
+
+    /// Sets all weights to 1, and examines no cell.
+    void resetWeights();
+
+    /// Counts the corners of level 2 in some base cells, too.
+    void examine(std::span<const Index> baseCells);
 
     /// Multiplies the weight of a base cell, up to 30 times the first weight.
     void scaleWeight(Index baseCell, double factor) {
@@ -44,8 +50,8 @@ public:
     /// Returns the energy and adds its gradient.
     double evaluate(std::span<const Point3> positions, std::span<Point3> gradient) const;
 
-    /// Returns the least scaled Jacobian of each base cell: the determinant of the directions of the
-    /// three edges of a corner.
+    /// Returns the least scaled Jacobian of each base cell: the determinant of the directions of
+    /// the three edges of a corner.
     std::vector<double> leastJacobians(std::span<const Point3> positions) const;
 
     Index cellCount() const { return static_cast<Index>(weights_.size()); }
@@ -60,9 +66,13 @@ private:
             table;  ///< vertices of the level over the base; empty for level 0
         std::vector<Cell> cells;
         double weight = 1;
+        std::vector<Index> activeCells = {}, activeRows = {};
     };
+    void activate();
+
     std::vector<LevelCells> levels_;
     std::vector<double> weights_;  ///< one per base cell
+    std::vector<char> isExamined_;
 };
 
 /// Adds the weighted squares of the distances of PlaneTerms; returns their sum.

@@ -11,8 +11,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -44,9 +42,9 @@ constexpr double kGoodJacobian = 0.3;
 constexpr int kSteps = 20;
 
 struct Weights {
-    double shape = std::getenv("SHAPE") ? std::atof(std::getenv("SHAPE")) : 0.04;  ///< of a cell
-    double pull = 1;     ///< of the squared distance, in edges, of the surface from the points
-    double push = 1000;  ///< of the squared distance by which a point sticks out
+    double shape = 0.04;  ///< of a cell
+    double pull = 1;      ///< of the squared distance, in edges, of the surface from the points
+    double push = 1000;   ///< of the squared distance by which a point sticks out
 };
 
 void checkFinite(std::span<const Point3> points, const char* name) {
@@ -73,21 +71,21 @@ public:
     Fit(const Lattice& start, std::span<const Point3> points, const FitOptions& options)
         : options_(options),
           base_(start.complex, refinerOptions(start)),
-          refiner_(refinedOnce()),
+          refiner_(refined()),
           surface_(base_),
           start_(start.positions),
           positions_(start_),
           edge_(meanEdge(start)),
           groups_(points, gridAround(start, points, edge_)),
-          shapes_(refiner_, 1),
+          shapes_(refiner_),
           parts_(base_, options.levelOfParts) {}
 
     std::vector<Point3> run();
 
 private:
-    far::TopologyRefiner refinedOnce() const {
+    far::TopologyRefiner refined() const {
         far::TopologyRefiner refiner(base_.level(0), base_.options());
-        refiner.refineUniform(1);
+        refiner.refineUniform(CellShapes::kLevel);
         return refiner;
     }
     static double meanEdge(const Lattice& lattice) {
@@ -299,13 +297,9 @@ bool Fit::certify() {
         if (raise_[g] > 0) isRaised_[g] = 1;
     }
     const solve::ValidityCheck check(parts_, positions_);
-    if (std::getenv("FIT_TRACE")) {
-        std::fprintf(stderr, "pull %g uncovered %zu (%.4f) bad", pull_[0], uncovered.size(), deepest / edge_);
-        for (Index c : check.badAtRest()) std::fprintf(stderr, " %d", c);
-        std::fprintf(stderr, "\n");
-    }
     std::vector<char> isBad(shapes_.cellCount(), 0);
     const far::CellComplex& complex = base_.level(0).complex;
+    shapes_.examine(check.badAtRest());
     for (const Index cell : check.badAtRest()) {
         shapes_.scaleWeight(cell, 2);
         for (const Index vertex : complex.relation(3, 0)[cell])
@@ -360,14 +354,16 @@ void Fit::polish() {
     double best = *std::min_element(shapes.begin(), shapes.end());
     std::vector<Point3> kept = positions_;
     for (int round = 0; round < kPolishes && best < kGoodJacobian; ++round) {
-        if (std::getenv("FIT_TRACE")) std::fprintf(stderr, "polish %g\n", best);
+        std::vector<Index> poor;
         for (Index cell = 0; cell < shapes_.cellCount(); ++cell) {
             if (shapes[cell] >= kGoodJacobian) continue;
+            poor.push_back(cell);
             shapes_.scaleWeight(cell, 2);
             for (const Index face : complex.relation(3, 2)[cell])
                 for (const Index near : complex.relation(2, 3)[face])
                     shapes_.scaleWeight(near, 1.2);
         }
+        shapes_.examine(poor);
         for (int step = 0; step < 2; ++step) {
             associate();
             optimise(25);

@@ -188,11 +188,11 @@ inline Lattice gridCage(const Solid& solid, double edge) {
     return lattice;
 }
 
-/// Returns the cage with the most vertices, up to `vertices`, of 24 sizes of cells.
+/// Returns the cage with the most vertices, up to `vertices`, within a few per cent of the size of the cells.
 inline Lattice gridCageOf(const Solid& solid, Index vertices, double& edge) {
     edge = length(difference(solid.high, solid.low));
     Lattice best;
-    for (double low = edge / 100, high = edge; high / low > 1.02;) {
+    for (double low = edge / 100, high = edge; high / low > 1.05;) {
         const double middle = std::sqrt(low * high);
         Lattice lattice = gridCage(solid, middle);
         if (lattice.complex.count(0) > vertices) {
