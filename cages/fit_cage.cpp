@@ -76,7 +76,7 @@ public:
           start_(start.positions),
           positions_(start_),
           edge_(meanEdge(start)),
-          groups_(points, gridAround(start, points, edge_)),
+          groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
           shapes_(refiner_),
           parts_(base_, options.levelOfParts) {}
 
@@ -97,7 +97,7 @@ private:
         return total / lattice.complex.count(1);
     }
     static CubeGrid gridAround(const Lattice& lattice, std::span<const Point3> points,
-                               double edge) {
+                               double size) {
         Point3 low = lattice.positions.front(), high = low;
         const auto include = [&](const Point3& point) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -107,7 +107,7 @@ private:
         };
         for (const Point3& point : lattice.positions) include(point);
         for (const Point3& point : points) include(point);
-        return {low, high, edge / 8};
+        return {low, high, size};
     }
 
     void begin(int attempt);

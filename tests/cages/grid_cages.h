@@ -188,7 +188,8 @@ inline Lattice gridCage(const Solid& solid, double edge) {
     return lattice;
 }
 
-/// Returns the cage with the most vertices, up to `vertices`, within a few per cent of the size of the cells.
+/// Returns the cage with the most vertices, up to `vertices`, within a few per cent of the size of
+/// the cells.
 inline Lattice gridCageOf(const Solid& solid, Index vertices, double& edge) {
     edge = length(difference(solid.high, solid.low));
     Lattice best;
