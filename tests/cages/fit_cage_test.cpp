@@ -82,7 +82,7 @@ TEST_P(FitCageAround, holdsThePointsOfASolidTightly) {
 
     EXPECT_THAT(badCells(cage), IsEmpty());
     EXPECT_EQ(outsideLevel(cage, points), 0);
-    EXPECT_EQ(outsideLimit(cage, someOf(points, 250)), 0);
+    EXPECT_EQ(outsideLimit(cage, someOf(points, 120)), 0);
     EXPECT_GE(limitVolume(start), 1.6 * solid.volume);  // else there is nothing to fit
     EXPECT_LE(limitVolume(cage), 1.5 * solid.volume);
     EXPECT_GE(limitVolume(cage), solid.volume);
@@ -118,7 +118,7 @@ TEST(FitCage, keepsAMargin) {
     const Lattice cage = fitCage(small.start, small.points, {.margin = margin});
     // Points as far outside the torus as the margin, less a little for the spacing of the points.
     std::vector<Point3> moved;
-    for (const Point3& p : someOf(small.points, 300)) {
+    for (const Point3& p : someOf(small.points, 150)) {
         const double round = std::hypot(p[0], p[1]);
         const Point3 centre = {p[0] / round, p[1] / round, 0};
         moved.push_back(sum(p, scaled(normalised(difference(p, centre)), 0.95 * margin)));

@@ -115,14 +115,14 @@ inline Lattice gridCage(const Solid& solid, double edge) {
         if (x < 0 || y < 0 || z < 0 || x >= n[0] || y >= n[1] || z >= n[2]) return nullptr;
         return &isIn[(z * n[1] + y) * n[0] + x];
     };
-    constexpr int kSamples = 8;
+    constexpr int kSamples = 5;
     for (int z = 0; z < n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)
             for (int x = 0; x < n[0]; ++x)
                 for (int s = 0; s < kSamples * kSamples * kSamples && !*at(x, y, z); ++s) {
-                    const Point3 p = {origin[0] + edge * (x + (s % 8 + 0.5) / kSamples),
-                                      origin[1] + edge * (y + (s / 8 % 8 + 0.5) / kSamples),
-                                      origin[2] + edge * (z + (s / 64 + 0.5) / kSamples)};
+                    const Point3 p = {origin[0] + edge * (x + (s % kSamples + 0.5) / kSamples),
+                                      origin[1] + edge * (y + (s / kSamples % kSamples + 0.5) / kSamples),
+                                      origin[2] + edge * (z + (s / (kSamples * kSamples) + 0.5) / kSamples)};
                     *at(x, y, z) = solid.distance(p) < edge / kSamples;
                 }
     const auto components = [](unsigned mask) {
