@@ -163,6 +163,52 @@ TEST(FitCage, fitsAwayFromTheOriginAndAtAnyScale) {
     EXPECT_NEAR(limitVolume(cage) / volume, fitted, 0.1 * fitted);
 }
 
+/// Points at random along a random walk: thin parts, contacts and cavities.
+test::Solid randomWalk(unsigned seed, std::vector<Point3>& points) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> step(0, 0.3);
+    Point3 place = {0, 0, 0};
+    for (int i = 0; i < 8; ++i) {
+        const Point3 next = sum(place, {step(random), step(random), step(random)});
+        for (int k = 0; k < 30; ++k)
+            points.push_back(sum(place, scaled(difference(next, place), k / 30.0)));
+        place = next;
+    }
+    test::Solid solid{[points](const Point3& p) {
+                          double least = 1e9;
+                          for (const Point3& q : points)
+                              least = std::min(least, length(difference(p, q)));
+                          return least - 0.01;
+                      },
+                      points[0], points[0], 0};
+    for (const Point3& p : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            solid.low[axis] = std::min(solid.low[axis], p[axis] - 0.01);
+            solid.high[axis] = std::max(solid.high[axis], p[axis] + 0.01);
+        }
+    return solid;
+}
+
+TEST(FitCage, provesOrRefusesRandomWalks) {
+    int proved = 0;
+    constexpr int kWalks = 2;
+    for (unsigned seed = 0; seed < kWalks; ++seed) {
+        std::vector<Point3> points;
+        const test::Solid solid = randomWalk(seed, points);
+        const Lattice start = test::gridCage(solid, 0.25);
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        try {
+            const Lattice cage = fitCage(start, points);
+            ++proved;
+            EXPECT_THAT(badCells(cage), IsEmpty());
+            EXPECT_EQ(outsideLevel(cage, points), 0);
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr("is not proved"));
+        }
+    }
+    EXPECT_EQ(proved, kWalks);
+}
+
 TEST(FitCage, refusesBadArguments) {
     const Small small;
     const auto fit = [&](std::span<const Point3> points, const FitOptions& options = {}) {
