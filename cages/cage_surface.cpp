@@ -63,6 +63,8 @@ stencils::StencilTable<double> centresOf(const stencils::StencilTable<double>& v
 CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     const far::CellComplex& complex = lattice.level(0).complex;
     const far::Strata& strata = lattice.level(0).strata;
+    if (strata.hasSemiSharp())
+        throw Error("fitting a cage: the lattice has semi-sharp marks; expected sharp ones only");
     std::vector<std::vector<Index>> loops;
     std::vector<Index> names;
     for (Index cell = 0; cell < complex.count(3); ++cell) {

@@ -21,7 +21,8 @@ public:
     static constexpr int kLevel = 3;
 
     /// \param lattice level 0 of a lattice
-    /// \throws Error if a smooth vertex of the boundary has fewer than three edges there: weights
+    /// \throws Error for semi-sharp marks; if a smooth vertex of the boundary has fewer than three
+    /// edges there: weights
     ///         would be negative
     explicit CageSurface(const far::TopologyRefiner& lattice);
 

@@ -417,8 +417,16 @@ Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions&
     if (std::ssize(start.positions) != start.complex.count(0))
         throw Error(concat("fitting a cage: got ", start.positions.size(), " positions for ",
                            start.complex.count(0), " vertices"));
+    if (options.maxRounds < 1)
+        throw Error(
+            concat("fitting a cage: maxRounds is ", options.maxRounds, "; expected 1 or more"));
+    if (refinerOptions(start).boundary == far::Boundary::Open)
+        throw Error("fitting a cage: the start has an open boundary, which shrinks away");
     checkFinite(points, "point");
     checkFinite(start.positions, "vertex");
+    const auto isStart = [&](const Point3& p) { return p == start.positions.front(); };
+    if (std::all_of(start.positions.begin(), start.positions.end(), isStart))
+        throw Error("fitting a cage: all vertices of the start are at one place");
     Fit fit(start, points, options);
     start.positions = fit.run();
     return start;

@@ -33,9 +33,12 @@ struct FitOptions {
 /// \param start cells around the model, with a boundary that is a manifold. Its cells must have
 ///        positive volumes. It may leave some points a little outside
 /// \param points of the model; their order has no effect
-/// \throws Error if there are no points, a number is not finite or out of range, or if no lattice
-///         with these cells is found; names a point or a cell
-/// \cost about 2 s for 250,000 points and 500 vertices, on one thread
+/// \throws Error if there are no points; for a number that is not finite or out of range; for an
+///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
+///         box around the start; or if no lattice with these cells is found. Names the point or
+///         the cell
+/// \cost on one thread about 3 s for 300,000 points and 500 vertices; 4.4 s and 450 MB for
+///       5 million points
 Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options = {});
 
 }  // namespace espalier::cages

@@ -224,6 +224,20 @@ TEST(FitCage, refusesBadArguments) {
     mesh.complex = far::buildMesh(3, std::vector<std::vector<Index>>{{0, 1, 2}});
     EXPECT_THAT([&] { fitCage(mesh, small.points); },
                 ThrowsMessage<Error>(HasSubstr("not a lattice")));
+    EXPECT_THAT([&] { fit(small.points, {.maxRounds = 0}); },
+                ThrowsMessage<Error>(HasSubstr("maxRounds is 0")));
+    Lattice open = small.start;
+    open.tags.boundary = far::Boundary::Open;
+    EXPECT_THAT([&] { fitCage(open, small.points); },
+                ThrowsMessage<Error>(HasSubstr("open boundary")));
+    Lattice semiSharp = small.start;
+    semiSharp.marks.vertices = {{0, 1.5}};
+    EXPECT_THAT([&] { fitCage(semiSharp, small.points); },
+                ThrowsMessage<Error>(HasSubstr("semi-sharp")));
+    Lattice flat = small.start;
+    for (Point3& p : flat.positions) p = {1, 2, 3};
+    EXPECT_THAT([&] { fitCage(flat, small.points); },
+                ThrowsMessage<Error>(HasSubstr("at one place")));
     Lattice short_ = small.start;
     short_.positions.pop_back();
     EXPECT_THAT([&] { fitCage(short_, small.points); },
