@@ -39,7 +39,7 @@ constexpr int kPolishes = 3;
 constexpr double kGoodJacobian = 0.3;
 
 /// Steps of an attempt before the first proof.
-constexpr int kSteps = 20;
+constexpr int kSteps = 12;
 
 struct Weights {
     double shape = 0.04;  ///< of a cell
