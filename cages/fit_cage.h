@@ -37,7 +37,7 @@ struct FitOptions {
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
 ///         box around the start; or if no lattice with these cells is found. Names the point or
 ///         the cell
-/// \cost on one thread about 2 s for 300,000 points and 500 vertices; 5 s and 450 MB for
+/// \cost on one thread about 2 s for 300,000 points and 500 vertices; 6 s and 450 MB for
 ///       5 million points
 Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options = {});
 
