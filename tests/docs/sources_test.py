@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = ("base far shapes stencils embed limit osd solve io compare petsc c python cli").split()
+FOLDERS = ("base far shapes stencils embed limit osd solve cages io compare petsc c python cli").split()
 
 
 def has_test_of_its_name(top, source):

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cage_energy.h"
+
+#include <espalier/base/sort_unique.h>
+#include <espalier/base/vector3.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/limit/vertex_limits.h>
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+namespace espalier::cages {
+namespace {
+
+/// The corners of a hexahedron, each with its three neighbours in right-handed order.
+constexpr std::array<std::array<int, 4>, 8> kCorners = {{{0, 1, 3, 4},
+                                                         {1, 2, 0, 5},
+                                                         {2, 3, 1, 6},
+                                                         {3, 0, 2, 7},
+                                                         {4, 7, 5, 0},
+                                                         {5, 4, 6, 1},
+                                                         {6, 5, 7, 2},
+                                                         {7, 6, 4, 3}}};
+
+Point3 rowTimes(const stencils::StencilTable<double>& table, Index row,
+                std::span<const Point3> values) {
+    Point3 result = {0, 0, 0};
+    const auto columns = table.columns(row);
+    const auto weights = table.weights(row);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        const Point3& value = values[columns[i]];
+        result[0] += weights[i] * value[0];
+        result[1] += weights[i] * value[1];
+        result[2] += weights[i] * value[2];
+    }
+    return result;
+}
+
+void addRow(const stencils::StencilTable<double>& table, Index row, const Point3& value,
+            std::span<Point3> sums) {
+    const auto columns = table.columns(row);
+    const auto weights = table.weights(row);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        Point3& sum = sums[columns[i]];
+        sum[0] += weights[i] * value[0];
+        sum[1] += weights[i] * value[1];
+        sum[2] += weights[i] * value[2];
+    }
+}
+
+void addTo(Point3& sum, const Point3& value, double factor) {
+    for (int axis = 0; axis < 3; ++axis) sum[axis] += factor * value[axis];
+}
+
+/// Returns the energy of a hexahedron, the mean over its corners, less 1. Adds `weight` times its
+/// gradient.
+double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Point3> positions,
+                        double weight, std::span<Point3> gradient) {
+    // A determinant below this part of the cubed edge is treated as if it were slowly rising, so
+    // that the energy is finite and has a slope in folded cells too.
+    constexpr double kFlat = 1e-3;
+    double total = 0;
+    for (const auto& corner : kCorners) {
+        const Index a = vertices[corner[0]], b = vertices[corner[1]], c = vertices[corner[2]],
+                    d = vertices[corner[3]];
+        const Point3 u = difference(positions[b], positions[a]);
+        const Point3 v = difference(positions[c], positions[a]);
+        const Point3 w = difference(positions[d], positions[a]);
+        const double square = (dot(u, u) + dot(v, v) + dot(w, w)) / 3;
+        const double edge = std::sqrt(square);
+        const double cube = square * edge;
+        const Point3 vw = cross(v, w), wu = cross(w, u), uv = cross(u, v);
+        const double q = dot(u, vw) / cube;  // 1 for a cube
+        const double root = std::sqrt(q * q + kFlat * kFlat);
+        const double safe = (q + root) / 2;
+        total += 1 / (safe * safe);
+        // d(1/safe²)/dq = −2 safe'/safe³, with safe' = safe / root
+        const double slope = -weight / 4 / (safe * safe * root);
+        // dq/de = d(det)/de / cube − q · 3/2 · d(square)/de / square, d(square)/du = 2u/3
+        const double byDet = slope / cube, bySquare = -slope * q / square;
+        Point3 gu = scaled(vw, byDet), gv = scaled(wu, byDet), gw = scaled(uv, byDet);
+        addTo(gu, u, bySquare);
+        addTo(gv, v, bySquare);
+        addTo(gw, w, bySquare);
+        addTo(gradient[b], gu, 1);
+        addTo(gradient[c], gv, 1);
+        addTo(gradient[d], gw, 1);
+        addTo(gradient[a], sum(sum(gu, gv), gw), -1);
+    }
+    return weight * (total / 8 - 1);
+}
+
+double dotOf(std::span<const Point3> a, std::span<const Point3> b) {
+    double total = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) total += dot(a[i], b[i]);
+    return total;
+}
+
+}  // namespace
+
+CellShapes::CellShapes(const far::TopologyRefiner& refiner) {
+    weights_.assign(refiner.level(0).complex.count(3), 1.0);
+    for (int k = 0; k <= kLevel; ++k) {
+        LevelCells cells;
+        const far::CellComplex& complex = refiner.level(k).complex;
+        if (k > 0) cells.table = limit::buildVertexLimits(refiner, k);
+        for (Index cell = 0; cell < complex.count(3); ++cell) {
+            const auto vertices = far::hexahedronVertices(complex, CellId(cell));
+            if (!vertices) continue;
+            Index base = cell;
+            for (int j = k; j > 0; --j)
+                base = refiner.refinement(j).parentOf({3, base}).upper.index;
+            cells.cells.push_back({*vertices, base});
+        }
+        cells.weight = k == 0 ? 0.5 : 1.0 / std::pow(8.0, k);
+        levels_.push_back(std::move(cells));
+    }
+    resetWeights();
+}
+
+void CellShapes::resetWeights() {
+    weights_.assign(weights_.size(), 1.0);
+    isExamined_.assign(weights_.size(), 0);
+    activate();
+}
+
+void CellShapes::examine(std::span<const Index> baseCells) {
+    for (const Index cell : baseCells) isExamined_[cell] = 1;
+    activate();
+}
+
+void CellShapes::activate() {
+    for (std::size_t k = 1; k < levels_.size(); ++k) {
+        LevelCells& level = levels_[k];
+        level.activeCells.clear();
+        level.activeRows.clear();
+        for (std::size_t i = 0; i < level.cells.size(); ++i) {
+            const Cell& cell = level.cells[i];
+            if (k > 1 && isExamined_[cell.baseCell] == 0) continue;
+            level.activeCells.push_back(static_cast<Index>(i));
+            level.activeRows.insert(level.activeRows.end(), cell.vertices.begin(),
+                                    cell.vertices.end());
+        }
+        sortUnique(level.activeRows);
+    }
+}
+
+double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3> gradient) const {
+    double total = 0;
+    for (const LevelCells& level : levels_) {
+        if (level.table.rowCount() == 0) {
+            for (const Cell& cell : level.cells)
+                total += hexahedronEnergy(cell.vertices, positions,
+                                          level.weight * weights_[cell.baseCell], gradient);
+            continue;
+        }
+        if (level.activeCells.empty()) continue;
+        std::vector<Point3> refined(level.table.rowCount()), slopes(refined.size());
+        for (const Index row : level.activeRows)
+            refined[row] = rowTimes(level.table, row, positions);
+        for (const Index number : level.activeCells) {
+            const Cell& cell = level.cells[number];
+            total += hexahedronEnergy(cell.vertices, refined,
+                                      level.weight * weights_[cell.baseCell], slopes);
+        }
+        for (const Index row : level.activeRows) addRow(level.table, row, slopes[row], gradient);
+    }
+    return total;
+}
+
+std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions) const {
+    std::vector<double> least(weights_.size(), 1.0);
+    for (const LevelCells& level : levels_) {
+        std::vector<Point3> refined(positions.begin(), positions.end());
+        if (level.table.rowCount() > 0) refined = stencils::applyLevelTable(level.table, positions);
+        for (const Cell& cell : level.cells)
+            for (const auto& corner : kCorners) {
+                std::array<Point3, 3> ways;
+                double lengths = 1;
+                for (int i = 0; i < 3; ++i) {
+                    ways[i] = difference(refined[cell.vertices[corner[i + 1]]],
+                                         refined[cell.vertices[corner[0]]]);
+                    lengths *= length(ways[i]);
+                }
+                const double volume = dot(ways[0], cross(ways[1], ways[2]));
+                double& value = least[cell.baseCell];
+                value = std::min(value, lengths > 0 ? volume / lengths : 0);
+            }
+    }
+    return least;
+}
+
+double evaluatePlanes(const stencils::StencilTable<double>& table, std::span<const PlaneTerm> terms,
+                      std::span<const Point3> positions, std::span<Point3> gradient) {
+    double total = 0;
+    for (const PlaneTerm& term : terms) {
+        const double distance =
+            dot(term.direction, rowTimes(table, term.row, positions)) - term.offset;
+        const double weight = distance < 0 ? term.inside : term.outside;
+        if (weight == 0) continue;
+        const double limited = std::clamp(distance, -term.reach, term.reach);
+        total += weight * limited * (2 * distance - limited);
+        addRow(table, term.row, scaled(term.direction, 2 * weight * limited), gradient);
+    }
+    return total;
+}
+
+std::vector<Point3> minimise(const Energy& energy, std::vector<Point3> positions, int iterations,
+                             double longestStep) {
+    constexpr std::size_t kHistory = 8;
+    constexpr int kHalvings = 12;
+    const std::size_t size = positions.size();
+    struct Pair {
+        std::vector<Point3> step, change;
+        double product;
+    };
+    std::deque<Pair> history;
+    std::vector<Point3> gradient(size), next(size), nextGradient(size), direction(size);
+    double value = energy(positions, gradient);
+    for (int iteration = 0; iteration < iterations; ++iteration) {
+        direction = gradient;
+        std::vector<double> factors;
+        for (auto pair = history.rbegin(); pair != history.rend(); ++pair) {
+            const double factor = dotOf(pair->step, direction) / pair->product;
+            factors.push_back(factor);
+            for (std::size_t i = 0; i < size; ++i) addTo(direction[i], pair->change[i], -factor);
+        }
+        if (!history.empty()) {
+            const Pair& last = history.back();
+            const double scale = last.product / dotOf(last.change, last.change);
+            for (Point3& d : direction) d = scaled(d, scale);
+        }
+        for (std::size_t k = 0; k < history.size(); ++k) {
+            const Pair& pair = history[k];
+            const double factor =
+                factors[history.size() - 1 - k] - dotOf(pair.change, direction) / pair.product;
+            for (std::size_t i = 0; i < size; ++i) addTo(direction[i], pair.step[i], factor);
+        }
+        double longest = 0;
+        for (Point3& d : direction) {
+            d = scaled(d, -1);
+            longest = std::max(longest, dot(d, d));
+        }
+        longest = std::sqrt(longest);
+        if (longest == 0) break;
+        double slope = dotOf(direction, gradient);
+        if (!(slope < 0)) {
+            if (history.empty()) break;
+            history.clear();
+            continue;
+        }
+        double length = std::min(1.0, longestStep / longest);
+        if (history.empty()) length = longestStep / longest / 4;
+        double nextValue = 0;
+        int halving = 0;
+        for (; halving < kHalvings; ++halving, length /= 2.5) {
+            for (std::size_t i = 0; i < size; ++i) {
+                next[i] = positions[i];
+                addTo(next[i], direction[i], length);
+            }
+            std::fill(nextGradient.begin(), nextGradient.end(), Point3{0, 0, 0});
+            nextValue = energy(next, nextGradient);
+            if (nextValue <= value + 1e-4 * length * slope) break;
+        }
+        if (halving == kHalvings) {
+            if (history.empty()) break;
+            history.clear();
+            continue;
+        }
+        Pair pair{std::vector<Point3>(size), std::vector<Point3>(size), 0};
+        for (std::size_t i = 0; i < size; ++i) {
+            pair.step[i] = difference(next[i], positions[i]);
+            pair.change[i] = difference(nextGradient[i], gradient[i]);
+        }
+        pair.product = dotOf(pair.step, pair.change);
+        if (pair.product >
+            1e-12 * std::sqrt(dotOf(pair.step, pair.step) * dotOf(pair.change, pair.change))) {
+            history.push_back(std::move(pair));
+            if (history.size() > kHistory) history.pop_front();
+        }
+        positions.swap(next);
+        gradient.swap(nextGradient);
+        value = nextValue;
+    }
+    return positions;
+}
+
+}  // namespace espalier::cages

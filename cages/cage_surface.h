@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/point.h>
+#include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "point_groups.h"
+
+namespace espalier::cages {
+
+/// The boundary of a lattice as a mesh. The boundary of every level of the lattice, and of its
+/// limit volume, is the same level, and the limit, of this mesh.
+class CageSurface {
+public:
+    static constexpr int kLevel = 3;
+
+    /// \param lattice level 0 of a lattice
+    /// \throws Error for semi-sharp marks; if a smooth vertex of the boundary has fewer than three
+    /// edges there: weights
+    ///         would be negative
+    explicit CageSurface(const far::TopologyRefiner& lattice);
+
+    /// Centres of the faces of level 3 over the vertices of the lattice.
+    const stencils::StencilTable<double>& fineCentres() const { return fineCentres_; }
+    /// Centres of the faces of level 2.
+    const stencils::StencilTable<double>& coarseCentres() const { return coarseCentres_; }
+    /// Returns the face of level 2 that contains a face of level 3.
+    Index coarseFaceOf(Index fineFace) const { return coarseOfFine_[fineFace]; }
+    Index baseFaceOf(Index coarseFace) const { return baseOfCoarse_[coarseFace]; }
+    /// The cell of the lattice that a face of the mesh bounds.
+    Index cellOf(Index baseFace) const { return cellOfBase_[baseFace]; }
+
+    /// The faces of a level, as loops of vertices, and the vertices whose convex hull contains the
+    /// limit of a face, and all further levels of the face.
+    struct Faces {
+        std::vector<std::array<Index, 4>> loops;
+        std::vector<Offset> hullOffsets = {0};
+        std::vector<Index> hulls = {};
+
+        explicit Faces(const far::Level& level);
+        std::span<const Index> hull(Index face) const;
+    };
+    const Faces& fineFaces() const { return *fineFaces_; }
+    std::vector<Point3> fineVertices(std::span<const Point3> positions) const;
+
+    /// The faces of level 4.
+    const Faces& finestFaces() const { return *finestFaces_; }
+    std::vector<Point3> finestVertices(std::span<const Point3> fineVertices) const;
+
+private:
+    std::vector<Index> cellOfBase_;
+    stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
+    stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
+    std::optional<Faces> fineFaces_, finestFaces_;
+    std::vector<Index> coarseOfFine_, baseOfCoarse_;
+};
+
+/// A group of points that is not proved to be inside.
+struct Uncovered {
+    Index group = 0;
+    Index point = 0;   ///< the worst point
+    double depth = 0;  ///< how much further inside the point must be, about
+    Index face = -1;   ///< of level 3, whose box contains the point; −1 if the point is outside
+};
+
+/// Proves that points are inside a surface.
+///
+/// A point is covered if it is outside a box around the hull of every face of level 3, and the
+/// triangles of level 3 wind around it. While a surface changes continuously from the triangles to
+/// the quadrilaterals of level 3 or to the limit, each face stays in its hull. So all of them wind
+/// around the point. A lattice fills what its boundary winds around, because its map is continuous.
+///
+/// Points that are in a box are tried again: with boxes around the four corners of each face for
+/// level 3, and with the hulls of level 4 for the limit.
+///
+/// \param positions of the vertices of the lattice
+/// \param margin least distance of the points from the hulls
+/// \return groups with an uncovered point, ascending
+std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
+                                     const PointGroups& points, double margin);
+
+}  // namespace espalier::cages

@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fit_cage.h"
+
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/vector3.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/solve/validity.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cage_energy.h"
+#include "cage_surface.h"
+#include "point_groups.h"
+
+namespace espalier::cages {
+namespace {
+
+/// Attempts to fit; each one pulls less than the one before, and keeps nearer to the start.
+constexpr int kAttempts = 4;
+
+/// A lattice that becomes larger than this, as a multiple of the volume of the start, is given up.
+/// The start is wide already; only one that leaves points outside must grow.
+constexpr double kMaxGrowth = 2;
+
+/// How far a point may be outside the start, in edges of the start.
+constexpr double kReach = 1;
+
+/// Rounds after the first proof that try to improve cells with a scaled Jacobian below
+/// kGoodJacobian.
+constexpr int kPolishes = 3;
+constexpr double kGoodJacobian = 0.3;
+
+/// Steps of an attempt before the first proof.
+constexpr int kSteps = 12;
+
+struct Weights {
+    double shape = 0.04;  ///< of a cell
+    double pull = 1;      ///< of the squared distance, in edges, of the surface from the points
+    double push = 1000;   ///< of the squared distance by which a point sticks out
+};
+
+void checkFinite(std::span<const Point3> points, const char* name) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (const double coordinate : points[i])
+            if (!(std::abs(coordinate) <= 1e90))
+                throw Error(concat(
+                    "fitting a cage: ", name, " ", i,
+                    std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
+}
+
+std::string textOf(double value) {
+    std::array<char, 32> text;
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::string textOf(const Point3& point) {
+    return concat("(", textOf(point[0]), ", ", textOf(point[1]), ", ", textOf(point[2]), ")");
+}
+
+/// The state of a fit.
+class Fit {
+public:
+    Fit(const Lattice& start, std::span<const Point3> points, const FitOptions& options)
+        : options_(options),
+          base_(start.complex, refinerOptions(start)),
+          refiner_(refined()),
+          surface_(base_),
+          start_(start.positions),
+          positions_(start_),
+          edge_(meanEdge(start)),
+          groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
+          shapes_(refiner_),
+          parts_(base_, options.levelOfParts) {}
+
+    std::vector<Point3> run();
+
+private:
+    far::TopologyRefiner refined() const {
+        far::TopologyRefiner refiner(base_.level(0), base_.options());
+        refiner.refineUniform(CellShapes::kLevel);
+        return refiner;
+    }
+    static double meanEdge(const Lattice& lattice) {
+        double total = 0;
+        const auto& ends = lattice.complex.relation(1, 0);
+        for (Index edge = 0; edge < lattice.complex.count(1); ++edge)
+            total += length(
+                difference(lattice.positions[ends[edge][0]], lattice.positions[ends[edge][1]]));
+        return total / lattice.complex.count(1);
+    }
+    static CubeGrid gridAround(const Lattice& lattice, std::span<const Point3> points,
+                               double size) {
+        Point3 low = lattice.positions.front(), high = low;
+        const auto include = [&](const Point3& point) {
+            for (int axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], point[axis]);
+                high[axis] = std::max(high[axis], point[axis]);
+            }
+        };
+        for (const Point3& point : lattice.positions) include(point);
+        for (const Point3& point : points) include(point);
+        return {low, high, size};
+    }
+
+    void begin(int attempt);
+    void associate();
+    void optimise(int iterations);
+    bool certify();
+    void polish();
+    void requireNear() const;
+    double enclosedVolume() const;
+
+    const FitOptions& options_;
+    far::TopologyRefiner base_, refiner_;
+    CageSurface surface_;
+    std::vector<Point3> start_, positions_;
+    double edge_;
+    PointGroups groups_;
+    CellShapes shapes_;
+    limit::LimitParts parts_;
+    std::vector<double> clearance_;  ///< of each group
+    double anchor_ = 0;              ///< weight of the squared way of a vertex from the start
+    std::vector<double> pushOf_;     ///< factor of each group
+    std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
+    std::vector<double> raise_;      ///< of the clearance of each group
+    std::vector<char> isRaised_;
+    std::vector<double> pull_;  ///< factor of each face of level 2
+    std::vector<PlaneTerm> pulls_, pushes_;
+    Weights weights_;
+    std::string failure_;
+};
+
+void Fit::begin(int attempt) {
+    const double pull = attempt + 1 < kAttempts ? std::pow(0.3, attempt) : 0;
+    positions_ = start_;
+    anchor_ = 0.001 * std::pow(4, attempt) / (edge_ * edge_);
+    shapes_.resetWeights();
+    pull_.assign(surface_.coarseCentres().rowCount(), pull);
+    clearance_.assign(groups_.groups().size(), options_.margin + 0.05 * edge_);
+    pushOf_.assign(clearance_.size(), 1.0);
+    isRaised_.assign(clearance_.size(), 0);
+}
+
+void Fit::associate() {
+    const double unit = 1 / (edge_ * edge_);
+    const std::vector<Point3> fine = surface_.fineVertices(positions_);
+    const std::span<const std::array<Index, 4>> faces = surface_.fineFaces().loops;
+    const auto faceCount = static_cast<Index>(faces.size());
+    std::vector<Point3> centres(faceCount), normals(faceCount);
+    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
+        coarseNormals(pull_.size(), {0, 0, 0});
+    for (Index f = 0; f < faceCount; ++f) {
+        const auto& face = faces[f];
+        centres[f] =
+            scaled(sum(sum(fine[face[0]], fine[face[1]]), sum(fine[face[2]], fine[face[3]])), 0.25);
+        const Point3 normal = cross(difference(fine[face[2]], fine[face[0]]),
+                                    difference(fine[face[3]], fine[face[1]]));
+        const double size = length(normal);
+        normals[f] = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
+        const Index coarse = surface_.coarseFaceOf(f);
+        coarseNormals[coarse] = sum(coarseNormals[coarse], normal);
+        coarseCentres[coarse] = sum(coarseCentres[coarse], scaled(centres[f], 0.25));
+    }
+    const auto groups = groups_.groups();
+    // Pulls: each face of level 2 towards the nearest points.
+    pulls_.assign(pull_.size(), {});
+    parallelFor(std::ssize(pulls_), 64, [&](Offset first, Offset last) {
+        for (Offset c = first; c < last; ++c) {
+            PlaneTerm& term = pulls_[c];
+            term.row = static_cast<Index>(c);
+            const double size = length(coarseNormals[c]);
+            if (!(size > 0)) continue;
+            const Point3 normal = scaled(coarseNormals[c], 1 / size);
+            const Index nearest = groups_.nearest(coarseCentres[c], 24);
+            if (nearest < 0) continue;
+            const auto& group = groups[nearest];
+            Point3 way = difference(coarseCentres[c], group.centre);
+            const double distance = length(way);
+            // Near the points, the direction to one of them means little.
+            const double trust = std::clamp(distance / groups_.grid().size - 1, 0.0, 1.0);
+            if (dot(way, normal) > 0 && distance > 0)
+                way = sum(scaled(way, trust / distance), scaled(normal, 1 - trust));
+            else
+                way = normal;
+            term.direction = normalised(way);
+            term.offset =
+                dot(term.direction, groups_.farthest(group, term.direction)) + clearance_[nearest];
+            if (isRaised_[nearest]) pull_[c] *= 0.8;
+            term.outside = weights_.pull * unit / 16 * pull_[c];
+            term.inside = 0;
+            term.reach = 0.25 * edge_;
+        }
+    });
+    // Pushes: each group of points against the nearest face of level 3. Of the points at the faces
+    // that are one face of level 2, the one that sticks out most counts.
+    std::vector<Index> firstOfCube(groups_.grid().cubeCount(), -1), nextOfFace(faceCount, -1);
+    for (Index f = faceCount; f-- > 0;) {
+        Index& first = firstOfCube[groups_.grid().cubeOf(centres[f])];
+        nextOfFace[f] = first;
+        first = f;
+    }
+    std::vector<Index> nearestFace(groups.size(), -1);
+    parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
+        for (Offset g = first; g < last; ++g) {
+            const Point3& point = groups[g].centre;
+            const auto place = groups_.grid().coordinatesOf(point);
+            double least = 0;
+            Index best = -1;
+            for (Index ring = 0; ring <= 3; ++ring) {
+                const double reach = (ring - 1) * groups_.grid().size;
+                if (best >= 0 && reach > 0 && reach * reach > least) break;
+                groups_.grid().forEachInRing(place, ring, [&](Index cube) {
+                    for (Index f = firstOfCube[cube]; f >= 0; f = nextOfFace[f]) {
+                        const Point3 way = difference(centres[f], point);
+                        const double distance = dot(way, way);
+                        if (best < 0 || distance < least || (distance == least && f < best)) {
+                            best = f;
+                            least = distance;
+                        }
+                    }
+                });
+            }
+            nearestFace[g] = best;
+        }
+    });
+    distance_.assign(groups.size(), 0);
+    std::vector<double> leastOf(faceCount, 0.25 * edge_);
+    std::vector<PlaneTerm> of(faceCount);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const Index f = nearestFace[g];
+        if (f < 0) continue;
+        const Point3& normal = normals[f];
+        const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
+        const double distance = dot(normal, centres[f]) - offset;
+        distance_[g] = distance;
+        if (distance < leastOf[f]) {
+            leastOf[f] = distance;
+            of[f] = {f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
+        }
+    }
+    pushes_.clear();
+    for (const PlaneTerm& term : of)
+        if (term.inside > 0) pushes_.push_back(term);
+}
+
+void Fit::optimise(int iterations) {
+    const Energy energy = [&](std::span<const Point3> positions, std::span<Point3> gradient) {
+        double total = shapes_.evaluate(positions, gradient) * weights_.shape;
+        for (Point3& slope : gradient) slope = scaled(slope, weights_.shape);
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            const Point3 way = difference(positions[i], start_[i]);
+            total += anchor_ * dot(way, way);
+            gradient[i] = sum(gradient[i], scaled(way, 2 * anchor_));
+        }
+        total += evaluatePlanes(surface_.coarseCentres(), pulls_, positions, gradient);
+        total += evaluatePlanes(surface_.fineCentres(), pushes_, positions, gradient);
+        return total;
+    };
+    positions_ = minimise(energy, std::move(positions_), iterations, 0.1 * edge_);
+}
+
+bool Fit::certify() {
+    associate();
+    bool isProved = true;
+    const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
+    double deepest = 0;
+    raise_.assign(groups_.groups().size(), 0);
+    for (const Uncovered& group : uncovered) {
+        if (group.depth > deepest) {
+            deepest = group.depth;
+            failure_ = concat("the point ", textOf(groups_.points()[group.point]),
+                              " is not proved to be inside");
+        }
+        if (distance_[group.group] < -0.02 * edge_)
+            pushOf_[group.group] = std::min(2 * pushOf_[group.group], 64.0);
+        const double more = std::min(1.1 * group.depth, 0.05 * edge_) + 0.003 * edge_;
+        const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
+        for (Index ring = 0; ring <= 2; ++ring)
+            groups_.grid().forEachInRing(place, ring, [&](Index cube) {
+                if (const Index near = groups_.inCube(cube); near >= 0)
+                    raise_[near] = std::max(raise_[near], more * (1 - 0.25 * ring));
+            });
+        isProved = false;
+    }
+    for (std::size_t g = 0; g < raise_.size(); ++g) {
+        // All others rise a little too, so that points do not stick out in turns.
+        const double more = std::max(raise_[g], 0.003 * edge_);
+        clearance_[g] = std::min(clearance_[g] + more, options_.margin + 0.25 * edge_);
+        if (raise_[g] > 0) isRaised_[g] = 1;
+    }
+    const solve::ValidityCheck check(parts_, positions_);
+    std::vector<char> isBad(shapes_.cellCount(), 0);
+    const far::CellComplex& complex = base_.level(0).complex;
+    shapes_.examine(check.badAtRest());
+    for (const Index cell : check.badAtRest()) {
+        shapes_.scaleWeight(cell, 2);
+        for (const Index vertex : complex.relation(3, 0)[cell])
+            for (const Index near : complex.relation(0, 3)[vertex]) isBad[near] = 1;
+        if (isProved) failure_ = concat("cell ", cell, " is not proved to be free of folds");
+        isProved = false;
+    }
+    for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
+        if (isBad[cell]) shapes_.scaleWeight(cell, 1.5);
+    for (std::size_t c = 0; c < pull_.size(); ++c)
+        if (isBad[surface_.cellOf(surface_.baseFaceOf(static_cast<Index>(c)))]) pull_[c] *= 0.5;
+    return isProved;
+}
+
+/// Throws if a point is further than kReach edges from the box around the start.
+void Fit::requireNear() const {
+    Point3 low = start_.front(), high = low;
+    for (const Point3& vertex : surface_.fineVertices(start_))
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], vertex[axis]);
+            high[axis] = std::max(high[axis], vertex[axis]);
+        }
+    for (const Point3& point : groups_.points())
+        for (int axis = 0; axis < 3; ++axis) {
+            const double away = std::max(low[axis] - point[axis], point[axis] - high[axis]);
+            if (away > kReach * edge_)
+                throw Error(concat("fitting a cage: the point ", textOf(point), " is ",
+                                   textOf(away), " outside the start lattice; expected at most ",
+                                   textOf(kReach * edge_)));
+        }
+}
+
+/// Returns the volume inside the triangles of level 3.
+double Fit::enclosedVolume() const {
+    const std::vector<Point3> vertices = surface_.fineVertices(positions_);
+    double volume = 0;
+    for (const auto& face : surface_.fineFaces().loops) {
+        const Point3& origin = vertices.front();
+        const Point3 a = difference(vertices[face[0]], origin);
+        const Point3 b = difference(vertices[face[1]], origin);
+        const Point3 c = difference(vertices[face[2]], origin);
+        const Point3 d = difference(vertices[face[3]], origin);
+        volume += (dot(a, cross(b, c)) + dot(a, cross(c, d))) / 6;
+    }
+    return volume;
+}
+
+/// Improves the worst cells of a lattice that is proved.
+void Fit::polish() {
+    const far::CellComplex& complex = base_.level(0).complex;
+    std::vector<double> shapes = shapes_.leastJacobians(positions_);
+    double best = *std::min_element(shapes.begin(), shapes.end());
+    std::vector<Point3> kept = positions_;
+    for (int round = 0; round < kPolishes && best < kGoodJacobian; ++round) {
+        std::vector<Index> poor;
+        for (Index cell = 0; cell < shapes_.cellCount(); ++cell) {
+            if (shapes[cell] >= kGoodJacobian) continue;
+            poor.push_back(cell);
+            shapes_.scaleWeight(cell, 2);
+            for (const Index face : complex.relation(3, 2)[cell])
+                for (const Index near : complex.relation(2, 3)[face])
+                    shapes_.scaleWeight(near, 1.2);
+        }
+        shapes_.examine(poor);
+        for (int step = 0; step < 2; ++step) {
+            associate();
+            optimise(25);
+        }
+        const bool isProved = certify();
+        shapes = shapes_.leastJacobians(positions_);
+        const double least = *std::min_element(shapes.begin(), shapes.end());
+        if (isProved && least > best) {
+            best = least;
+            kept = positions_;
+        }
+    }
+    positions_ = std::move(kept);
+}
+
+std::vector<Point3> Fit::run() {
+    // Each attempt starts anew and pulls less. The last one only pushes.
+    const double startVolume = enclosedVolume();
+    requireNear();
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        begin(attempt);
+        for (int step = 0; step < kSteps; ++step) {
+            associate();
+            // Early steps are short, because faces then change their nearest points.
+            optimise(step < kSteps / 2 ? 8 : 20);
+        }
+        for (int round = 0; round < options_.maxRounds; ++round) {
+            if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
+            if (certify()) {
+                polish();
+                return std::move(positions_);
+            }
+            for (int step = 0; step < 3; ++step) {
+                associate();
+                optimise(25);
+            }
+        }
+    }
+    throw Error(concat("fitting a cage of ", base_.level(0).complex.count(0),
+                       " vertices: ", failure_, "; try more vertices or a larger margin"));
+}
+
+}  // namespace
+
+Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options) {
+    if (start.complex.dimension() != 3) throw Error("fitting a cage: the start is not a lattice");
+    if (points.empty()) throw Error("fitting a cage: there are no points");
+    if (!(options.margin >= 0 && options.margin <= 1e90))
+        throw Error(concat("fitting a cage: the margin is ", textOf(options.margin),
+                           "; expected a finite number, 0 or more"));
+    if (std::ssize(start.positions) != start.complex.count(0))
+        throw Error(concat("fitting a cage: got ", start.positions.size(), " positions for ",
+                           start.complex.count(0), " vertices"));
+    if (options.maxRounds < 1)
+        throw Error(
+            concat("fitting a cage: maxRounds is ", options.maxRounds, "; expected 1 or more"));
+    if (refinerOptions(start).boundary == far::Boundary::Open)
+        throw Error("fitting a cage: the start has an open boundary, which shrinks away");
+    checkFinite(points, "point");
+    checkFinite(start.positions, "vertex");
+    const auto isStart = [&](const Point3& p) { return p == start.positions.front(); };
+    if (std::all_of(start.positions.begin(), start.positions.end(), isStart))
+        throw Error("fitting a cage: all vertices of the start are at one place");
+    Fit fit(start, points, options);
+    start.positions = fit.run();
+    return start;
+}
+
+}  // namespace espalier::cages

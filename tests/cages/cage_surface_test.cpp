@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cages/cage_surface.h"
+
+#include <espalier/embed/local_binding.h>
+#include <espalier/limit/limit_binding.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include "grid_cages.h"
+#include "support/test.h"
+
+namespace espalier::cages {
+namespace {
+
+/// A cage with sharp and smooth edges, all vertices moved a little.
+Lattice bentCage() {
+    Lattice lattice = test::gridCage(test::figure(), 0.4);
+    for (Point3& p : lattice.positions)
+        p = {p[0] + 0.05 * std::sin(5 * p[1]), p[1] + 0.05 * std::sin(7 * p[2]),
+             p[2] + 0.05 * std::sin(6 * p[0])};
+    return lattice;
+}
+
+TEST(CageSurface, isTheBoundaryOfTheLevels) {
+    const Lattice lattice = bentCage();
+    far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    const CageSurface surface(refiner);
+    refiner.refineUniform(CageSurface::kLevel);
+    const auto positions =
+        stencils::refinePositions(refiner, CageSurface::kLevel, lattice.positions);
+    const far::CellComplex& complex = refiner.level(CageSurface::kLevel).complex;
+    std::vector<std::vector<Point3>> expected, found;
+    for (Index face = 0; face < complex.count(2); ++face) {
+        if (complex.relation(2, 3)[face].size() != 1) continue;
+        expected.emplace_back();
+        for (const Index v : complex.relation(2, 0)[face]) expected.back().push_back(positions[v]);
+    }
+    const auto vertices = surface.fineVertices(lattice.positions);
+    for (const auto& loop : surface.fineFaces().loops) {
+        found.emplace_back();
+        for (const Index v : loop) found.back().push_back(vertices[v]);
+    }
+    // Positions come by different sums: rounded to 1e-9, far below the size of a face, 0.05.
+    for (auto* faces : {&expected, &found}) {
+        for (auto& face : *faces) {
+            for (Point3& p : face)
+                for (double& coordinate : p) coordinate = std::round(coordinate * 1e9 + 0.37) / 1e9;
+            std::sort(face.begin(), face.end());
+        }
+        std::sort(faces->begin(), faces->end());
+    }
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t face = 0; face < found.size(); ++face)
+        for (std::size_t i = 0; i < 4; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                ASSERT_NEAR(found[face][i][axis], expected[face][i][axis], 1.5e-9) << face;
+}
+
+TEST(CageSurface, hullsHoldTheNextLevel) {
+    const Lattice lattice = bentCage();
+    const CageSurface surface(far::TopologyRefiner(lattice.complex, refinerOptions(lattice)));
+    const auto fine = surface.fineVertices(lattice.positions);
+    const auto finest = surface.finestVertices(fine);
+    const auto& faces = surface.fineFaces();
+    // Level 4 has four faces for each face of level 3, in the order of the faces.
+    ASSERT_EQ(surface.finestFaces().loops.size(), 4 * faces.loops.size());
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    for (std::size_t child = 0; child < surface.finestFaces().loops.size(); ++child) {
+        const auto face = static_cast<Index>(child / 4);
+        for (int i = 0; i < 5; ++i) {
+            const Point3 way = {normal(random), normal(random), normal(random)};
+            double most = -1e9;
+            for (const Index v : faces.hull(face)) most = std::max(most, dot(way, fine[v]));
+            for (const Index v : surface.finestFaces().loops[child])
+                ASSERT_LE(dot(way, finest[v]), most + 1e-12) << "face " << face;
+        }
+    }
+}
+
+/// Points at random in the box around a lattice, for models of one point each.
+std::vector<Point3> randomPoints(const Lattice& lattice, int count) {
+    Point3 low = lattice.positions.front(), high = low;
+    for (const Point3& p : lattice.positions)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], p[axis]);
+            high[axis] = std::max(high[axis], p[axis]);
+        }
+    std::mt19937 random(5);
+    std::vector<Point3> points(count);
+    for (Point3& p : points)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            p[axis] = std::uniform_real_distribution<double>(low[axis], high[axis])(random);
+    return points;
+}
+
+TEST(FindUncovered, coversOnlyPointsInsideAndNearlyAllOfThem) {
+    const Lattice lattice = bentCage();
+    const far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    const CageSurface surface(refiner);
+    // Cubes are so small that nearly each point is a group of its own.
+    const PointGroups groups(randomPoints(lattice, 2000),
+                             CubeGrid({-2, -2, -2}, {2.5, 2, 2}, 0.04));
+    const auto level = embed::bindPoints({refiner, lattice.positions}, groups.points());
+    const auto limit = limit::bindLimit({refiner, lattice.positions}, groups.points());
+    std::vector<char> isUncovered(groups.groups().size(), 0);
+    for (const Uncovered& group : findUncovered(surface, lattice.positions, groups, 0))
+        isUncovered[group.group] = 1;
+    int inside = 0, covered = 0;
+    for (std::size_t g = 0; g < isUncovered.size(); ++g)
+        for (Index i = groups.groups()[g].first; i < groups.groups()[g].last; ++i) {
+            const bool isInside = level.statuses[i] == embed::PointStatus::Inside &&
+                                  limit.statuses[i] == embed::PointStatus::Inside;
+            EXPECT_TRUE(isInside || isUncovered[g]) << "point " << i;
+            inside += isInside;
+            covered += !isUncovered[g];
+        }
+    EXPECT_GE(inside, 500);
+    // Points in a thin layer below the boundary are not proved; 5 % of the volume is generous.
+    EXPECT_GE(covered, 0.95 * inside);
+}
+
+TEST(FindUncovered, countsTheMargin) {
+    const Lattice lattice = test::gridCage(test::brick(), 0.5);
+    const CageSurface surface(far::TopologyRefiner(lattice.complex, refinerOptions(lattice)));
+    const std::vector<Point3> centre = {{0, 0, 0}};
+    const PointGroups groups(centre, CubeGrid({-3, -3, -3}, {3, 3, 3}, 0.5));
+    EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 0.1), IsEmpty());
+    EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 2), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace espalier::cages

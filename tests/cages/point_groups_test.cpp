@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cages/point_groups.h"
+
+#include <espalier/base/vector3.h>
+#include <gtest/gtest.h>
+
+#include "support/test.h"
+
+namespace espalier::cages {
+namespace {
+
+std::vector<Point3> randomPoints(int count) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> place(-1, 1);
+    std::vector<Point3> points(count);
+    for (Point3& p : points) p = {place(random), place(random), place(random)};
+    return points;
+}
+
+TEST(CubeGrid, ringsVisitEachCubeOnce) {
+    const CubeGrid grid({0, 0, 0}, {1, 0.6, 0.3}, 0.1);
+    std::vector<int> visits(grid.cubeCount(), 0);
+    for (Index ring = 0; ring < 20; ++ring)
+        grid.forEachInRing({3, 1, 2}, ring, [&](Index cube) { ++visits[cube]; });
+    EXPECT_THAT(visits, Each(1));
+}
+
+TEST(CubeGrid, doesNotExceedItsMemory) {
+    const CubeGrid grid({0, 0, 0}, {1, 1, 1}, 1e-6);
+    EXPECT_LE(grid.cubeCount(), 30'000'000);
+    EXPECT_GT(grid.cubeCount(), 1'000'000);
+}
+
+TEST(PointGroups, holdsEachPointOnce) {
+    auto points = randomPoints(1000);
+    const CubeGrid grid({-1, -1, -1}, {1, 1, 1}, 0.2);
+    const PointGroups groups(points, grid);
+    EXPECT_THAT(std::vector(groups.points().begin(), groups.points().end()),
+                ::testing::UnorderedElementsAreArray(points));
+    for (const auto& group : groups.groups())
+        for (Index i = group.first; i < group.last; ++i) {
+            EXPECT_EQ(grid.cubeOf(groups.points()[i]), group.cube);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                EXPECT_GE(groups.points()[i][axis], group.low[axis]);
+                EXPECT_LE(groups.points()[i][axis], group.high[axis]);
+            }
+        }
+    points.insert(points.end(), points.begin(), points.end());
+    std::shuffle(points.begin(), points.end(), std::mt19937(2));
+    const PointGroups again(points, grid);
+    EXPECT_TRUE(std::ranges::equal(again.points(), groups.points()));
+}
+
+TEST(PointGroups, findsTheNearestGroup) {
+    const PointGroups groups(randomPoints(300), CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
+    for (const Point3& query : randomPoints(50)) {
+        const Point3 place = scaled(query, 1.2);
+        double least = 1e9;
+        for (const auto& group : groups.groups())
+            least = std::min(least, length(difference(group.centre, place)));
+        const Index found = groups.nearest(place, 30);
+        ASSERT_GE(found, 0);
+        EXPECT_EQ(length(difference(groups.groups()[found].centre, place)), least);
+    }
+    const std::vector<Point3> one = {{-0.95, -0.95, -0.95}};
+    const PointGroups far(one, CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
+    EXPECT_EQ(far.nearest({0.95, 0.95, 0.95}, 3), -1);
+}
+
+TEST(PointGroups, findsTheFarthestPoint) {
+    const std::vector<Point3> points = {{0.01, 0, 0}, {0.02, 0, 0.05}, {0.03, 0.01, 0}};
+    const PointGroups groups(points, CubeGrid({0, 0, 0}, {1, 1, 1}, 1));
+    ASSERT_EQ(groups.groups().size(), 1u);
+    EXPECT_EQ(groups.farthest(groups.groups()[0], {1, 0, 0}), points[2]);
+    EXPECT_EQ(groups.farthest(groups.groups()[0], {0, 0, 1}), points[1]);
+}
+
+}  // namespace
+}  // namespace espalier::cages
