@@ -3,6 +3,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/base/sort_unique.h>
+#include <espalier/base/vector3.h>
 #include <espalier/embed/continuity.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -185,9 +186,10 @@ bool isList(const std::string& path) {
 /// \throws Error naming a point that has a target already
 void addPulls(const FitCommandOptions& options, std::span<const Point3> points, Wishes& wishes) {
     for (const auto& [x, y, z, dx, dy, dz] : options.pulls) {
+        const Point3 place = {x, y, z};
         const auto squaredDistance = [&](const Point3& point) {
-            const double a = point[0] - x, b = point[1] - y, c = point[2] - z;
-            return a * a + b * b + c * c;
+            const Point3 way = difference(point, place);
+            return dot(way, way);
         };
         const auto nearest = std::ranges::min_element(points, {}, squaredDistance);
         const auto number = static_cast<Index>(nearest - points.begin());

@@ -7,6 +7,7 @@
 #include "bound_table.h"
 #include "support/mesh_shapes.h"
 #include "support/refined_lattice.h"
+#include "support/sanitizers.h"
 #include "support/tables.h"
 #include "support/test.h"
 #include "support/threads.h"
@@ -109,7 +110,7 @@ TYPED_TEST(ChangeEvaluatorTest, EqualsAWholeEvaluationForEachFormOfRows) {
     for (const Simd simd : {Simd::Baseline, Simd::Avx2, Simd::Avx512}) {
         if (!hasSimd(simd)) continue;
         for (const auto* table : {&box, &cylinder, &surface})
-            for (const Offset length : {1, 3, 5, 12})
+            for (const Offset length : someOf<Offset>({3, 1, 5, 12}))
                 expectSame(*table, CompiledTable<TypeParam>(*table, simd), length);
     }
 }

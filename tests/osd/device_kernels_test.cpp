@@ -4,6 +4,7 @@
 #include "bound_table.h"
 #include "host_device.h"
 #include "sums.h"
+#include "support/sanitizers.h"
 #include "support/test.h"
 
 // Tests the kernels of GPUs on the host, with real tables. evaluator_test.cpp tests the contract,
@@ -45,7 +46,7 @@ TYPED_TEST(DeviceKernels, EvaluateTablesAndTheirTransposes) {
         for (const bool isGrouped : {true, false}) {
             const HostDevice<Real> device(table, isGrouped);
             EXPECT_EQ(device.arrays().groups.empty(), !isGrouped);
-            for (const Offset length : {1, 3, 7, 12, 26}) {
+            for (const Offset length : someOf<Offset>({3, 1, 7, 12, 26})) {
                 const auto poses = randomValues<Real>(table.columnCount() * length, 6);
                 EXPECT_LE(
                     errorOfSums<Real>(table, poses, length,
