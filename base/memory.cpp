@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/base/number_text.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -76,6 +77,9 @@ std::optional<std::uint64_t> memoryLimit() {
 }
 
 std::uint64_t residentMemory() {
+#ifdef __EMSCRIPTEN__
+    return std::uint64_t{__builtin_wasm_memory_size(0)} * 65536;  // in pages; it never shrinks
+#else
     // The file has numbers of pages: total, resident, shared ... Streams would allocate memory.
     const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     if (file < 0) return 0;
@@ -89,9 +93,16 @@ std::uint64_t residentMemory() {
     std::uint64_t pages = 0;
     std::from_chars(words.data() + space + 1, words.data() + words.size(), pages);
     return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+#endif
 }
 
 void requireMemory(std::uint64_t bytes, const std::string& what) {
+    if constexpr (constexpr std::uint64_t kReach = std::numeric_limits<std::size_t>::max();
+                  kReach < kNoLimit)
+        if (bytes > kReach)
+            throw MemoryError(what + " takes about " + formatBytes(bytes) +
+                              " of memory; an address of this machine reaches " +
+                              formatBytes(kReach));
     const std::uint64_t limit = limits().lowest();
     if (limit == kNoLimit) return;
     const std::uint64_t held = residentMemory();
@@ -113,11 +124,7 @@ std::string formatBytes(std::uint64_t bytes) {
     auto amount = static_cast<double>(bytes);
     std::size_t unit = 0;
     for (; amount >= 1000 && unit + 1 < kUnits.size(); ++unit) amount /= 1000;
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), amount,
-                                   std::chars_format::fixed, unit == 0 ? 0 : 1)
-                         .ptr;
-    return std::string(digits.data(), end) + " " + kUnits[unit];
+    return fixedText(amount, unit == 0 ? 0 : 1) + " " + kUnits[unit];
 }
 
 }  // namespace espalier

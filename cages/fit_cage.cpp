@@ -2,6 +2,7 @@
 #include "fit_cage.h"
 
 #include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/refiner_options.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -57,8 +57,7 @@ void checkFinite(std::span<const Point3> points, const char* name) {
 }
 
 std::string textOf(double value) {
-    std::array<char, 32> text;
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+    return std::string(NumberText(value).view());
 }
 
 std::string textOf(const Point3& point) {

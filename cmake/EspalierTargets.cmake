@@ -64,6 +64,8 @@ function(espalier_compile_options target)
   # Clang's -Wconversion also warns about signed indices in brackets; GCC's does not in C++.
   set(options -Wall -Wextra -Wpedantic -Wconversion -Wshadow
               $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
+              # On a machine of 32 bits, every index of 64 bits into an array would warn.
+              $<$<AND:$<CXX_COMPILER_ID:Clang>,$<EQUAL:${CMAKE_SIZEOF_VOID_P},4>>:-Wno-shorten-64-to-32>
               # In a unity build GCC takes every source for a header.
               $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
               $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "canonical_loop.h"
 
@@ -29,7 +30,9 @@ std::vector<Index> canonicalCell(const CellComplex& complex, Index cell) {
 struct NumberedCell {
     std::vector<Index> key;
     Index cell;
-    friend auto operator<=>(const NumberedCell&, const NumberedCell&) = default;
+    friend bool operator<(const NumberedCell& a, const NumberedCell& b) {
+        return std::tie(a.key, a.cell) < std::tie(b.key, b.cell);
+    }
 };
 
 std::vector<NumberedCell> sortedCells(const CellComplex& complex) {

@@ -32,7 +32,7 @@ bool isPly(const Path& path) {
 bool isSameLoop(LoopView a, LoopView b) {
     if (a.empty() || a.size() != b.size()) return false;
     const std::size_t size = a.size();
-    const std::size_t start = std::ranges::find(b, a[0]) - b.begin();
+    const std::size_t start = std::find(b.begin(), b.end(), a[0]) - b.begin();
     if (start == size) return false;
     bool isForward = true, isBackward = true;
     for (std::size_t i = 0; i < size; ++i) {
@@ -43,8 +43,9 @@ bool isSameLoop(LoopView a, LoopView b) {
 }
 
 bool isPartOf(LoopView part, LoopView whole) {
-    return std::ranges::all_of(part,
-                               [&](Index vertex) { return std::ranges::count(whole, vertex) > 0; });
+    return std::all_of(part.begin(), part.end(), [&](Index vertex) {
+        return std::find(whole.begin(), whole.end(), vertex) != whole.end();
+    });
 }
 
 std::string listOf(LoopView vertices) {
@@ -70,10 +71,10 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& fac
         const LoopView loop = faces[face];
         const LoopView candidates = loop.empty() ? LoopView() : lattice.relation(0, 2)[loop[0]];
         const auto loopOf = [&](Index candidate) { return lattice.relation(2, 0)[candidate]; };
-        if (std::ranges::any_of(
-                candidates, [&](Index candidate) { return isSameLoop(loop, loopOf(candidate)); }))
+        if (std::any_of(candidates.begin(), candidates.end(),
+                        [&](Index candidate) { return isSameLoop(loop, loopOf(candidate)); }))
             continue;
-        const auto split = std::ranges::find_if(candidates, [&](Index candidate) {
+        const auto split = std::find_if(candidates.begin(), candidates.end(), [&](Index candidate) {
             return loop.size() < loopOf(candidate).size() && isPartOf(loop, loopOf(candidate));
         });
         const std::string what =

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/osd/evaluation.h>
 
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -9,16 +10,16 @@ namespace espalier::osd {
 namespace {
 
 /// Returns true if a buffer of `size` numbers holds all entries. Uses subtraction and division,
-/// since sums and products could overflow. An offset beyond the buffer is rejected even if there
-/// are no entries, because evaluators add it to the address.
-bool holds(const BufferDescriptor& layout, std::size_t size, Offset entries) {
-    const std::size_t offset = layout.offset;
-    const std::size_t length = layout.length;
+/// since sums and products could overflow, and 64 bits also where size_t has 32. An offset beyond
+/// the buffer is rejected even if there are no entries, because evaluators add it to the address.
+bool holds(const BufferDescriptor& layout, std::uint64_t size, Offset entries) {
+    const std::uint64_t offset = layout.offset;
+    const std::uint64_t length = layout.length;
     if (offset > size) return false;
     if (entries == 0) return true;
     if (length > size - offset) return false;
-    return (size - offset - length) / static_cast<std::size_t>(layout.stride) >=
-           static_cast<std::size_t>(entries - 1);
+    return (size - offset - length) / static_cast<std::uint64_t>(layout.stride) >=
+           static_cast<std::uint64_t>(entries - 1);
 }
 
 // Builds the message only when it throws, so that a valid evaluation allocates nothing here.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/number_text.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <array>
-#include <charconv>
 #include <filesystem>
 #include <utility>
 
@@ -27,14 +26,11 @@ std::vector<Point3> pointsOf(const ModelFile& file) {
 
 ModelFile modelOfPoints(std::span<const Point3> points) {
     std::string bytes;
-    std::array<char, 32> digits{};  // a double takes at most 24
     for (const Point3& point : points) {
         bytes += 'v';
         for (const double coordinate : point) {
-            const auto end =
-                std::to_chars(digits.data(), digits.data() + digits.size(), coordinate);
             bytes += ' ';
-            bytes.append(digits.data(), end.ptr);
+            bytes += NumberText(coordinate).view();
         }
         bytes += '\n';
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/vector3.h>
 #include <espalier/far/topology_error.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "checks.h"
@@ -23,9 +23,7 @@ const char* complexName(int dimension) {
 }  // namespace
 
 std::string textOf(double value) {
-    char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
-    return std::string(buffer, end);
+    return std::string(NumberText(value).view());
 }
 
 std::string textOf(const Point3& point) {

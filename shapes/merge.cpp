@@ -271,7 +271,7 @@ MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged)
                             lattice.complex.count(dimension));
     }
     const auto latticeOf = [&](Index cell) {
-        return std::ranges::upper_bound(lastCells, cell) - lastCells.begin();
+        return std::upper_bound(lastCells.begin(), lastCells.end(), cell) - lastCells.begin();
     };
     for (Index face = 0; face < merged.complex.count(dimension - 1); ++face) {
         const auto cells = merged.complex.relation(dimension - 1, dimension)[face];
@@ -281,7 +281,8 @@ MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged)
             const auto other = latticeOf(cell);
             isShared |= other != first;
             const auto [low, high] = std::minmax(joints.groups[first], joints.groups[other]);
-            if (low != high) std::ranges::replace(joints.groups, std::size_t{high}, low);
+            if (low != high)
+                std::replace(joints.groups.begin(), joints.groups.end(), std::size_t{high}, low);
         }
         joints.sharedFaces += isShared;
     }

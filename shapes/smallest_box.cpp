@@ -32,7 +32,7 @@ double turn(const Point2& a, const Point2& b, const Point2& c) {
 
 /// Returns the corners of the convex hull, anticlockwise (Andrew's monotone chain).
 std::vector<Point2> convexHull(std::vector<Point2> points) {
-    std::ranges::sort(points);
+    std::sort(points.begin(), points.end());
     points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     std::vector<Point2> hull;
@@ -47,7 +47,7 @@ std::vector<Point2> convexHull(std::vector<Point2> points) {
         hull.pop_back();  // The other chain begins with it.
     };
     addChain(points);
-    std::ranges::reverse(points);
+    std::reverse(points.begin(), points.end());
     addChain(points);
     return hull;
 }
@@ -153,12 +153,14 @@ std::vector<Point3> extremePoints(std::span<const Point3> points) {
     constexpr int kDirections = 400;
     std::vector<Point3> result;
     for (const Point3& direction : directions(kDirections)) {
-        const auto [low, high] = std::ranges::minmax_element(
-            points, {}, [&](const Point3& point) { return dot(point, direction); });
+        const auto [low, high] = std::minmax_element(
+            points.begin(), points.end(), [&](const Point3& a, const Point3& b) {
+                return dot(a, direction) < dot(b, direction);
+            });
         result.push_back(*low);
         result.push_back(*high);
     }
-    std::ranges::sort(result);
+    std::sort(result.begin(), result.end());
     result.erase(std::unique(result.begin(), result.end()), result.end());
     return result;
 }
@@ -188,7 +190,7 @@ Axes named(const Axes& axes) {
             most = sum;
             best = candidate;
         }
-    } while (std::ranges::next_permutation(order).found);
+    } while (std::next_permutation(order.begin(), order.end()));
     return best;
 }
 

@@ -51,7 +51,7 @@ StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<D
     if (matrix.rows() > kMaxIndex || matrix.cols() > kMaxIndex)
         throw Error("a matrix of " + std::to_string(matrix.rows()) + " × " +
                     std::to_string(matrix.cols()) + " is too large for a table");
-    Eigen::SparseMatrix<Real, Eigen::RowMajor, Offset> rows = matrix;
+    Eigen::SparseMatrix<Real, Eigen::RowMajor, Eigen::Index> rows = matrix;
     rows.makeCompressed();
     const auto entries = static_cast<std::size_t>(rows.nonZeros());
     const auto rowCount = static_cast<std::size_t>(rows.rows());

@@ -138,7 +138,7 @@ void appendInflated(std::string_view stream, std::uint64_t size, DeflateForm for
     requireMemory(size, "its data");
     Inflater inflater(form);
     const std::size_t before = bytes.size();
-    bytes.resize(before + size);
+    bytes.resize(sizeInMemory(before + size));
     // zlib refuses a null destination, which an empty result could have.
     Bytef none = 0;
     Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);

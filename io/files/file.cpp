@@ -109,8 +109,8 @@ std::string readFile(const fs::path& path) {
     // The buffer is one byte larger than the file, so that the end is found before the buffer has
     // to grow. Pipes and files of /proc report size 0; their buffer starts with kBlock bytes.
     constexpr std::size_t kBlock = 1 << 16;
-    const std::size_t expected = before.st_size;
-    requireMemory(expected, shownPath(path) + ":");
+    requireMemory(before.st_size, shownPath(path) + ":");
+    const auto expected = static_cast<std::size_t>(before.st_size);
     std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
     std::size_t size = 0;
     while (true) {

@@ -83,7 +83,7 @@ const char* xmlName(NumberType type) {
 }
 
 std::optional<NumberType> numberOfXmlName(std::string_view name) {
-    const auto at = std::ranges::find(kXmlNames, name);
+    const auto at = std::find(std::begin(kXmlNames), std::end(kXmlNames), name);
     if (at == std::end(kXmlNames)) return std::nullopt;
     return static_cast<NumberType>(at - std::begin(kXmlNames));
 }
@@ -171,11 +171,6 @@ Value readNumber(TextReader& text, NumberType type, const char* what) {
         number = toFloat(wide);
     }
     return static_cast<Value>(number);
-}
-
-std::size_t saturatingProduct(std::size_t a, std::size_t b) {
-    constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
-    return b != 0 && a > kMax / b ? kMax : a * b;
 }
 
 #define ESPALIER_INSTANTIATE(Value)                                                       \

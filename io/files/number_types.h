@@ -7,10 +7,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 // The number types of file formats, by VTK's names. Readers of lattices convert all numbers to one
@@ -109,6 +111,10 @@ template <class Value>
 Value readNumber(TextReader& text, NumberType type, const char* what);
 
 /// Returns a · b, or the largest number if the product overflows; for sizes that a file claims.
-std::size_t saturatingProduct(std::size_t a, std::size_t b);
+template <class Size = std::size_t>
+Size saturatingProduct(std::type_identity_t<Size> a, std::type_identity_t<Size> b) {
+    constexpr Size kMax = std::numeric_limits<Size>::max();
+    return b != 0 && a > kMax / b ? kMax : a * b;
+}
 
 }  // namespace espalier::io

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <charconv>
+#include <espalier/base/number_text.h>
+
 #include <cstddef>
 #include <ostream>
 #include <string>
@@ -40,9 +40,7 @@ private:
     template <class Part>
     void putOne(const Part& part) {
         if constexpr (std::is_arithmetic_v<Part>) {
-            std::array<char, 32> digits;
-            const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), part).ptr;
-            putText({digits.data(), static_cast<std::size_t>(end - digits.data())});
+            putText(NumberText(part).view());
         } else {
             putText(part);
         }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
@@ -16,20 +16,13 @@ bool isSpace(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
 }
 
-template <class Real>
-std::string shortest(Real number) {
-    char text[64];
-    const auto result = std::to_chars(text, text + sizeof text, number);
-    return {text, result.ptr};
-}
-
 /// Parses the exponent after the "e" of a decimal number. Huge exponents are clamped to ±2^60,
 /// which no number of digits in a text can outweigh.
 std::int64_t exponentIn(std::string_view text) {
     constexpr std::int64_t kHuge = std::int64_t{1} << 60;
     if (text.starts_with('+')) text.remove_prefix(1);
     std::int64_t exponent = 0;
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), exponent);
+    const auto result = scanNumber(text, exponent);
     if (result.ec != std::errc()) return text.starts_with('-') ? -kHuge : kHuge;
     return std::clamp(exponent, -kHuge, kHuge);
 }
@@ -95,7 +88,7 @@ std::size_t TextReader::count(const char* what, std::size_t minBytes) {
     return result;
 }
 
-void TextReader::checkRoom(std::size_t count, std::size_t minBytes, const char* what) const {
+void TextReader::checkRoom(std::uint64_t count, std::size_t minBytes, const char* what) const {
     if (count > (remaining() + 1) / minBytes)
         fail(concat(what, " is ", count, ", but only ", remaining(), " bytes are left"));
 }
@@ -131,10 +124,10 @@ void TextReader::fail(const std::string& cause) const {
 template <class Number>
 bool parseNumber(std::string_view token, Number& number) {
     if (!token.empty() && token.front() == '+') token.remove_prefix(1);
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
+    const auto [end, error] = scanNumber(token, number);
     if (end != token.data() + token.size()) return false;
     if constexpr (std::is_floating_point_v<Number>) {
-        // std::from_chars reports the same error for numbers near 0 and for numbers too large.
+        // scanNumber() reports the same error for numbers near 0 and for numbers too large.
         if (error == std::errc::result_out_of_range && isBelowOne(token)) {
             number = token.starts_with('-') ? -Number(0) : Number(0);
             return true;
@@ -144,11 +137,11 @@ bool parseNumber(std::string_view token, Number& number) {
 }
 
 std::string formatNumber(double number) {
-    return shortest(number);
+    return std::string(NumberText(number).view());
 }
 
 std::string formatNumber(float number) {
-    return shortest(number);
+    return std::string(NumberText(number).view());
 }
 
 std::string lowerCase(std::string_view text) {

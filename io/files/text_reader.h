@@ -67,7 +67,7 @@ public:
     /// Throws if the rest of the text is too short for `count` items of at least `minBytes` bytes
     /// each. The last item may lack its separator.
     /// \throws FileError saying that `what` claims too much
-    void checkRoom(std::size_t count, std::size_t minBytes, const char* what) const;
+    void checkRoom(std::uint64_t count, std::size_t minBytes, const char* what) const;
 
     /// Reads the rest of the line, and returns it without its end ("\n" or "\r\n"). Returns an
     /// empty line at the end of the text.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/matrices/numpy_matrix.h>
 
@@ -83,7 +84,8 @@ StencilTable<double> readArchive(const ZipReader& zip) {
     if (offsets.size() != offsetCount)
         throw CodingError(concat("indptr.npy: has ", offsets.size(), " numbers for ", rowCount,
                                  " rows; expected one more than there are rows"));
-    const std::size_t entries = std::max<Offset>(offsets[offsets.size() - 1], 0);
+    const std::size_t entries =
+        sizeInMemory(static_cast<std::uint64_t>(std::max<Offset>(offsets[offsets.size() - 1], 0)));
     auto columns = readArray(zip, "indices", entries, npyNumbers<Index>);
     auto weights = readArray(zip, "data", entries, npyNumbers<double>);
     return tableOfRows(columnCount, std::move(offsets), std::move(columns), std::move(weights));

@@ -28,7 +28,7 @@ bool isTooLarge(Precision precision, double value) {
 std::string_view numberAt(std::string_view text, std::size_t place) {
     const auto ends = [](char c) { return c <= ' ' || c == '#' || c == '\\'; };
     const auto begin = text.begin() + static_cast<std::ptrdiff_t>(place);
-    return {begin, std::find_if(begin, text.end(), ends)};
+    return text.substr(place, std::find_if(begin, text.end(), ends) - begin);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -52,8 +53,11 @@ std::optional<int> lowDimensionOf(std::int64_t type) {
     constexpr std::int64_t kLines[] = {3, 4, 21, 35, 68, 75};
     constexpr std::int64_t kSurfaces[] = {5, 6, 7, 8, 9, 22, 23, 28, 30, 34, 36, 69, 70, 76, 77};
     if (type == 1 || type == 2) return 0;
-    if (std::ranges::count(kLines, type) > 0) return 1;
-    if (std::ranges::count(kSurfaces, type) > 0) return 2;
+    const auto contains = [type](const auto& types) {
+        return std::find(std::begin(types), std::end(types), type) != std::end(types);
+    };
+    if (contains(kLines)) return 1;
+    if (contains(kSurfaces)) return 2;
     return std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
@@ -150,7 +151,8 @@ public:
             }
             if (name == "NULL_ARRAY") continue;
             const std::size_t components = text_.count("the number of components", 1);
-            const std::size_t tuples = text_.number<std::uint64_t>("the number of tuples");
+            const std::size_t tuples =
+                sizeInMemory(text_.number<std::uint64_t>("the number of tuples"));
             readArray(name, keyword("a type"), components, tuples);
         }
     }
@@ -203,7 +205,7 @@ private:
         std::uint64_t length = first & 0x3f;
         for (int i = 1; i < lengthBytes; ++i)
             length = length << 8 | byte(text_.bytes(1, "the length of a string"));
-        text_.bytes(length, "a string");
+        text_.bytes(sizeInMemory(length), "a string");
     }
 
     LegacyRows rowsBySizes(const std::string& name) {

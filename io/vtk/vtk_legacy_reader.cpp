@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/vtk/vtk_legacy.h>
@@ -82,7 +83,7 @@ private:
 
     void beginData(Owner owner, std::size_t expected, const char* what) {
         owner_ = owner;
-        tupleCount_ = text().number<std::uint64_t>(what);
+        tupleCount_ = sizeInMemory(text().number<std::uint64_t>(what));
         if (tupleCount_ != expected)
             text().fail(
                 concat("the data are for ", tupleCount_, " ", what, ", but there are ", expected));

@@ -30,7 +30,7 @@ public:
 
     std::size_t maxLeft() const { return base64_ ? base64_->maxLeft() : raw_.left(); }
     std::string read(std::uint64_t count) {
-        if (base64_) return base64_->read(count);
+        if (base64_) return base64_->read(sizeInMemory(count));
         if (count > raw_.left())
             throw CodingError(concat("the raw data ends too early: ", count, " bytes are claimed, ",
                                      raw_.left(), " are there"));
@@ -59,8 +59,8 @@ std::string decodeCompressed(PayloadReader& reader) {
                                  reader.maxLeft(), " bytes are left"));
     std::vector<std::uint64_t> compressedSizes(blockCount);
     for (std::uint64_t& size : compressedSizes) size = reader.readWord();
-    requireMemory(std::min(saturatingProduct(blockCount, blockSize),
-                           saturatingProduct(kMaxInflation, reader.maxLeft())),
+    requireMemory(std::min(saturatingProduct<std::uint64_t>(blockCount, blockSize),
+                           saturatingProduct<std::uint64_t>(kMaxInflation, reader.maxLeft())),
                   "its data");
     std::string bytes;
     for (std::uint64_t block = 0; block < blockCount; ++block) {
@@ -114,8 +114,8 @@ std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCodi
     if (!coding.isCompressed || first == 0) return first;
     const std::uint64_t blockSize = reader.readWord();
     const std::uint64_t lastSize = reader.readWord();
-    if (lastSize == 0) return saturatingProduct(first, blockSize);
-    const std::uint64_t whole = saturatingProduct(first - 1, blockSize);
+    if (lastSize == 0) return saturatingProduct<std::uint64_t>(first, blockSize);
+    const std::uint64_t whole = saturatingProduct<std::uint64_t>(first - 1, blockSize);
     constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
     return whole > kMax - lastSize ? kMax : whole + lastSize;
 }

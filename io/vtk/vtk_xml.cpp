@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/utf8.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -71,7 +71,8 @@ std::string VtkXmlFile::payload(const VtkDataArray& array, const Expected& expec
     try {
         const PayloadForm form = isAppended ? appendedForm_ : PayloadForm::Base64;
         // A small file can claim a large array, so the claimed size is checked before inflating.
-        checkCount(array, claimedSize(text, form, coding_) / byteSize(*array.type), expected);
+        checkCount(array, sizeInMemory(claimedSize(text, form, coding_) / byteSize(*array.type)),
+                   expected);
         return decodePayload(text, form, coding_);
     } catch (const CodingError& error) {
         failIn(array, std::string("cannot be decoded: ") + error.what());
@@ -152,9 +153,7 @@ namespace {
 
 template <class Number>
 void append(std::string& text, Number number) {
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
-    text.append(digits, end);
+    text.append(NumberText(number).view());
 }
 
 /// Returns numbers as lines of text, with one tuple per line, or 12 numbers if a tuple is a single
@@ -279,7 +278,9 @@ VtkRows::VtkRows(const VtkXmlFile& file, const VtkSection& section, const char* 
                              "; expected ascending offsets"));
         before = end;
     }
-    values_ = file.list(file.array(section, values), before, "the last of " + inQuotes(offsets));
+    values_ =
+        file.list(file.array(section, values), sizeInMemory(static_cast<std::uint64_t>(before)),
+                  "the last of " + inQuotes(offsets));
 }
 
 }  // namespace espalier::io

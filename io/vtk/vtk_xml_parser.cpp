@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
@@ -213,7 +214,7 @@ private:
             file_.fail(lineOf(node), std::string(node.name()) + " has " +
                                          (attribute ? attribute.name() : "no offset") + " " +
                                          inQuotes(attribute.value()) + "; expected a whole number");
-        return count;
+        return sizeInMemory(count);
     }
 
     /// Converts a place in the text that pugixml parsed to a place in the file.

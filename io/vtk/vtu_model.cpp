@@ -84,14 +84,16 @@ public:
             addDirections(piece, first, points.size());
         }
         checkFinite(path, positions_);
-        std::ranges::sort(arrays_, {}, [](const PlacedArray& a) { return a.array.begin; });
+        std::sort(arrays_.begin(), arrays_.end(), [](const PlacedArray& a, const PlacedArray& b) {
+            return a.array.begin < b.array.begin;
+        });
     }
 
     std::span<const Point3> positions() const override { return positions_; }
     std::string_view extension() const override { return extension_; }
     bool hasDirections() const override {
-        return std::ranges::any_of(arrays_,
-                                   [](const PlacedArray& a) { return a.carry != nullptr; });
+        return std::any_of(arrays_.begin(), arrays_.end(),
+                           [](const PlacedArray& a) { return a.carry != nullptr; });
     }
 
     ModelFaces readFaces() const override {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtu.h>
 
@@ -141,7 +142,7 @@ private:
                 lastFace = std::max(lastFace, face);
             }
         const VtkRows loops(file_, section, "face_connectivity", "face_offsets",
-                            static_cast<std::size_t>(lastFace) + 1,
+                            sizeInMemory(static_cast<std::uint64_t>(lastFace) + 1),
                             concat("as the last face that a polyhedron names is ", lastFace));
         std::vector<std::span<const std::int64_t>> cellLoops;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
@@ -171,8 +172,9 @@ private:
                                   " to ", ends[cell]));
             before = ends[cell];
         }
-        const auto faces =
-            file_.list(file_.array(section, "faces"), before, "the last of 'faceoffsets'");
+        const auto faces = file_.list(file_.array(section, "faces"),
+                                      sizeInMemory(static_cast<std::uint64_t>(before)),
+                                      "the last of 'faceoffsets'");
         std::size_t begin = 0;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <new>
 #include <span>
 #include <vector>
@@ -45,7 +46,7 @@ inline Offset paddedLength(Offset length) {
 /// \throws std::bad_array_new_length if no memory could hold that many values
 template <class T, std::size_t alignment = 64>
 constexpr std::size_t scratchBytes(Offset count, Offset length = 1) {
-    constexpr std::size_t kMaxBytes = std::size_t{1} << 60;
+    constexpr std::size_t kMaxBytes = std::numeric_limits<std::size_t>::max() / 16;
     std::size_t bytes = 0;
     if (__builtin_mul_overflow(count, length, &bytes) ||
         __builtin_mul_overflow(bytes, sizeof(T), &bytes) || bytes > kMaxBytes)

@@ -46,7 +46,7 @@ TEST(Binding, DisplacementsLeavePointsThatDoNotMoveExactlyWhereTheyAre) {
     Index same = 0;
     for (Index i = 0; i < std::ssize(points); ++i) {
         const auto columns = binding.table.columns(i);
-        if (std::ranges::find(columns, 0) == columns.end()) {
+        if (std::find(columns.begin(), columns.end(), 0) == columns.end()) {
             EXPECT_EQ(moved[i], points[i]);
             ++same;
         }

@@ -101,7 +101,7 @@ TEST(SmallestBox, PaddingChoosesAmongFlatBoxes) {
     for (int i = 0; i < 4; ++i) square.push_back(map({1.0 * (i & 1), 1.0 * (i >> 1), 0}));
     const Extents extents = extentsAlong(smallestBox(square, 0.1), square);
     std::vector<double> sizes = {extents.size(0), extents.size(1), extents.size(2)};
-    std::ranges::sort(sizes);
+    std::sort(sizes.begin(), sizes.end());
     EXPECT_NEAR(sizes[0], 0, 1e-9);
     EXPECT_NEAR(sizes[1], 1, 1e-9);
     EXPECT_NEAR(sizes[2], 1, 1e-9);
