@@ -246,6 +246,24 @@ ESPALIER_C_API espalier_status espalier_lattice_mark_vertices(espalier_lattice* 
                                                               const int32_t* vertices,
                                                               const double* sharpness);
 
+/// Gives the numbers of marked edges and of marked vertices, for espalier_lattice_marks(). A later
+/// mark of the same edge or vertex replaces an earlier one, and counts separately.
+ESPALIER_C_API espalier_status espalier_lattice_mark_counts(const espalier_lattice* lattice,
+                                                            int64_t* edge_count,
+                                                            int64_t* vertex_count);
+
+/// Gives the marks, in the order in which they were set or read.
+///
+/// \param edge_count, vertex_count as espalier_lattice_mark_counts() gives them
+/// \param edge_ends receives 2 · edge_count vertices
+/// \param edge_sharpness receives edge_count numbers; ESPALIER_SHARP if infinite
+/// \param vertices receives vertex_count vertices
+/// \param vertex_sharpness receives vertex_count numbers
+ESPALIER_C_API espalier_status espalier_lattice_marks(const espalier_lattice* lattice,
+                                                      int64_t edge_count, int32_t* edge_ends,
+                                                      double* edge_sharpness, int64_t vertex_count,
+                                                      int32_t* vertices, double* vertex_sharpness);
+
 /// Removes all marks, including the marks that were read from a file.
 ESPALIER_C_API espalier_status espalier_lattice_clear_marks(espalier_lattice* lattice);
 
@@ -349,6 +367,24 @@ ESPALIER_C_API espalier_status espalier_refiner_cells(const espalier_refiner* re
 ///        outside
 ESPALIER_C_API espalier_status espalier_refiner_face_signs(const espalier_refiner* refiner,
                                                            int32_t level, const int8_t** signs);
+
+/// Gives the edges of a level, for example to draw it.
+///
+/// \param edge_count receives the number of edges
+/// \param ends receives the two vertices of each edge: 2 · *edge_count numbers
+ESPALIER_C_API espalier_status espalier_refiner_edges(const espalier_refiner* refiner,
+                                                      int32_t level, int32_t* edge_count,
+                                                      const int32_t** ends);
+
+/// Gives the strata of the entities of a level: the dimension of the feature on which an entity
+/// lies. 0 is a corner, 1 a sharp edge, 2 the boundary surface, 3 the interior (far/strata.h).
+///
+/// \param dimension of the entities: 0 for vertices, 1 for edges, 2 for faces, 3 for cells
+/// \param count receives the number of entities
+/// \param strata one number for each of them
+ESPALIER_C_API espalier_status espalier_refiner_strata(const espalier_refiner* refiner,
+                                                       int32_t level, int32_t dimension,
+                                                       int32_t* count, const uint8_t** strata);
 
 /// Refines values on the vertices of the lattice, such as positions or texture coordinates, to
 /// values on the vertices of a level: R_level · ... · R_1 · values.

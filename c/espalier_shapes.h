@@ -283,6 +283,33 @@ ESPALIER_C_API espalier_status espalier_lattice_create_polygonal_solid(int32_t s
                                                                        double radius, double height,
                                                                        espalier_lattice** lattice);
 
+/// Makes a lattice with one more cell, a prism on a boundary face of the given lattice: the face,
+/// moved by an offset, is the opposite face (shapes/attach.h). Vertices and cells keep their
+/// numbers and marks. New vertices follow, in the order of the vertices of the face, and are not
+/// welded to others: espalier_lattice_create_merged() does that.
+///
+/// \param face number of a face at level 0 (espalier_refiner_cells()), in one cell
+/// \param offset to the outside
+ESPALIER_C_API espalier_status espalier_lattice_create_with_prism(const espalier_lattice* lattice,
+                                                                  int32_t face,
+                                                                  const double offset[3],
+                                                                  espalier_lattice** result);
+
+/// Makes a lattice with one more cell, a pyramid on a boundary face, in the same way.
+/// \param apex position of its one new vertex, outside the lattice
+ESPALIER_C_API espalier_status espalier_lattice_create_with_pyramid(const espalier_lattice* lattice,
+                                                                    int32_t face,
+                                                                    const double apex[3],
+                                                                    espalier_lattice** result);
+
+/// Makes a lattice without some cells, and without the vertices that no other cell has
+/// (shapes/remove_cells.h). The other vertices and cells keep their order and marks.
+///
+/// \retval ESPALIER_ERROR_INPUT a cell does not exist, or no cell would remain
+ESPALIER_C_API espalier_status
+espalier_lattice_create_without_cells(const espalier_lattice* lattice, int32_t cell_count,
+                                      const int32_t* cells, espalier_lattice** result);
+
 /// Joins lattices by welding vertices that coincide (shapes/merge.h).
 ///
 /// \param count number of lattices, 1 or more

@@ -192,6 +192,43 @@ espalier_status espalier_lattice_mark_vertices(espalier_lattice* lattice, int64_
     });
 }
 
+espalier_status espalier_lattice_mark_counts(const espalier_lattice* lattice, int64_t* edge_count,
+                                             int64_t* vertex_count) {
+    return c::guarded([&] {
+        const far::Marks& marks = c::deref(lattice, "lattice").lattice.marks;
+        auto& edges = c::deref(edge_count, "edge_count");
+        auto& vertices = c::deref(vertex_count, "vertex_count");
+        edges = std::ssize(marks.edges);
+        vertices = std::ssize(marks.vertices);
+    });
+}
+
+espalier_status espalier_lattice_marks(const espalier_lattice* lattice, int64_t edge_count,
+                                       int32_t* edge_ends, double* edge_sharpness,
+                                       int64_t vertex_count, int32_t* vertices,
+                                       double* vertex_sharpness) {
+    return c::guarded([&] {
+        const far::Marks& marks = c::deref(lattice, "lattice").lattice.marks;
+        c::checkCount(edge_count, std::ssize(marks.edges), "edges in the arrays for the result");
+        c::checkCount(vertex_count, std::ssize(marks.vertices),
+                      "vertices in the arrays for the result");
+        const auto ends = c::array(edge_ends, edge_count, "edge_ends", 2);
+        const auto ofEdges = c::array(edge_sharpness, edge_count, "edge_sharpness");
+        const auto marked = c::array(vertices, vertex_count, "vertices");
+        const auto ofVertices = c::array(vertex_sharpness, vertex_count, "vertex_sharpness");
+        const auto finite = [](double sharpness) { return std::min(sharpness, ESPALIER_SHARP); };
+        for (std::size_t i = 0; i < marks.edges.size(); ++i) {
+            ends[2 * i] = marks.edges[i].vertices[0];
+            ends[2 * i + 1] = marks.edges[i].vertices[1];
+            ofEdges[i] = finite(marks.edges[i].sharpness);
+        }
+        for (std::size_t i = 0; i < marks.vertices.size(); ++i) {
+            marked[i] = marks.vertices[i].vertex;
+            ofVertices[i] = finite(marks.vertices[i].sharpness);
+        }
+    });
+}
+
 espalier_status espalier_lattice_clear_marks(espalier_lattice* lattice) {
     return c::guarded([&] { c::deref(lattice, "lattice").lattice.marks = {}; });
 }

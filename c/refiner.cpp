@@ -117,6 +117,27 @@ espalier_status espalier_refiner_face_signs(const espalier_refiner* refiner, int
     });
 }
 
+espalier_status espalier_refiner_edges(const espalier_refiner* refiner, int32_t level,
+                                       int32_t* edge_count, const int32_t** ends) {
+    return c::guarded([&] {
+        const auto& complex = c::deref(refiner, "refiner").refiner.level(level).complex;
+        auto& count = c::deref(edge_count, "edge_count");
+        c::deref(ends, "ends") = complex.relation(1, 0).values().data();
+        count = complex.count(1);
+    });
+}
+
+espalier_status espalier_refiner_strata(const espalier_refiner* refiner, int32_t level,
+                                        int32_t dimension, int32_t* count, const uint8_t** strata) {
+    return c::guarded([&] {
+        const auto& own = c::deref(refiner, "refiner").refiner.level(level);
+        const auto chosen = c::choice(dimension, kMaxDimension, "dimension");
+        auto& outCount = c::deref(count, "count");
+        c::deref(strata, "strata") = own.strata.strata()[chosen].data();
+        outCount = own.complex.count(chosen);
+    });
+}
+
 espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, int32_t level,
                                               int32_t components, const double* values,
                                               int64_t size, double* result, int64_t result_size) {

@@ -2,9 +2,11 @@
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/shapes/around.h>
+#include <espalier/shapes/attach.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
+#include <espalier/shapes/remove_cells.h>
 #include <espalier/shapes/solids.h>
 
 #include <utility>
@@ -175,6 +177,35 @@ espalier_status espalier_lattice_create_polygonal_solid(int32_t solid, int32_t s
     return c::result(lattice, "lattice", [&] {
         const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_BIPYRAMID}, "solid");
         return c::make(c::kPolygonalSolids[number], {sides, radius, height});
+    });
+}
+
+espalier_status espalier_lattice_create_with_prism(const espalier_lattice* lattice, int32_t face,
+                                                   const double offset[3],
+                                                   espalier_lattice** result) {
+    return c::result(result, "result", [&] {
+        const Lattice& own = c::deref(lattice, "lattice").lattice;
+        return new espalier_lattice{
+            shapes::attachPrism(own, FaceId(face), c::point(offset, "offset"))};
+    });
+}
+
+espalier_status espalier_lattice_create_with_pyramid(const espalier_lattice* lattice, int32_t face,
+                                                     const double apex[3],
+                                                     espalier_lattice** result) {
+    return c::result(result, "result", [&] {
+        const Lattice& own = c::deref(lattice, "lattice").lattice;
+        return new espalier_lattice{
+            shapes::attachPyramid(own, FaceId(face), c::point(apex, "apex"))};
+    });
+}
+
+espalier_status espalier_lattice_create_without_cells(const espalier_lattice* lattice,
+                                                      int32_t cell_count, const int32_t* cells,
+                                                      espalier_lattice** result) {
+    return c::result(result, "result", [&] {
+        const Lattice& own = c::deref(lattice, "lattice").lattice;
+        return new espalier_lattice{shapes::removeCells(own, c::array(cells, cell_count, "cells"))};
     });
 }
 

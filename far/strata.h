@@ -89,6 +89,9 @@ public:
     /// Returns smoothStratum() of every entity.
     const Numbers& smoothStrata() const { return smoothStrata_; }
 
+    /// Returns of() of every entity.
+    const Numbers& strata() const { return strata_; }
+
     /// Returns true if `other`, which contains `entity` or is equal to it, belongs to the
     /// sub-complex that the rule of `stratum` averages over: `other` has this stratum or a lower
     /// one, and is on the surface if `entity` is. So a sharp edge inside a lattice does not affect
