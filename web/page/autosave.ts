@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keeps the document in the browser, so that it is there again after the page was closed.
+
+import type { Document } from "./document.ts";
+
+const kStore = "documents";
+const kKey = "last";
+/** Changes with the fields of Document. */
+const kVersion = 1;
+
+function database(): Promise<IDBDatabase> {
+  const request = indexedDB.open("espalier", kVersion);
+  request.onupgradeneeded = () => {
+    if (!request.result.objectStoreNames.contains(kStore)) request.result.createObjectStore(kStore);
+  };
+  return promiseOf(request);
+}
+
+function promiseOf<T>(request: IDBRequest<T>): Promise<T> {
+  return new Promise((resolve, reject) => {
+    request.onsuccess = () => resolve(request.result);
+    request.onerror = () => reject(request.error);
+  });
+}
+
+async function withStore<T>(mode: IDBTransactionMode, use: (store: IDBObjectStore) => IDBRequest<T>) {
+  const opened = await database();
+  try {
+    return await promiseOf(use(opened.transaction(kStore, mode).objectStore(kStore)));
+  } finally {
+    opened.close();
+  }
+}
+
+/** The document that was saved last, if there is one and the browser gives it. */
+export async function savedDocument(): Promise<Document | null> {
+  try {
+    return (await withStore<Document>("readonly", (store) => store.get(kKey))) ?? null;
+  } catch {
+    return null; // The browser keeps nothing, in a private window say.
+  }
+}
+
+let timer: ReturnType<typeof setTimeout> | undefined;
+
+/** Saves the document soon; later calls replace earlier ones. */
+export function saveSoon(document: Document): void {
+  clearTimeout(timer);
+  timer = setTimeout(() => void save(document), 400);
+}
+
+async function save(document: Document): Promise<void> {
+  try {
+    await withStore("readwrite", (store) => store.put(document, kKey));
+  } catch {
+    // The browser keeps nothing: there is no place to save to.
+  }
+}

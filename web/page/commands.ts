@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that a button or a key does. Buttons name a command by data-command; the help sheet lists
+// the commands with keys.
+
+import { kEmptyDocument, withPoseAdded, withPoseReplaced } from "./document.ts";
+import type { Editor } from "./editor.ts";
+import { kExamples } from "./examples.ts";
+import type { Gizmo, Mode } from "./gizmo.ts";
+import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
+import { commandsOf, deformedName, fileName } from "./program.ts";
+import type { BoundaryFace, Product } from "./protocol.ts";
+import * as selecting from "./selection.ts";
+import type { Timeline } from "./timeline.ts";
+import { centerOf, kAxes, mirrored } from "./transforms.ts";
+import type { Point } from "../library/espalier.ts";
+
+/** The parts of the page that commands work on. */
+export interface Page {
+  editor: Editor;
+  gizmo: Gizmo;
+  pointer: Pointer;
+  timeline: Timeline;
+  /** Asks for files, and opens each. */
+  chooseFiles(accept: string, open: (file: { name: string; bytes: Uint8Array }) => Promise<void>): void;
+  save(name: string, content: Blob | Uint8Array): void;
+  switchTheme(): void;
+  /** Shows the controls as they are: which is chosen, and which can be used. */
+  refresh(): void;
+}
+
+export interface Command {
+  /** what it does, for the help sheet */
+  title: string;
+  /** the key, as KeyboardEvent.key gives it; before it "Ctrl+" or "Shift+" */
+  key?: string;
+  /** what must be there */
+  needs?: "model" | "lattice" | "selection" | "binding" | "pose" | "rest faces" | "undo" | "redo";
+  /** whether a button of a choice is chosen */
+  isChosen?(): boolean;
+  run(): void | Promise<void>;
+}
+
+const kModels = ".obj,.ply,.stl,.vtu,.vtp,.vtk";
+const kLattices = ".vtu,.ovm,.vtk,.obj,.ply";
+
+export function commandsFor(page: Page): Record<string, Command> {
+  const { editor, gizmo, pointer, timeline } = page;
+  const shape = () => editor.shape!;
+  const selection = () => editor.document.selection;
+
+  const handles = (mode: Mode, key: string, title: string): Command => ({
+    title,
+    key,
+    isChosen: () => gizmo.mode === mode && gizmo.pulled === null,
+    run() {
+      gizmo.mode = mode;
+      gizmo.pulled = null;
+      gizmo.place();
+      page.refresh();
+    },
+  });
+
+  const picks = (pick: Pick, key: string, title: string): Command => ({
+    title,
+    key,
+    isChosen: () => pointer.pick === pick,
+    run() {
+      pointer.pick = pick;
+      page.refresh();
+    },
+  });
+
+  const steps = (title: string, key: string, by: number): Command => ({
+    title,
+    key,
+    needs: "lattice",
+    run() {
+      const count = shape().positions.length / 3;
+      const [first] = selection();
+      return editor.select([first === undefined ? (by > 0 ? 0 : count - 1) : (first + by + count) % count]);
+    },
+  });
+
+  /** An arrow goes to the neighbour there; with Shift it moves the selection by a hundredth. */
+  const arrows = (name: string, dx: number, dy: number): Record<string, Command> => ({
+    [`go ${name}`]: {
+      title: `Go to the neighbour: ${name}`,
+      key: `Arrow${name[0].toUpperCase()}${name.slice(1)}`,
+      needs: "selection",
+      run() {
+        const next = neighbourTowards(editor, dx, dy);
+        return next === null ? undefined : editor.select([next]);
+      },
+    },
+    [`nudge ${name}`]: {
+      title: `Move the selection: ${name}`,
+      key: `Shift+Arrow${name[0].toUpperCase()}${name.slice(1)}`,
+      needs: "selection",
+      run: () => editor.transform({ kind: "move", offset: nudge(dx, dy) }),
+    },
+  });
+
+  /** A step along the axes that are nearest to right and up on the screen. */
+  function nudge(dx: number, dy: number): Point {
+    const e = editor.view.camera.matrixWorld.elements;
+    const direction = dx !== 0 ? [e[0], e[1], e[2]] : [e[4], e[5], e[6]];
+    const axis = direction.reduce(
+      (best, x, i) => (Math.abs(x) > Math.abs(direction[best]) ? i : best),
+      0,
+    );
+    const offset: Point = [0, 0, 0];
+    const sign = Math.sign(direction[axis]) * (dx !== 0 ? dx : -dy);
+    offset[axis] = sign * Number((editor.view.size / 100).toPrecision(2));
+    return offset;
+  }
+
+  const take = (name: () => string, product: () => Product) => async () =>
+    page.save(name(), await editor.write(product()));
+
+  const mark = (sharpness: number) => () => {
+    const edges = selecting.edgesOf(shape(), selection());
+    const vertices = edges.length === 0 ? [...selection()] : [];
+    return editor.editLattice({ kind: "mark", edges, vertices, sharpness });
+  };
+
+  const planes = Object.fromEntries(
+    kAxes.map((axis, i) => [
+      `plane ${axis}`,
+      {
+        title: `Select all at the same ${axis}`,
+        key: `Shift+${axis.toUpperCase()}`,
+        needs: "selection",
+        run: () => editor.select(selecting.atPlanes(editor.positions, selection(), i)),
+      } satisfies Command,
+    ]),
+  );
+
+  const mirrors = Object.fromEntries(
+    kAxes.map((axis) => [
+      `mirror ${axis}`,
+      {
+        title: `Mirror across ${axis}`,
+        needs: "selection",
+        run() {
+          const rest = editor.document.lattice!.positions;
+          const positions = mirrored(rest, editor.positions, selection(), axis);
+          return editor.setPositions(positions, null);
+        },
+      } satisfies Command,
+    ]),
+  );
+
+  return {
+    open: {
+      title: "Open a model",
+      key: "o",
+      run: () => page.chooseFiles(kModels, (file) => editor.openModel(file)),
+    },
+    "open lattice": {
+      title: "Open a lattice, or a pose of it",
+      key: "l",
+      run: () => page.chooseFiles(kLattices, (file) => editor.openLatticeOrPose(file)),
+    },
+    example: { title: "Open an example", key: "e", run: () => openExample(editor, "dog") },
+    new: { title: "Begin anew", run: () => editor.change(kEmptyDocument) },
+    undo: { title: "Undo", key: "Ctrl+z", needs: "undo", run: () => editor.undo() },
+    redo: { title: "Redo", key: "Ctrl+y", needs: "redo", run: () => editor.redo() },
+
+    translate: handles("translate", "m", "Move by handles"),
+    rotate: handles("rotate", "r", "Rotate by handles"),
+    scale: handles("scale", "s", "Scale by handles"),
+    pull: {
+      title: "Pull a point of the model",
+      key: "p",
+      needs: "binding",
+      isChosen: () => gizmo.pulled !== null,
+      run() {
+        gizmo.pulled = 0;
+        gizmo.place();
+        editor.onMessage("Click a point of the model, and drag it by the handles.", false);
+        page.refresh();
+      },
+    },
+    "pick vertices": picks("vertices", "1", "Click selects a vertex"),
+    "pick faces": picks("faces", "2", "Click selects a face"),
+    "pick cells": picks("cells", "3", "Click selects a cell"),
+    "pick box": picks("box", "4", "Drag selects by a box"),
+
+    all: {
+      title: "Select all",
+      key: "a",
+      needs: "lattice",
+      run: () => editor.select(shape().vertexStrata.keys()),
+    },
+    none: { title: "Select none", key: "Escape", needs: "selection", run: () => editor.select([]) },
+    invert: {
+      title: "Invert the selection",
+      key: "i",
+      needs: "lattice",
+      run: () => editor.select(selecting.inverted(selection(), shape().positions.length / 3)),
+    },
+    row: {
+      title: "Select rows of cells",
+      key: "w",
+      needs: "selection",
+      run: () => editor.select(selecting.rows(shape(), selection())),
+    },
+    ...planes,
+    "next vertex": steps("Select the next vertex", "n", 1),
+    "previous vertex": steps("Select the vertex before", "Shift+N", -1),
+    ...arrows("left", -1, 0),
+    ...arrows("right", 1, 0),
+    ...arrows("up", 0, -1),
+    ...arrows("down", 0, 1),
+
+    ...mirrors,
+    reset: {
+      title: "Put the selection back to rest",
+      key: "Backspace",
+      needs: "selection",
+      run() {
+        const rest = editor.document.lattice!.positions;
+        const positions = editor.positions.slice();
+        for (const v of selection()) positions.set(rest.subarray(3 * v, 3 * v + 3), 3 * v);
+        return editor.setPositions(positions, null);
+      },
+    },
+
+    pyramid: {
+      title: "Attach a pyramid",
+      needs: "rest faces",
+      run() {
+        const [face] = selecting.facesOf(shape(), selection());
+        const { center, normal, size } = frameOf(shape().positions, [face]);
+        const apex = center.map((x, i) => x + 0.7 * size * normal[i]) as Point;
+        return editor.editLattice({ kind: "pyramid", face: face.face, apex });
+      },
+    },
+    weld: {
+      title: "Merge vertices that are close",
+      needs: "lattice",
+      run: () => editor.editLattice({ kind: "weld", tolerance: 1e-3 }),
+    },
+    "remove cells": {
+      title: "Delete the selected cells",
+      key: "Delete",
+      needs: "selection",
+      run() {
+        const cells = selecting.cellsOf(shape(), selection());
+        if (cells.length === 0) throw new Error("no cell is selected with all its vertices");
+        return editor.editLattice({ kind: "remove", cells });
+      },
+    },
+    sharp: { title: "Mark as sharp", needs: "selection", run: mark(10) },
+    smooth: { title: "Mark as smooth", needs: "selection", run: mark(0) },
+    "clear marks": {
+      title: "Remove all marks",
+      needs: "lattice",
+      run: () => editor.editLattice({ kind: "clear marks" }),
+    },
+
+    "save model": {
+      title: "Take the deformed model home",
+      key: "Ctrl+s",
+      needs: "binding",
+      run: take(
+        () => deformedName(editor.document),
+        () => ({ kind: "model", pose: editor.positions }),
+      ),
+    },
+    "save pose": {
+      title: "Take the pose home",
+      needs: "lattice",
+      run: take(
+        () => fileName(editor.pose),
+        () => ({ kind: "lattice", positions: editor.positions, extension: ".vtu" }),
+      ),
+    },
+    "save pose cage": {
+      title: "Take the pose home, as .obj",
+      needs: "lattice",
+      run: take(
+        () => fileName(editor.pose).replace(".vtu", ".obj"),
+        () => ({ kind: "lattice", positions: editor.positions, extension: ".obj" }),
+      ),
+    },
+    "save rest": {
+      title: "Take the lattice at rest home",
+      needs: "lattice",
+      run: () => page.save("rest.vtu", editor.document.lattice!.bytes),
+    },
+    "save rest cage": {
+      title: "Take the lattice at rest home, as .obj",
+      needs: "lattice",
+      run: take(
+        () => "rest.obj",
+        () => ({
+          kind: "lattice",
+          positions: editor.document.lattice!.positions,
+          extension: ".obj",
+        }),
+      ),
+    },
+    "save matrix": {
+      title: "Take the matrix of the deformation home",
+      needs: "binding",
+      run: take(
+        () => "D.npz",
+        () => ({ kind: "matrix" }),
+      ),
+    },
+    picture: {
+      title: "Take a picture home",
+      needs: "model",
+      run: async () => page.save("espalier.png", await editor.view.picture()),
+    },
+    commands: {
+      title: "Show the commands of the program",
+      key: "c",
+      needs: "lattice",
+      run() {
+        const dialog = document.querySelector<HTMLDialogElement>("#program")!;
+        dialog.querySelector("pre")!.textContent = commandsOf(editor.document, editor.pose);
+        dialog.showModal();
+      },
+    },
+    "copy commands": {
+      title: "Copy the commands",
+      run: () => navigator.clipboard.writeText(commandsOf(editor.document, editor.pose)),
+    },
+
+    play: { title: "Play the poses", key: " ", needs: "lattice", run: () => timeline.toggle() },
+    "add pose": {
+      title: "Add a pose",
+      key: "Ctrl+Enter",
+      needs: "lattice",
+      run: () => editor.edit(withPoseAdded(editor.document)),
+    },
+    "rename pose": {
+      title: "Rename the pose",
+      key: "F2",
+      needs: "pose",
+      run() {
+        const name = prompt("Name of the pose", editor.pose.name)?.trim();
+        if (!name) return;
+        const index = editor.document.time - 1;
+        return editor.edit(withPoseReplaced(editor.document, index, { ...editor.pose, name }));
+      },
+    },
+    "delete pose": {
+      title: "Delete the pose",
+      needs: "pose",
+      run() {
+        const time = editor.document.time - 1;
+        return editor.edit({ ...withPoseReplaced(editor.document, time), time });
+      },
+    },
+    "next pose": { title: "Next pose", key: ".", needs: "lattice", run: () => timeline.step(1) },
+    "previous pose": { title: "Pose before", key: ",", needs: "lattice", run: () => timeline.step(-1) },
+
+    frame: { title: "Show everything", key: "f", run: () => editor.view.look() },
+    theme: { title: "Light or dark", key: "d", run: () => page.switchTheme() },
+    help: {
+      title: "Show this sheet",
+      key: "?",
+      run: () => document.querySelector<HTMLDialogElement>("#help")!.showModal(),
+    },
+    cancel: { title: "Cancel", run: () => editor.engine.cancel() },
+  };
+}
+
+export async function openExample(editor: Editor, name: string): Promise<void> {
+  await editor.openModel(kExamples[name].make());
+}
+
+/** The middle of faces, their mean normal, and their mean edge. */
+export function frameOf(positions: Float64Array, faces: BoundaryFace[]) {
+  const sum: Point = [0, 0, 0];
+  let edges = 0;
+  let length = 0;
+  for (const { vertices } of faces)
+    vertices.forEach((v, i) => {
+      const [p, q] = [v, vertices[(i + 1) % vertices.length]].map((w) =>
+        positions.subarray(3 * w, 3 * w + 3),
+      );
+      // The sum of p × q around a loop is its normal times twice its area.
+      for (let c = 0; c < 3; ++c)
+        sum[c] += p[(c + 1) % 3] * q[(c + 2) % 3] - p[(c + 2) % 3] * q[(c + 1) % 3];
+      length += Math.hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]);
+      ++edges;
+    });
+  const area = Math.hypot(...sum) || 1;
+  const weights = new Float64Array(positions.length / 3);
+  for (const { vertices } of faces) for (const v of vertices) weights[v] = 1;
+  return {
+    center: centerOf(positions, weights),
+    normal: sum.map((x) => x / area) as Point,
+    size: length / edges,
+  };
+}

@@ -1,0 +1,413 @@
+// SPDX-License-Identifier: Apache-2.0
+// The document that is edited, and what follows from it. An edit puts a new document into the history.
+// Then update() brings the worker and the view to that document: it opens, binds and poses only what
+// differs from what they have.
+
+import { Cancelled, Engine } from "./engine.ts";
+import {
+  History,
+  kEmptyDocument,
+  positionsAt,
+  withChangedLattice,
+  withLattice,
+  withMovedLattice,
+  withPoseAdded,
+  withPoseReplaced,
+  type Document,
+  type Pose,
+} from "./document.ts";
+import type {
+  BindResult,
+  LatticeEdit,
+  LatticeFile,
+  LatticeShape,
+  ModelShape,
+  NamedFile,
+  Product,
+  Recipe,
+} from "./protocol.ts";
+import { sorted } from "./selection.ts";
+import { optionsOf, softWeights, transformed, type Transform, type Weights } from "./transforms.ts";
+import type { Shown, View } from "./view.ts";
+
+/** What the worker and the view have. */
+interface Open {
+  model: NamedFile | null;
+  lattice: LatticeFile | null;
+  settings: Document["settings"] | null;
+  positions: Float64Array | null;
+  /** whether the points are in double precision */
+  exact: boolean;
+  cells: boolean;
+}
+
+const kNothing: Open = {
+  model: null,
+  lattice: null,
+  settings: null,
+  positions: null,
+  exact: false,
+  cells: false,
+};
+
+export class Editor {
+  /** Called after every change of the document and of what is known of it. */
+  onChange: () => void = () => {};
+  /** Called with a message for the person. */
+  onMessage: (text: string, isError: boolean) => void = () => {};
+
+  model: ModelShape | null = null;
+  shape: LatticeShape | null = null;
+  binding: BindResult | null = null;
+  folded: number[] = [];
+  radius = 0;
+
+  private history = new History(kEmptyDocument);
+  private open: Open = kNothing;
+  private running: Promise<void> | null = null;
+  private isStale = false;
+  /** positions while something is dragged or played, which are not in the document */
+  private transient: Float64Array | null = null;
+  private lastFoldCheck = { end: 0, took: 0 };
+
+  constructor(
+    readonly engine: Engine,
+    readonly view: View,
+  ) {
+    engine.onRestart = () => {
+      this.open = kNothing;
+    };
+  }
+
+  // ---- The document ----------------------------------------------------------------------------------
+
+  get document(): Document {
+    return this.history.present;
+  }
+
+  get canUndo(): boolean {
+    return this.history.canUndo;
+  }
+
+  get canRedo(): boolean {
+    return this.history.canRedo;
+  }
+
+  /** The positions of the vertices that are shown. */
+  get positions(): Float64Array {
+    const { document } = this;
+    return this.transient ?? positionsAt(document, document.time);
+  }
+
+  get isAtRest(): boolean {
+    return this.document.time === 0;
+  }
+
+  /** Resolves when the view shows the document. */
+  edit(document: Document): Promise<void> {
+    this.history.push(document);
+    return this.changed();
+  }
+
+  change(part: Partial<Document>): Promise<void> {
+    return this.edit({ ...this.document, ...part });
+  }
+
+  undo(): Promise<void> {
+    this.history.undo();
+    return this.changed();
+  }
+
+  redo(): Promise<void> {
+    this.history.redo();
+    return this.changed();
+  }
+
+  /** Begins with another document, without a way back. */
+  restart(document: Document): Promise<void> {
+    this.history = new History(document);
+    return this.changed();
+  }
+
+  setTime(time: number): Promise<void> {
+    this.history.replace({ ...this.document, time });
+    return this.changed();
+  }
+
+  private changed(): Promise<void> {
+    this.transient = null;
+    this.onChange();
+    return this.update();
+  }
+
+  // ---- Showing the document ----------------------------------------------------------------------------
+
+  /** Brings the worker and the view to the document. Calls during an update lead to one more. */
+  update(): Promise<void> {
+    this.isStale = true;
+    this.running ??= this.runUpdates().finally(() => {
+      this.running = null;
+    });
+    return this.running;
+  }
+
+  private async runUpdates(): Promise<void> {
+    while (this.isStale) {
+      this.isStale = false;
+      const { document } = this;
+      try {
+        await this.bring(document);
+      } catch (error) {
+        if (!(error instanceof Cancelled)) this.fail(error);
+        // The document cannot be shown, or a person did not want to wait for it.
+        if (this.document === document && this.history.canUndo) {
+          this.history.drop();
+          this.isStale = true;
+          this.onChange();
+        }
+      }
+    }
+  }
+
+  private async bring(document: Document): Promise<void> {
+    await this.bringModel(document);
+    await this.bringLattice(document);
+    await this.bringBinding(document);
+    await this.bringCells();
+    await this.bringPose(document);
+  }
+
+  private async bringModel({ model }: Document): Promise<void> {
+    if (this.open.model === model) return;
+    this.model = await this.engine.run("openModel", model);
+    this.open = { ...this.open, model, settings: null, positions: null };
+    this.binding = null;
+    this.view.setModel(
+      Float32Array.from(this.model?.points ?? []),
+      this.model?.triangles ?? new Uint32Array(0),
+    );
+    if (model && !this.document.lattice) this.view.look();
+    this.onChange();
+  }
+
+  private async bringLattice({ lattice }: Document): Promise<void> {
+    if (this.open.lattice === lattice) return;
+    const isFirst = !this.open.lattice;
+    this.shape = await this.engine.run("openLattice", lattice?.bytes ?? null);
+    this.open = { ...this.open, lattice, settings: null, positions: null, cells: false };
+    this.binding = null;
+    this.folded = [];
+    this.view.setLattice(this.shape);
+    if (lattice && isFirst) this.view.look();
+    this.onChange();
+  }
+
+  private async bringBinding({ model, lattice, settings }: Document): Promise<void> {
+    if (!model || !lattice) {
+      if (model && this.open.positions === null && this.model) {
+        this.view.setPoints(Float32Array.from(this.model.points));
+        this.view.setOutside(new Uint32Array(0));
+      }
+      return;
+    }
+    if (this.open.settings === settings) return;
+    this.binding = await this.engine.run("bind", settings);
+    this.open = { ...this.open, settings, positions: null };
+    this.view.setOutside(this.binding.outside);
+    this.onChange();
+  }
+
+  private async bringCells(): Promise<void> {
+    const { cells, cut } = this.view.shown;
+    const isWanted = this.shape !== null && (cells || cut !== "" || this.folded.length > 0);
+    if (!isWanted || this.open.cells) return;
+    this.view.setSurface(await this.engine.run("cellSurface"));
+    this.open = { ...this.open, cells: true, positions: null };
+  }
+
+  private async bringPose(document: Document): Promise<void> {
+    if (!document.lattice) return;
+    const { positions } = this;
+    const exact = this.transient === null;
+    this.view.setPose(positions);
+    this.view.setSelection(document.selection, this.weights().values);
+    const isShown = this.open.positions === positions && (this.open.exact || !exact);
+    if (isShown) return this.checkFolds(positions);
+    const result = await this.engine.run("pose", {
+      positions,
+      changed: changedVertices(this.open.positions, positions),
+      exact,
+      surface: this.open.cells,
+    });
+    this.open = { ...this.open, positions, exact };
+    if (result.points.length > 0) this.view.setPoints(result.points);
+    if (result.surface) this.view.setSurfacePositions(result.surface);
+    await this.checkFolds(positions);
+  }
+
+  /** Finds folded cells: after every edit, and during a drag as often as it does not slow it down. */
+  private async checkFolds(positions: Float64Array): Promise<void> {
+    const start = performance.now();
+    if (this.transient && start - this.lastFoldCheck.end < 4 * this.lastFoldCheck.took) return;
+    const folded = await this.engine.run("foldedCells", positions);
+    const end = performance.now();
+    this.lastFoldCheck = { end, took: end - start };
+    const differs = folded.join() !== this.folded.join();
+    this.folded = folded;
+    if (folded.length > 0 && !this.open.cells) this.isStale = true;
+    if (!differs) return;
+    this.view.setFolded(folded);
+    this.onChange();
+  }
+
+  setShown(shown: Shown): Promise<void> {
+    this.view.setShown(shown);
+    this.onChange();
+    return this.update();
+  }
+
+  // ---- Edits -----------------------------------------------------------------------------------------
+
+  /** Runs an action, and shows the message of what goes wrong. */
+  async attempt(action: () => void | Promise<void>): Promise<void> {
+    try {
+      await action();
+    } catch (error) {
+      if (!(error instanceof Cancelled)) this.fail(error);
+    }
+  }
+
+  private fail(error: unknown): void {
+    this.onMessage(error instanceof Error ? error.message : String(error), true);
+  }
+
+  /** Opens a model, or a lattice, or a pose of the lattice: as the file is. */
+  async openFile(file: NamedFile): Promise<void> {
+    const extension = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
+    if (extension === ".ovm" || ((extension === ".vtu" || extension === ".vtk") && this.document.model))
+      await this.openLatticeOrPose(file);
+    else await this.openModel(file);
+  }
+
+  /** Opens a model. A lattice stays, with its poses. */
+  async openModel(file: NamedFile): Promise<void> {
+    // The worker reads it here already, so a file that cannot be read changes nothing.
+    const shape = await this.engine.run("openModel", file);
+    this.open = { ...this.open, model: file, settings: null, positions: null };
+    this.model = shape;
+    this.binding = null;
+    this.view.setModel(Float32Array.from(shape!.points), shape!.triangles);
+    this.view.look();
+    await this.change({ model: file });
+  }
+
+  /** Opens a lattice; or a pose, if it has the cells of the lattice that is open. */
+  async openLatticeOrPose(file: NamedFile): Promise<void> {
+    if (this.document.lattice) {
+      const positions = await this.engine.run("readPose", file).catch((error) => {
+        if (error instanceof Cancelled) throw error;
+        return null;
+      });
+      if (positions) return this.addPose(nameOf(file), positions);
+    }
+    await this.openLattice(file);
+  }
+
+  async openLattice(file: NamedFile): Promise<void> {
+    const lattice = await this.engine.run("readLattice", file);
+    await this.edit(withLattice(this.document, { ...lattice, command: `# ${file.name} is rest.vtu` }));
+  }
+
+  async addPose(name: string, positions: Float64Array): Promise<void> {
+    const poses = [...this.document.poses, { name, positions, steps: null }];
+    await this.change({ poses, time: poses.length });
+  }
+
+  async makeLattice(recipe: Recipe, command: string): Promise<void> {
+    const lattice = await this.engine.run("makeLattice", recipe);
+    await this.edit(withLattice(this.document, { ...lattice, command }));
+  }
+
+  /** Changes the cells or the marks of the lattice. */
+  async editLattice(edit: LatticeEdit): Promise<void> {
+    const lattice = await this.engine.run("editLattice", edit);
+    const from = edit.kind === "move" ? withMovedLattice : withChangedLattice;
+    await this.edit(from(this.document, { ...lattice, command: null }));
+  }
+
+  select(vertices: Iterable<number>): Promise<void> {
+    const selection = sorted(vertices);
+    if (selection.join() === this.document.selection.join()) return Promise.resolve();
+    return this.change({ selection });
+  }
+
+  setRadius(radius: number): void {
+    this.radius = radius;
+    this.view.setSelection(this.document.selection, this.weights().values);
+    this.onChange();
+  }
+
+  /** The weights of the vertices in an operation, from the selection and the soft selection. */
+  weights(positions = this.document.lattice ? this.positions : new Float64Array(0)): Weights {
+    return softWeights(positions, this.document.selection, this.radius);
+  }
+
+  /** Moves the selected vertices by an operation. */
+  transform(transform: Transform): Promise<void> {
+    const weights = this.weights();
+    const positions = transformed(this.positions, weights, transform);
+    return this.setPositions(positions, optionsOf(weights, transform));
+  }
+
+  /** Shows positions without an edit. */
+  preview(positions: Float64Array): Promise<void> {
+    this.transient = positions;
+    return this.update();
+  }
+
+  /** Ends previews without an edit. */
+  endPreview(): Promise<void> {
+    return this.changed();
+  }
+
+  /** Sets the positions of the pose at the current time, or of the lattice at rest.
+   * @param step the option of `espalier pose` that does the same, if there is one
+   */
+  async setPositions(positions: Float64Array, step: string | null): Promise<void> {
+    if (this.isAtRest) return this.editLattice({ kind: "move", positions });
+    // Between two poses, the edit makes a pose of its own.
+    const { time } = this.document;
+    const document = Number.isInteger(time) ? this.document : withPoseAdded(this.document);
+    const index = document.time - 1;
+    const pose = document.poses[index];
+    const steps = step !== null && pose.steps ? [...pose.steps, step] : null;
+    await this.edit(withPoseReplaced(document, index, { ...pose, positions, steps }));
+  }
+
+  write(product: Product): Promise<Uint8Array> {
+    return this.engine.run("write", product);
+  }
+
+  /** The current pose, or a stand-in for the lattice at rest. */
+  get pose(): Pose {
+    const { document } = this;
+    const pose = Number.isInteger(document.time) ? document.poses[document.time - 1] : undefined;
+    return pose ?? {
+      name: this.isAtRest ? "rest" : "between",
+      positions: this.positions,
+      steps: this.isAtRest ? [] : null,
+    };
+  }
+}
+
+/** The vertices that differ; undefined if there is nothing to compare with. */
+function changedVertices(from: Float64Array | null, to: Float64Array): Int32Array | undefined {
+  if (!from || from.length !== to.length) return undefined;
+  const result: number[] = [];
+  for (let v = 0; v < to.length; v += 3)
+    if (from[v] !== to[v] || from[v + 1] !== to[v + 1] || from[v + 2] !== to[v + 2])
+      result.push(v / 3);
+  return Int32Array.from(result);
+}
+
+export const nameOf = (file: NamedFile) => file.name.replace(/\.[^.]*$/, "");

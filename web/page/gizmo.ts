@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// The handles with which the selected vertices are moved, turned and scaled, and a point of the model is
+// pulled.
+
+import * as THREE from "three";
+import { TransformControls } from "three/addons/controls/TransformControls.js";
+import type { Point } from "../library/espalier.ts";
+import type { Editor } from "./editor.ts";
+import { centerOf, optionsOf, type Weights } from "./transforms.ts";
+
+export type Mode = "translate" | "rotate" | "scale";
+
+export class Gizmo {
+  mode: Mode = "translate";
+  /** the point of the model that is pulled instead of vertices */
+  pulled: number | null = null;
+
+  private readonly controls: TransformControls;
+  private readonly handle = new THREE.Object3D();
+  private start: { positions: Float64Array; weights: Weights; matrix: THREE.Matrix4 } | null = null;
+  private latest: Float64Array | null = null;
+
+  constructor(private readonly editor: Editor) {
+    const { view } = editor;
+    this.controls = new TransformControls(view.camera, view.canvas);
+    this.controls.setSize(0.8);
+    view.scene.add(this.handle, this.controls.getHelper());
+    this.controls.addEventListener("change", () => view.ask());
+    this.controls.addEventListener("dragging-changed", ({ value }) => {
+      view.controls.enabled = !value;
+      if (value) this.begin();
+      else this.end();
+    });
+    this.controls.addEventListener("objectChange", () => this.drag());
+  }
+
+  /** Whether the pointer is on a handle, or drags it. */
+  get isUsed(): boolean {
+    return this.controls.dragging || this.controls.axis !== null;
+  }
+
+  /** Puts the handles where the selection is, or hides them. */
+  place(): void {
+    if (this.controls.dragging) return;
+    const { document, view } = this.editor;
+    const hasSelection = document.lattice !== null && document.selection.length > 0;
+    if (!hasSelection && this.pulled === null) {
+      this.controls.detach();
+      view.ask();
+      return;
+    }
+    const center =
+      this.pulled !== null
+        ? [...view.points.subarray(3 * this.pulled, 3 * this.pulled + 3)]
+        : centerOf(this.editor.positions, this.editor.weights().values);
+    this.handle.position.fromArray(center);
+    this.handle.rotation.set(0, 0, 0);
+    this.handle.scale.set(1, 1, 1);
+    this.handle.updateMatrixWorld();
+    this.controls.setMode(this.pulled !== null ? "translate" : this.mode);
+    this.controls.attach(this.handle);
+    view.ask();
+  }
+
+  private begin(): void {
+    this.handle.updateMatrix();
+    const { positions } = this.editor;
+    const weights = this.editor.weights();
+    this.start = { positions, weights, matrix: this.handle.matrix.clone() };
+    this.latest = null;
+  }
+
+  private drag(): void {
+    const { start } = this;
+    if (!start) return;
+    this.handle.updateMatrix();
+    if (this.pulled !== null) {
+      void this.editor.attempt(() => this.pull());
+      return;
+    }
+    const map = this.handle.matrix.clone().multiply(start.matrix.clone().invert());
+    const offset = this.offset();
+    const positions = start.positions.slice();
+    const point = new THREE.Vector3();
+    start.weights.values.forEach((weight, v) => {
+      if (weight <= 0) return;
+      const at = 3 * v;
+      if (this.mode === "translate") offset.forEach((x, c) => (positions[at + c] += weight * x));
+      else {
+        point.fromArray(start.positions, at).applyMatrix4(map);
+        point.toArray().forEach((x, c) => {
+          positions[at + c] += weight * (x - positions[at + c]);
+        });
+      }
+    });
+    this.latest = positions;
+    void this.editor.preview(positions);
+  }
+
+  private offset(): Point {
+    const from = new THREE.Vector3().setFromMatrixPosition(this.start!.matrix);
+    return this.handle.position.clone().sub(from).toArray();
+  }
+
+  private async pull(): Promise<void> {
+    const { start } = this;
+    const by = this.offset();
+    const moved = await this.editor.engine.run("pull", [{ point: this.pulled!, by }]);
+    if (this.start !== start) return;
+    this.latest = start!.positions.map((x, i) => x + moved[i]);
+    if (this.controls.dragging) void this.editor.preview(this.latest);
+  }
+
+  private async end(): Promise<void> {
+    const { start } = this;
+    if (!start) return;
+    if (this.pulled !== null) await this.editor.attempt(() => this.pull());
+    this.start = null;
+    const moveOnly = this.pulled === null && this.mode === "translate";
+    const step = moveOnly
+      ? optionsOf(start.weights, { kind: "move", offset: this.offsetFrom(start.matrix) })
+      : null;
+    if (this.latest) await this.editor.attempt(() => this.editor.setPositions(this.latest!, step));
+    this.place();
+  }
+
+  private offsetFrom(matrix: THREE.Matrix4): Point {
+    const from = new THREE.Vector3().setFromMatrixPosition(matrix);
+    return this.handle.position.clone().sub(from).toArray();
+  }
+}

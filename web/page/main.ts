@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts the page: makes its parts, connects the controls of index.html with them, and opens the files
+// inside the page, or the work of last time.
+
+import { saveSoon, savedDocument } from "./autosave.ts";
+import { commandsFor, frameOf, openExample, type Command, type Page } from "./commands.ts";
+import { isEmpty } from "./document.ts";
+import { Editor } from "./editor.ts";
+import { Engine } from "./engine.ts";
+import { kExamples } from "./examples.ts";
+import { Gizmo } from "./gizmo.ts";
+import { onDrop, Pointer } from "./pointer.ts";
+import type { NamedFile, Recipe } from "./protocol.ts";
+import * as selecting from "./selection.ts";
+import { Timeline } from "./timeline.ts";
+import { centerOf, type Axis, type Transform } from "./transforms.ts";
+import { View, type Shown } from "./view.ts";
+import type { Point } from "../library/espalier.ts";
+
+const find = <Type extends Element = HTMLElement>(selector: string) =>
+  document.querySelector<Type>(selector)!;
+const findAll = <Type extends Element = HTMLElement>(selector: string) =>
+  [...document.querySelectorAll<Type>(selector)];
+
+const view = new View(find("#view"));
+const editor = new Editor(new Engine(libraryInPage()), view);
+const gizmo = new Gizmo(editor);
+const pointer = new Pointer(editor, gizmo, find("#band"));
+const timeline = new Timeline(
+  editor,
+  find("#poses"),
+  find<HTMLInputElement>("#time"),
+  find('[data-command="play"]'),
+);
+const page: Page = { editor, gizmo, pointer, timeline, chooseFiles, save, switchTheme, refresh };
+const commands = commandsFor(page);
+
+function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+}
+
+/** espalier.wasm, which is inside the page. */
+async function libraryInPage(): Promise<Uint8Array> {
+  const zipped = bytesOf(find("#espalier-wasm").textContent!);
+  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// ---- Files ---------------------------------------------------------------------------------------------
+
+const read = async (file: File): Promise<NamedFile> => ({
+  name: file.name,
+  bytes: new Uint8Array(await file.arrayBuffer()),
+});
+
+function chooseFiles(accept: string, open: (file: NamedFile) => Promise<void>): void {
+  const input = find<HTMLInputElement>("#file");
+  input.accept = accept;
+  input.value = "";
+  input.onchange = () =>
+    void editor.attempt(async () => {
+      for (const file of input.files ?? []) await open(await read(file));
+    });
+  input.click();
+}
+
+function save(name: string, content: Blob | Uint8Array): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(content instanceof Blob ? content : new Blob([content as BlobPart]));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+onDrop(find("main"), (files) =>
+  editor.attempt(async () => {
+    for (const file of files) await editor.openFile(await read(file));
+  }),
+);
+
+// ---- Commands and keys -----------------------------------------------------------------------------------
+
+const runCommand = (command: Command) => {
+  if (canRun(command)) void editor.attempt(() => command.run());
+};
+
+function canRun({ needs }: Command): boolean {
+  const { document, shape, binding } = editor;
+  const { selection } = document;
+  switch (needs) {
+    case undefined:
+      return true;
+    case "undo":
+      return editor.canUndo;
+    case "redo":
+      return editor.canRedo;
+    case "model":
+      return !isEmpty(document);
+    case "lattice":
+      return shape !== null;
+    case "binding":
+      return binding !== null;
+    case "pose":
+      return Number.isInteger(document.time) && document.time > 0;
+    case "selection":
+      return shape !== null && selection.length > 0;
+    case "rest faces":
+      return shape !== null && selecting.facesOf(shape, selection).length > 0;
+  }
+}
+
+for (const button of findAll("[data-command]")) {
+  const command = commands[button.dataset.command!];
+  button.addEventListener("click", () => runCommand(command));
+  if (command.key) button.setAttribute("aria-keyshortcuts", command.key.replace("Ctrl", "Control"));
+  button.title ||= command.title;
+  if (command.key) button.title += ` (${command.key})`;
+}
+
+/** The key of an event, as commands name it. */
+function keyOf(event: KeyboardEvent): string {
+  const isLetter = event.key.length === 1;
+  const shift = event.shiftKey && (!isLetter || /\p{Lu}/u.test(event.key)) ? "Shift+" : "";
+  const control = event.ctrlKey || event.metaKey;
+  return (control ? "Ctrl+" : "") + shift + (control ? event.key.replace(/^\w$/, (c) => c.toLowerCase()) : event.key);
+}
+
+window.addEventListener("keydown", (event) => {
+  const target = event.target as HTMLElement;
+  const isTyping = target.matches("input:not([type=range]):not([type=checkbox]), select, textarea");
+  if (find("dialog[open]") || event.altKey) return;
+  let key = keyOf(event);
+  if (key === "Ctrl+Shift+z" || key === "Ctrl+Shift+Z") key = "Ctrl+y";
+  const command = Object.values(commands).find((each) => each.key === key);
+  if (!command || (isTyping && !key.startsWith("Ctrl+"))) return;
+  // Controls keep the keys that they use themselves.
+  if (key === " " && target.matches("button, summary, input")) return;
+  if (key.includes("Arrow") && target.matches("input")) return;
+  event.preventDefault();
+  runCommand(command);
+});
+
+find("#help dl").innerHTML = Object.values(commands)
+  .filter((command) => command.key)
+  .map(({ key, title }) => {
+    const shown = key === " " ? "Space" : key!.replace("Arrow", "");
+    return `<dt><kbd>${shown}</kbd></dt><dd>${title}</dd>`;
+  })
+  .join("");
+
+// ---- Forms and settings ------------------------------------------------------------------------------------
+
+type Values = Record<string, string>;
+const pointOf = ({ x, y, z }: Values) => [Number(x), Number(y), Number(z)] as Point;
+
+const forms: Record<string, (values: Values) => Promise<void>> = {
+  around({ cells, margin }) {
+    const command = `espalier shape around ${editor.document.model?.name} --cells ${cells} --margin ${margin} -o rest.vtu`;
+    const options = { cellsAlongLongest: Number(cells), margin: Number(margin) };
+    return editor.makeLattice({ kind: "around", options }, command);
+  },
+  cage({ vertices }) {
+    const command = `espalier shape cage ${editor.document.model?.name} --vertices ${vertices} -o rest.vtu`;
+    return editor.makeLattice({ kind: "cage", vertices: Number(vertices) }, command);
+  },
+  shape: ({ kind }) => editor.makeLattice(...shapeRecipe(kind)),
+  place(values) {
+    const center = centerOf(editor.positions, editor.weights().values);
+    const offset = pointOf(values).map((x, i) => x - center[i]) as Point;
+    return editor.transform({ kind: "move", offset });
+  },
+  move: (values) => editor.transform({ kind: "move", offset: pointOf(values) }),
+  scale: (values) => editor.transform({ kind: "scale", factors: pointOf(values) }),
+  turn({ kind, axis, amount }) {
+    const transform =
+      kind === "taper"
+        ? { kind, axis, factor: Number(amount) }
+        : { kind, axis, degrees: Number(amount) };
+    return editor.transform(transform as Transform & { axis: Axis });
+  },
+  extrude({ distance }) {
+    const faces = selecting.facesOf(editor.shape!, editor.document.selection);
+    if (faces.length === 0) throw new Error("no face is selected with all its vertices");
+    const { normal } = frameOf(editor.shape!.positions, faces);
+    const offset = normal.map((x) => x * Number(distance)) as Point;
+    return editor.editLattice({ kind: "extrude", faces: faces.map(({ face }) => face), offset });
+  },
+};
+
+/** A ready lattice, and the command of the program that makes it. */
+function shapeRecipe(kind: string): [Recipe, string] {
+  const command = (options: string) => `espalier shape ${kind}${options} -o rest.vtu`;
+  switch (kind) {
+    case "box":
+      return [{ kind, cells: [3, 3, 3] }, command(" --cells 3 3 3 --min -1 -1 -1 --max 1 1 1")];
+    case "cylinder":
+      return [
+        { kind, sectors: 8, layers: 3 },
+        command(" --sectors 8 --layers 3 --from 0 -1 0 --to 0 1 0"),
+      ];
+    case "torus":
+      return [{ kind, segments: 8 }, command("")];
+    case "star":
+      return [{ kind, points: 5 }, command("")];
+    case "barbell":
+    case "arm":
+      return [{ kind }, command("")];
+    default:
+      return [{ kind: "solid", name: kind } as Recipe, command("")];
+  }
+}
+
+for (const form of findAll<HTMLFormElement>("[data-form]"))
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const values = Object.fromEntries(new FormData(form)) as Values;
+    void editor.attempt(() => forms[form.dataset.form!](values));
+  });
+
+const setting = (name: string) => find<HTMLSelectElement>(`[data-setting="${name}"]`);
+setting("level").addEventListener("change", ({ target }) => {
+  const { value } = target as HTMLSelectElement;
+  const limit = value === "limit";
+  const { settings } = editor.document;
+  const level = limit ? settings.level : Number(value);
+  void editor.change({ settings: { ...settings, level, limit } });
+});
+setting("outside").addEventListener("change", ({ target }) => {
+  const outside = (target as HTMLSelectElement).value as "keep" | "nearest";
+  void editor.change({ settings: { ...editor.document.settings, outside } });
+});
+
+const radius = find<HTMLInputElement>('[data-choice="radius"]');
+radius.addEventListener("input", () => {
+  editor.setRadius(Number((Number(radius.value) * 0.6 * view.size).toPrecision(3)));
+});
+
+const examples = find<HTMLSelectElement>('[data-choice="example"]');
+for (const [name, { title }] of Object.entries(kExamples)) examples.add(new Option(title, name));
+examples.addEventListener("change", () => {
+  const name = examples.value;
+  examples.value = "";
+  void editor.attempt(() => openExample(editor, name));
+});
+
+for (const control of findAll<HTMLInputElement | HTMLSelectElement>("[data-shown]"))
+  control.addEventListener("input", () => {
+    const isBox = control instanceof HTMLInputElement && control.type === "checkbox";
+    const value = isBox ? control.checked : control.type === "range" ? Number(control.value) : control.value;
+    void editor.setShown({ ...view.shown, [control.dataset.shown!]: value } as Shown);
+  });
+
+// ---- What the controls show ----------------------------------------------------------------------------------
+
+const put = (name: string, text: string) => {
+  find(`[data-show="${name}"]`).textContent = text;
+};
+const number = (count: number) => count.toLocaleString("en");
+const plural = (count: number, one: string) =>
+  `${number(count)} ${count === 1 ? one : one === "vertex" ? "vertices" : `${one}s`}`;
+
+function refresh(): void {
+  const { document: work, model, shape, binding, folded } = editor;
+  find("#start").hidden = !isEmpty(work);
+  put("model", work.model && model ? `${work.model.name}, ${plural(model.points.length / 3, "point")}` : "");
+  put("lattice", shape ? `${plural(shape.vertexStrata.length, "vertex")}, ${plural(shape.cells.length, "cell")}` : "");
+  put("selection", shape ? `${number(work.selection.length)} of ${number(shape.vertexStrata.length)}` : "");
+  put("pose", work.lattice ? (editor.isAtRest ? "the lattice at rest" : editor.pose.name) : "");
+  const outside = binding?.outside.length ?? 0;
+  const verb = work.settings.outside === "keep" ? "stay where they are" : "follow the nearest cell";
+  put("outside", outside > 0 ? `${plural(outside, "point")} outside the lattice: they ${verb}` : "");
+  const folds = folded.length > 0 ? `<b>${plural(folded.length, "cell")} folded</b>` : "";
+  find("#status").innerHTML = folds;
+
+  setting("level").value = work.settings.limit ? "limit" : String(work.settings.level);
+  setting("outside").value = work.settings.outside;
+  for (const button of findAll<HTMLButtonElement>("button[data-command]")) {
+    const command = commands[button.dataset.command!];
+    button.disabled = !canRun(command);
+    if (command.isChosen) button.setAttribute("aria-checked", String(command.isChosen()));
+  }
+  const needsOf: Record<string, Command["needs"]> = { around: "model", cage: "model", extrude: "rest faces", shape: undefined };
+  for (const form of findAll<HTMLFormElement>("[data-form]")) {
+    const name = form.dataset.form!;
+    const usable = name in needsOf ? canRun({ needs: needsOf[name] } as Command) : canRun(commands.none);
+    for (const control of form.elements) (control as HTMLInputElement).disabled = !usable;
+  }
+  refreshPlace();
+  timeline.refresh();
+  gizmo.place();
+}
+
+function refreshPlace(): void {
+  const form = find<HTMLFormElement>('[data-form="place"]');
+  if (!canRun(commands.none) || form.contains(document.activeElement)) return;
+  const center = centerOf(editor.positions, editor.weights().values);
+  for (const [i, name] of ["x", "y", "z"].entries())
+    (form.elements.namedItem(name) as HTMLInputElement).value = String(Number(center[i].toFixed(6)));
+}
+
+editor.onChange = () => {
+  refresh();
+  saveSoon(editor.document);
+};
+
+const message = find("#message");
+let messageTimer: ReturnType<typeof setTimeout> | undefined;
+editor.onMessage = (text, isError) => {
+  message.hidden = false;
+  message.classList.toggle("error", isError);
+  message.querySelector("span")!.textContent = text;
+  clearTimeout(messageTimer);
+  if (!isError) messageTimer = setTimeout(() => (message.hidden = true), 6000);
+};
+message.querySelector("button")!.addEventListener("click", () => (message.hidden = true));
+
+const kJobTitles: Partial<Record<string, string>> = {
+  openModel: "Opening the model",
+  bind: "Binding the points",
+  makeLattice: "Making the lattice",
+};
+const busy = find("#busy");
+let busyTimer: ReturnType<typeof setTimeout> | undefined;
+editor.engine.onBusy = (job) => {
+  clearTimeout(busyTimer);
+  if (job === null) busy.hidden = true;
+  else
+    busyTimer = setTimeout(() => {
+      busy.hidden = false;
+      busy.querySelector("span")!.textContent = kJobTitles[job] ?? "Working";
+    }, 300);
+};
+editor.engine.onProgress = (_, done) => {
+  busy.querySelector("progress")!.value = done;
+};
+
+// ---- Light and dark --------------------------------------------------------------------------------------------
+
+const kTheme = "espalier-theme";
+
+function setTheme(theme: string): void {
+  document.documentElement.dataset.theme = theme;
+  view.readColours();
+}
+
+function switchTheme(): void {
+  const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
+  localStorage.setItem(kTheme, theme);
+  setTheme(theme);
+}
+
+const prefersDark = matchMedia("(prefers-color-scheme: dark)");
+setTheme(localStorage.getItem(kTheme) ?? (prefersDark.matches ? "dark" : "light"));
+
+// ---- Start -----------------------------------------------------------------------------------------------------
+
+interface EmbeddedFiles {
+  model?: { name: string; data: string };
+  rest?: { name: string; data: string };
+  poses?: { name: string; data: string }[];
+  options?: { level?: number; limit?: boolean };
+}
+
+const decoded = ({ name, data }: { name: string; data: string }): NamedFile => ({
+  name,
+  bytes: bytesOf(data),
+});
+
+/** Opens the files that `espalier page` put into the page. */
+async function openEmbedded({ model, rest, poses = [], options }: EmbeddedFiles): Promise<void> {
+  if (options) await editor.change({ settings: { ...editor.document.settings, ...options } });
+  if (model) await editor.openModel(decoded(model));
+  if (rest) await editor.openLattice(decoded(rest));
+  for (const pose of poses) await editor.openLatticeOrPose(decoded(pose));
+  if (poses.length > 0) {
+    // The pose that a new lattice begins with is not one of them.
+    const own = editor.document.poses.slice(1);
+    await editor.change({ poses: own, time: own.length });
+  }
+  await editor.restart(editor.document);
+}
+
+async function start(): Promise<void> {
+  refresh();
+  view.look();
+  const embedded = find("#espalier-files").textContent!.trim();
+  if (embedded) return editor.attempt(() => openEmbedded(JSON.parse(embedded)));
+  const saved = await savedDocument();
+  if (saved && !isEmpty(saved)) await editor.restart(saved);
+}
+
+await start();
+document.documentElement.dataset.ready = "";
+// For scripts in the console, and for the tests.
+Object.assign(globalThis, { espalier: page });

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes the commands of the program that make what the page shows.
+
+import type { Document, Pose } from "./document.ts";
+import { nameOf } from "./editor.ts";
+
+export const fileName = (pose: Pose) => `${pose.name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-")}.vtu`;
+
+export function deformedName(document: Document): string {
+  const { name } = document.model!;
+  return `${nameOf(document.model!)}-deformed${name.slice(name.lastIndexOf("."))}`;
+}
+
+/** A word as a shell needs it. */
+const word = (text: string) =>
+  /^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+
+function bindingOptions({ settings }: Document): string {
+  const how = settings.limit ? "--limit" : `--level ${settings.level}`;
+  return `${how} --outside ${settings.outside}`;
+}
+
+export function commandsOf(document: Document, pose: Pose): string {
+  const { lattice, model } = document;
+  if (!lattice) return "# Make a lattice first.";
+  const lines: string[] = [lattice.command ?? "# rest.vtu: Take home, Rest .vtu"];
+  if (pose.name === "rest") lines.push("cp rest.vtu rest-as-pose.vtu");
+  else if (pose.steps) {
+    const steps = pose.steps.length > 0 ? pose.steps : ["--move 0 0 0"];
+    lines.push(
+      ["espalier pose rest.vtu", ...steps, `-o ${word(fileName(pose))}`].join(" \\\n    "),
+    );
+  } else lines.push(`# ${fileName(pose)}: Take home, Pose .vtu`);
+  if (model) {
+    const options = `--rest rest.vtu ${bindingOptions(document)}`;
+    const to = pose.name === "rest" ? "rest-as-pose.vtu" : word(fileName(pose));
+    lines.push(
+      `espalier deform ${word(model.name)} ${options} \\\n    --to ${to} -o ${word(deformedName(document))}`,
+      `espalier stencils rest.vtu --points ${word(model.name)} ${bindingOptions(document)} -o D.npz`,
+    );
+  }
+  return lines.join("\n");
+}

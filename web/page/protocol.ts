@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page and its worker say to each other. The page asks for jobs; the worker (worker.ts) runs
+// them one after another with the library, and answers each.
+
+import type { AroundOptions, Marks, Point } from "../library/espalier.ts";
+
+/** The content of a file. Its extension tells the format. */
+export interface NamedFile {
+  readonly name: string;
+  readonly bytes: Uint8Array;
+}
+
+/** What the page draws of a model. */
+export interface ModelShape {
+  /** as the file has them: 3 numbers for each point */
+  points: Float64Array;
+  /** 3 points for each triangle; empty for a cloud of points */
+  triangles: Uint32Array;
+  faceCount: number;
+}
+
+/** What the page draws of a lattice, and where its vertices are at rest. */
+export interface LatticeShape {
+  positions: Float64Array;
+  /** two vertices for each edge */
+  edges: Int32Array;
+  /** 0 corner, 1 sharp edge, 2 surface, 3 interior */
+  edgeStrata: Uint8Array;
+  vertexStrata: Uint8Array;
+  /** the vertices of each cell */
+  cells: Int32Array[];
+  /** the faces on the boundary, each anticlockwise from outside */
+  boundary: BoundaryFace[];
+  marks: Marks;
+}
+
+export interface BoundaryFace {
+  /** its number in the lattice */
+  face: number;
+  cell: number;
+  vertices: number[];
+}
+
+/** The faces at which the cells of the lattice end, on a finer level. */
+export interface CellSurface {
+  vertexCount: number;
+  /** four vertices for each face */
+  quads: Uint32Array;
+  /** for each face the cell of the lattice behind it, and the cell in front of it or -1 */
+  sides: Int32Array;
+}
+
+export interface BindSettings {
+  readonly level: number;
+  /** binds to the limit instead of the level */
+  readonly limit: boolean;
+  readonly outside: "keep" | "nearest";
+}
+
+export interface BindResult {
+  /** the points that are not inside, ascending */
+  outside: Uint32Array;
+  /** largest distance of a point at rest from its place in the lattice */
+  residual: number;
+}
+
+/** How to make a lattice. */
+export type Recipe =
+  | { kind: "around"; options: AroundOptions }
+  | { kind: "cage"; vertices: number }
+  | { kind: "box"; cells: Point }
+  | { kind: "cylinder"; sectors: number; layers: number }
+  | { kind: "torus"; segments: number }
+  | { kind: "star"; points: number }
+  | { kind: "barbell" }
+  | { kind: "arm" }
+  | { kind: "solid"; name: "tetrahedron" | "cube" | "octahedron" | "dodecahedron" | "icosahedron" };
+
+/** A change of the cells or of the marks of a lattice. */
+export type LatticeEdit =
+  | { kind: "extrude"; faces: number[]; offset: Point }
+  | { kind: "pyramid"; face: number; apex: Point }
+  | { kind: "remove"; cells: number[] }
+  | { kind: "weld"; tolerance: number }
+  | { kind: "mark"; edges: number[]; vertices: number[]; sharpness: number }
+  | { kind: "clear marks" }
+  | { kind: "move"; positions: Float64Array };
+
+/** A lattice as the document keeps it: a .vtu file, and the positions that the file gives. */
+export interface LatticeFile {
+  bytes: Uint8Array;
+  positions: Float64Array;
+}
+
+export interface PoseRequest {
+  positions: Float64Array;
+  /** the vertices that have moved since the last pose; all if it is missing */
+  changed?: Int32Array;
+  /** in double precision, as the program computes it; else in single precision, which is faster */
+  exact: boolean;
+  /** also moves the cell surface */
+  surface: boolean;
+}
+
+export interface PoseResult {
+  /** the points of the model; empty if nothing is bound */
+  points: Float32Array;
+  /** the vertices of the cell surface, if it was asked for */
+  surface?: Float32Array;
+}
+
+/** A point of the model that is pulled. */
+export interface Pull {
+  point: number;
+  /** the target minus the place where the point is now */
+  by: Point;
+}
+
+/** A file to take home. */
+export type Product =
+  | { kind: "model"; pose: Float64Array }
+  | { kind: "lattice"; positions: Float64Array; extension: ".vtu" | ".obj" }
+  | { kind: "matrix" };
+
+/** All jobs of the worker. */
+export interface Jobs {
+  /** Reads a model, which becomes the model of the jobs that follow; null closes it. */
+  openModel(file: NamedFile | null): ModelShape | null;
+  /** Reads a lattice from any lattice file. */
+  readLattice(file: NamedFile): LatticeFile;
+  /** Makes a lattice, around the open model if the recipe needs one. */
+  makeLattice(recipe: Recipe): LatticeFile;
+  /** Changes the open lattice; the result must be opened to be used. */
+  editLattice(edit: LatticeEdit): LatticeFile;
+  /** Opens a lattice that readLattice(), makeLattice() or editLattice() gave; null closes it. */
+  openLattice(bytes: Uint8Array | null): LatticeShape | null;
+  /** Binds the open model to the open lattice. */
+  bind(settings: BindSettings): BindResult;
+  cellSurface(): CellSurface;
+  pose(request: PoseRequest): PoseResult;
+  /** The cells of the lattice that a pose turns inside out somewhere. */
+  foldedCells(positions: Float64Array): number[];
+  /** Reads a pose of the open lattice. */
+  readPose(file: NamedFile): Float64Array;
+  /** The displacements of the vertices of the lattice that pull points of the model. */
+  pull(pulls: Pull[]): Float64Array;
+  write(product: Product): Uint8Array;
+  /** The size of the memory of the module, in bytes. */
+  memory(): number;
+}
+
+export type JobName = keyof Jobs;
+
+export interface Start {
+  module: WebAssembly.Module;
+}
+
+export interface Request<Name extends JobName = JobName> {
+  id: number;
+  job: Name;
+  values: Parameters<Jobs[Name]>;
+}
+
+export type Answer =
+  | { id: number; result: unknown }
+  | { id: number; error: string }
+  | { id: number; progress: number };

@@ -1,0 +1,606 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws the model, the lattice and its cells with three.js, when something has changed. Knows nothing of
+// documents: it gets arrays, and keeps what it needs to draw them and to find what is under the pointer.
+
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import type { BoundaryFace, CellSurface, LatticeShape } from "./protocol.ts";
+
+/** What is shown. */
+export interface Shown {
+  model: boolean;
+  lattice: boolean;
+  /** the refined cells of the lattice */
+  cells: boolean;
+  /** an axis: the cells beyond a plane across it are hidden */
+  cut: "" | "x" | "y" | "z";
+  /** where the plane is: 0 to 1 across the lattice */
+  cutAt: number;
+}
+
+const kCornerSize = 9;
+const kLineWidth = 1.6;
+
+/** Round points of a size in pixels, each with its colour. */
+function pointMaterial(depthTest: boolean): THREE.ShaderMaterial {
+  return new THREE.ShaderMaterial({
+    uniforms: { scale: { value: 1 }, opacity: { value: 1 }, rim: { value: new THREE.Color() } },
+    vertexShader: `
+      attribute float size;
+      attribute vec3 color;
+      uniform float scale;
+      varying vec3 shade;
+      varying float pixels;
+      void main() {
+        shade = color;
+        pixels = size * scale;
+        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        gl_Position.z -= 2e-4 * gl_Position.w;
+        gl_PointSize = pixels;
+      }`,
+    fragmentShader: `
+      uniform float opacity;
+      uniform vec3 rim;
+      varying vec3 shade;
+      varying float pixels;
+      void main() {
+        float radius = length(gl_PointCoord - 0.5) * pixels;
+        float inside = 1.0 - smoothstep(0.5 * pixels - 1.2, 0.5 * pixels - 0.2, radius);
+        float core = 1.0 - smoothstep(0.5 * pixels - 2.6, 0.5 * pixels - 1.6, radius);
+        if (inside <= 0.0) discard;
+        gl_FragColor = vec4(mix(rim, shade, core), opacity * inside);
+        #include <colorspace_fragment>
+      }`,
+    transparent: true,
+    depthTest,
+    depthWrite: false,
+  });
+}
+
+function attribute(geometry: THREE.BufferGeometry, name: string, array: Float32Array, size: number) {
+  geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
+}
+
+/** Replaces an attribute, or its numbers if there are as many. */
+function setPositions(geometry: THREE.BufferGeometry, positions: Float32Array): void {
+  const old = geometry.getAttribute("position") as THREE.BufferAttribute | undefined;
+  if (old && old.array.length === positions.length) {
+    old.array.set(positions);
+    old.needsUpdate = true;
+  } else attribute(geometry, "position", positions.slice(), 3);
+}
+
+/** Sets each normal to the mean of the normals of the triangles at the point, by their areas. */
+function setNormals(geometry: THREE.BufferGeometry, triangles: Uint32Array): void {
+  const points = geometry.getAttribute("position").array as Float32Array;
+  const old = geometry.getAttribute("normal") as THREE.BufferAttribute | undefined;
+  if (!old || old.array.length !== points.length)
+    attribute(geometry, "normal", new Float32Array(points.length), 3);
+  const normal = geometry.getAttribute("normal") as THREE.BufferAttribute;
+  const sums = normal.array as Float32Array;
+  sums.fill(0);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
+    const ux = points[b] - points[a];
+    const uy = points[b + 1] - points[a + 1];
+    const uz = points[b + 2] - points[a + 2];
+    const vx = points[c] - points[a];
+    const vy = points[c + 1] - points[a + 1];
+    const vz = points[c + 2] - points[a + 2];
+    const nx = uy * vz - uz * vy;
+    const ny = uz * vx - ux * vz;
+    const nz = ux * vy - uy * vx;
+    for (const at of [a, b, c]) {
+      sums[at] += nx;
+      sums[at + 1] += ny;
+      sums[at + 2] += nz;
+    }
+  }
+  for (let i = 0; i < sums.length; i += 3) {
+    const length = Math.hypot(sums[i], sums[i + 1], sums[i + 2]) || 1;
+    sums[i] /= length;
+    sums[i + 1] /= length;
+    sums[i + 2] /= length;
+  }
+  normal.needsUpdate = true;
+}
+
+export class View {
+  readonly camera = new THREE.PerspectiveCamera(35, 1, 0.01, 1000);
+  readonly scene = new THREE.Scene();
+  readonly controls: OrbitControls;
+  readonly canvas: HTMLCanvasElement;
+  shown: Shown = { model: true, lattice: true, cells: false, cut: "", cutAt: 0.5 };
+
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly colours: Record<string, THREE.Color> = {};
+  private frameIsAsked = false;
+
+  private readonly model: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
+  private readonly cloud: THREE.Points;
+  private triangles: Uint32Array = new Uint32Array(0);
+  private readonly outside: THREE.Points<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  private outsidePoints: Uint32Array = new Uint32Array(0);
+
+  private shape: LatticeShape | null = null;
+  private pose: Float64Array = new Float64Array(0);
+  private selected = new Set<number>();
+  private weights: Float64Array = new Float64Array(0);
+  private folded = new Set<number>();
+  private lines: LineSegments2[] = [];
+  private corners: THREE.Points<THREE.BufferGeometry, THREE.ShaderMaterial>[] = [];
+  private readonly faces: THREE.Mesh;
+
+  private surface: CellSurface | null = null;
+  private readonly cells: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
+  private readonly foldedFaces: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial>;
+
+  constructor(container: HTMLElement) {
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.canvas = this.renderer.domElement;
+    container.append(this.canvas);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener("change", () => this.ask());
+    this.addLights();
+
+    const clay = new THREE.MeshStandardMaterial({
+      roughness: 0.62,
+      side: THREE.DoubleSide,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
+    this.model = new THREE.Mesh(new THREE.BufferGeometry(), clay);
+    this.cloud = new THREE.Points(
+      this.model.geometry,
+      new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }),
+    );
+    this.outside = new THREE.Points(new THREE.BufferGeometry(), pointMaterial(false));
+    this.faces = new THREE.Mesh(
+      new THREE.BufferGeometry(),
+      new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }),
+    );
+    this.cells = new THREE.Mesh(
+      new THREE.BufferGeometry(),
+      new THREE.MeshStandardMaterial({
+        roughness: 0.8,
+        vertexColors: true,
+        flatShading: true,
+        transparent: true,
+        opacity: 0.3,
+        depthWrite: false,
+        side: THREE.DoubleSide,
+      }),
+    );
+    this.foldedFaces = new THREE.Mesh(
+      new THREE.BufferGeometry(),
+      new THREE.MeshBasicMaterial({
+        transparent: true,
+        opacity: 0.45,
+        depthTest: false,
+        depthWrite: false,
+        side: THREE.DoubleSide,
+      }),
+    );
+    for (const object of [this.model, this.cloud, this.outside, this.cells, this.foldedFaces])
+      object.frustumCulled = false;
+    this.faces.visible = false;
+    this.cells.renderOrder = 2;
+    this.foldedFaces.renderOrder = 3;
+    this.outside.renderOrder = 6;
+    this.scene.add(this.model, this.cloud, this.outside, this.faces, this.cells, this.foldedFaces);
+
+    new ResizeObserver(() => this.resize(container)).observe(container);
+    this.resize(container);
+    this.readColours();
+  }
+
+  private addLights(): void {
+    const light = (intensity: number, x: number, y: number, z: number) => {
+      const result = new THREE.DirectionalLight(0xffffff, intensity);
+      result.position.set(x, y, z);
+      this.camera.add(result, result.target);
+    };
+    light(1.9, -2, 3, 4);
+    light(0.55, 4, 0.5, 2);
+    light(0.7, 1, 2, -4);
+    this.scene.add(this.camera, new THREE.HemisphereLight(0xffffff, 0x8d8f99, 1.25));
+  }
+
+  private resize(container: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = container;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    for (const line of this.lines) line.material.resolution.set(width, height);
+    this.ask();
+  }
+
+  /** Takes the colours of the style sheet: again after a change between light and dark. */
+  readColours(): void {
+    const style = getComputedStyle(document.documentElement);
+    for (const name of ["model", "corner", "sharp", "surface", "inside", "accent", "warn", "bad", "panel"])
+      this.colours[name] = new THREE.Color(style.getPropertyValue(`--${name}`).trim());
+    this.model.material.color = this.colours.model;
+    (this.cloud.material as THREE.PointsMaterial).color = this.colours.model;
+    this.foldedFaces.material.color = this.colours.bad;
+    for (const points of [this.outside, ...this.corners])
+      points.material.uniforms.rim.value = this.colours.panel;
+    this.colourOutside();
+    this.colourLattice();
+    this.rebuildCells();
+    this.ask();
+  }
+
+  // ---- Model -----------------------------------------------------------------------------------------
+
+  setModel(points: Float32Array, triangles: Uint32Array): void {
+    this.model.geometry.dispose();
+    this.model.geometry = new THREE.BufferGeometry();
+    this.cloud.geometry = this.model.geometry;
+    this.triangles = triangles;
+    if (triangles.length > 0)
+      this.model.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+    this.setOutside(new Uint32Array(0));
+    this.setPoints(points);
+  }
+
+  setPoints(points: Float32Array): void {
+    setPositions(this.model.geometry, points);
+    if (this.triangles.length > 0) setNormals(this.model.geometry, this.triangles);
+    this.model.geometry.boundingSphere = null;
+    this.model.geometry.boundingBox = null;
+    this.placeOutside();
+    this.ask();
+  }
+
+  /** The points of the model that are shown. */
+  get points(): Float32Array {
+    const position = this.model.geometry.getAttribute("position");
+    return position ? (position.array as Float32Array) : new Float32Array(0);
+  }
+
+  setOutside(points: Uint32Array): void {
+    this.outsidePoints = points;
+    this.outside.geometry.dispose();
+    this.outside.geometry = new THREE.BufferGeometry();
+    attribute(this.outside.geometry, "size", new Float32Array(points.length).fill(5), 1);
+    this.colourOutside();
+    this.placeOutside();
+    this.ask();
+  }
+
+  private colourOutside(): void {
+    const count = this.outsidePoints.length;
+    const colours = new Float32Array(3 * count);
+    for (let i = 0; i < count; ++i) this.colours.warn.toArray(colours, 3 * i);
+    attribute(this.outside.geometry, "color", colours, 3);
+  }
+
+  private placeOutside(): void {
+    const from = this.points;
+    const positions = new Float32Array(3 * this.outsidePoints.length);
+    this.outsidePoints.forEach((point, i) =>
+      positions.set(from.subarray(3 * point, 3 * point + 3), 3 * i),
+    );
+    setPositions(this.outside.geometry, positions);
+  }
+
+  // ---- Lattice ---------------------------------------------------------------------------------------
+
+  setLattice(shape: LatticeShape | null): void {
+    for (const object of [...this.lines, ...this.corners]) {
+      this.scene.remove(object);
+      object.geometry.dispose();
+      object.material.dispose();
+    }
+    this.lines = [];
+    this.corners = [];
+    this.shape = shape;
+    this.folded.clear();
+    this.setSurface(null);
+    if (!shape) return;
+    const vertexCount = shape.positions.length / 3;
+    this.weights = new Float64Array(vertexCount);
+    const lines = new LineSegmentsGeometry();
+    lines.setPositions(new Float32Array(3 * shape.edges.length));
+    lines.setColors(new Float32Array(3 * shape.edges.length));
+    const corners = new THREE.BufferGeometry();
+    attribute(corners, "color", new Float32Array(3 * vertexCount), 3);
+    attribute(corners, "size", new Float32Array(vertexCount), 1);
+    // First a faint copy that the model does not hide.
+    for (const front of [false, true]) {
+      const line = new LineSegments2(
+        lines,
+        new LineMaterial({
+          linewidth: kLineWidth,
+          vertexColors: true,
+          transparent: true,
+          opacity: front ? 1 : 0.22,
+          depthTest: front,
+          depthWrite: false,
+        }),
+      );
+      line.material.resolution.set(this.canvas.clientWidth, this.canvas.clientHeight);
+      const points = new THREE.Points(corners, pointMaterial(front));
+      points.material.uniforms.opacity.value = front ? 1 : 0.35;
+      points.material.uniforms.scale.value = this.renderer.getPixelRatio();
+      points.material.uniforms.rim.value = this.colours.panel;
+      line.renderOrder = front ? 4 : 1;
+      points.renderOrder = front ? 5 : 1;
+      line.frustumCulled = points.frustumCulled = false;
+      this.lines.push(line);
+      this.corners.push(points);
+      this.scene.add(line, points);
+    }
+    this.outside.material.uniforms.scale.value = this.renderer.getPixelRatio();
+    const triangles = shape.boundary.flatMap(({ vertices }) =>
+      vertices.slice(2).flatMap((v, i) => [vertices[0], vertices[i + 1], v]),
+    );
+    this.faces.geometry.dispose();
+    this.faces.geometry = new THREE.BufferGeometry().setIndex(triangles);
+    this.setPose(shape.positions);
+    this.colourLattice();
+  }
+
+  setPose(positions: Float64Array): void {
+    if (!this.shape) return;
+    this.pose = positions;
+    const single = Float32Array.from(positions);
+    setPositions(this.corners[0].geometry, single);
+    setPositions(this.faces.geometry, single);
+    this.faces.geometry.boundingSphere = null;
+    const ends = this.lines[0].geometry.getAttribute("instanceStart") as
+      THREE.InterleavedBufferAttribute;
+    this.shape.edges.forEach((v, i) => {
+      ends.data.array.set(single.subarray(3 * v, 3 * v + 3), 3 * i);
+    });
+    ends.data.needsUpdate = true;
+    if (this.shown.cut) this.rebuildCells();
+    this.ask();
+  }
+
+  setSelection(selection: readonly number[], weights: Float64Array): void {
+    this.selected = new Set(selection);
+    this.weights = weights;
+    this.colourLattice();
+    this.ask();
+  }
+
+  private colourLattice(): void {
+    if (!this.shape) return;
+    const { edges, edgeStrata, vertexStrata } = this.shape;
+    const byStratum = ["corner", "sharp", "surface", "inside"].map((name) => this.colours[name]);
+    const accent = this.colours.accent;
+    const mixed = new THREE.Color();
+    const shade = (stratum: number, weight: number) =>
+      mixed.copy(byStratum[stratum]).lerp(accent, weight);
+
+    const geometry = this.corners[0].geometry;
+    const colours = geometry.getAttribute("color");
+    const sizes = geometry.getAttribute("size");
+    vertexStrata.forEach((stratum, v) => {
+      shade(stratum, this.weights[v] ?? 0).toArray(colours.array, 3 * v);
+      sizes.array[v] = this.selected.has(v) ? kCornerSize + 4 : stratum === 3 ? 7 : kCornerSize;
+    });
+    colours.needsUpdate = sizes.needsUpdate = true;
+
+    const starts = this.lines[0].geometry.getAttribute("instanceColorStart") as
+      THREE.InterleavedBufferAttribute;
+    edgeStrata.forEach((stratum, edge) => {
+      for (let end = 0; end < 2; ++end) {
+        const weight = this.weights[edges[2 * edge + end]] ?? 0;
+        shade(stratum, weight).toArray(starts.data.array, 6 * edge + 3 * end);
+      }
+    });
+    starts.data.needsUpdate = true;
+  }
+
+  // ---- Cells -----------------------------------------------------------------------------------------
+
+  setSurface(surface: CellSurface | null): void {
+    this.surface = surface;
+    this.rebuildCells();
+  }
+
+  setSurfacePositions(positions: Float32Array): void {
+    setPositions(this.cells.geometry, positions);
+    this.foldedFaces.geometry.setAttribute("position", this.cells.geometry.getAttribute("position"));
+    this.ask();
+  }
+
+  setFolded(cells: number[]): void {
+    this.folded = new Set(cells);
+    this.rebuildCells();
+    this.ask();
+  }
+
+  setShown(shown: Shown): void {
+    this.shown = shown;
+    this.rebuildCells();
+    this.ask();
+  }
+
+  /** Chooses the faces of cells to draw: faces between a cell that is shown and one that is not. */
+  private rebuildCells(): void {
+    const { cells, foldedFaces } = this;
+    if (!this.surface || !this.shape) {
+      cells.geometry.setIndex([]);
+      foldedFaces.geometry.setIndex([]);
+      return;
+    }
+    const { quads, sides, vertexCount } = this.surface;
+    const hidden = this.shape.cells.map((vertices) => this.isCutAway(vertices));
+    const isShown = (cell: number) => cell >= 0 && !hidden[cell];
+    const index: number[] = [];
+    const bad: number[] = [];
+    if (!cells.geometry.getAttribute("position")) this.setSurfacePositions(new Float32Array(3 * vertexCount));
+    const colours = new Float32Array(3 * vertexCount);
+    for (let face = 0; face < quads.length / 4; ++face) {
+      const [behind, front] = [sides[2 * face], sides[2 * face + 1]];
+      const [a, b, c, d] = quads.subarray(4 * face, 4 * face + 4);
+      const triangles = [a, b, c, a, c, d];
+      if (isShown(behind) !== isShown(front)) {
+        index.push(...triangles);
+        const colour = front < 0 ? this.colours.surface : this.colours.inside;
+        for (const v of [a, b, c, d]) colour.toArray(colours, 3 * v);
+      }
+      if (this.folded.has(behind) !== this.folded.has(front)) bad.push(...triangles);
+    }
+    cells.geometry.setIndex(index);
+    attribute(cells.geometry, "color", colours, 3);
+    foldedFaces.geometry.setIndex(bad);
+  }
+
+  private isCutAway(vertices: Int32Array): boolean {
+    if (!this.shown.cut) return false;
+    const axis = ["x", "y", "z"].indexOf(this.shown.cut);
+    let sum = 0;
+    for (const v of vertices) sum += this.pose[3 * v + axis];
+    return sum / vertices.length > this.cutPlace(axis);
+  }
+
+  private cutPlace(axis: number): number {
+    const { min, max } = this.bounds();
+    const [low, high] = [min.getComponent(axis), max.getComponent(axis)];
+    return low + this.shown.cutAt * (high - low);
+  }
+
+  // ---- Camera and drawing ------------------------------------------------------------------------------
+
+  /** The box around the lattice at rest, or around the model without a lattice. */
+  private bounds(): THREE.Box3 {
+    const box = new THREE.Box3();
+    if (this.shape) return box.setFromArray(this.shape.positions as unknown as number[]);
+    return this.points.length > 0 ? box.setFromArray(this.points as unknown as number[]) : box.set(
+      new THREE.Vector3(-1, -1, -1),
+      new THREE.Vector3(1, 1, 1),
+    );
+  }
+
+  get size(): number {
+    return this.bounds().getSize(new THREE.Vector3()).length() || 1;
+  }
+
+  /** Looks at everything from a direction. */
+  look(from: THREE.Vector3 = new THREE.Vector3(0.75, 0.42, 1)): void {
+    const box = this.bounds();
+    if (this.points.length > 0)
+      box.union(new THREE.Box3().setFromArray(this.points as unknown as number[]));
+    const sphere = box.getBoundingSphere(new THREE.Sphere());
+    const angle = (this.camera.fov * Math.PI) / 360;
+    const narrow = Math.min(1, this.camera.aspect);
+    const distance = (0.96 * Math.max(sphere.radius, 1e-9)) / (Math.sin(angle) * narrow);
+    this.camera.near = distance / 200;
+    this.camera.far = distance * 20;
+    this.camera.position.copy(sphere.center).addScaledVector(from.clone().normalize(), distance);
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(sphere.center);
+    this.controls.update();
+    this.ask();
+  }
+
+  /** Draws soon: once, however often it is asked. */
+  ask(): void {
+    if (this.frameIsAsked) return;
+    this.frameIsAsked = true;
+    requestAnimationFrame(() => this.draw());
+  }
+
+  draw(): void {
+    this.frameIsAsked = false;
+    const { shown } = this;
+    const hasFaces = this.triangles.length > 0;
+    this.model.visible = shown.model && hasFaces;
+    this.cloud.visible = shown.model && !hasFaces && this.points.length > 0;
+    this.outside.visible = shown.model && this.outsidePoints.length > 0;
+    for (const object of [...this.lines, ...this.corners]) object.visible = shown.lattice;
+    this.cells.visible = shown.cells || shown.cut !== "";
+    this.cells.material.opacity = shown.cut ? 0.92 : 0.3;
+    this.cells.material.depthWrite = shown.cut !== "";
+    this.cells.material.transparent = !shown.cut;
+    this.foldedFaces.visible = this.folded.size > 0;
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** The picture on the screen, as a .png file. */
+  picture(): Promise<Blob> {
+    this.draw();
+    return new Promise((resolve, reject) =>
+      this.canvas.toBlob((blob) =>
+        blob ? resolve(blob) : reject(new Error("the browser made no picture")),
+      ),
+    );
+  }
+
+  // ---- Under the pointer -------------------------------------------------------------------------------
+
+  /** Where a vertex is on the screen, in CSS pixels from the corner of the canvas. */
+  screenOf(vertex: number): { x: number; y: number; depth: number } {
+    const p = new THREE.Vector3().fromArray(this.pose, 3 * vertex).project(this.camera);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    return { x: ((p.x + 1) / 2) * width, y: ((1 - p.y) / 2) * height, depth: p.z };
+  }
+
+  /** The vertex at a place on the screen: the nearest to the eye within a distance. */
+  vertexAt(x: number, y: number, within: number): number | null {
+    if (!this.shape) return null;
+    let best: number | null = null;
+    let least = Infinity;
+    for (let v = 0; v < this.pose.length / 3; ++v) {
+      const at = this.screenOf(v);
+      const gap = Math.hypot(at.x - x, at.y - y);
+      if (gap > within || Math.abs(at.depth) > 1) continue;
+      // A pixel farther away counts as much as a thousandth of the depth.
+      const cost = gap + 1000 * at.depth;
+      if (cost < least) [best, least] = [v, cost];
+    }
+    return best;
+  }
+
+  verticesInBox(x0: number, y0: number, x1: number, y1: number): number[] {
+    const result: number[] = [];
+    for (let v = 0; v < this.pose.length / 3; ++v) {
+      const { x, y } = this.screenOf(v);
+      if (x >= Math.min(x0, x1) && x <= Math.max(x0, x1))
+        if (y >= Math.min(y0, y1) && y <= Math.max(y0, y1)) result.push(v);
+    }
+    return result;
+  }
+
+  private hit(x: number, y: number, object: THREE.Mesh): THREE.Intersection | undefined {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(new THREE.Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
+    const hits: THREE.Intersection[] = [];
+    object.raycast(ray, hits);
+    return hits.sort((a, b) => a.distance - b.distance)[0];
+  }
+
+  faceAt(x: number, y: number): BoundaryFace | null {
+    if (!this.shape) return null;
+    const found = this.hit(x, y, this.faces);
+    if (found?.faceIndex == null) return null;
+    let triangle = found.faceIndex;
+    for (const face of this.shape.boundary) {
+      triangle -= face.vertices.length - 2;
+      if (triangle < 0) return face;
+    }
+    return null;
+  }
+
+  /** The point of the model that is nearest to the place where the pointer meets it. */
+  pointAt(x: number, y: number): number | null {
+    const found = this.triangles.length > 0 ? this.hit(x, y, this.model) : undefined;
+    if (!found?.face) return null;
+    const { a, b, c } = found.face;
+    const gap = (point: number) =>
+      new THREE.Vector3().fromArray(this.points, 3 * point).distanceTo(found.point);
+    return [a, b, c].sort((p, q) => gap(p) - gap(q))[0];
+  }
+}

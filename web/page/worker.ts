@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the library. Holds the model, the lattice and the binding that are open, and does the jobs of
+// protocol.ts with them. A job cannot be interrupted: to cancel it, the page ends the worker and starts
+// another (engine.ts).
+
+import {
+  load,
+  type Binding,
+  type ChangeEvaluator,
+  type Espalier,
+  type Evaluator,
+  type Lattice,
+  type Model,
+  type Refiner,
+  type Table,
+  type Validity,
+} from "../library/espalier.ts";
+import type {
+  Answer,
+  BindSettings,
+  BoundaryFace,
+  CellSurface,
+  JobName,
+  Jobs,
+  LatticeEdit,
+  LatticeFile,
+  LatticeShape,
+  Pull,
+  Recipe,
+  Request,
+  Start,
+} from "./protocol.ts";
+
+let library: Espalier;
+
+/** The objects of the library that are open. Each group is freed when the group before it changes. */
+let model: { file: Model; points: Float64Array } | null = null;
+let lattice: { file: Lattice; rest: Float64Array; refiner: Refiner } | null = null;
+let bound: Bound | null = null;
+let surface: { level: number; evaluator: Evaluator } | null = null;
+let validity: { check: Validity; cells: Int32Array } | null = null;
+
+/** A binding, and the evaluators of its table. */
+interface Bound {
+  binding: Binding;
+  table: Table;
+  evaluator: Evaluator;
+  changes: ChangeEvaluator;
+  restPoints: Float32Array;
+  /** points that stay where they are */
+  kept: Int32Array;
+}
+
+function free(...objects: { free(): void }[]): void {
+  for (const object of objects) object.free();
+}
+
+function closeBinding(): void {
+  if (bound) free(bound.changes, bound.evaluator, bound.table, bound.binding);
+  bound = null;
+}
+
+function closeLattice(): void {
+  closeBinding();
+  if (surface) free(surface.evaluator);
+  if (validity) free(validity.check);
+  if (lattice) free(lattice.refiner, lattice.file);
+  surface = validity = lattice = null;
+}
+
+function closeModel(): void {
+  closeBinding();
+  if (model) free(model.file);
+  model = null;
+}
+
+function openOr<T>(object: T | null, name: string): T {
+  if (!object) throw new Error(`there is no ${name}`);
+  return object;
+}
+
+const openLatticeNow = () => openOr(lattice, "lattice: make or open one first");
+const openModelNow = () => openOr(model, "model: open one first");
+
+/** Runs `use` with an object, and frees it. */
+function using<Object extends { free(): void }, T>(object: Object, use: (object: Object) => T): T {
+  try {
+    return use(object);
+  } finally {
+    object.free();
+  }
+}
+
+const fileOf = (made: Lattice): LatticeFile =>
+  using(made, () => ({ bytes: made.write(".vtu"), positions: made.positions() }));
+
+/** Cuts polygons into triangles that meet at the first corner of each. */
+function trianglesOf(offsets: ArrayLike<number>, corners: ArrayLike<number>): Uint32Array {
+  const faceCount = offsets.length - 1;
+  const triangles = new Uint32Array(3 * Math.max(0, corners.length - 2 * faceCount));
+  let end = 0;
+  for (let face = 0; face < faceCount; ++face)
+    for (let i = offsets[face] + 1; i + 1 < offsets[face + 1]; ++i) {
+      triangles[end++] = corners[offsets[face]];
+      triangles[end++] = corners[i];
+      triangles[end++] = corners[i + 1];
+    }
+  return triangles.subarray(0, end);
+}
+
+/** For each face the cells that have it, with the sign of the face in each. */
+function cellsAtFaces(refiner: Refiner, level: number) {
+  const { cellOffsets, cellFaces, faceOffsets, faceVertices } = refiner.cells(level);
+  const signs = refiner.faceSigns(level);
+  const faceCount = faceOffsets.length - 1;
+  const cells = new Int32Array(2 * faceCount).fill(-1);
+  const firstSign = new Int8Array(faceCount);
+  for (let cell = 0; cell + 1 < cellOffsets.length; ++cell)
+    for (let i = cellOffsets[cell]; i < cellOffsets[cell + 1]; ++i) {
+      const face = cellFaces[i];
+      if (cells[2 * face] < 0) {
+        cells[2 * face] = cell;
+        firstSign[face] = signs[i];
+      } else cells[2 * face + 1] = cell;
+    }
+  /** anticlockwise as seen from outside the first cell */
+  const loop = (face: number): number[] => {
+    const vertices = [...faceVertices.subarray(faceOffsets[face], faceOffsets[face + 1])];
+    return firstSign[face] > 0 ? vertices : vertices.reverse();
+  };
+  return { faceCount, cells, loop, cellOffsets, cellFaces, faceOffsets, faceVertices };
+}
+
+function shapeOf(file: Lattice, refiner: Refiner): LatticeShape {
+  const at = cellsAtFaces(refiner, 0);
+  const boundary: BoundaryFace[] = [];
+  for (let face = 0; face < at.faceCount; ++face)
+    if (at.cells[2 * face + 1] < 0)
+      boundary.push({ face, cell: at.cells[2 * face], vertices: at.loop(face) });
+  const cells: Int32Array[] = [];
+  for (let cell = 0; cell + 1 < at.cellOffsets.length; ++cell) {
+    const vertices = new Set<number>();
+    for (const face of at.cellFaces.subarray(at.cellOffsets[cell], at.cellOffsets[cell + 1]))
+      for (const v of at.faceVertices.subarray(at.faceOffsets[face], at.faceOffsets[face + 1]))
+        vertices.add(v);
+    cells.push(Int32Array.from(vertices).sort());
+  }
+  return {
+    positions: file.positions(),
+    edges: refiner.edges(0),
+    edgeStrata: refiner.strata(0, 1),
+    vertexStrata: refiner.strata(0, 0),
+    cells,
+    boundary,
+    marks: file.marks(),
+  };
+}
+
+function make(recipe: Recipe): Lattice {
+  switch (recipe.kind) {
+    case "around":
+      return library.around(openModelNow().points, recipe.options);
+    case "cage":
+      throw new Error("this build of the library makes no cages");
+    case "box":
+      return library.box(recipe.cells, [-1, -1, -1], [1, 1, 1]);
+    case "cylinder":
+      return library.cylinder({ ...recipe, from: [0, -1, 0], to: [0, 1, 0] });
+    case "torus":
+      return library.torus({ segments: recipe.segments });
+    case "star":
+      return library.star({ points: recipe.points });
+    case "barbell":
+      return library.barbell({});
+    case "arm": {
+      const joint = (x: number, radius: number) => ({
+        position: [x, 0, 0] as [number, number, number],
+        radius,
+      });
+      const joints = [joint(0, 0.3), joint(1, 0.25), joint(2, 0.2), joint(2.5, 0.2)];
+      return library.arm({ joints });
+    }
+    case "solid":
+      return library.regularSolid(recipe.name);
+  }
+}
+
+/** Makes each lattice of the next by a step, and frees all but the last. */
+function chain(start: Lattice, steps: ((from: Lattice) => Lattice)[]): Lattice {
+  return steps.reduce((from, step) => {
+    try {
+      return step(from);
+    } finally {
+      if (from !== start) from.free();
+    }
+  }, start);
+}
+
+function edited(edit: LatticeEdit): Lattice {
+  const { file } = openLatticeNow();
+  const copy = () => library.merged([file], 0);
+  switch (edit.kind) {
+    case "extrude":
+      // The new vertices of neighbouring faces coincide, and become one.
+      return chain(file, [
+        ...edit.faces.map((face) => (from: Lattice) => from.withPrism(face, edit.offset)),
+        (from) => library.merged([from], 1e-9),
+      ]);
+    case "pyramid":
+      return file.withPyramid(edit.face, edit.apex);
+    case "remove":
+      return file.withoutCells(edit.cells);
+    case "weld":
+      return library.merged([file], edit.tolerance);
+    case "mark":
+      return changed(copy(), (to) => {
+        to.markEdges(edit.edges, new Array(edit.edges.length / 2).fill(edit.sharpness));
+        to.markVertices(edit.vertices, new Array(edit.vertices.length).fill(edit.sharpness));
+        to.refiner().free();
+      });
+    case "clear marks":
+      return changed(copy(), (to) => to.clearMarks());
+    case "move":
+      return changed(copy(), (to) => to.setPositions(edit.positions));
+  }
+}
+
+/** Changes a new object, and frees it if that fails. */
+function changed(object: Lattice, change: (object: Lattice) => void): Lattice {
+  try {
+    change(object);
+    return object;
+  } catch (error) {
+    object.free();
+    throw error;
+  }
+}
+
+/** The points that a binding keeps in place. */
+function keptPoints(binding: Binding): Int32Array {
+  return library.scoped((scope) => {
+    const out = scope.allocate(12);
+    library.call("espalier_binding_kept", binding.address, out, out + 4, out + 8);
+    const [count, points] = library.core.HEAP32.subarray(out / 4, out / 4 + 2);
+    return library.core.HEAP32.slice(points / 4, points / 4 + count);
+  });
+}
+
+function bind(settings: BindSettings): Uint32Array {
+  const { points } = openModelNow();
+  const { refiner, rest } = openLatticeNow();
+  closeBinding();
+  const binding = refiner.bind(rest, points, {
+    level: settings.level,
+    outside: settings.outside,
+    limitTolerance: settings.limit ? 1e-6 : 0,
+  });
+  const table = binding.table();
+  const evaluator = table.evaluator();
+  bound = {
+    binding,
+    table,
+    evaluator,
+    changes: evaluator.changes(),
+    restPoints: Float32Array.from(points),
+    kept: keptPoints(binding),
+  };
+  const outside: number[] = [];
+  binding.statuses().forEach((status, point) => {
+    if (status !== 0) outside.push(point);
+  });
+  return Uint32Array.from(outside);
+}
+
+function displacements(pose: Float64Array): Float64Array {
+  const { rest } = openLatticeNow();
+  return pose.map((x, i) => x - rest[i]);
+}
+
+/** The points of the model for a pose, as `espalier deform` computes them: bit for bit. */
+function deformed(pose: Float64Array): Float64Array {
+  const { points } = openModelNow();
+  const { binding, kept } = openOr(bound, "binding");
+  const moved = binding.apply(displacements(pose), points.length / 3);
+  for (const point of kept) moved.fill(0, 3 * point, 3 * point + 3);
+  for (let i = 0; i < moved.length; ++i) moved[i] += points[i];
+  return moved;
+}
+
+function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
+  const { evaluator, changes, restPoints } = openOr(bound, "binding");
+  const by = Float32Array.from(displacements(pose));
+  const points = changedVertices ? changes.evaluate(by, changedVertices) : evaluator.evaluate(by);
+  for (let i = 0; i < points.length; ++i) points[i] += restPoints[i];
+  return points;
+}
+
+/** Finer levels of larger lattices would cost more than they show. */
+const surfaceLevel = () => (openLatticeNow().file.counts()[3] > 3000 ? 1 : 2);
+
+function checkOfPoses() {
+  const { refiner, rest } = openLatticeNow();
+  if (!validity) {
+    const check = refiner.validity(rest, surfaceLevel());
+    const cells = new Int32Array(check.cellCount).map((_, cell) => check.baseCell(cell));
+    validity = { check, cells };
+  }
+  return validity;
+}
+
+/** The displacements of vertices that pull points: as `espalier fit --pull`. */
+function pull(pulls: Pull[]): Float64Array {
+  const { file, rest } = openLatticeNow();
+  const { table } = openOr(bound, "binding");
+  return library.scoped((scope) => {
+    const result = scope.allocate(8 * rest.length);
+    const kTikhonov = 1;
+    library.call(
+      "espalier_lattice_fit",
+      table.address,
+      file.address,
+      pulls.length,
+      scope.integers(pulls.map((each) => each.point)),
+      scope.doubles(pulls.flatMap((each) => each.by)),
+      scope.struct([
+        ["size"],
+        ["i32", kTikhonov],
+        ["i32", 0],
+        ["f64", 1e-3],
+        ["i32", 0], // the two halves of frozen_count
+        ["i32", 0],
+        ["pointer", 0],
+      ]),
+      rest.length / 3,
+      result,
+      0,
+    );
+    return library.core.HEAPF64.slice(result / 8, result / 8 + rest.length);
+  });
+}
+
+const jobs: Jobs = {
+  openModel(file) {
+    if (!file) {
+      closeModel();
+      return null;
+    }
+    const read = library.readModel(file.name, file.bytes);
+    try {
+      const points = read.points();
+      const { offsets, corners } = read.faces();
+      closeModel();
+      model = { file: read, points };
+      return { points, triangles: trianglesOf(offsets, corners), faceCount: offsets.length - 1 };
+    } catch (error) {
+      read.free();
+      throw error;
+    }
+  },
+
+  readLattice: (file) => fileOf(library.readLattice(file.name, file.bytes)),
+  makeLattice: (recipe) => fileOf(make(recipe)),
+  editLattice: (edit) => fileOf(edited(edit)),
+
+  openLattice(bytes) {
+    if (!bytes) {
+      closeLattice();
+      return null;
+    }
+    const file = library.readLattice("lattice.vtu", bytes);
+    try {
+      const refiner = file.refiner();
+      try {
+        const shape = shapeOf(file, refiner);
+        closeLattice();
+        lattice = { file, rest: shape.positions, refiner };
+        return shape;
+      } catch (error) {
+        refiner.free();
+        throw error;
+      }
+    } catch (error) {
+      file.free();
+      throw error;
+    }
+  },
+
+  bind(settings) {
+    const outside = bind(settings);
+    return { outside, residual: openOr(bound, "binding").binding.largestResidual() };
+  },
+
+  cellSurface(): CellSurface {
+    const { refiner } = openLatticeNow();
+    const level = surfaceLevel();
+    refiner.refine(level);
+    if (!surface)
+      surface = using(refiner.stencils(level), (table) => ({ level, evaluator: table.evaluator() }));
+    const baseCells = checkOfPoses().cells;
+    const at = cellsAtFaces(refiner, level);
+    const quads: number[] = [];
+    const sides: number[] = [];
+    for (let face = 0; face < at.faceCount; ++face) {
+      const behind = baseCells[at.cells[2 * face]];
+      const other = at.cells[2 * face + 1];
+      const front = other < 0 ? -1 : baseCells[other];
+      if (behind === front) continue;
+      quads.push(...at.loop(face));
+      sides.push(behind, front);
+    }
+    return {
+      vertexCount: surface.evaluator.rowCount,
+      quads: Uint32Array.from(quads),
+      sides: Int32Array.from(sides),
+    };
+  },
+
+  pose({ positions, changed: changedVertices, exact, surface: withSurface }) {
+    let points: Float32Array = new Float32Array(0);
+    // Changes continue from the last evaluation in single precision: hence both.
+    if (bound) points = pointsInSingle(positions, changedVertices);
+    if (bound && exact) points = Float32Array.from(deformed(positions));
+    if (!withSurface || !surface) return { points };
+    return { points, surface: surface.evaluator.evaluate(Float32Array.from(positions)) };
+  },
+
+  foldedCells(positions) {
+    const { check, cells } = checkOfPoses();
+    return [...new Set(check.invertedCells(positions).map((cell) => cells[cell]))];
+  },
+
+  readPose: (file) => openLatticeNow().file.readPose(file.name, file.bytes),
+  pull,
+
+  write(product) {
+    switch (product.kind) {
+      case "model":
+        return openModelNow().file.write(deformed(product.pose));
+      case "lattice": {
+        const { file, rest } = openLatticeNow();
+        file.setPositions(product.positions);
+        try {
+          return product.extension === ".vtu" ? file.write(".vtu") : file.writeCage(".obj");
+        } finally {
+          file.setPositions(rest);
+        }
+      }
+      case "matrix":
+        return openOr(bound, "binding").table.write(".npz");
+    }
+  },
+
+  memory: () => library.core.HEAPU8.length,
+};
+
+/** The memory of the arrays in a result, which goes over to the page instead of being copied. */
+function buffersOf(result: unknown): ArrayBuffer[] {
+  if (ArrayBuffer.isView(result)) return [result.buffer as ArrayBuffer];
+  if (result === null || typeof result !== "object" || Array.isArray(result)) return [];
+  return Object.values(result).flatMap(buffersOf);
+}
+
+function run({ id, job, values }: Request<JobName>): void {
+  const answer = (content: Answer, buffers: ArrayBuffer[] = []) =>
+    postMessage(content, { transfer: [...new Set(buffers)] });
+  const report = ({ done, count }: { done: number; count: number }) => {
+    answer({ id, progress: count > 0 ? done / count : 0 });
+    return true;
+  };
+  try {
+    const work = () => (jobs[job] as (...all: unknown[]) => unknown)(...values);
+    // A pose takes a few milliseconds, and is asked for in each frame.
+    const result = job === "pose" ? work() : library.withProgress(report, work);
+    // The worker keeps the points of models and the positions of lattices, so they are copied.
+    const keeps = job === "openModel" || job === "openLattice";
+    answer({ id, result }, keeps ? [] : buffersOf(result));
+  } catch (error) {
+    answer({ id, error: error instanceof Error ? error.message : String(error) });
+  }
+}
+
+/** Requests that came before the library was there. */
+const waiting: Request[] = [];
+
+addEventListener("message", async ({ data }: MessageEvent<Start | Request>) => {
+  if ("module" in data) {
+    try {
+      library = await load(data.module);
+    } catch (error) {
+      reportError(error);
+    }
+    for (const request of waiting.splice(0)) run(request);
+  } else if (library) run(data);
+  else waiting.push(data);
+});
