@@ -17,17 +17,59 @@ namespace espalier::far {
 namespace {
 
 /// Returns the position of a value in an ascending row that contains it.
-std::size_t placeInRow(std::span<const Index> row, Index value) {
-    // Short rows are scanned without a branch: a hexahedron has 12 edges and 8 vertices.
+template <std::size_t kLength>
+Index placeInRow(std::span<const Index, kLength> row, Index value) {
+    // Short rows are scanned without a branch.
     constexpr std::size_t kShort = 16;
-    if (row.size() > kShort) return std::lower_bound(row.begin(), row.end(), value) - row.begin();
-    std::size_t less = 0;
+    if (row.size() > kShort)
+        return static_cast<Index>(std::lower_bound(row.begin(), row.end(), value) - row.begin());
+    Index less = 0;
     for (const Index other : row) less += other < value;
     return less;
 }
 
+/// A list of at most `kCapacity` values.
+template <class T, std::size_t kCapacity>
+class ShortList {
+public:
+    void clear() { size_ = 0; }
+    void push_back(const T& value) { values_[size_++] = value; }
+    std::size_t size() const { return size_; }
+    const T* begin() const { return values_.data(); }
+    const T* end() const { return values_.data() + size_; }
+
+private:
+    std::array<T, kCapacity> values_;
+    std::size_t size_ = 0;
+};
+
+/// How CellCorners stores the parts of any cell.
+struct AnyCell {
+    static constexpr std::size_t kVertices = std::dynamic_extent, kEdges = std::dynamic_extent,
+                                 kFaces = std::dynamic_extent, kCorners = std::dynamic_extent;
+    template <class T>
+    using PerVertex = std::vector<T>;
+    template <class T>
+    using PerEdge = std::vector<T>;
+    template <class T>
+    using AtVertex = std::vector<T>;
+};
+
+/// How CellCorners stores the parts of a hexahedron. With these numbers known to the compiler, a
+/// hexahedron takes a third of the time. Nearly all cells of a refined lattice are hexahedra.
+struct Hexahedron {
+    static constexpr std::size_t kVertices = 8, kEdges = 12, kFaces = 6, kCorners = 4;
+    template <class T>
+    using PerVertex = std::array<T, kVertices>;
+    template <class T>
+    using PerEdge = std::array<T, kEdges>;
+    template <class T>
+    using AtVertex = ShortList<T, 3>;
+};
+
 /// Collects the faces and edges that meet at the edges and vertices of a cell of a lattice. A pair
 /// of incident entities is identified by its position in the values of a relation.
+template <class Kind>
 class CellCorners {
 public:
     /// \param lattice must outlive this object
@@ -48,8 +90,7 @@ public:
     struct Edge {
         Offset inCell;  ///< position in cell → edges
         std::array<EdgeFace, 2> faces;
-        std::array<std::size_t, 2> ends;  ///< tail and head, as positions among the vertices of the
-                                          ///< cell
+        std::array<Index, 2> ends;  ///< tail and head, as positions among the vertices of the cell
     };
     struct VertexFace {
         Offset vertexInFace;  ///< position in face → vertices
@@ -60,47 +101,72 @@ public:
         std::int8_t vertexSign;  ///< −1 if the vertex is the tail
     };
 
-    /// Collects the data of a cell. \cost O(n log n) in the faces of the cell
-    void visit(Index cell) {
-        const auto vertices = cellVertices_[cell], edges = cellEdges_[cell],
-                   faces = cellFaces_[cell];
+    /// Collects the data of a cell. Returns false if the cell is not of this kind. \cost O(n log n)
+    /// in the faces of the cell
+    bool visit(Index cell) {
+        constexpr bool isFixed = Kind::kFaces != std::dynamic_extent;
+        const auto allVertices = cellVertices_[cell], allEdges = cellEdges_[cell],
+                   allFaces = cellFaces_[cell];
+        vertexCount_ = allVertices.size();
+        if constexpr (isFixed) {
+            if (vertexCount_ != Kind::kVertices || allEdges.size() != Kind::kEdges ||
+                allFaces.size() != Kind::kFaces)
+                return false;
+        } else {
+            edges_.resize(allEdges.size());
+            facesSeen_.resize(allEdges.size());
+            if (facesAt_.size() < vertexCount_) {
+                facesAt_.resize(vertexCount_);
+                edgesAt_.resize(vertexCount_);
+            }
+        }
+        const std::span<const Index, Kind::kVertices> vertices(allVertices);
+        const std::span<const Index, Kind::kEdges> edges(allEdges);
+        const std::span<const Index, Kind::kFaces> faces(allFaces);
         const auto faceSigns = cellFaces_.signs(cell);
         const Offset firstFace = cellFaces_.unsignedRows().offset(cell);
         const Offset firstEdge = cellEdges_.offset(cell);
         firstVertex_ = cellVertices_.offset(cell);
-        vertexCount_ = vertices.size();
-        edges_.resize(edges.size());
-        facesSeen_.assign(edges.size(), 0);
-        if (corners_.size() < vertexCount_) corners_.resize(vertexCount_);
-        for (std::size_t v = 0; v < vertexCount_; ++v) {
-            corners_[v].faces.clear();
-            corners_[v].edges.clear();
+        std::fill(facesSeen_.begin(), facesSeen_.end(), std::uint8_t{0});
+        for (std::size_t v = 0; v < vertices.size(); ++v) {
+            facesAt_[v].clear();
+            edgesAt_[v].clear();
         }
 
         for (std::size_t f = 0; f < faces.size(); ++f) {
-            const auto loopEdges = faceEdges_[faces[f]], loop = faceVertices_[faces[f]];
-            const auto signs = faceEdges_.signs(faces[f]);
+            const auto wholeLoop = faceVertices_[faces[f]];
+            if (isFixed && wholeLoop.size() != Kind::kCorners) return false;
+            const std::span<const Index, Kind::kCorners> loop(wholeLoop);
+            const std::span<const Index, Kind::kCorners> loopEdges(faceEdges_[faces[f]]);
+            const std::int8_t* signs = faceEdges_.signs(faces[f]).data();
             const Offset first = faceVertices_.offset(faces[f]);
-            loop_.clear();
-            for (const Index vertex : loop) loop_.push_back(placeInRow(vertices, vertex));
+            const Index start = placeInRow(vertices, loop[0]);
+            Index next = start;
             for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Index vertex = next;
+                next = i + 1 < loop.size() ? placeInRow(vertices, loop[i + 1]) : start;
                 const Offset position = first + static_cast<Offset>(i);
-                corners_[loop_[i]].faces.push_back({position, faceSigns[f]});
-                const std::size_t e = placeInRow(edges, loopEdges[i]);
+                if constexpr (isFixed)
+                    if (facesAt_[vertex].size() == 3) return false;
+                facesAt_[vertex].push_back({position, faceSigns[f]});
+                const Index e = placeInRow(edges, loopEdges[i]);
                 Edge& edge = edges_[e];
                 // In a valid lattice, each edge of a cell is in two of its faces.
                 if (facesSeen_[e] == 2) continue;
                 edge.faces[facesSeen_[e]++] = {position, firstFace + static_cast<Offset>(f),
                                                signs[i], faceSigns[f]};
-                const std::size_t next = loop_[i + 1 < loop.size() ? i + 1 : 0];
-                edge.ends = {signs[i] > 0 ? loop_[i] : next, signs[i] > 0 ? next : loop_[i]};
+                edge.ends = {signs[i] > 0 ? vertex : next, signs[i] > 0 ? next : vertex};
             }
         }
         for (std::size_t e = 0; e < edges.size(); ++e) {
             edges_[e].inCell = firstEdge + static_cast<Offset>(e);
-            corners_[edges_[e].ends[0]].edges.push_back({edges_[e].inCell, -1});
-            corners_[edges_[e].ends[1]].edges.push_back({edges_[e].inCell, 1});
+            const auto [tail, head] = edges_[e].ends;
+            if constexpr (isFixed)
+                if (edgesAt_[tail].size() == 3 || edgesAt_[head].size() == 3) return false;
+            edgesAt_[tail].push_back({edges_[e].inCell, -1});
+            edgesAt_[head].push_back({edges_[e].inCell, 1});
         }
+        return true;
     }
 
     /// The edges of the cell, in the order of cell → edges.
@@ -112,29 +178,24 @@ public:
     Offset vertexInCell(std::size_t v) const { return firstVertex_ + static_cast<Offset>(v); }
 
     /// The faces at vertex `v` in the order of cell → faces, and its edges in the order of cell →
-    /// edges.
-    std::span<const VertexFace> facesAt(std::size_t v) const { return corners_[v].faces; }
-    std::span<const VertexEdge> edgesAt(std::size_t v) const { return corners_[v].edges; }
+    /// edges. There are as many edges as faces.
+    const auto& facesAt(std::size_t v) const { return facesAt_[v]; }
+    const auto& edgesAt(std::size_t v) const { return edgesAt_[v]; }
 
 private:
-    struct Corner {
-        std::vector<VertexFace> faces;
-        std::vector<VertexEdge> edges;
-    };
-
     const SignedIncidence& cellFaces_;
     const SignedIncidence& faceEdges_;
     const Incidence& faceVertices_;
     const Incidence& cellVertices_;
     const Incidence& cellEdges_;
 
-    std::vector<Edge> edges_;
-    std::vector<std::uint8_t> facesSeen_;  ///< for each edge
+    typename Kind::template PerEdge<Edge> edges_;
+    typename Kind::template PerEdge<std::uint8_t> facesSeen_;
     std::size_t vertexCount_ = 0;
     Offset firstVertex_ = 0;
-    std::vector<Corner> corners_;  ///< its size is the largest number of vertices of any cell so
-                                   ///< far
-    std::vector<std::size_t> loop_;
+    // The number of lists is the largest number of vertices of any cell so far.
+    typename Kind::template PerVertex<typename Kind::template AtVertex<VertexFace>> facesAt_;
+    typename Kind::template PerVertex<typename Kind::template AtVertex<VertexEdge>> edgesAt_;
 };
 
 }  // namespace
@@ -169,41 +230,6 @@ std::int8_t opposite(std::int8_t sign) {
     return static_cast<std::int8_t>(-sign);
 }
 
-/// The rows that a range of parents has produced.
-struct SignedRows {
-    Array<Index> values, lengths;
-    Array<std::int8_t> signs;
-};
-
-SignedIncidence join(const std::vector<SignedRows>& chunks) {
-    Rows<Index> rows;
-    Array<std::int8_t> signs;
-    std::size_t rowCount = 0, valueCount = 0;
-    for (const SignedRows& chunk : chunks) {
-        rowCount += chunk.lengths.size();
-        valueCount += chunk.values.size();
-    }
-    rows.values.reserve(valueCount);
-    signs.reserve(valueCount);
-    for (const SignedRows& chunk : chunks) {
-        rows.values.insert(rows.values.end(), chunk.values.begin(), chunk.values.end());
-        signs.insert(signs.end(), chunk.signs.begin(), chunk.signs.end());
-    }
-    const auto first = std::find_if(chunks.begin(), chunks.end(),
-                                    [](const SignedRows& chunk) { return !chunk.lengths.empty(); });
-    const Index length = first->lengths.front();  // There is one: the child is not empty.
-    const auto isUniform = [&](const SignedRows& chunk) {
-        return std::all_of(chunk.lengths.begin(), chunk.lengths.end(),
-                           [&](Index other) { return other == length; });
-    };
-    if (std::all_of(chunks.begin(), chunks.end(), isUniform))
-        return {Incidence::uniform(length, std::move(rows.values)), std::move(signs)};
-    rows.offsets.reserve(rowCount + 1);
-    for (const SignedRows& chunk : chunks)
-        for (const Index next : chunk.lengths) rows.offsets.push_back(rows.offsets.back() + next);
-    return {Incidence(std::move(rows)), std::move(signs)};
-}
-
 }  // namespace
 
 Refinement::Refinement(const CellComplex& parent, const Kept* kept)
@@ -226,7 +252,7 @@ Refinement::Refinement(const CellComplex& parent, const Kept* kept)
         boundaries[1] =
             SignedIncidence(Incidence::uniform(4, std::move(faces.edges)), std::move(faces.signs));
     }
-    child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
+    child_ = CellComplex::refined(dimension_, childCounts_[0], std::move(boundaries));
 }
 
 void Refinement::numberChildren(const Kept* kept) {
@@ -333,6 +359,38 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
     });
 }
 
+/// Returns the starts of the rows of the child cells [v,c]: a row has one face [v,f] and one face
+/// [e,c] for each edge e of c at v.
+RowStarts Refinement::startsOfCorners() const {
+    const Incidence& cellFaces = parent_.relation(3, 2);
+    if (parent_.isRefined() && cellFaces.commonLength() == 6)  // All cells are hexahedra.
+        return {childCounts_[3], 6};
+    const Family& corners = family(0, 3);
+    const Incidence& cellEdges = parent_.relation(3, 1);
+    const Incidence& ends = parent_.relation(1, 0);
+    Array<Index> lengths(childCounts_[3]);
+    parallelFor(parent_.count(3), kGrain, [&](Offset first, Offset last) {
+        std::vector<Index> valences;
+        for (Offset c = first; c < last; ++c) {
+            const auto cell = static_cast<Index>(c);
+            const std::span<const Index> vertices = (*corners.parts)[cell];
+            if (parent_.isRefined()) {
+                valences.assign(vertices.size(), 3);
+                valences.front() = valences.back() =
+                    static_cast<Index>(cellFaces[cell].size() / 2);
+            } else {
+                valences.assign(vertices.size(), 0);
+                for (const Index edge : cellEdges[cell])
+                    for (const Index end : ends[edge]) ++valences[placeInRow(vertices, end)];
+            }
+            const Offset begin = corners.parts->offset(cell);
+            for (Offset v = 0; v < std::ssize(valences); ++v)
+                if (corners.isKept(begin + v)) lengths[corners.child(begin + v)] = 2 * valences[v];
+        }
+    });
+    return RowStarts::ofLengths(lengths);
+}
+
 /// Builds the child faces [e,c], from an edge of a cell and the two faces x and y at the edge.
 /// Returns the rows of the child cells [v,c], the corners of cells, with their faces [v,f] and
 /// [e,c].
@@ -343,43 +401,49 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
     const Family& faceCells = family(2, 3);
     const Family& corners = family(0, 3);
 
-    // Rows of [v,c] are ordered by cell; each range of cells collects its own rows.
-    const Index cellCount = parent_.count(3);
-    std::vector<SignedRows> chunks((cellCount + kGrain - 1) / kGrain);
-    parallelFor(cellCount, kGrain, [&](Offset firstCell, Offset lastCell) {
-        SignedRows& chunk = chunks[firstCell / kGrain];
-        CellCorners cell(parent_);
-        for (Offset index = firstCell; index < lastCell; ++index) {
-            cell.visit(static_cast<Index>(index));
-            for (const CellCorners::Edge& edge : cell.edges()) {
-                if (!edgeCells.isKept(edge.inCell)) continue;
-                // Since ∂∂ = 0, the product of a face's sign in c and the edge's sign in the face
-                // is 1 for one of the two faces and −1 for the other. Here x is the face whose
-                // product is −1; the loop leaves [e,e] towards x.
-                auto x = edge.faces[0], y = edge.faces[1];
-                if (x.inCellSign == x.edgeSign) std::swap(x, y);
-                quadrilaterals.set(edgeCells.child(edge.inCell),
-                                   {{{edgeFaces.child(x.edgeInFace), x.inCellSign},
-                                     {faceCells.child(x.inCell), x.edgeSign},
-                                     {faceCells.child(y.inCell), y.edgeSign},
-                                     {edgeFaces.child(y.edgeInFace), y.inCellSign}}});
+    RowStarts starts = startsOfCorners();
+    Array<Index> values(starts[childCounts_[3]]);
+    Array<std::int8_t> signs(values.size());
+    const auto addChildren = [&](const auto& cell) {
+        for (const auto& edge : cell.edges()) {
+            if (!edgeCells.isKept(edge.inCell)) continue;
+            // Since ∂∂ = 0, the product of a face's sign in c and the edge's sign in the face is 1
+            // for one of the two faces and −1 for the other. Here x is the face whose product is
+            // −1; the loop leaves [e,e] towards x.
+            auto x = edge.faces[0], y = edge.faces[1];
+            if (x.inCellSign == x.edgeSign) std::swap(x, y);
+            quadrilaterals.set(edgeCells.child(edge.inCell),
+                               {{{edgeFaces.child(x.edgeInFace), x.inCellSign},
+                                 {faceCells.child(x.inCell), x.edgeSign},
+                                 {faceCells.child(y.inCell), y.edgeSign},
+                                 {edgeFaces.child(y.edgeInFace), y.inCellSign}}});
+        }
+        for (std::size_t v = 0; v < cell.vertexCount(); ++v) {
+            if (!corners.isKept(cell.vertexInCell(v))) continue;
+            Offset at = starts[corners.child(cell.vertexInCell(v))];
+            for (const auto& face : cell.facesAt(v)) {
+                values[at] = vertexFaces.child(face.vertexInFace);
+                signs[at++] = face.inCellSign;
             }
-            for (std::size_t v = 0; v < cell.vertexCount(); ++v) {
-                if (!corners.isKept(cell.vertexInCell(v))) continue;
-                for (const CellCorners::VertexFace& face : cell.facesAt(v)) {
-                    chunk.values.push_back(vertexFaces.child(face.vertexInFace));
-                    chunk.signs.push_back(face.inCellSign);
-                }
-                for (const CellCorners::VertexEdge& edge : cell.edgesAt(v)) {
-                    chunk.values.push_back(edgeCells.child(edge.inCell));
-                    chunk.signs.push_back(opposite(edge.vertexSign));
-                }
-                chunk.lengths.push_back(
-                    static_cast<Index>(cell.facesAt(v).size() + cell.edgesAt(v).size()));
+            for (const auto& edge : cell.edgesAt(v)) {
+                values[at] = edgeCells.child(edge.inCell);
+                signs[at++] = opposite(edge.vertexSign);
+            }
+        }
+    };
+    parallelFor(parent_.count(3), kGrain, [&](Offset firstCell, Offset lastCell) {
+        CellCorners<Hexahedron> hexahedron(parent_);
+        CellCorners<AnyCell> other(parent_);
+        for (Offset cell = firstCell; cell < lastCell; ++cell) {
+            if (hexahedron.visit(static_cast<Index>(cell))) {
+                addChildren(hexahedron);
+            } else {
+                other.visit(static_cast<Index>(cell));
+                addChildren(other);
             }
         }
     });
-    return join(chunks);
+    return {Incidence(std::move(starts), std::move(values)), std::move(signs)};
 }
 
 Interval Refinement::parentOf(Entity child) const {

@@ -142,6 +142,7 @@ private:
     SignedIncidence childEdges() const;
     struct Quadrilaterals;
     void addCorners(Quadrilaterals& quadrilaterals) const;
+    RowStarts startsOfCorners() const;
     SignedIncidence addSides(Quadrilaterals& quadrilaterals) const;
 
     CellComplex parent_;
