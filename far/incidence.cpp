@@ -8,8 +8,7 @@ namespace espalier::far {
 RowStarts RowStarts::ofLengths(std::span<const Index> lengths) {
     const auto rowCount = static_cast<Index>(lengths.size());
     const auto isFirst = [&](Index length) { return length == lengths.front(); };
-    if (rowCount > 0 && lengths.front() > 0 &&
-        std::all_of(lengths.begin(), lengths.end(), isFirst))
+    if (rowCount > 0 && lengths.front() > 0 && std::all_of(lengths.begin(), lengths.end(), isFirst))
         return {rowCount, lengths.front()};
     Array<Offset> offsets(lengths.size() + 1);
     offsets[0] = 0;

@@ -79,6 +79,17 @@ public:
     /// Returns the row that contains a position of the values. \cost O(log rows)
     Index rowOf(Offset position) const;
 
+    /// The same starts, to be copied into loops. Must not outlive the object.
+    struct View {
+        Index rowCount;
+        Index length;
+        const Offset* offsets;
+        Offset operator[](Index row) const {
+            return length > 0 ? Offset{length} * row : offsets[row];
+        }
+    };
+    operator View() const { return {rowCount_, length_, offsets_.data()}; }
+
 private:
     Index rowCount_ = 0;
     Index length_ = 0;
