@@ -169,16 +169,17 @@ Refinement::Refinement(const CellComplex& parent, const Kept* kept)
                                 " to refine: the complex has no interior vertex");
     requireMemory(leastBytes(), "the refined complex");
     CellComplex::Boundaries boundaries;
-    boundaries[0] = childEdges();
-    if (dimension_ > 1) {
+    withWhole([&](auto isWhole) {
+        boundaries[0] = childEdges<isWhole>();
+        if (dimension_ == 1) return;
         Quadrilaterals faces;
         faces.edges.resize(4 * static_cast<std::size_t>(childCounts_[2]));
         faces.signs.resize(faces.edges.size());
-        addCorners(faces);
-        if (dimension_ > 2) boundaries[2] = addSides(faces);
+        addCorners<isWhole>(faces);
+        if (dimension_ > 2) boundaries[2] = addSides<isWhole>(faces);
         boundaries[1] =
             SignedIncidence(Incidence::uniform(4, std::move(faces.edges)), std::move(faces.signs));
-    }
+    });
     child_ = CellComplex::refined(dimension_, childCounts_[0], std::move(boundaries));
 }
 
@@ -189,6 +190,7 @@ void Refinement::numberChildren(const Kept* kept) {
             Family& family = families_[lower][lower + d];
             family.parts = &parent_.relation(lower + d, lower);
             if (kept != nullptr) family.drop(kept->lower[lower], kept->upper[lower + d]);
+            isWhole_ = isWhole_ && family.isWhole;
             const Offset familyCount = family.isWhole ? std::ssize(family.parts->values())
                                                       : std::ssize(family.entryOfChild);
             // Checked before the children are numbered and created.
@@ -229,14 +231,15 @@ void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
 
 /// Builds the child edges [a,b], with a in the boundary of b. The edge joins the points of a and b;
 /// the point of a is its tail if σ(b,a) is −1.
+template <bool kIsWhole>
 SignedIncidence Refinement::childEdges() const {
     Array<Index> ends(2 * static_cast<std::size_t>(childCounts_[1]));
     Array<std::int8_t> signs(ends.size());
     for (int upper = 1; upper <= dimension_; ++upper) {
         parallelFor(parent_.count(upper), kGrain, [&](Offset first, Offset last) {
-            const Numbers edges = numbers(upper - 1, upper);
-            const Numbers lowerPoints = numbers(upper - 1, upper - 1),
-                          upperPoints = numbers(upper, upper);
+            const auto edges = numbers<kIsWhole>(upper - 1, upper);
+            const auto lowerPoints = numbers<kIsWhole>(upper - 1, upper - 1),
+                       upperPoints = numbers<kIsWhole>(upper, upper);
             const std::int8_t* const sides = parent_.boundary(upper).signs().data();
             for (Offset row = first; row < last; ++row) {
                 const auto whole = static_cast<Index>(row);
@@ -260,9 +263,11 @@ SignedIncidence Refinement::childEdges() const {
 /// Builds the child faces [v,f], the corners of faces: the loop of f enters the corner along one
 /// edge and leaves it along the next. Corners are identified by position in the loop, since a loop
 /// may pass a vertex more than once (degenerate faces of meshes).
+template <bool kIsWhole>
 void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
     parallelFor(parent_.count(2), kGrain, [&](Offset firstFace, Offset lastFace) {
-        const Numbers corners = numbers(0, 2), ends = numbers(0, 1), sides = numbers(1, 2);
+        const auto corners = numbers<kIsWhole>(0, 2), ends = numbers<kIsWhole>(0, 1),
+                   sides = numbers<kIsWhole>(1, 2);
         const std::int8_t* const signs = parent_.boundary(2).signs().data();
         for (Offset f = firstFace; f < lastFace; ++f) {
             const auto face = static_cast<Index>(f);
@@ -287,11 +292,12 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
 
 /// Returns the starts of the rows of the child cells [v,c]: a row has one face [v,f] and one face
 /// [e,c] for each edge e of c at v.
+template <bool kIsWhole>
 RowStarts Refinement::startsOfCorners() const {
     const Incidence& cellFaces = parent_.relation(3, 2);
     if (parent_.isRefined() && cellFaces.commonLength() == 6)  // All cells are hexahedra.
         return {childCounts_[3], 6};
-    const Numbers corners = numbers(0, 3);
+    const auto corners = numbers<kIsWhole>(0, 3);
     const Incidence& cellVertices = parent_.relation(3, 0);
     const Incidence& cellEdges = parent_.relation(3, 1);
     const Incidence& ends = parent_.relation(1, 0);
@@ -320,14 +326,16 @@ RowStarts Refinement::startsOfCorners() const {
 /// Builds the child faces [e,c], from an edge of a cell and the two faces x and y at the edge.
 /// Returns the rows of the child cells [v,c], the corners of cells, with their faces [v,f] and
 /// [e,c].
+template <bool kIsWhole>
 SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
-    RowStarts starts = startsOfCorners();
+    RowStarts starts = startsOfCorners<kIsWhole>();
     Array<Index> values(starts[childCounts_[3]]);
     Array<std::int8_t> signs(values.size());
 
     parallelFor(parent_.count(3), kGrain, [&](Offset firstCell, Offset lastCell) {
-        const Numbers vertexFaces = numbers(0, 2), edgeFaces = numbers(1, 2),
-                      edgeCells = numbers(1, 3), faceCells = numbers(2, 3), corners = numbers(0, 3);
+        const auto vertexFaces = numbers<kIsWhole>(0, 2), edgeFaces = numbers<kIsWhole>(1, 2),
+                   edgeCells = numbers<kIsWhole>(1, 3), faceCells = numbers<kIsWhole>(2, 3),
+                   corners = numbers<kIsWhole>(0, 3);
         const std::int8_t* const cellFaceSigns = parent_.boundary(3).signs().data();
         const std::int8_t* const faceEdgeSigns = parent_.boundary(2).signs().data();
         const RowStarts::View rowStarts = starts;
@@ -405,12 +413,16 @@ Interval Refinement::parentOf(Entity child) const {
 std::optional<Entity> Refinement::childOf(const Interval& interval) const {
     const auto& [lower, upper] = interval;
     if (lower.dimension > upper.dimension || upper.dimension > dimension_) return std::nullopt;
-    const Numbers family = numbers(lower.dimension, upper.dimension);
+    const Family& family = families_[lower.dimension][upper.dimension];
     const auto row = parent_.relation(upper.dimension, lower.dimension)[upper.index];
     const auto at = std::find(row.begin(), row.end(), lower.index) - row.begin();
-    const Offset entry = family.offset(upper.index) + at;
-    if (at == std::ssize(row) || !family.isKept(entry)) return std::nullopt;
-    return Entity{upper.dimension - lower.dimension, family.child(entry)};
+    if (at == std::ssize(row)) return std::nullopt;
+    const Offset entry = family.parts->offset(upper.index) + at;
+    return withWhole([&](auto isWhole) -> std::optional<Entity> {
+        const Numbers<isWhole> numbers(family);
+        if (!numbers.isKept(entry)) return std::nullopt;
+        return Entity{upper.dimension - lower.dimension, numbers.child(entry)};
+    });
 }
 
 namespace {

@@ -69,12 +69,14 @@ public:
     /// the children's numbers. \cost O(children)
     template <class Visit>
     void forEachChild(int lower, int upper, Visit visit) const {
-        const Numbers family = numbers(lower, upper);
-        for (Index row = 0; row < family.rowCount(); ++row)
-            for (Offset entry = family.offset(row); entry < family.offset(row + 1); ++entry)
-                if (family.isKept(entry))
-                    visit(Entity{upper - lower, family.child(entry)},
-                          Interval{{lower, family.part(entry)}, {upper, row}});
+        withWhole([&](auto isWhole) {
+            const auto family = numbers<isWhole>(lower, upper);
+            for (Index row = 0; row < family.rowCount(); ++row)
+                for (Offset entry = family.offset(row); entry < family.offset(row + 1); ++entry)
+                    if (family.isKept(entry))
+                        visit(Entity{upper - lower, family.child(entry)},
+                              Interval{{lower, family.part(entry)}, {upper, row}});
+        });
     }
 
     /// The same for every child, in the order of dimensions and numbers.
@@ -95,7 +97,9 @@ public:
             auto& ofChildren = result[d];
             ofChildren.resize(child_.count(d));
             for (int lower = 0; lower + d <= dimension_; ++lower)
-                spread(numbers(lower, lower + d), values[lower + d], ofChildren);
+                withWhole([&](auto isWhole) {
+                    spread(numbers<isWhole>(lower, lower + d), values[lower + d], ofChildren);
+                });
         }
         return result;
     }
@@ -116,38 +120,47 @@ private:
 
     /// The numbers of a family, to be copied into loops. The compiler can keep a local copy in
     /// registers; it would read a Family again after each write of an index.
+    /// \tparam kIsWhole true if every interval of every family is kept
+    template <bool kIsWhole>
     class Numbers {
     public:
         explicit Numbers(const Family& family)
             : parts_(family.parts->values().data()),
               starts_(family.parts->starts()),
               firstChild_(family.firstChild),
-              childOfEntry_(family.isWhole ? nullptr : family.childOfEntry.data()) {}
+              childOfEntry_(family.childOfEntry.data()) {}
 
         Index rowCount() const { return starts_.rowCount; }
         Offset offset(Index row) const { return starts_[row]; }
         Index part(Offset entry) const { return parts_[entry]; }
-        bool isKept(Offset entry) const {
-            return childOfEntry_ == nullptr || childOfEntry_[entry] != kMaxIndex;
-        }
+        bool isKept(Offset entry) const { return kIsWhole || childOfEntry_[entry] != kMaxIndex; }
         Index child(Offset entry) const {
-            return firstChild_ +
-                   (childOfEntry_ == nullptr ? static_cast<Index>(entry) : childOfEntry_[entry]);
+            return firstChild_ + (kIsWhole ? static_cast<Index>(entry) : childOfEntry_[entry]);
         }
 
     private:
         const Index* parts_;
         RowStarts::View starts_;
         Index firstChild_;
-        const Index* childOfEntry_;  ///< null if every interval is kept
+        const Index* childOfEntry_;
     };
-    Numbers numbers(int lower, int upper) const { return Numbers(families_[lower][upper]); }
 
-    template <class T>
-    static void spread(const Numbers& family, const std::vector<T>& ofRows,
+    template <bool kIsWhole>
+    Numbers<kIsWhole> numbers(int lower, int upper) const {
+        return Numbers<kIsWhole>(families_[lower][upper]);
+    }
+
+    /// Calls use(std::true_type()) if every interval is kept, else use(std::false_type()).
+    template <class Use>
+    decltype(auto) withWhole(Use use) const {
+        return isWhole_ ? use(std::true_type()) : use(std::false_type());
+    }
+
+    template <class T, bool kIsWhole>
+    static void spread(const Numbers<kIsWhole>& family, const std::vector<T>& ofRows,
                        std::vector<T>& ofChildren) {
         parallelFor(family.rowCount(), 1 << 14, [&](Offset first, Offset last) {
-            const Numbers numbers = family;
+            const Numbers<kIsWhole> numbers = family;
             T* const children = ofChildren.data();
             for (Offset row = first; row < last; ++row) {
                 const auto r = static_cast<Index>(row);
@@ -161,16 +174,21 @@ private:
 
     void numberChildren(const Kept* kept);
     std::uint64_t leastBytes() const;
-    SignedIncidence childEdges() const;
     struct Quadrilaterals;
+    template <bool kIsWhole>
+    SignedIncidence childEdges() const;
+    template <bool kIsWhole>
     void addCorners(Quadrilaterals& quadrilaterals) const;
+    template <bool kIsWhole>
     RowStarts startsOfCorners() const;
+    template <bool kIsWhole>
     SignedIncidence addSides(Quadrilaterals& quadrilaterals) const;
 
     CellComplex parent_;
     int dimension_ = 0;
     std::array<std::array<Family, kMaxDimension + 1>, kMaxDimension + 1> families_;
     std::array<Index, kMaxDimension + 1> childCounts_ = {};
+    bool isWhole_ = true;  ///< every interval is kept
     CellComplex child_;
 };
 
