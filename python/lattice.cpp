@@ -479,13 +479,6 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
                                "creasing and triangles that the file sets.");
 }
 
-/// Issues a UserWarning with the notes on a file, if there are any.
-void warnOf(const std::filesystem::path& path, const io::ReadNotes& notes) {
-    const std::string text = io::describe(path, notes);
-    if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
-        throw py::error_already_set();
-}
-
 }  // namespace
 
 void addLattice(py::module_& module) {
@@ -569,7 +562,7 @@ linear : array (3, 3); translation : 3 float
         [](const std::filesystem::path& path) {
             io::ReadNotes notes;
             auto lattice = sharedWithoutGil([&] { return io::readRefinable(path, &notes); });
-            warnOf(path, notes);
+            warn(io::describe(path, notes));
             return lattice;
         },
         "path"_a,
@@ -582,7 +575,7 @@ linear : array (3, 3); translation : 3 float
             io::ReadNotes notes;
             auto points =
                 withoutGil([&] { return io::readPose(path, rest, "the lattice", &notes); });
-            warnOf(path, notes);
+            warn(io::describe(path, notes));
             return toArray(std::move(points));
         },
         "path"_a, "rest"_a,

@@ -14,6 +14,7 @@
 #include "../files/text_output.h"
 #include "../lattices/lattice_parts.h"
 #include "../vtk/vtk_xml.h"
+#include "surface_writers.h"
 
 namespace espalier::io {
 
@@ -49,16 +50,12 @@ public:
     explicit ObjMeshWriter(std::ostream& out) : out_(out) {}
 
     void write(const Lattice& mesh, const far::Marks& marks) {
-        for (const Point3& position : mesh.positions) {
-            out_.put("v");
-            for (const double coordinate : position) out_.put(" ", coordinate);
-            out_.put("\n");
-        }
+        putObjPoints(out_, mesh.positions);
         const FaceVaryingAttribute& textures = mesh.textureCoordinates;
         for (std::size_t i = 0; i < textures.values.size(); ++i)
             out_.put(i % 2 == 0 ? "vt " : " ", textures.values[i], i % 2 == 0 ? "" : "\n");
         if (mesh.complex.dimension() == 1)
-            for (const std::vector<Index>& line : linesOf(mesh.complex)) writePath("l", line);
+            for (const std::vector<Index>& line : linesOf(mesh.complex)) writeLine(line);
         else
             for (Index face = 0; face < mesh.complex.count(2); ++face) writeFace(mesh, face);
         writeTags(mesh.tags);
@@ -70,19 +67,17 @@ public:
     }
 
 private:
-    void writePath(const char* keyword, std::span<const Index> vertices) {
-        out_.put(keyword);
+    void writeLine(std::span<const Index> vertices) {
+        out_.put("l");
         for (const Index vertex : vertices) out_.put(" ", vertex + 1);
         out_.put("\n");
     }
 
     void writeFace(const Lattice& mesh, Index face) {
         const far::Incidence& loops = mesh.complex.relation(2, 0);
-        if (mesh.textureCoordinates.empty()) return writePath("f", loops[face]);
-        out_.put("f");
-        for (Offset i = loops.offset(face); i < loops.offset(face + 1); ++i)
-            out_.put(" ", loops.values()[i] + 1, "/", mesh.textureCoordinates.corners[i] + 1);
-        out_.put("\n");
+        std::span<const Index> textures = mesh.textureCoordinates.corners;
+        if (!textures.empty()) textures = textures.subspan(loops.offset(face), loops[face].size());
+        putObjFace(out_, loops[face], textures);
     }
 
     static int numberOf(far::Boundary boundary) {

@@ -90,16 +90,6 @@ TEST(Model, RefusesGradientsOfWrongNumberOrNotFinite) {
     EXPECT_THAT(write, ThrowsMessage<Error>(HasSubstr("the gradient of point 2 is not finite")));
 }
 
-TEST(Model, IsNotWrittenUnderTheExtensionOfAnotherFormat) {
-    const TemporaryFolder folder;
-    const auto model = readModel("a.obj", kTriangle);
-    EXPECT_REFUSED(FileError, "read as .obj", model->write(folder / "out.PLY", model->positions()));
-    EXPECT_FALSE(std::filesystem::exists(folder / "out.PLY"));
-    EXPECT_NO_THROW(model->checkTarget(folder / "out.OBJ"));
-    EXPECT_NO_THROW(model->checkTarget("/dev/stdout"));
-    EXPECT_NO_THROW(model->checkTarget(folder / "out.backup"));
-}
-
 TEST(Model, SharedModelsRoundTripByteForByte) {
     const auto folder = sharedData() / "models";
     if (!std::filesystem::exists(folder))
