@@ -50,6 +50,9 @@ const ModelFormat& requireFormat(const std::filesystem::path& path) {
     std::string known;
     for (const ModelFormat& format : kModelFormats)
         known.append(known.empty() ? "" : ", ").append(format.extension());
+    constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
+    if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
+        throw FileError(path, "lists other files; name one of these files (" + known + ")");
     throw FileError(path, "is not of a known model format; expected " + known);
 }
 

@@ -55,7 +55,8 @@ struct ModelSurface {
 
     std::vector<OtherData> others;
 
-    /// Names of shapes in the file that faces cannot describe: "27 cells of VTK's type 12".
+    /// Names of shapes in the file that faces cannot describe: "27 cells of VTK's type 12
+    /// (hexahedron)".
     std::vector<std::string> otherShapes;
 
     /// Adds a kind of data, and the name of a part of it, if it is not empty. Each kind is listed

@@ -46,6 +46,26 @@ std::int64_t typeOf(StandardCell kind) {
     return at->number;
 }
 
+/// Returns " (tetrahedron)" and the like for cells of a volume that are not curved; else nothing.
+const char* nameOfType(std::int64_t type) {
+    switch (type) {
+        case 10:
+            return " (tetrahedron)";
+        case kVtkVoxel:
+            return " (voxel)";
+        case 12:
+            return " (hexahedron)";
+        case 13:
+            return " (wedge)";
+        case 14:
+            return " (pyramid)";
+        case kVtkPolyhedron:
+            return " (polyhedron)";
+        default:
+            return "";
+    }
+}
+
 }  // namespace
 
 std::optional<int> lowDimensionOf(std::int64_t type) {
@@ -99,8 +119,8 @@ void VtkFaceReader::giveTo(ModelSurface& surface) {
         if (dimension == 0 || dimension == 1)
             surface.addOther(dimension == 0 ? "vertex cells" : "lines");
         else if (type != kEmptyCell)
-            surface.otherShapes.push_back(
-                concat(count, count == 1 ? " cell" : " cells", " of VTK's type ", type));
+            surface.otherShapes.push_back(concat(count, count == 1 ? " cell" : " cells",
+                                                 " of VTK's type ", type, nameOfType(type)));
     }
 }
 

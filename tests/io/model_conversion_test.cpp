@@ -255,8 +255,8 @@ TEST(ModelConversion, ShapesThatFacesCannotDescribeAreRefused) {
     for (const std::string extension : {".obj", ".stl", ".vtu"})
         EXPECT_REFUSED(FileError,
                        "out" + extension + ": a " + extension +
-                           " cannot hold 2 cells of VTK's type 10 and 1 cell of VTK's type 22 of "
-                           "the model; name the output out.vtk, or extract the surface of the "
+                           " cannot hold 2 cells of VTK's type 10 (tetrahedron) and 1 cell of "
+                           "VTK's type 22 of the model; name the output out.vtk, or extract the surface of the "
                            "model first",
                        grid->checkTarget("out" + extension));
     const TemporaryFolder folder;

@@ -90,6 +90,18 @@ TEST(Model, RefusesGradientsOfWrongNumberOrNotFinite) {
     EXPECT_THAT(write, ThrowsMessage<Error>(HasSubstr("the gradient of point 2 is not finite")));
 }
 
+TEST(Model, OtherExtensionsAreRefused) {
+    EXPECT_REFUSED(FileError,
+                   "a.off: is not of a known model format; expected .obj, .ply, .stl, .vtu, .vtp, "
+                   ".vtk",
+                   readModel("a.off"));
+    for (const std::string name : {"a.vtm", "a.PVTU"})
+        EXPECT_REFUSED(FileError,
+                       name + ": lists other files; name one of these files (.obj, .ply, .stl, "
+                              ".vtu, .vtp, .vtk)",
+                       readModel(name));
+}
+
 TEST(Model, SharedModelsRoundTripByteForByte) {
     const auto folder = sharedData() / "models";
     if (!std::filesystem::exists(folder))
