@@ -2,6 +2,7 @@
 #include "model_conversion.h"
 
 #include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
@@ -16,19 +17,21 @@
 namespace espalier::io {
 namespace {
 
-/// Returns "a, b and c".
-std::string listOfWords(const std::vector<std::string>& words) {
+/// A message names at most this number of shapes, and of parts of each kind of data.
+constexpr std::size_t kMaxNamed = 5;
+
+std::string listOfShapes(const std::vector<std::string>& shapes) {
     std::string text;
-    for (std::size_t i = 0; i < words.size(); ++i)
-        text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
-    return text;
+    for (std::size_t i = 0; i < std::min(shapes.size(), kMaxNamed); ++i)
+        text += (i == 0 ? "" : i + 1 < shapes.size() ? ", " : " and ") + shapes[i];
+    return text + (shapes.size() > kMaxNamed ? ", ..." : "");
 }
 
 std::string nameOf(const ModelSurface::OtherData& other) {
-    constexpr std::size_t kMaxNamed = 5;
+    constexpr std::size_t kMaxNameBytes = 40;
     std::string text = other.kind;
     for (std::size_t i = 0; i < std::min(other.names.size(), kMaxNamed); ++i)
-        text += (i == 0 ? " " : ", ") + inQuotes(other.names[i]);
+        text += (i == 0 ? " '" : ", '") + printable(other.names[i], kMaxNameBytes) + "'";
     return text + (other.names.size() > kMaxNamed ? ", ..." : "");
 }
 
@@ -58,7 +61,7 @@ ModelConversion::ModelConversion(const Model& model, const SurfaceFormat& format
     : model_(model), format_(format), path_(std::move(path)), surface_(model.readSurface()) {
     const std::string from(model.extension()), to(format.extension);
     if (!surface_.otherShapes.empty())
-        throw FileError(path_, "a " + to + " cannot hold " + listOfWords(surface_.otherShapes) +
+        throw FileError(path_, "a " + to + " cannot hold " + listOfShapes(surface_.otherShapes) +
                                    " of the model; name the output " +
                                    shownPath(std::filesystem::path(path_).replace_extension(from)) +
                                    ", or extract the surface of the model first");

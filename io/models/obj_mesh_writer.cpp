@@ -4,6 +4,7 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj_mesh.h>
 
+#include <cmath>
 #include <initializer_list>
 #include <ostream>
 #include <span>
@@ -102,6 +103,9 @@ private:
             const bool isSmooth = tags.triangles == far::TriangleSubdivision::Smooth;
             out_.put("t smoothtriangles 0/0/1 ", isSmooth ? "smooth\n" : "catmark\n");
         }
+        if (tags.faceVarying)
+            out_.put("t facevaryinginterpolateboundary 1/0/0 ", static_cast<int>(*tags.faceVarying),
+                     "\n");
     }
 
     void writeMark(const char* tag, std::initializer_list<Index> vertices, double sharpness) {
@@ -115,6 +119,23 @@ private:
     TextOutput out_;
 };
 
+void checkTextureCoordinates(const std::filesystem::path& path, const Lattice& mesh) {
+    const auto& [components, values, corners] = mesh.textureCoordinates;
+    if (corners.empty()) return;
+    const auto fail = [&](const std::string& cause) {
+        throw FileError(path, "cannot be written: the texture coordinates " + cause);
+    };
+    if (components != 2) fail(concat("have ", components, " components; an OBJ has 2"));
+    if (mesh.complex.dimension() != 2 ||
+        corners.size() != mesh.complex.relation(2, 0).values().size())
+        fail("are not one for each corner of each face");
+    for (const double value : values)
+        if (!std::isfinite(value)) fail("are not finite");
+    for (const Index corner : corners)
+        if (corner < 0 || static_cast<std::size_t>(corner) >= values.size() / 2)
+            fail(concat("have no number ", corner, ", which a corner names"));
+}
+
 }  // namespace
 
 void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
@@ -125,6 +146,7 @@ void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
                                   inQuotes(mesh.attributes.empty() ? mesh.integers[0].name
                                                                    : mesh.attributes[0].name) +
                                   ", and an OBJ has no place for attributes");
+    checkTextureCoordinates(path, mesh);
     writeFile(path, [&](std::ostream& out) { ObjMeshWriter(out).write(mesh, marks); });
 }
 

@@ -256,7 +256,8 @@ TEST(ModelConversion, ShapesThatFacesCannotDescribeAreRefused) {
         EXPECT_REFUSED(FileError,
                        "out" + extension + ": a " + extension +
                            " cannot hold 2 cells of VTK's type 10 (tetrahedron) and 1 cell of "
-                           "VTK's type 22 of the model; name the output out.vtk, or extract the surface of the "
+                           "VTK's type 22 of the model; name the output out.vtk, or extract the "
+                           "surface of the "
                            "model first",
                        grid->checkTarget("out" + extension));
     const TemporaryFolder folder;

@@ -97,8 +97,9 @@ TEST(Model, OtherExtensionsAreRefused) {
                    readModel("a.off"));
     for (const std::string name : {"a.vtm", "a.PVTU"})
         EXPECT_REFUSED(FileError,
-                       name + ": lists other files; name one of these files (.obj, .ply, .stl, "
-                              ".vtu, .vtp, .vtk)",
+                       name +
+                           ": lists other files; name one of these files (.obj, .ply, .stl, "
+                           ".vtu, .vtp, .vtk)",
                        readModel(name));
 }
 
