@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/model.h>
@@ -45,11 +46,16 @@ const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     return nullptr;
 }
 
-const ModelFormat& requireFormat(const std::filesystem::path& path) {
-    if (const ModelFormat* format = findModelFormat(path)) return *format;
+std::string knownExtensions() {
     std::string known;
     for (const ModelFormat& format : kModelFormats)
         known.append(known.empty() ? "" : ", ").append(format.extension());
+    return known;
+}
+
+const ModelFormat& requireFormat(const std::filesystem::path& path) {
+    if (const ModelFormat* format = findModelFormat(path)) return *format;
+    const std::string known = knownExtensions();
     constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
     if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
         throw FileError(path, "lists other files; name one of these files (" + known + ")");
@@ -79,6 +85,10 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
 
 std::string Model::checkTarget(const std::filesystem::path& path) const {
     const ModelFormat* format = findModelFormat(path);
+    if (!format && path.has_extension())
+        return concat(shownPath(path), ": is written as ", extension(),
+                      ", the format of the model, because ", printable(path.extension().string()),
+                      " is no known model format; known are ", knownExtensions());
     if (!format || format->extension() == extension()) return {};
     return ModelConversion(*this, format->surfaces, path).losses();
 }

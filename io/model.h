@@ -121,10 +121,11 @@ public:
     /// Checks a name for write() without touching the file, so that a wrong name is refused before
     /// long work.
     ///
-    /// \return one line that names the data of the model that a file in another format lacks, and
-    ///         the changes ("a.stl: ...; 6 faces are split into 12 triangles"); empty if there are
-    ///         none, in the format of the model, or if the extension belongs to no model format
-    ///         ("/dev/stdout"), because the model is then written in its own format
+    /// \return one line for the user, or nothing. It names the data of the model that a file in
+    ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
+    ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
+    ///         that the model is written in its own format. A name without extension
+    ///         ("/dev/stdout") means the same, without a word
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason
     /// \cost that of readSurface(), if the format is another one

@@ -2,7 +2,6 @@
 #include <espalier/base/printable.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_match.h>
-#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/pose_file.h>
 #include <espalier/shapes/lattice.h>
@@ -10,7 +9,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -274,10 +272,6 @@ FaceVaryingAttribute texturesOf(const far::CellComplex& mesh, const ArrayLike& c
         throw Error("texture_coordinates: expected an array of shape (T, 2), got " +
                     shapeText(values));
     FaceVaryingAttribute result{2, {values.data(), values.data() + values.size()}, {}};
-    for (const double value : result.values)
-        if (!std::isfinite(value))
-            throw Error("texture_coordinates: expected finite numbers, got " +
-                        io::formatNumber(value));
     const auto rows = rowsOf(corners, "texture_corners", "(F, k)");
     const auto list =
         rows ? py::sequence() : sequenceOf(corners, "texture_corners", "an array or a list");

@@ -281,8 +281,12 @@ TEST(ModelConversion, ShapesThatFacesCannotDescribeAreRefused) {
 
 TEST(ModelConversion, OtherNamesKeepTheFormat) {
     const auto model = readModel("a.obj", kObj);
-    for (const char* name : {"b.obj", "b.OBJ", "b.backup", "/dev/stdout", "b"})
+    for (const char* name : {"b.obj", "b.OBJ", "/dev/stdout", "b"})
         EXPECT_EQ(model->checkTarget(name), "");
+    EXPECT_EQ(
+        model->checkTarget("b.gltf"),
+        "b.gltf: is written as .obj, the format of the model, because .gltf is no known model "
+        "format; known are .obj, .ply, .stl, .vtu, .vtp, .vtk");
     const TemporaryFolder folder;
     model->write(folder / "b", model->positions());
     EXPECT_EQ(readFile(folder / "b"), kObj);
