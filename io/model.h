@@ -77,16 +77,15 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 ///     .obj               faces of any size; normals per corner
 ///     .ply               ASCII, coordinates of type double; normals per point
 ///     .vtp, .vtu, .vtk   polygons, coordinates of type double; normals per point
-///     .stl               binary; faces are split into triangles (by cutting off ears, at rest),
-///     and
-///                        coordinates rounded to floats
+///     .stl               binary, coordinates rounded to floats; faces are split into triangles,
+///                        the same for all positions
 ///
 /// The points keep their numbers, except that equal corners of an STL become one point. A model
 /// with shapes that faces cannot describe, such as the cells of a volume, is not converted.
 ///
 /// Directions at the points, that is normals and tangents, are kept as well, unless write() is
-/// given a deformation gradient per point. The headers obj.h, ply.h and vtu.h (readVtuModel) say
-/// which numbers of a file are directions.
+/// given a deformation gradient per point. The headers obj.h, ply.h, vtu.h (readVtuModel) and
+/// vtk_legacy.h (readVtkLegacyModel) say which numbers of a file are directions.
 ///
 /// Models are immutable, and so safe to share between threads.
 class ESPALIER_API Model {

@@ -107,8 +107,10 @@ void ModelConversion::dropSmallFaces() {
         }
         surface_.faces.endFace();
     }
-    if (dropped > 0)
-        surface_.addOther(counted(dropped, "face", "faces") + " of fewer than three corners");
+    if (dropped == 0) return;
+    surface_.addOther(counted(dropped, "face", "faces") + " of fewer than three corners");
+    // Without corners, these normals would count as normals of points.
+    if (!normalCorners.empty() && surface_.normalCorners.empty()) surface_.normals.clear();
 }
 
 void ModelConversion::dropRepeatedPoints() {

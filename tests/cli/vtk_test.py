@@ -156,6 +156,18 @@ class Vtk(CliTest):
                 self.assertIsNotNone(array)
                 self.assertLess(abs(vtk_to_numpy(array) - normals).max(), 1e-7)
 
+    def test_vtk_reads_points_without_faces(self):
+        self.run_program("shape", "box", "--min", -9, -9, -9, "--max", 9, 9, 9, "-o", "rest.ovm")
+        self.put("cloud.obj", "v 0 0 0\nv 1 2 3\n")
+        for extension, reader_type in (("ply", vtk.vtkPLYReader), ("vtp", vtk.vtkXMLPolyDataReader),
+                                       ("vtu", vtk.vtkXMLUnstructuredGridReader),
+                                       ("vtk", vtk.vtkPolyDataReader)):
+            with self.subTest(extension=extension):
+                self.deform("cloud.obj", "rest.ovm", "rest.ovm", out="out." + extension)
+                data = self.read(reader_type(), "out." + extension)
+                self.assertEqual((data.GetNumberOfPoints(), data.GetNumberOfCells()), (2, 0))
+                self.assertEqual(data.GetPoint(1), (1, 2, 3))
+
 
 if __name__ == "__main__":
     program.ESPALIER = sys.argv.pop(1)

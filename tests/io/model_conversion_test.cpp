@@ -195,6 +195,11 @@ TEST(ModelConversion, AllDataThatAreNotWrittenAreNamed) {
               "'lod'");
     EXPECT_EQ(lossesOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\nf 1\n", "a.ply"),
               "2 faces of fewer than three corners");
+    // The normals of faces that are not written are not those of the points.
+    const auto edge = readModel("a.obj", "v 0 0 0\nv 1 0 0\nvn 0 0 1\nf 1//1 2//1\n");
+    EXPECT_EQ(edge->checkTarget("b.ply"),
+              "b.ply: the .obj has data that are not written: 1 face of fewer than three corners");
+    EXPECT_FALSE(converted(*edge, "b.ply", edge->positions()).model->hasDirections());
     EXPECT_EQ(
         lossesOf("a.ply",
                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
