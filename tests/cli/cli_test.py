@@ -711,8 +711,6 @@ class Deform(CliTest):
         self.assertIn("none.vtu: ", self.error_of("info", "none.vtu"))
         self.assertIn("model.xyz", self.error_of("deform", "model.xyz", "--rest", "rest.vtu",
                                                  "--to", "pose.vtk", "-o", "out.obj"))
-        self.assertIn(".obj", self.error_of("deform", "model.obj", "--rest", "rest.vtu", "--to",
-                                            "pose.vtk", "-o", "out.ply"))
 
     def test_outputs_do_not_replace_inputs(self):
         self.bind("model.obj", "rest.vtu", out="m.espb")
