@@ -17,6 +17,7 @@
 #include "commands.h"
 #include "files.h"
 #include "run_report.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
@@ -44,6 +45,13 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     }
     checkDistinct(paths);
     return paths;
+}
+
+/// Refuses an output that the model cannot be written to, and prints to standard error what a file
+/// in another format lacks. To be called between stages.
+void checkTarget(const io::Model& model, const std::filesystem::path& output) {
+    if (const std::string losses = model.checkTarget(output); !losses.empty())
+        printError(losses.c_str());
 }
 
 /// Returns the deformation gradient of each point for a pose of the lattice.
@@ -96,7 +104,7 @@ void runDeform(const DeformOptions& options) {
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
-    model->checkTarget(paths.front());
+    checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
@@ -142,7 +150,7 @@ void runApply(const DeformOptions& options) {
         bound = io::readBoundModel(options.model);
         return io::readModel(bound.modelName, bound.modelBytes);
     });
-    model->checkTarget(paths.front());
+    checkTarget(*model, paths.front());
     const auto& table = bound.binding.table;
     if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model,
@@ -165,8 +173,9 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         ->required();
     addOutputOption(
         command, options.output,
-        "The deformed model, in the format of MODEL. With several poses, %04d in the name "
-        "stands for the number of the pose, and .0000, .0001 ... is added without it")
+        "The deformed model, in the format of MODEL or, by its extension, in another model format. "
+        "With several poses, %04d in the name stands for the number of the pose, and .0000, .0001 "
+        "... is added without it")
         ->required();
 }
 

@@ -118,7 +118,7 @@ Extent extentOf(std::span<const Point3> points) {
 }
 
 nlohmann::json reportModel(const std::string& path, const io::Model& model) {
-    const io::ModelFaces faces = model.readFaces();
+    const io::ModelFaces faces = model.readSurface().faces;
     const Surface surface = surfaceOf(faces, model.positions().size());
     const Extent extent = extentOf(model.positions());
     nlohmann::json report = {{"model", path},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/model.h>
@@ -9,34 +10,55 @@
 #include <espalier/io/vtk/vtk_legacy.h>
 #include <espalier/io/vtk/vtu.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "models/model_conversion.h"
+#include "models/surface_writers.h"
+#include "vtk/vtk_surface_writers.h"
+
 namespace espalier::io {
 namespace {
 
+using Normals = SurfaceFormat::Normals;
+
 struct ModelFormat {
-    std::string_view extension;
+    SurfaceFormat surfaces;
     std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
+
+    std::string_view extension() const { return surfaces.extension; }
 };
 
-constexpr ModelFormat kModelFormats[] = {{".obj", readObj},      {".ply", readPly},
-                                         {".stl", readStl},      {".vtu", readVtuModel},
-                                         {".vtp", readVtpModel}, {".vtk", readVtkLegacyModel}};
+constexpr ModelFormat kModelFormats[] = {
+    {{".obj", Normals::Corners, writeObjSurface}, readObj},
+    {{".ply", Normals::Points, writePlySurface}, readPly},
+    {{".stl", Normals::Facets, writeStlSurface}, readStl},
+    {{".vtu", Normals::Points, writeVtuSurface}, readVtuModel},
+    {{".vtp", Normals::Points, writeVtpSurface}, readVtpModel},
+    {{".vtk", Normals::Points, writeVtkLegacySurface}, readVtkLegacyModel}};
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
     for (const ModelFormat& format : kModelFormats)
-        if (format.extension == extension) return &format;
+        if (format.extension() == extension) return &format;
     return nullptr;
+}
+
+std::string knownExtensions() {
+    std::string known;
+    for (const ModelFormat& format : kModelFormats)
+        known.append(known.empty() ? "" : ", ").append(format.extension());
+    return known;
 }
 
 const ModelFormat& requireFormat(const std::filesystem::path& path) {
     if (const ModelFormat* format = findModelFormat(path)) return *format;
-    std::string known;
-    for (const ModelFormat& format : kModelFormats)
-        known.append(known.empty() ? "" : ", ").append(format.extension);
+    const std::string known = knownExtensions();
+    constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
+    if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
+        throw FileError(path, "lists other files; name one of these files (" + known + ")");
     throw FileError(path, "is not of a known model format; expected " + known);
 }
 
@@ -55,33 +77,41 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
 
 }  // namespace
 
-void Model::checkTarget(const std::filesystem::path& path) const {
+void ModelSurface::addOther(const std::string& kind, const std::string& name) {
+    auto other = std::ranges::find(others, kind, &OtherData::kind);
+    if (other == others.end()) other = others.insert(others.end(), {kind, {}});
+    if (!name.empty() && std::ranges::count(other->names, name) == 0) other->names.push_back(name);
+}
+
+std::string Model::checkTarget(const std::filesystem::path& path) const {
     const ModelFormat* format = findModelFormat(path);
-    if (format && format->extension != extension())
-        throw FileError(
-            path, concat("a model that was read as ", extension(), " can only be written as ",
-                         extension(),
-                         ", because everything but its coordinates is copied from "
-                         "its file; name the output ",
-                         shownPath(std::filesystem::path(path).replace_extension(extension())),
-                         ", or convert the model to ", format->extension, " first"));
+    if (!format && path.has_extension())
+        return concat(shownPath(path), ": is written as ", extension(),
+                      ", the format of the model, because ", printable(path.extension().string()),
+                      " is no known model format; known are ", knownExtensions());
+    if (!format || format->extension() == extension()) return {};
+    return ModelConversion(*this, format->surfaces, path).losses();
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
-    check(path, moved);
-    writeChecked(path, moved, {});
+    checkAll(moved, positions().size(), "positions", "new position");
+    writeInFormat(path, moved, {});
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved,
                   std::span<const DeformationGradient> gradients) const {
-    check(path, moved);
+    checkAll(moved, positions().size(), "positions", "new position");
     checkAll(gradients, positions().size(), "gradients", "gradient");
-    writeChecked(path, moved, gradients);
+    writeInFormat(path, moved, gradients);
 }
 
-void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
-    checkTarget(path);
-    checkAll(moved, positions().size(), "positions", "new position");
+void Model::writeInFormat(const std::filesystem::path& path, std::span<const Point3> moved,
+                          std::span<const DeformationGradient> gradients) const {
+    const ModelFormat* format = findModelFormat(path);
+    if (!format || format->extension() == extension())
+        writeChecked(path, moved, gradients);
+    else
+        ModelConversion(*this, format->surfaces, path).write(moved, gradients);
 }
 
 bool isModelFile(const std::filesystem::path& path) {

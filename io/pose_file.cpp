@@ -11,8 +11,8 @@
 #include <ostream>
 #include <span>
 
-#include "files/text_output.h"
 #include "lattices/lattice_parts.h"
+#include "models/surface_writers.h"
 
 namespace espalier::io {
 namespace {
@@ -98,12 +98,8 @@ std::vector<Point3> readCage(const Path& path, const std::string& name, Index ve
                              Check check) {
     const auto model = readModel(path);
     checkPointCount(path, name, model->positions().size(), vertexCount);
-    check(model->readFaces());
+    check(model->readSurface().faces);
     return {model->positions().begin(), model->positions().end()};
-}
-
-void put(TextOutput& out, const Point3& position) {
-    out.put(position[0], " ", position[1], " ", position[2], "\n");
 }
 
 }  // namespace
@@ -144,27 +140,14 @@ void writeCage(const Path& path, const Lattice& lattice) {
     if (!isCageFile(path))
         throw FileError(path, "a cage cannot be written in this format; expected .obj or .ply");
     checkedForWriting(path, lattice);
-    const far::CellComplex& complex = lattice.complex;
-    writeFile(path, [&](std::ostream& stream) {
-        TextOutput out(stream);
-        const bool ply = isPly(path);
-        if (ply)
-            out.put("ply\nformat ascii 1.0\nelement vertex ", complex.count(0),
-                    "\nproperty double x\nproperty double y\nproperty double z\nelement face ",
-                    complex.count(2), "\nproperty list int int vertex_indices\nend_header\n");
-        for (const Point3& position : lattice.positions) {
-            if (!ply) out.put("v ");
-            put(out, position);
-        }
-        for (Index face = 0; face < complex.count(2); ++face) {
-            const LoopView loop = complex.relation(2, 0)[face];
-            if (ply)
-                out.put(loop.size());
-            else
-                out.put("f");
-            for (const Index vertex : loop) out.put(" ", ply ? vertex : vertex + 1);
-            out.put("\n");
-        }
+    const far::Incidence& loops = lattice.complex.relation(2, 0);
+    ModelFaces faces;
+    faces.corners.assign(loops.values().begin(), loops.values().end());
+    for (Index face = 0; face < lattice.complex.count(2); ++face)
+        faces.ends.push_back(loops.offset(face + 1));
+    const SurfaceView surface{lattice.positions, faces};
+    writeFile(path, [&](std::ostream& out) {
+        isPly(path) ? writePlySurface(out, surface) : writeObjSurface(out, surface);
     });
 }
 

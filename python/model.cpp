@@ -56,7 +56,7 @@ py::str nameOf(const ModelFile& file) {
 void addModel(py::module_& module) {
     py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
 A model to deform: a file that contains points. Writing it with other points keeps everything else
-byte for byte. Made by read_model().
+byte for byte, unless it is written in another format. Made by read_model().
 )")
         .def_property_readonly(
             "positions",
@@ -73,10 +73,14 @@ byte for byte. Made by read_model().
                const ArrayLike& positions) {
                 const auto points =
                     toPoints(positions, "positions", self.model->positions().size());
+                warn(withoutGil([&] { return self.model->checkTarget(path); }));
                 withoutGil([&] { self.model->write(path, points); });
             },
-            "path"_a, "positions"_a,
-            "Writes the model with these points, array (N, 3), in the format that it was read in.")
+            "path"_a, "positions"_a, R"(
+Writes the model with these points, array (N, 3). The extension of the path names the format: that of
+the model, which keeps everything but the points, or another model format, which gets the points, the
+faces and the normals. Data that the other format has no place for are named by a UserWarning.
+)")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")
                 .format(printable(self.name), self.model->positions().size());

@@ -145,6 +145,22 @@ class HostileNames(CliTest):
             report = json.loads(self.succeeds("info", path, "-n", 0, "--json"))
             self.assertEqual(report["lattice"], path.decode(errors="replace"))
 
+    def test_names_of_data_that_a_converted_model_lacks(self):
+        head = (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                b"property float z\n")
+        for name in [*HOSTILE, b"x" * 12000]:
+            word = b"".join(name.split())
+            (self.path / "model.ply").write_bytes(
+                head + b"".join(b"property float %s%d\n" % (word, i) for i in range(9)) +
+                b"end_header\n0 0 0 1 2 3 4 5 6 7 8 9\n")
+            result = self.run_bytes("deform", "model.ply", "--rest", "rest.vtu", "--to",
+                                    "rest.vtu", "-o", "out.obj")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            text = self.assert_printable(result.stderr)
+            self.assertIn("data that are not written: properties of points '", text)
+            self.assertEqual(text.count("\n"), 1)
+            self.assertLess(len(text), 1000)
+
     def test_words_of_files(self):
         hostile = [name.replace(b"\n", b"").replace(b"\r", b"").replace(b" ", b"")
                    for name in HOSTILE]
@@ -159,6 +175,9 @@ class HostileNames(CliTest):
                 "w.stl": b"solid\nfacet " + word + b"\n",
                 "w.ovm": b"OVM ASCII\n" + word + b"\n",
                 "w.vtk": b"# vtk DataFile Version 3.0\n\nASCII\nDATASET " + word + b"\n",
+                "word.vtk": b"# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n"
+                            b"0 0 0\n" + word + b"\n",
+                "w.vtp": b"<VTKFile type=\"" + word + b"\"/>",
                 "w.vtu": b"<VTKFile type=\"" + word + b"\"/>",
                 "w.espb": word,
             }
@@ -166,7 +185,7 @@ class HostileNames(CliTest):
                 (self.path / name).write_bytes(contents)
                 if name.endswith(".espb"):
                     self.refused("apply", name, "--to", "rest.vtu", "-o", "out.obj")
-                elif name in ["w.obj", "w.ply", "name.ply", "w.stl"]:
+                elif name in ["w.obj", "w.ply", "name.ply", "w.stl", "word.vtk", "w.vtp"]:
                     self.refused("bind", name, "--rest", "rest.vtu", "-o", "out.espb")
                 if name.endswith((".obj", ".ovm", ".vtk", ".vtu")):
                     self.refused("refine", name, "-o", "out.obj")

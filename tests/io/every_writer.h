@@ -5,6 +5,7 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/model.h>
+#include <espalier/io/pose_file.h>
 #include <io/lattice_samples.h>
 
 #include <filesystem>
@@ -48,6 +49,8 @@ inline Lattice rowOfCells(Index count) {
     return withMarksAndAttributes(withAwkwardPositions(builder.build()));
 }
 
+inline constexpr const char* kModelExtensions[] = {".obj", ".ply", ".stl", ".vtu", ".vtp", ".vtk"};
+
 /// Returns a model of `pointCount` points, as the text of a file.
 inline std::string modelText(const std::string& extension, int pointCount) {
     std::string points, facets;
@@ -61,15 +64,27 @@ inline std::string modelText(const std::string& extension, int pointCount) {
     const std::string count = std::to_string(pointCount);
     if (extension == ".obj") return points;
     if (extension == ".stl") return "solid s\n" + facets + "endsolid s\n";
+    if (extension == ".vtk")
+        return "# vtk DataFile Version 3.0\nm\nASCII\nDATASET POLYDATA\nPOINTS " + count +
+               " double\n" + points;
     if (extension == ".ply")
         return "ply\nformat ascii 1.0\nelement vertex " + count +
                "\nproperty double x\nproperty double y\nproperty double z\nend_header\n" + points;
-    return "<VTKFile type='UnstructuredGrid' version='1.0' byte_order='LittleEndian'>\n"
-           "<UnstructuredGrid><Piece NumberOfPoints='" +
-           count +
+    const std::string type = extension == ".vtp" ? "PolyData" : "UnstructuredGrid";
+    return "<VTKFile type='" + type + "' version='1.0' byte_order='LittleEndian'>\n<" + type +
+           "><Piece NumberOfPoints='" + count +
            "' NumberOfCells='0'>\n<Points><DataArray type='Float64' NumberOfComponents='3' "
            "format='ascii'>\n" +
-           points + "</DataArray></Points><Cells/></Piece></UnstructuredGrid></VTKFile>\n";
+           points + "</DataArray></Points><Cells/></Piece></" + type + "></VTKFile>\n";
+}
+
+/// Returns a triangle with a normal for every three points.
+inline std::string facesOfObj(int pointCount) {
+    std::string faces = "vn 0 0 1\n";
+    for (int i = 1; i <= pointCount; i += 3)
+        faces += "f " + std::to_string(i) + "//1 " + std::to_string(i + 1) + "//1 " +
+                 std::to_string(i + 2) + "//1\n";
+    return faces;
 }
 
 /// \param size number of rows, cells and points that they write; a multiple of 3
@@ -78,12 +93,21 @@ inline std::vector<Writer> everyWriter(int size) {
     const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));
     for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
         writers.push_back({name, [=](const auto& path) { io::writeLattice(path, *lattice); }});
-    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"}) {
+    for (const std::string cage : {"cage.obj", "cage.ply"})
+        writers.push_back({cage, [=](const auto& path) { io::writeCage(path, *lattice); }});
+    const std::shared_ptr<const io::Model> stl = io::readModel("a.stl", modelText(".stl", size));
+    const std::shared_ptr<const io::Model> obj =
+        io::readModel("a.obj", modelText(".obj", size) + facesOfObj(size));
+    for (const std::string extension : kModelExtensions) {
         const std::shared_ptr<const io::Model> model =
             io::readModel("a" + extension, modelText(extension, size));
         std::vector<Point3> moved(model->positions().begin(), model->positions().end());
         for (Point3& point : moved) point[2] += 0.5;
         writers.push_back({"m" + extension, [=](const auto& path) { model->write(path, moved); }});
+        // The same points, from a model in another format.
+        writers.push_back({"other" + extension, [=](const auto& path) {
+                               (extension == ".obj" ? stl : obj)->write(path, moved);
+                           }});
     }
     const auto table = std::make_shared<const stencils::StencilTable<double>>(bandTable(size));
     for (const std::string& extension : io::matrixExtensions())

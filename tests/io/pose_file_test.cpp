@@ -56,7 +56,7 @@ TEST(PoseFile, CagesHaveEveryFaceOfTheLattice) {
     const Lattice lattice = boxLattice();
     for (const char* name : {"cage.obj", "cage.ply"}) {
         io::writeCage(folder / name, lattice);
-        const io::ModelFaces faces = io::readModel(folder / name)->readFaces();
+        const io::ModelFaces faces = io::readModel(folder / name)->readSurface().faces;
         ASSERT_EQ(faces.count(), static_cast<std::size_t>(lattice.complex.count(2)));
         for (Index face = 0; face < lattice.complex.count(2); ++face)
             EXPECT_TRUE(std::ranges::equal(faces[face], lattice.complex.relation(2, 0)[face]));

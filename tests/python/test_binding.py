@@ -2,6 +2,7 @@
 import pickle
 import struct
 import threading
+import warnings
 import zlib
 
 import numpy as np
@@ -197,6 +198,28 @@ def test_models(tmp_path, rest, points, pose):
     np.testing.assert_array_equal(espalier.load_binding(tmp_path / "model.espb").points, points)
     with pytest.raises(ValueError, match="^positions: expected an array of shape \\(500, 3\\)"):
         model.write(tmp_path / "deformed.obj", points[1:])
+
+
+def test_models_are_written_in_other_formats(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n")
+    model = espalier.read_model(tmp_path / "a.obj")
+    with pytest.warns(UserWarning, match="b.ply: the .obj has data that are not written: texture "
+                                         "coordinates$"):
+        model.write(tmp_path / "b.ply", model.positions + 1)
+    np.testing.assert_array_equal(espalier.read_model(tmp_path / "b.ply").positions,
+                                  model.positions + 1)
+    # A warning that is an error leaves no file.
+    with warnings.catch_warnings(), pytest.raises(UserWarning):
+        warnings.simplefilter("error")
+        model.write(tmp_path / "c.ply", model.positions)
+    assert not (tmp_path / "c.ply").exists()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        espalier.read_model(tmp_path / "b.ply").write(tmp_path / "d.vtk", model.positions)
+    assert (tmp_path / "d.vtk").read_text().endswith("POLYGONS 1 5\n4 0 1 2 3\n")
+    (tmp_path / "cloud.obj").write_text("v 0 0 0\n")
+    with pytest.raises(ValueError, match="a .stl consists of triangles, and the model has no faces"):
+        espalier.read_model(tmp_path / "cloud.obj").write(tmp_path / "e.stl", [(0, 0, 0)])
 
 
 def test_one_binding_for_many_threads(binding, pose, rest, points):
