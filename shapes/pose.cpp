@@ -36,13 +36,13 @@ struct Weighted {
 
     double weight(std::size_t i) const { return weights.empty() ? 1 : weights[i]; }
 
-    /// Returns the extents of the positions whose weight is above 0.
-    Extents extents(const Axes& axes) const {
+    /// Returns the box, along some axes, around the positions whose weight is above 0.
+    BoundingBox bounds(const Axes& axes) const {
         std::vector<Point3> moved;
         for (std::size_t i = 0; i < positions.size(); ++i)
             if (weight(i) > 0) moved.push_back(positions[i]);
         if (moved.empty()) throw Error(operation + ": no position has a weight above 0");
-        return extentsAlong(axes, moved);
+        return boxAlong(axes, moved);
     }
 
     /// Returns the centre of a place.
@@ -51,7 +51,7 @@ struct Weighted {
             requireFinite(operation, "center", *place.center);
             return *place.center;
         }
-        const Extents box = extents(kCoordinateAxes);
+        const BoundingBox box = bounds(kCoordinateAxes);
         return between(box.min, box.max, 0.5);
     }
 
@@ -88,9 +88,9 @@ Along along(const Weighted& moved, const Point3& axis, const Place& place) {
         result.high = (*place.range)[1];
         return result;
     }
-    const Extents extents = moved.extents(axesAlong(direction));
-    result.low = extents.min[2];
-    result.high = extents.max[2];
+    const BoundingBox bounds = moved.bounds(axesAlong(direction));
+    result.low = bounds.min[2];
+    result.high = bounds.max[2];
     // Less is the rounding of equal coordinates.
     constexpr double kRounding = 1e-12;
     const double size = std::max(std::abs(result.low), std::abs(result.high));
