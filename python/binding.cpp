@@ -6,6 +6,7 @@
 #include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <pybind11/stl.h>
@@ -56,6 +57,7 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
     }
     result.bound.binding = std::move(found.binding);
     result.bound.rest = lattice.positions;
+    result.bound.faces = io::facesOf(lattice.complex);
     result.statuses = std::move(found.statuses);
     result.largestResidual = found.largestResidual;
 }
@@ -89,7 +91,7 @@ BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
     try {
-        result->points = pointsIn(result->bound);
+        result->points = io::pointsAtRest(result->bound);
     } catch (const Error& error) {
         throw io::FileError(path, error.what());
     }
@@ -97,16 +99,10 @@ BoundPointer load(const std::filesystem::path& path) {
 }
 
 void save(const BoundPoints& self, const std::filesystem::path& path) {
-    // If the binding has a model already, or has no points, it is stored as it is: a model file
-    // needs at least one point.
-    if (!self.bound.modelName.empty() || !self.points || self.points->empty()) {
-        io::writeBoundModel(path, self.bound);
-        return;
-    }
-    // Stores the points as a model, so that `espalier apply` can use the binding.
-    auto file = modelOfPoints(*self.points);
-    io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes),
-                               self.bound.gradients, self.bound.rest});
+    // Points without a model become a model, so that `espalier apply` can use the binding.
+    io::writeBoundModel(
+        path, self.bound,
+        self.points ? std::span<const Point3>(*self.points) : std::span<const Point3>());
 }
 
 /// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array
@@ -206,16 +202,6 @@ std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& sta
                   static_cast<int>(PointStatus::Outside) == 1 &&
                   static_cast<int>(PointStatus::NotConverged) == 2);
     return {reinterpret_cast<const std::uint8_t*>(statuses.data()), statuses.size()};
-}
-
-std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
-    const Index count = bound.binding.table.rowCount();
-    if (count == 0) return std::vector<Point3>();
-    if (bound.modelName.empty()) return std::nullopt;
-    auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
-    if (std::ssize(points) != count)
-        throw Error(concat("binds ", count, " points, but its model has ", points.size()));
-    return points;
 }
 
 void addBinding(py::module_& module) {

@@ -80,10 +80,14 @@ class Cage(CliTest):
             lines += [line] if words[0] == "v" else [f"f {words[1]} {words[i]} {words[i + 1]}"
                                                      for i in range(2, len(words) - 1)]
         self.put("cage.obj", "\n".join(lines) + "\n")
-        self.assertRegex(
-            self.error_of("check", "cage.obj", "--rest", "rest.ovm"),
-            "is a part of face 0 of the lattice, .* Export the mesh without splitting faces into "
-            "triangles\n$")
+        self.write_model(icosphere_points(30))
+        self.bind("model.obj", "rest.ovm", out="model.espb")
+        for command in (["check", "cage.obj", "--rest", "rest.ovm"],
+                        ["apply", "model.espb", "--to", "cage.obj", "-o", "out.obj"]):
+            self.assertRegex(
+                self.error_of(*command),
+                "is a part of face 0 of the lattice, .* Export the mesh without splitting faces "
+                "into triangles\n$")
 
     def test_a_model_deforms_by_a_cage_with_faces_of_any_direction(self):
         """Editors may begin a face at another vertex, turn it around, or leave faces out."""
