@@ -62,11 +62,10 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
             return isOne ? std::string() : "expected 0 to 1, got " + text;
         },
         "");
-    addChoice<embed::OutsidePolicy>(command, "--outside", options.embedding.outside,
-                                    embed::kOutsidePolicyWords,
-                                    "Points outside the lattice. keep: they stay where they are; "
-                                    "nearest: they move with the nearest cell; error: they are an "
-                                    "error");
+    options.outside = addChoice<embed::OutsidePolicy>(
+        command, "--outside", options.embedding.outside, embed::kOutsidePolicyWords,
+        "Points outside the lattice. keep: they stay where they are, without a warning if you give "
+        "this word; nearest: they move with the nearest cell; error: they are an error");
     command
         .add_option(
             "--tolerance", options.embedding.tolerance,

@@ -49,6 +49,7 @@ struct CommonOptions {
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
     far::Rules rules = far::Rules::Siggraph96;
     embed::EmbeddingOptions embedding;
+    const CLI::Option* outside = nullptr;  ///< --outside, if the command has it
     bool quiet = false;
     int threads = 0;
 };

@@ -551,8 +551,9 @@ class Deform(CliTest):
                 self.run_program(*command).stderr,
                 f"espalier: warning: 1 of {count} points is outside the lattice and stays in place, "
                 "so a pose may tear the model. Use --outside nearest to move them with the nearest "
-                "cell, or make a lattice around the whole model: espalier shape around\n")
-            for option in [["--quiet"], ["--outside", "nearest"]]:
+                "cell, --outside keep if they should stay, or make a lattice around the whole model: "
+                "espalier shape around\n")
+            for option in [["--quiet"], ["--outside", "nearest"], ["--outside", "keep"]]:
                 self.assertEqual(self.run_program(*command, *option).stderr, "")
         self.write_model([(3, 3, 3), (4, 4, 4), (5, 5, 5)])
         self.assertIn("warning: 3 of 3 points are outside the lattice and stay in place. Use",
