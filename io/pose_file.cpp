@@ -126,7 +126,7 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
 
 std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
                              const std::string& bindingName, ReadNotes* notes) {
-    const std::string name = "the lattice that " + bindingName + " was bound to";
+    const std::string name = "the lattice of " + bindingName;
     const Index vertexCount = bound.binding.table.columnCount();
     if (isCageFile(path))
         return readCage(path, name, vertexCount, [&](const ModelFaces& faces) {

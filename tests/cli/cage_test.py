@@ -69,7 +69,7 @@ class Cage(CliTest):
             "each of the 27 vertices")
         self.assertRegex(
             self.error_of("apply", "model.espb", "--to", "other.obj", "-o", "out.obj"),
-            "^espalier: other.obj: is not a pose of the lattice that model.espb was bound to: it "
+            "^espalier: other.obj: is not a pose of the lattice of model.espb: it "
             "has 18 points")
 
     def test_triangles_are_refused_with_the_reason(self):

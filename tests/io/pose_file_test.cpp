@@ -138,18 +138,18 @@ TEST(PoseFile, BoundModelsCompareTheNumberOfPointsTheCellsAndTheFaces) {
     EXPECT_EQ(io::readPose(folder / "cage.obj", bound, "m.espb"), cube().positions);
     EXPECT_THAT(
         messageOf<io::FileError>([&] { io::readPose(folder / "other.obj", bound, "m.espb"); }),
-        HasSubstr("other.obj: is not a pose of the lattice that m.espb was bound to: face 0 of the "
+        HasSubstr("other.obj: is not a pose of the lattice of m.espb: face 0 of the "
                   "file, of vertices 0, 2, 1, 3, is not a face of the lattice"));
     bound.faces = {};
     ++binding.topologyHash;
     EXPECT_THAT(
         messageOf<io::FileError>([&] { io::readPose(folder / "pose.ovm", bound, "m.espb"); }),
-        HasSubstr("pose.ovm: is not a pose of the lattice that m.espb was bound to: the bound "
+        HasSubstr("pose.ovm: is not a pose of the lattice of m.espb: the bound "
                   "lattice has 8 vertices, the pose 8; or their cells differ"));
     binding.table = stencils::StencilTable<double>(9, {0}, {}, {});
     EXPECT_THAT(
         messageOf<io::FileError>([&] { io::readPose(folder / "cage.obj", bound, "m.espb"); }),
-        HasSubstr("cage.obj: is not a pose of the lattice that m.espb was bound to: it has 8 "
+        HasSubstr("cage.obj: is not a pose of the lattice of m.espb: it has 8 "
                   "points; expected one for each of the 9 vertices"));
 }
 
