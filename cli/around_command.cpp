@@ -29,6 +29,7 @@ struct AroundCommandOptions {
     std::vector<double> part;  ///< two corners of a box; empty for whole models
     shapes::AroundOptions shape;
     std::string output;
+    const CLI::App* command = nullptr;
 };
 
 /// Reads the points of all models that are in the part.
@@ -107,7 +108,10 @@ void runAround(const AroundCommandOptions& options) {
     constexpr int kMaxRounds = 10;
     for (int round = 0;; ++round) {
         const Lattice lattice = stages.run("building", [&] {
-            return ofFile(options.models.front(), [&] { return shapes::around(points, shape); });
+            return ofFile(options.models.front(), [&] {
+                return withNamesOfOptions(*options.command,
+                                          [&] { return shapes::around(points, shape); });
+            });
         });
         const Index outside = stages.run("checking", [&] { return countOutside(lattice, points); });
         if (outside > 0 && round < kMaxRounds) {
@@ -134,6 +138,7 @@ void runAround(const AroundCommandOptions& options) {
 void addAroundCommand(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "around", "A box of hexahedra around the points of one or more models", runAround);
+    options.command = &command;
     command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
         ->required()
         ->expected(1, 1000);
