@@ -50,6 +50,9 @@ struct BoundPoints {
     std::tuple<Lazy<osd::CompiledTable<float>>, Lazy<osd::CompiledTable<double>>,
                Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
         forms = {};
+
+    /// The coordinates of `points` in each precision, for deform().
+    std::tuple<Lazy<std::vector<float>>, Lazy<std::vector<double>>> atRest = {};
 };
 
 /// Returns statuses as bytes for NumPy, with the values of PointStatus in espalier/__init__.py.

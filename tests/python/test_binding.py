@@ -147,6 +147,25 @@ def test_a_binding_without_a_model(tmp_path, binding, pose):
     assert copy.read_bytes() == path.read_bytes()
 
 
+def test_what_a_pose_leaves_alone_stays_as_it_was(tmp_path, rest, points):
+    points = np.concatenate([points, [(0, 0, 10)]])
+    made = espalier.bind(rest, points, level=2)
+    made.save(tmp_path / "bound.espb")
+    moved = rest.positions.copy()
+    moved[0] -= 1
+    # In float32, smaller weights do not change a coordinate of size 1.
+    columns = made.matrix[:, [0]].toarray()[:, 0] != 0
+    assert 0 < columns.sum() < len(points)
+    for binding in [made, espalier.load_binding(tmp_path / "bound.espb"),
+                    pickle.loads(pickle.dumps(made))]:
+        for dtype in (np.float64, np.float32):  # float32 holds the lattice exactly
+            at_rest = points.astype(dtype)
+            poses = np.stack([rest.positions, moved]).astype(dtype)
+            first, second = binding.deform(poses)
+            np.testing.assert_array_equal(first, at_rest)
+            np.testing.assert_array_equal((second != at_rest).any(axis=1), columns)
+
+
 def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, points):
     lines = ["v {} {} {}".format(*p.tolist()) for p in points]
     (tmp_path / "plain.obj").write_text("\n".join([*lines, ""]))
