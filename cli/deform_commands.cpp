@@ -134,6 +134,7 @@ void runBind(const DeformOptions& options) {
     file.binding = std::move(bound.binding);
     file.gradients = std::move(gradients);
     file.rest = rest.positions;
+    file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
@@ -156,7 +157,7 @@ void runApply(const DeformOptions& options) {
         throw io::FileError(options.model,
                             "is damaged: its model does not have the points that were bound");
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
-        return io::readPose(path, bound.binding, printable(options.model), notes);
+        return io::readPose(path, bound, printable(options.model), notes);
     };
     const auto poses = readPoses(options.poses, read, stages);
     for (std::size_t i = 0; i < poses.size(); ++i)

@@ -80,14 +80,13 @@ double cellVolume(const CellComplex& complex, const std::vector<Point3>& positio
 
 /// Returns the smallest determinant of the three unit edge vectors at a corner of a hexahedron.
 double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Point3>& positions) {
-    constexpr std::size_t kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
     double smallest = 1;
     for (std::size_t i = 0; i < 8; ++i) {
         Vector3d edges[3];
-        for (std::size_t k = 0; k < 3; ++k)
-            edges[k] = (at(positions, corners[kNeighbours[i][k]]) - at(positions, corners[i]))
-                           .normalized();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index neighbour = corners[far::kHexahedronNeighbours[i][k]];
+            edges[k] = (at(positions, neighbour) - at(positions, corners[i])).normalized();
+        }
         smallest = std::min(smallest, edges[0].dot(edges[1].cross(edges[2])));
     }
     return smallest;
@@ -176,7 +175,7 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
 /// refined lattice may leave the convex hull there (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
                          const far::TopologyRefiner& refiner) {
-    const Extent extent = extentOf(lattice.positions);
+    const BoundingBox box(lattice.positions);
     std::vector<std::string> attributes;
     for (const VertexAttribute& attribute : lattice.attributes)
         attributes.push_back(attribute.name);
@@ -188,9 +187,9 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
     return {{"lattice", path},
-            {"bounds", {extent.least, extent.most}},
-            {"size", extent.size()},
-            {"diagonal", extent.diagonal()},
+            {"bounds", {box.min, box.max}},
+            {"size", box.size()},
+            {"diagonal", box.diagonal()},
             {"marks", lattice.marks.edges.size() + lattice.marks.vertices.size()},
             {"attributes", attributes},
             {"interior_edges_of_two_faces", edgesOfTwoFaces},
@@ -343,7 +342,7 @@ void printLevel(std::size_t number, const SortedJson& level) {
 void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("{}\n", printable(options.lattice));
     fmt::print("{}",
-               Extent{report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}.text());
+               boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}));
     fmt::print("marks       {} edges and vertices with a sharpness set by hand\n",
                report["marks"].get<std::size_t>());
     std::string attributes;

@@ -28,18 +28,20 @@ bool isPly(const Path& path) {
     throw FileError(path, "is not a pose of " + name + cause);
 }
 
-/// Returns true if the loops are equal from some vertex on, in one of the directions.
-bool isSameLoop(LoopView a, LoopView b) {
-    if (a.empty() || a.size() != b.size()) return false;
-    const std::size_t size = a.size();
-    const std::size_t start = std::ranges::find(b, a[0]) - b.begin();
-    if (start == size) return false;
-    bool isForward = true, isBackward = true;
-    for (std::size_t i = 0; i < size; ++i) {
-        isForward = isForward && a[i] == b[(start + i) % size];
-        isBackward = isBackward && a[i] == b[(start + size - i) % size];
+/// Returns the same loop, begun and directed so that equal loops become equal lists.
+std::vector<Index> canonical(LoopView loop) {
+    std::vector<Index> least, turned;
+    const std::size_t size = loop.size();
+    for (std::size_t start = 0; start < size; ++start) {
+        if (loop[start] != std::ranges::min(loop)) continue;
+        for (const std::size_t step : {std::size_t{1}, size - 1}) {
+            turned.clear();
+            for (std::size_t i = 0; i < size; ++i)
+                turned.push_back(loop[(start + i * step) % size]);
+            if (least.empty() || turned < least) least = turned;
+        }
     }
-    return isForward || isBackward;
+    return least;
 }
 
 bool isPartOf(LoopView part, LoopView whole) {
@@ -64,25 +66,24 @@ void checkPointCount(const Path& path, const std::string& name, std::size_t got,
 }
 
 /// Throws unless each face of a cage is a face of the lattice.
-void checkFaces(const Path& path, const std::string& name, const ModelFaces& faces,
-                const far::CellComplex& lattice) {
-    for (std::size_t face = 0; face < faces.count(); ++face) {
-        const LoopView loop = faces[face];
-        const LoopView candidates = loop.empty() ? LoopView() : lattice.relation(0, 2)[loop[0]];
-        const auto loopOf = [&](Index candidate) { return lattice.relation(2, 0)[candidate]; };
-        if (std::ranges::any_of(
-                candidates, [&](Index candidate) { return isSameLoop(loop, loopOf(candidate)); }))
-            continue;
-        const auto split = std::ranges::find_if(candidates, [&](Index candidate) {
-            return loop.size() < loopOf(candidate).size() && isPartOf(loop, loopOf(candidate));
-        });
+void checkFaces(const Path& path, const std::string& name, const ModelFaces& cage,
+                const ModelFaces& lattice) {
+    std::vector<std::vector<Index>> known;
+    known.reserve(lattice.count());
+    for (std::size_t face = 0; face < lattice.count(); ++face)
+        known.push_back(canonical(lattice[face]));
+    std::ranges::sort(known);
+    for (std::size_t face = 0; face < cage.count(); ++face) {
+        const LoopView loop = cage[face];
+        if (std::ranges::binary_search(known, canonical(loop))) continue;
         const std::string what =
             concat(": face ", face, " of the file, of vertices ", listOf(loop), ", ");
-        if (split != candidates.end())
-            refuse(path, name,
-                   concat(what, "is a part of face ", *split, " of the lattice, of vertices ",
-                          listOf(loopOf(*split)),
-                          ". Export the mesh without splitting faces into triangles"));
+        for (std::size_t whole = 0; whole < lattice.count(); ++whole)
+            if (loop.size() < lattice[whole].size() && isPartOf(loop, lattice[whole]))
+                refuse(path, name,
+                       concat(what, "is a part of face ", whole, " of the lattice, of vertices ",
+                              listOf(lattice[whole]),
+                              ". Export the mesh without splitting faces into triangles"));
         refuse(path, name,
                what +
                    "is not a face of the lattice. The vertices may have another order: begin "
@@ -111,7 +112,7 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
         throw Error("a pose needs a lattice or a mesh at rest, got a curve or nothing");
     if (isCageFile(path))
         return readCage(path, restName, complex.count(0), [&](const ModelFaces& faces) {
-            checkFaces(path, restName, faces, complex);
+            checkFaces(path, restName, faces, facesOf(complex));
         });
     Lattice pose = readLattice(path, notes);
     if (const auto difference = far::topologyDifference(complex, pose.complex))
@@ -119,17 +120,30 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
     return std::move(pose.positions);
 }
 
-std::vector<Point3> readPose(const Path& path, const embed::Binding& binding,
+std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
                              const std::string& bindingName, ReadNotes* notes) {
-    const std::string name = "the lattice that " + bindingName + " was bound to";
-    const Index vertexCount = binding.table.columnCount();
-    if (isCageFile(path)) return readCage(path, name, vertexCount, [](const ModelFaces&) {});
+    const std::string name = "the lattice of " + bindingName;
+    const Index vertexCount = bound.binding.table.columnCount();
+    if (isCageFile(path))
+        return readCage(path, name, vertexCount, [&](const ModelFaces& faces) {
+            if (bound.faces.count() > 0) checkFaces(path, name, faces, bound.faces);
+        });
     Lattice pose = readLattice(path, notes);
-    if (far::topologyHash(pose.complex) != binding.topologyHash)
+    if (far::topologyHash(pose.complex) != bound.binding.topologyHash)
         refuse(path, name,
                concat(": the bound lattice has ", vertexCount, " vertices, the pose ",
                       pose.complex.count(0), "; or their cells differ"));
     return std::move(pose.positions);
+}
+
+ModelFaces facesOf(const far::CellComplex& complex) {
+    ModelFaces faces;
+    for (Index face = 0; face < complex.count(2); ++face) {
+        const LoopView loop = complex.relation(2, 0)[face];
+        faces.corners.insert(faces.corners.end(), loop.begin(), loop.end());
+        faces.endFace();
+    }
+    return faces;
 }
 
 bool isCageFile(const Path& path) {

@@ -3,8 +3,6 @@
 #include <espalier/io/files/file.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <array>
-#include <charconv>
 #include <filesystem>
 #include <utility>
 
@@ -23,22 +21,6 @@ ModelFile modelOfBytes(std::string name, std::string bytes) {
 std::vector<Point3> pointsOf(const ModelFile& file) {
     const auto points = file.model->positions();
     return {points.begin(), points.end()};
-}
-
-ModelFile modelOfPoints(std::span<const Point3> points) {
-    std::string bytes;
-    std::array<char, 32> digits{};  // a double takes at most 24
-    for (const Point3& point : points) {
-        bytes += 'v';
-        for (const double coordinate : point) {
-            const auto end =
-                std::to_chars(digits.data(), digits.data() + digits.size(), coordinate);
-            bytes += ' ';
-            bytes.append(digits.data(), end.ptr);
-        }
-        bytes += '\n';
-    }
-    return modelOfBytes("points.obj", std::move(bytes));
 }
 
 namespace {

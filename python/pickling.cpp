@@ -271,11 +271,13 @@ py::tuple stateOfBinding(const py::object& self) {
         stateOfTable(py::cast(tableIn(shared))), viewOf(std::span<const Index>(binding.kept), self),
         viewOf(binding.keptAt, self), binding.topologyHash, py::bytes(bound.modelName),
         py::bytes(bound.modelBytes), at, statuses, residual, stateOfGradients(shared),
-        bound.rest.empty() ? py::object(py::none()) : viewOf(bound.rest, self));
+        bound.rest.empty() ? py::object(py::none()) : viewOf(bound.rest, self),
+        viewOf(std::span<const std::size_t>(bound.faces.ends), self),
+        viewOf(std::span<const Index>(bound.faces.corners), self));
 }
 
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
-    requireState(state.size() == 11);
+    requireState(state.size() == 13);
     auto result = std::make_shared<BoundPoints>();
     auto& binding = result->bound.binding;
     binding.table = std::move(*tableOfState(state[0]));
@@ -286,8 +288,9 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     binding.topologyHash = state[3].cast<std::uint64_t>();
     result->bound.modelName = state[4].cast<std::string>();
     result->bound.modelBytes = state[5].cast<std::string>();
-    result->points = state[6].is_none() ? withoutGil([&] { return pointsIn(result->bound); })
-                                        : std::optional(toPoints(state[6], "points", rows));
+    result->points = state[6].is_none()
+                         ? withoutGil([&] { return io::pointsAtRest(result->bound); })
+                         : std::optional(toPoints(state[6], "points", rows));
     if (!state[7].is_none()) {
         result->largestResidual = state[8].cast<double>();
         for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
@@ -300,6 +303,11 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     if (!state[10].is_none())
         result->bound.rest = toPoints(state[10], "rest", binding.table.columnCount());
     requireState(!result->bound.gradients || !result->bound.rest.empty());
+    auto& faces = result->bound.faces;
+    faces.ends = numbersOf<std::vector<std::size_t>>(state[11]);
+    faces.corners = numbersOf<std::vector<Index>>(state[12]);
+    requireState(std::ranges::is_sorted(faces.ends) &&
+                 faces.corners.size() == (faces.ends.empty() ? 0 : faces.ends.back()));
     return result;
 }
 

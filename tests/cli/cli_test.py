@@ -40,7 +40,18 @@ class Shapes(CliTest):
         report = self.info("b.ovm", "-n", 0)
         self.assertEqual(report["bounds"], [[-1, -1, -1], [1, 1, 1]])
         self.assertEqual(report["levels"][0]["counts"]["cells"], 8)
-        self.assertIn("cells", self.error_of("shape", "box", "--cells", 0, 1, 1, "-o", "c.ovm"))
+        for options, message in [
+                (["box", "--cells", 0, 1, 1], "--cells[0] is 0; allowed: 1 or more"),
+                (["box", "--min", 1, 1, 1, "--max", 0, 0, 0],
+                 "--max[0] is 0; allowed: numbers above --min[0], which is 1"),
+                (["torus", "--minor-radius", 3],
+                 "--minor-radius is 3; allowed: numbers below --major-radius, which is 1"),
+                (["torus", "--grid", 0], "--grid is 0; allowed: 1 or more"),
+                (["arm", "--joint", 0, 0, 0, 1, "--joint", 0, 0, 0, 1],
+                 "--joint[1].position is (0, 0, 0); allowed: a position other than the one of the "
+                 "joint before")]:
+            self.assertEqual(self.error_of("shape", *options, "-o", "c.ovm", code=2),
+                             f"espalier: {message}\n")
         self.assertFalse((self.path / "c.ovm").exists())
         self.assertIn(".foo", self.error_of("shape", "box", "-o", "c.foo"))
         self.error_of("shape", "nonsense", "-o", "c.ovm", code=2)
@@ -77,15 +88,15 @@ class Shapes(CliTest):
         self.run_program("shape", "merge", "far.ovm", "a.ovm", "--allow-separate",
                          "-o", "two.vtu")
         self.assertEqual(self.error_of("shape", "merge", "two.vtu", "a.ovm", "-o", "m.vtu"),
-                         "espalier: merge: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
+                         "espalier: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
                          "each cell may be in one lattice only\n")
         self.run_program("shape", "box", "--cells", 2, 1, 1, "--max", 2, 1, 1, "-o", "row.ovm")
         self.assertRegex(self.error_of("shape", "merge", "row.ovm", "a.ovm", "-o", "m.vtu"),
-                         r"^espalier: merge: face \d+ of row.ovm, face \d of a.ovm would become one "
+                         r"^espalier: face \d+ of row.ovm, face \d of a.ovm would become one "
                          r"face of more than two cells\n$")
         self.assertRegex(self.error_of("shape", "merge", "far.ovm", "a.ovm", "--tolerance", 0.5,
                                        "-o", "m.vtu"),
-                         r"^espalier: merge: vertices \d and \d of cell 0 of far.ovm would become")
+                         r"^espalier: vertices \d and \d of cell 0 of far.ovm would become")
         self.assertFalse((self.path / "m.vtu").exists())
 
     def test_a_merge_does_not_replace_an_input(self):
@@ -551,8 +562,9 @@ class Deform(CliTest):
                 self.run_program(*command).stderr,
                 f"espalier: warning: 1 of {count} points is outside the lattice and stays in place, "
                 "so a pose may tear the model. Use --outside nearest to move them with the nearest "
-                "cell, or make a lattice around the whole model: espalier shape around\n")
-            for option in [["--quiet"], ["--outside", "nearest"]]:
+                "cell, --outside keep if they should stay, or make a lattice around the whole model: "
+                "espalier shape around\n")
+            for option in [["--quiet"], ["--outside", "nearest"], ["--outside", "keep"]]:
                 self.assertEqual(self.run_program(*command, *option).stderr, "")
         self.write_model([(3, 3, 3), (4, 4, 4), (5, 5, 5)])
         self.assertIn("warning: 3 of 3 points are outside the lattice and stay in place. Use",

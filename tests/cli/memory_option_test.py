@@ -53,7 +53,8 @@ class MemoryTest(CliTest):
         for size in ("0", "-1", "ten", "1XB"):
             self.assertIn("--max-memory", self.error_of("info", "box.ovm", "--max-memory", size,
                                                         code=2))
-        for command in (["info"], ["shape", "box"], ["shape", "merge"], ["refine"], ["stencils"],
+        for command in (["info"], ["shape", "box"], ["shape", "merge"], ["shape", "around"], ["pose"],
+                        ["refine"], ["stencils"],
                         ["bind"], ["apply"], ["deform"], ["bench"], ["fit"], ["check"], ["compare"]):
             self.assertIn("--max-memory", self.run_program(*command, "--help").stdout)
 

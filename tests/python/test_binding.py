@@ -148,18 +148,38 @@ def test_a_binding_without_a_model(tmp_path, binding, pose):
     assert copy.read_bytes() == path.read_bytes()
 
 
+def test_what_a_pose_leaves_alone_stays_as_it_was(tmp_path, rest, points):
+    points = np.concatenate([points, [(0, 0, 10)]])
+    made = espalier.bind(rest, points, level=2)
+    made.save(tmp_path / "bound.espb")
+    moved = rest.positions.copy()
+    moved[0] -= 1
+    # In float32, smaller weights do not change a coordinate of size 1.
+    columns = made.matrix[:, [0]].toarray()[:, 0] != 0
+    assert 0 < columns.sum() < len(points)
+    for binding in [made, espalier.load_binding(tmp_path / "bound.espb"),
+                    pickle.loads(pickle.dumps(made))]:
+        for dtype in (np.float64, np.float32):  # float32 holds the lattice exactly
+            at_rest = points.astype(dtype)
+            poses = np.stack([rest.positions, moved]).astype(dtype)
+            first, second = binding.deform(poses)
+            np.testing.assert_array_equal(first, at_rest)
+            np.testing.assert_array_equal((second != at_rest).any(axis=1), columns)
+
+
 def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, points):
     lines = ["v {} {} {}".format(*p.tolist()) for p in points]
     (tmp_path / "plain.obj").write_text("\n".join([*lines, ""]))
     (tmp_path / "model.obj").write_text("\n".join([*lines, "vn 0 0 1", "f 1//1 2//1 3//1", ""]))
     model = espalier.read_model(tmp_path / "model.obj")
     first, copy = tmp_path / "first.espb", tmp_path / "copy.espb"
-    for binding, version in [(espalier.bind(rest, model, limit=True), 2),
-                             (espalier.bind(rest, model), 3),
-                             (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
-                                            limit=True), 3)]:
+    for binding, has_gradients in [(espalier.bind(rest, model, limit=True), 1),
+                                   (espalier.bind(rest, model), 0),
+                                   (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
+                                                  limit=True), 0)]:
         binding.save(first)
-        assert first.read_bytes()[8] == version
+        assert first.read_bytes()[8] == 4  # the version
+        assert first.read_bytes()[12] == has_gradients
         for other in [espalier.load_binding(first), pickle.loads(pickle.dumps(binding))]:
             other.save(copy)
             assert copy.read_bytes() == first.read_bytes()
