@@ -16,7 +16,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -297,11 +296,11 @@ CLI::Option* addStep(CLI::App& command, std::vector<Step>& steps, const std::str
 template <class Operate>
 void addAlongAxis(CLI::App& command, std::vector<Step>& steps, const std::string& name,
                   const std::string& numberName, const std::string& help, Operate operate) {
-    using AxisAndNumber = std::tuple<std::string, double>;
+    using AxisAndNumber = std::array<std::string, 2>;
     const auto run = [operate](Posing& posing, const AxisAndNumber& values) {
         const auto& [axis, number] = values;
         posing.operate([&](const auto& positions, const pose::Place& place) {
-            return operate(positions, *directionOf(axis), number, place, posing);
+            return operate(positions, *directionOf(axis), *numberOf(number), place, posing);
         });
     };
     const std::string names = "AXIS " + numberName;
@@ -393,7 +392,7 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
             },
             "The operations that follow are for all vertices again")
         ->trigger_on_parse();
-    using WordAndNumber = std::tuple<std::string, double>;
+    using WordAndNumber = std::array<std::string, 2>;
     const CLI::Validator isProfile(
         [](std::string& word) {
             return falloffOf(word) ? std::string() : "expected linear or smooth, got " + word;
@@ -403,7 +402,7 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
                            "Vertices outside the selection, up to this distance, move in part",
                            [](Posing& posing, const WordAndNumber& values) {
                                const auto& [word, radius] = values;
-                               posing.setFalloff({*falloffOf(word), radius});
+                               posing.setFalloff({*falloffOf(word), *numberOf(radius)});
                            })
         ->delimiter(',')
         ->check(CLI::Validator(isProfile).application_index(0))

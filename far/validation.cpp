@@ -148,9 +148,9 @@ void checkCell(const CellComplex& complex, Index cell) {
 void checkCellsOfFace(const CellComplex& complex, Index face) {
     const auto cells = complex.relation(2, 3)[face];
     if (cells.size() > 2)
-        refuse(TopologyCause::CrowdedFace, {2, face},
-               concat(" bounds ", cells.size(), " cells (", cells[0], ", ", cells[1], ", ",
-                      cells[2], cells.size() > 3 ? ", ...)" : ")", "; expected 1 or 2"));
+        refuse(
+            TopologyCause::CrowdedFace, {2, face},
+            concat(" bounds ", cells.size(), " cells (", listed(cells, 3), "); expected 1 or 2"));
     if (cells.size() < 2) return;
     const auto signIn = [&](Index cell) {
         const auto faces = complex.relation(3, 2)[cell];

@@ -49,14 +49,6 @@ bool isPartOf(LoopView part, LoopView whole) {
                                [&](Index vertex) { return std::ranges::count(whole, vertex) > 0; });
 }
 
-std::string listOf(LoopView vertices) {
-    constexpr std::size_t kMaxNamed = 6;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(vertices.size(), kMaxNamed); ++i)
-        text += concat(i == 0 ? "" : ", ", vertices[i]);
-    return text + (vertices.size() > kMaxNamed ? ", ..." : "");
-}
-
 void checkPointCount(const Path& path, const std::string& name, std::size_t got, Index expected) {
     if (got != static_cast<std::size_t>(expected))
         refuse(path, name,
@@ -77,12 +69,12 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& cag
         const LoopView loop = cage[face];
         if (std::ranges::binary_search(known, canonical(loop))) continue;
         const std::string what =
-            concat(": face ", face, " of the file, of vertices ", listOf(loop), ", ");
+            concat(": face ", face, " of the file, of vertices ", listed(loop), ", ");
         for (std::size_t whole = 0; whole < lattice.count(); ++whole)
             if (loop.size() < lattice[whole].size() && isPartOf(loop, lattice[whole]))
                 refuse(path, name,
                        concat(what, "is a part of face ", whole, " of the lattice, of vertices ",
-                              listOf(lattice[whole]),
+                              listed(lattice[whole]),
                               ". Export the mesh without splitting faces into triangles"));
         refuse(path, name,
                what +

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <ostream>
+#include <ranges>
 #include <utility>
 
 #include "coordinates.h"
@@ -17,10 +18,8 @@
 namespace espalier::io {
 namespace {
 
-/// A message names at most this number of shapes, and of parts of each kind of data.
-constexpr std::size_t kMaxNamed = 5;
-
 std::string listOfShapes(const std::vector<std::string>& shapes) {
+    constexpr std::size_t kMaxNamed = 5;
     std::string text;
     for (std::size_t i = 0; i < std::min(shapes.size(), kMaxNamed); ++i)
         text += (i == 0 ? "" : i + 1 < shapes.size() ? ", " : " and ") + shapes[i];
@@ -29,10 +28,10 @@ std::string listOfShapes(const std::vector<std::string>& shapes) {
 
 std::string nameOf(const ModelSurface::OtherData& other) {
     constexpr std::size_t kMaxNameBytes = 40;
-    std::string text = other.kind;
-    for (std::size_t i = 0; i < std::min(other.names.size(), kMaxNamed); ++i)
-        text += (i == 0 ? " '" : ", '") + printable(other.names[i], kMaxNameBytes) + "'";
-    return text + (other.names.size() > kMaxNamed ? ", ..." : "");
+    const auto quoted = other.names | std::views::transform([](const std::string& name) {
+                            return concat("'", printable(name, kMaxNameBytes), "'");
+                        });
+    return concat(other.kind, other.names.empty() ? "" : " ", listed(quoted));
 }
 
 std::string counted(std::size_t count, const char* singular, const char* plural) {
