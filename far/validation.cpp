@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/topology_error.h>
 
@@ -43,10 +44,7 @@ void checkFace(const CellComplex& complex, Index face) {
             refuse(TopologyCause::NotOrientable, {2, face}, " has edges that do not form a loop");
     }
     if (complex.dimension() == 2) return;
-    std::vector<Index> sorted(loop.begin(), loop.end());
-    std::sort(sorted.begin(), sorted.end());
-    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-    if (twice != sorted.end())
+    if (const auto twice = repeatedIn(loop))
         refuse(TopologyCause::RepeatedVertex, {2, face},
                concat(" names vertex ", *twice, " twice"));
 }
@@ -65,10 +63,7 @@ void checkCell(const CellComplex& complex, Index cell) {
     const auto faces = complex.relation(3, 2)[cell];
     const auto cellSigns = complex.boundary(3).signs(cell);
 
-    std::vector<Index> sortedFaces(faces.begin(), faces.end());
-    std::sort(sortedFaces.begin(), sortedFaces.end());
-    const auto twice = std::adjacent_find(sortedFaces.begin(), sortedFaces.end());
-    if (twice != sortedFaces.end())
+    if (const auto twice = repeatedIn(faces))
         refuse(TopologyCause::RepeatedFace, entity, concat(" lists face ", *twice, " twice"));
 
     // The corners of all faces are numbered consecutively; firstCorner[f] is the first of face f.
