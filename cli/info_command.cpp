@@ -11,6 +11,7 @@
 #include <espalier/io/model.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
+#include <espalier/solve/mesh_quality.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -78,21 +79,6 @@ double cellVolume(const CellComplex& complex, const std::vector<Point3>& positio
     return volume;
 }
 
-/// Returns the smallest determinant of the three unit edge vectors at a corner of a hexahedron.
-double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Point3>& positions) {
-    constexpr std::size_t kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-    double smallest = 1;
-    for (std::size_t i = 0; i < 8; ++i) {
-        Vector3d edges[3];
-        for (std::size_t k = 0; k < 3; ++k)
-            edges[k] = (at(positions, corners[kNeighbours[i][k]]) - at(positions, corners[i]))
-                           .normalized();
-        smallest = std::min(smallest, edges[0].dot(edges[1].cross(edges[2])));
-    }
-    return smallest;
-}
-
 /// Counts the types n. On a base lattice, n is the number of edges of a cell at each of its
 /// vertices; on the levels above, all cells are of type n, with 2n faces.
 Histogram cellTypes(const CellComplex& complex, bool isBase) {
@@ -157,7 +143,9 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
         largestVolume = std::max(largestVolume, volume);
         invertedCells += !(volume > 0);
         if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
-            smallestJacobian = std::min(smallestJacobian, scaledJacobian(*corners, positions));
+            smallestJacobian =
+                std::min(smallestJacobian,
+                         solve::scaledJacobian(far::StandardCell::Hexahedron, *corners, positions));
     }
     return {{"counts", counts},
             {"euler_characteristic", complex.eulerCharacteristic()},

@@ -59,6 +59,12 @@ std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, dou
 
 using Positions = std::span<const Point3>;
 
+/// Returns the length of a derivative, below 1e91. Unlike length() it need not avoid overflow, which
+/// takes four times as long.
+double sizeOf(const Point3& derivative) {
+    return std::sqrt(dot(derivative, derivative));
+}
+
 double largestCoordinate(std::span<const Index> vertices, Positions positions) {
     double largest = 0;
     for (const Index vertex : vertices)
@@ -86,7 +92,7 @@ Piece<Degree> pieceOf(
             const Point3 derivative =
                 scaled(difference(points[i + stride], points[i]), static_cast<double>(Degree));
             piece.derivatives[axis][count++] = derivative;
-            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], length(derivative));
+            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], sizeOf(derivative));
         }
     }
     return piece;
@@ -107,7 +113,7 @@ Piece<0> tetrahedronOf(Positions positions, const std::array<Index, 4>& points) 
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Point3 edge = difference(positions[points[axis + 1]], positions[points[0]]);
         piece.derivatives[axis][0] = edge;
-        piece.size.lengths[axis] = length(edge);
+        piece.size.lengths[axis] = sizeOf(edge);
     }
     piece.size.uncertainty = meshUncertainty(points, positions);
     return piece;
@@ -242,7 +248,7 @@ Piece<1> MeshPieces::wedge(Index cell, std::size_t edge, Positions positions) co
     }
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const Point3& derivative : piece.derivatives[axis])
-            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], length(derivative));
+            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], sizeOf(derivative));
     piece.size.uncertainty = meshUncertainty(corners, positions);
     return piece;
 }
