@@ -2,6 +2,11 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
+#include <espalier/io/meshes/gmsh.h>
+#include <espalier/io/meshes/medit.h>
+#include <espalier/io/meshes/openfoam.h>
+#include <espalier/io/meshes/plot3d.h>
+#include <espalier/io/meshes/su2.h>
 #include <espalier/io/model.h>
 #include <espalier/io/models/obj.h>
 #include <espalier/io/models/ply.h>
@@ -17,18 +22,22 @@ namespace espalier::io {
 namespace {
 
 struct ModelFormat {
-    std::string_view extension;
+    std::string_view extension;  ///< or the name of the file
     std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
 };
 
-constexpr ModelFormat kModelFormats[] = {{".obj", readObj},      {".ply", readPly},
-                                         {".stl", readStl},      {".vtu", readVtuModel},
-                                         {".vtp", readVtpModel}, {".vtk", readVtkLegacyModel}};
+constexpr ModelFormat kModelFormats[] = {
+    {".obj", readObj},           {".ply", readPly},         {".stl", readStl},
+    {".vtu", readVtuModel},      {".vtp", readVtpModel},    {".vtk", readVtkLegacyModel},
+    {".su2", readSu2Model},      {".msh", readGmshModel},   {".mesh", readMeditModel},
+    {".xyz", readPlot3dModel},   {".p3d", readPlot3dModel}, {".fmt", readPlot3dModel},
+    {kFoamPoints, readFoamModel}};
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
     for (const ModelFormat& format : kModelFormats)
-        if (format.extension == extension) return &format;
+        if (format.extension == extension || (format.read == readFoamModel && isFoamPath(path)))
+            return &format;
     return nullptr;
 }
 
@@ -55,7 +64,25 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
 
 }  // namespace
 
+std::filesystem::path modelFile(const std::filesystem::path& path) {
+    return foamPointsOf(path);
+}
+
+std::filesystem::path modelTarget(const std::filesystem::path& path) {
+    return foamTargetOf(path);
+}
+
 void Model::checkTarget(const std::filesystem::path& path) const {
+    // A new name without an extension may be meant as the folder of a case.
+    std::error_code ignored;
+    const bool isDevice = std::filesystem::exists(path, ignored) &&
+                          !std::filesystem::is_regular_file(path, ignored) &&
+                          !std::filesystem::is_directory(path, ignored);
+    if (extension() == kFoamPoints && path.filename() != kFoamPoints && !isDevice)
+        throw FileError(
+            path,
+            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
+            "or into a folder with a copy of the case (cp -r CASE COPY)");
     const ModelFormat* format = findModelFormat(path);
     if (format && format->extension != extension())
         throw FileError(
@@ -68,15 +95,17 @@ void Model::checkTarget(const std::filesystem::path& path) const {
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
-    check(path, moved);
-    writeChecked(path, moved, {});
+    const std::filesystem::path target = modelTarget(path);
+    check(target, moved);
+    writeChecked(target, moved, {});
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved,
                   std::span<const DeformationGradient> gradients) const {
-    check(path, moved);
+    const std::filesystem::path target = modelTarget(path);
+    check(target, moved);
     checkAll(gradients, positions().size(), "gradients", "gradient");
-    writeChecked(path, moved, gradients);
+    writeChecked(target, moved, gradients);
 }
 
 void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
@@ -89,8 +118,9 @@ bool isModelFile(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
-    requireFormat(path);
-    return readModel(path, readFile(path));
+    const std::filesystem::path file = modelFile(path);
+    requireFormat(file);
+    return readModel(file, readFile(file));
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {

@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
 
 #include <cstddef>
@@ -32,6 +33,16 @@ struct ModelFaces {
     void endFace() { ends.push_back(corners.size()); }
 
     friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
+};
+
+/// The cells of a model, if it is a mesh of a volume.
+struct ModelVolume {
+    /// The tetrahedra, pyramids, wedges, hexahedra and polyhedra, right-handed, in the order of the
+    /// file. Its points are positions().
+    far::VolumeMesh mesh;
+
+    /// Number of cells with curved edges, such as quadratic ones. They are not in `mesh`.
+    Index curvedCells = 0;
 };
 
 /// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
@@ -64,20 +75,31 @@ public:
     /// \cost one pass over the file; O(n log n) for an STL
     virtual ModelFaces readFaces() const = 0;
 
+    /// Reads the cells of the volume from the file, or from the files beside it. The result is not
+    /// stored. It has no cells if the format or the file has none.
+    ///
+    /// Cells are right-handed: if most cells of a kind have a negative volume, all cells of this
+    /// kind are turned, and each polyhedron is turned so that its volume is positive. (In
+    /// OpenFOAM's format nothing is turned, since owners and neighbours determine the outside.)
+    ///
+    /// \throws FileError if a cell is malformed, or names a point that does not exist
+    /// \cost one pass over the file, and far::VolumeMeshBuilder::build()
+    virtual ModelVolume readVolume() const { return {}; }
+
     /// How the file stores the coordinates. If parts of a file differ, the least precise of them.
     virtual CoordinateStorage storage() const = 0;
 
-    /// Extension of the format, in lower case: ".obj". A model is written in the format from which
-    /// it was read.
+    /// Extension of the format, in lower case: ".obj"; "points" for OpenFOAM, whose file has this
+    /// name. A model is written in the format from which it was read.
     virtual std::string_view extension() const = 0;
 
     /// Returns true if the file has directions that write() can carry by gradients. The normals of
     /// an STL do not count: they always follow the points.
     virtual bool hasDirections() const = 0;
 
-    /// Checks a name for write() without touching the file, so that a wrong name is refused before
-    /// long work. An extension that belongs to no model format is accepted ("/dev/stdout").
-    /// \throws FileError if `path` has the extension of another model format
+    /// Checks a name for write(), after modelTarget(), without touching the file, so that a wrong
+    /// name is refused before long work. An extension that belongs to no model format is accepted
+    /// ("/dev/stdout"). \throws FileError if `path` has the extension of another model format
     void checkTarget(const std::filesystem::path& path) const;
 
     /// Writes the model with new positions, one per point.
@@ -110,7 +132,17 @@ private:
                               std::span<const DeformationGradient> gradients) const = 0;
 };
 
-/// Returns true if the extension names a format of models, in upper or lower case.
+/// Returns the file that a path of a model means: the points of OpenFOAM for a folder
+/// (meshes/openfoam.h), and the path itself otherwise. readModel() does this, too.
+/// \throws FileError if a folder has no mesh of OpenFOAM
+ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
+
+/// Returns the file that Model::write() writes for a path: likewise the points for a folder.
+/// \throws FileError if a folder has no mesh of OpenFOAM
+ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
+
+/// Returns true if the extension names a format of models, in upper or lower case, or if the path
+/// is one of OpenFOAM (isFoamPath()).
 ESPALIER_API bool isModelFile(const std::filesystem::path& path);
 
 /// Reads a model in the format that its extension names, in upper or lower case.

@@ -106,9 +106,16 @@ private:
 /// \param changes at least one, as for TextChanges
 void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
 
+/// Writes `text` with the changes of one vector per point, whose numbers may be in any order in the
+/// text.
+/// \param dimension number of axes that the text has
+void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const VectorChange& change,
+                            std::size_t dimension);
+
 /// Writes binary data with all changes, in this byte order.
+/// \param dimension number of axes that the data has
 void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
-                        std::endian order);
+                        std::endian order, std::size_t dimension = 3);
 
 /// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "../lattices/lattice_parts.h"
+#include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "vtk_cells.h"
 #include "vtk_legacy_data.h"
@@ -30,11 +32,32 @@ public:
     CoordinateStorage storage() const override { return storageOf(precision_); }
 
     ModelFaces readFaces() const override {
+        VtkFaceReader faces(path_);
+        faces.beginPiece(0, positions_.size());
+        const auto [cells, types] = readSections(&faces);
+        if (types.size() != cells.count())
+            throw FileError(
+                path_, concat("has ", cells.count(), " cells and ", types.size(), " cell types"));
+        for (std::size_t cell = 0; cell < cells.count(); ++cell)
+            faces.add(types[cell], cells[cell]);
+        return faces.take();
+    }
+
+    ModelVolume readVolume() const override {
+        const auto [cells, types] = readSections(nullptr);
+        VolumeCells volume;
+        VtkCellReader reader(path_, checkedIndex(path_, positions_.size(), "points"), volume, true);
+        addLegacyCells(path_, cells, types, reader);
+        return volume.finish(positions_);
+    }
+
+private:
+    /// Reads the cells of an unstructured grid, with their types. Adds the faces of POLYDATA.
+    /// \param faces may be null
+    std::pair<LegacyRows, std::vector<std::int64_t>> readSections(VtkFaceReader* faces) const {
         LegacyData data(path_, bytes_);
         const bool isGrid = findPoints(data) == "unstructured_grid";
         skipPoints(data);
-        VtkFaceReader faces(path_);
-        faces.beginPiece(0, positions_.size());
         LegacyRows cells;
         std::vector<std::int64_t> types;
         while (!data.text().atEnd()) {
@@ -51,20 +74,15 @@ public:
                     "int", data.text().count("the number of cell types", 1), "a cell type");
             } else if (const auto type = typeOf(keyword); !isGrid && type) {
                 const LegacyRows rows = data.rows(keyword);
-                for (std::size_t row = 0; row < rows.count(); ++row) faces.add(*type, rows[row]);
+                for (std::size_t row = 0; faces && row < rows.count(); ++row)
+                    faces->add(*type, rows[row]);
             } else {
                 data.text().fail(inQuotes(keyword) + " is not a keyword that can stand here");
             }
         }
-        if (types.size() != cells.count())
-            throw FileError(
-                path_, concat("has ", cells.count(), " cells and ", types.size(), " cell types"));
-        for (std::size_t cell = 0; cell < cells.count(); ++cell)
-            faces.add(types[cell], cells[cell]);
-        return faces.take();
+        return {std::move(cells), std::move(types)};
     }
 
-private:
     /// Returns VTK's type of the cells in a section of POLYDATA; nothing if there is no such
     /// section.
     static std::optional<std::int64_t> typeOf(const std::string& keyword) {
