@@ -88,7 +88,7 @@ void checkInputs(const std::vector<Input>& inputs) {
     std::vector<std::pair<const Input*, struct ::stat>> special;
     for (const Input& input : inputs) {
         const auto status = statusOf(input.path);
-        if (!status || S_ISREG(status->st_mode)) continue;
+        if (!status || S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) continue;
         const auto same = std::ranges::find_if(
             special, [&](const auto& other) { return isSameFile(other.second, *status); });
         if (same == special.end()) {

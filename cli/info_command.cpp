@@ -397,7 +397,7 @@ struct Described {
 /// Reads a lattice or a model. A .vtu or .vtk without volume cells is a model, and with --model
 /// every .vtu or .vtk is one.
 Described readDescribed(const InfoOptions& options) {
-    const std::filesystem::path path = options.lattice;
+    const std::filesystem::path path = io::modelFile(options.lattice);
     Described result;
     if (io::lowerCase(path.extension().string()) == ".espb") {
         io::BoundModel bound = io::readBoundModel(path);
