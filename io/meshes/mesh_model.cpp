@@ -58,7 +58,7 @@ public:
             return {format_.readVolume(path_, static_cast<Index>(points_.positions.size())), 0};
         VolumeCells cells;
         readCells(cells);
-        return cells.finish(points_.positions);
+        return withPathInErrors(path_, [&] { return cells.finish(points_.positions); });
     }
 
 private:

@@ -48,7 +48,7 @@ public:
         VolumeCells volume;
         VtkCellReader reader(path_, checkedIndex(path_, positions_.size(), "points"), volume, true);
         addLegacyCells(path_, cells, types, reader);
-        return volume.finish(positions_);
+        return withPathInErrors(path_, [&] { return volume.finish(positions_); });
     }
 
 private:

@@ -120,7 +120,7 @@ public:
         VtkCellReader reader(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"),
                              volume, true);
         readVtuCells(file_, reader);
-        return volume.finish(positions_);
+        return withPathInErrors(file_.path(), [&] { return volume.finish(positions_); });
     }
 
     CoordinateStorage storage() const override {
