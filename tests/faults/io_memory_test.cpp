@@ -99,8 +99,10 @@ TEST_F(IoMemory, Models) {
     std::string stl(80, ' ');
     stl += std::string("\1\0\0\0", 4) + std::string(50, '\0');
     std::vector<std::pair<std::string, std::string>> files = {{"b.ply", ply}, {"b.stl", stl}};
-    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"})
-        files.emplace_back("a" + extension, test::modelText(extension, 3));
+    for (const std::string extension :
+         {".obj", ".ply", ".stl", ".vtu", ".su2", ".msh", ".mesh", ".xyz", "points"})
+        files.emplace_back((extension == "points" ? "" : "a") + extension,
+                           test::modelText(extension, 3));
     for (const auto& [name, bytes] : files) {
         SCOPED_TRACE(name);
         const fs::path path = folder / name;

@@ -50,7 +50,35 @@ inline Lattice rowOfCells(Index count) {
 
 /// Returns a model of `pointCount` points, as the text of a file.
 inline std::string modelText(const std::string& extension, int pointCount) {
+    const std::string number = std::to_string(pointCount);
     std::string points, facets;
+    if (extension == ".xyz") {
+        std::string text = number + " 1 1\n";
+        for (int i = 0; i < pointCount; ++i) text += std::to_string(i) + " ";
+        for (int i = 0; i < 2 * pointCount; ++i) text += "0.5 ";
+        return text;
+    }
+    const std::string meshHead =
+        extension == ".su2"    ? "NDIME= 3\nNPOIN= " + number + "\n"
+        : extension == ".msh"  ? "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + number + "\n"
+        : extension == ".mesh" ? "MeshVersionFormatted 2\nDimension 3\nVertices " + number + "\n"
+        : extension == "points"
+            ? "FoamFile { format ascii; class vectorField; }\n" + number + "\n(\n"
+            : "";
+    if (!meshHead.empty()) {
+        for (int i = 0; i < pointCount; ++i) {
+            const std::string point = std::to_string(i) + " 0.5 0.25";
+            points += (extension == ".msh"     ? std::to_string(i + 1) + " " + point
+                       : extension == ".mesh"  ? point + " 0"
+                       : extension == "points" ? "(" + point + ")"
+                                               : point) +
+                      "\n";
+        }
+        return meshHead + points +
+               (extension == ".msh"     ? "$EndNodes\n"
+                : extension == "points" ? ")\n"
+                                        : "");
+    }
     for (int i = 0; i < pointCount; ++i) {
         const std::string point = std::to_string(i) + " 0.5 0.25\n";
         points += (extension == ".obj" ? "v " : "") + point;
@@ -78,12 +106,14 @@ inline std::vector<Writer> everyWriter(int size) {
     const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));
     for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
         writers.push_back({name, [=](const auto& path) { io::writeLattice(path, *lattice); }});
-    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"}) {
+    for (const std::string extension :
+         {".obj", ".ply", ".stl", ".vtu", ".su2", ".msh", ".mesh", ".xyz", "points"}) {
+        const std::string name = (extension == "points" ? "" : "m") + extension;
         const std::shared_ptr<const io::Model> model =
-            io::readModel("a" + extension, modelText(extension, size));
+            io::readModel(name, modelText(extension, size));
         std::vector<Point3> moved(model->positions().begin(), model->positions().end());
         for (Point3& point : moved) point[2] += 0.5;
-        writers.push_back({"m" + extension, [=](const auto& path) { model->write(path, moved); }});
+        writers.push_back({name, [=](const auto& path) { model->write(path, moved); }});
     }
     const auto table = std::make_shared<const stencils::StencilTable<double>>(bandTable(size));
     for (const std::string& extension : io::matrixExtensions())
