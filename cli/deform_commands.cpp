@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
+#include <espalier/io/animations/animation_file.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
@@ -31,10 +32,12 @@ struct DeformOptions : BindOptions {
     MeshOptions mesh;
     std::vector<std::string> poses;
     std::string output;
+    double framesPerSecond = 24;  ///< of an animation
     ReportFormat report = ReportFormat::Text;
 };
 
-/// Returns the output file of each pose. Checks all inputs and outputs before any work is done.
+/// Returns the output file of each pose; of an animation, its only file. Checks all inputs and
+/// outputs before any work is done.
 std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
@@ -43,6 +46,10 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     if (!isBound) inputs.push_back({"--rest", options.rest});
     for (const Input& pose : inputsOf("--to", options.poses)) inputs.push_back(pose);
     checkInputs(inputs);
+    if (io::isAnimationFile(options.output)) {
+        checkOutput(options.output, inputs);
+        return {options.output};
+    }
     for (int i = 0; i < count; ++i) {
         paths.push_back(io::modelTarget(io::numberedPath(options.output, i, count)));
         checkOutput(paths.back(), inputs);
@@ -121,7 +128,7 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
         check->requireValid(check->check(points, options.mesh, stages), options.poses[i]);
     }
     MeshReports reports;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto pointsOf = [&](std::size_t i) {
         auto points = deformation.pointsAt(poses[i], stages);
         if (check) {
             const MeshVerdict verdict = check->check(points, options.mesh, stages);
@@ -129,8 +136,22 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
             reports.json.push_back(check->toJson(verdict, options.poses[i]));
             if (!options.common.quiet) check->warn(verdict, options.poses[i]);
         }
-        deformation.write(paths[i], points, poses[i], stages);
+        return points;
+    };
+    if (io::isAnimationFile(options.output)) {
+        // Frames are applied while the file is written; the stages cannot be nested.
+        std::vector<std::vector<Point3>> frames;
+        for (std::size_t i = 0; i < poses.size(); ++i) frames.push_back(pointsOf(i));
+        stages.run("writing", [&] {
+            io::writeAnimation(options.output, deformation.model,
+                               {[&](std::size_t i) { return std::move(frames[i]); }, frames.size(),
+                                options.framesPerSecond});
+            stages.addFile(options.output);
+        });
+        return reports;
     }
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        deformation.write(paths[i], pointsOf(i), poses[i], stages);
     return reports;
 }
 
@@ -169,7 +190,7 @@ void runDeform(const DeformOptions& options) {
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
-    model->checkTarget(paths.front());
+    if (!io::isAnimationFile(options.output)) model->checkTarget(paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
@@ -221,7 +242,7 @@ void runApply(const DeformOptions& options) {
         bound = io::readBoundModel(options.model);
         return io::readModel(bound.modelName, bound.modelBytes);
     });
-    model->checkTarget(paths.front());
+    if (!io::isAnimationFile(options.output)) model->checkTarget(paths.front());
     const auto& table = bound.binding.table;
     if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model,
@@ -250,8 +271,13 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
     addOutputOption(
         command, options.output,
         "The deformed model, in the format of MODEL. With several poses, %04d in the name "
-        "stands for the number of the pose, and .0000, .0001 ... is added without it")
+        "stands for the number of the pose, and .0000, .0001 ... is added without it. Or all poses "
+        "in one file: a point cache (.pc2, .mdd), or glTF with morph targets (.glb)")
         ->required();
+    command
+        .add_option("--frame-rate", options.framesPerSecond, "Poses per second in an .mdd or .glb")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
 }
 
 void addRunAndReport(CLI::App& command, DeformOptions& options) {

@@ -23,19 +23,23 @@ namespace {
 
 struct ModelFormat {
     std::string_view extension;  ///< or the name of the file
-    std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
+    ModelReader read;
 };
 
-constexpr ModelFormat kModelFormats[] = {
-    {".obj", readObj},           {".ply", readPly},         {".stl", readStl},
-    {".vtu", readVtuModel},      {".vtp", readVtpModel},    {".vtk", readVtkLegacyModel},
-    {".su2", readSu2Model},      {".msh", readGmshModel},   {".mesh", readMeditModel},
-    {".xyz", readPlot3dModel},   {".p3d", readPlot3dModel}, {".fmt", readPlot3dModel},
-    {kFoamPoints, readFoamModel}};
+/// Returns all formats, with the formats of optional components.
+std::vector<ModelFormat>& modelFormats() {
+    static std::vector<ModelFormat> formats = {
+        {".obj", readObj},           {".ply", readPly},         {".stl", readStl},
+        {".vtu", readVtuModel},      {".vtp", readVtpModel},    {".vtk", readVtkLegacyModel},
+        {".su2", readSu2Model},      {".msh", readGmshModel},   {".mesh", readMeditModel},
+        {".xyz", readPlot3dModel},   {".p3d", readPlot3dModel}, {".fmt", readPlot3dModel},
+        {kFoamPoints, readFoamModel}};
+    return formats;
+}
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
-    for (const ModelFormat& format : kModelFormats)
+    for (const ModelFormat& format : modelFormats())
         if (format.extension == extension || (format.read == readFoamModel && isFoamPath(path)))
             return &format;
     return nullptr;
@@ -44,9 +48,11 @@ const ModelFormat* findModelFormat(const std::filesystem::path& path) {
 const ModelFormat& requireFormat(const std::filesystem::path& path) {
     if (const ModelFormat* format = findModelFormat(path)) return *format;
     std::string known;
-    for (const ModelFormat& format : kModelFormats)
-        known.append(known.empty() ? "" : ", ").append(format.extension);
-    throw FileError(path, "is not of a known model format; expected " + known);
+    for (const ModelFormat& format : modelFormats())
+        if (format.read != readFoamModel)
+            known.append(known.empty() ? "" : ", ").append(format.extension);
+    throw FileError(path,
+                    "is not of a known model format; expected " + known + " or an OpenFOAM case");
 }
 
 /// Throws unless there is one set of finite numbers per point.
@@ -111,6 +117,12 @@ void Model::write(const std::filesystem::path& path, std::span<const Point3> mov
 void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
     checkTarget(path);
     checkAll(moved, positions().size(), "positions", "new position");
+}
+
+void addModelFormat(std::string_view extension, ModelReader read) {
+    for (const ModelFormat& format : modelFormats())
+        if (format.extension == extension) return;
+    modelFormats().push_back({extension, read});
 }
 
 bool isModelFile(const std::filesystem::path& path) {

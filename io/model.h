@@ -141,6 +141,16 @@ ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
 /// \throws FileError if a folder has no mesh of OpenFOAM
 ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
 
+/// The function that reads a model of a format.
+/// \param path for messages
+/// \param bytes the whole file
+using ModelReader = std::unique_ptr<Model> (*)(const std::filesystem::path& path,
+                                               std::string bytes);
+
+/// Makes readModel() know another format, for optional components. To be called before other
+/// threads read models. \param extension in lower case: ".cgns"; must live for ever
+ESPALIER_API void addModelFormat(std::string_view extension, ModelReader read);
+
 /// Returns true if the extension names a format of models, in upper or lower case, or if the path
 /// is one of OpenFOAM (isFoamPath()).
 ESPALIER_API bool isModelFile(const std::filesystem::path& path);

@@ -8,26 +8,11 @@
 
 #include "../lattices/lattice_parts.h"
 #include "mesh_format.h"
+#include "surface_faces.h"
 #include "volume_cells.h"
 
 namespace espalier::io {
 namespace {
-
-/// Collects the faces of surfaces.
-class SurfaceFaces final : public CellVisitor {
-public:
-    void cell(far::StandardCell, std::span<const Index>) override {}
-    void polyhedron(std::span<const std::vector<Index>>) override {}
-    void face(std::span<const Index> points) override {
-        faces.corners.insert(faces.corners.end(), points.begin(), points.end());
-        faces.endFace();
-    }
-    void boundaryFace(std::span<const Index> points) override { face(points); }
-    void smallCell(int) override {}
-    void curvedCell(int) override {}
-
-    ModelFaces faces;
-};
 
 class MeshModel final : public Model {
 public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/io/model.h>
@@ -18,7 +19,7 @@ namespace espalier::io {
 /// them. Files disagree about this: VTK and Gmsh order the points of a wedge in opposite ways, VTK
 /// does not prescribe the direction of the faces of a polyhedron, and some meshes are mirror
 /// images.
-class VolumeCells final : public CellVisitor {
+class ESPALIER_API VolumeCells final : public CellVisitor {
 public:
     void cell(far::StandardCell kind, std::span<const Index> points) override;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/model.h>
@@ -35,12 +36,12 @@ inline CoordinateStorage storageOf(Precision precision) {
 using CoordinatePlaces = std::array<std::size_t, 3>;
 
 /// Returns the name of an axis in messages: "x", "y" or "z".
-const char* axisName(std::size_t axis);
+ESPALIER_API const char* axisName(std::size_t axis);
 
 /// Rounds a value to the precision of a file.
 /// \param point for messages
 /// \throws Error naming the point, if the value exceeds the largest float
-double roundTo(Precision precision, double value, std::size_t point);
+ESPALIER_API double roundTo(Precision precision, double value, std::size_t point);
 
 /// Reads the number at offset `place` of binary data; it may be infinite or NaN.
 double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order);
