@@ -132,7 +132,7 @@ private:
             text_.restOfLine();
             const std::size_t at = bytes_.find(end, text_.position());
             if (at == std::string_view::npos)
-                text_.fail("the section " + inQuotes(keyword) + " does not end with " + end);
+                text_.fail("the section " + inQuotes(keyword) + " does not end");
             skipTo(at + end.size());
         }
         text_.restOfLine();

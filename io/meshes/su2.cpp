@@ -74,6 +74,8 @@ private:
                 const std::size_t number = countOf(value, "NDIME", 0);
                 if (number != 2 && number != 3)
                     text_.fail(concat("NDIME is ", number, "; expected 2 or 3"));
+                if (dimension_ != 0 && number != dimension_)
+                    text_.fail(concat("NDIME is ", number, "; it was ", dimension_, " before"));
                 dimension_ = number;
             } else if (keyword == "IZONE") {
                 zoneBegin_ = zoneEnd_;

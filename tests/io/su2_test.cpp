@@ -60,6 +60,7 @@ TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
     expectRefused("% nothing\n", "a.su2:1: the file ends; expected NPOIN=");
     expectRefused("NPOIN= 0\n", "a.su2:1: the points come before NDIME=");
     expectRefused(replaced("NDIME= 2", "NDIME= 4"), "a.su2:1: NDIME is 4; expected 2 or 3");
+    expectRefused(replaced("NMARK= 1", "NDIME= 3"), "a.su2:11: NDIME is 3; it was 2 before");
     expectRefused(replaced("NPOIN= 5", "NPOIN= five"),
                   "a.su2:5: 'five' after NPOIN= is not a number");
     expectRefused(replaced("NPOIN= 5", "NPOIN= 500000000"),

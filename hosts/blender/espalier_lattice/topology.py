@@ -118,7 +118,12 @@ class Sync:
         if any(len(top) != 1 for top in tops):
             return None
         top = [each[0] for each in tops]
-        return top if len(set(top)) == len(top) and key_of(top) in self.face_of else None
+        if len(set(top)) < len(top):
+            return None
+        # A face that was extruded again is gone, too.
+        if key_of(top) not in self.face_of and self._top(top, used | set(loop)) is None:
+            return None
+        return top
 
     def _add_extruded(self):
         """Adds a cell for each face of the boundary that was extruded, and for faces extruded again."""
