@@ -53,7 +53,7 @@ class BlenderAddOn(CliTest):
         import numpy as np
         self.blender("deform")
         kinds = sorted(path.stem for path in self.path.glob("*.npy"))
-        self.assertEqual(len(kinds), 15)
+        self.assertEqual(len(kinds), 14)
         for kind in kinds:
             self.run_program("deform", f"{kind}.obj", "--rest", f"{kind}-rest.ovm", "--to",
                              f"{kind}-pose.ovm", "-n", 3, "-o", "out.obj", "--quiet")

@@ -86,13 +86,31 @@ class Topology(unittest.TestCase):
         faces = [loop for loop in topology.all_faces(cells) if set(loop) not in top]
         faces += [[12, 13, 16, 15], [13, 14, 17, 16], [6, 7, 13, 12], [7, 8, 14, 13], [8, 11, 17, 14],
                   [11, 10, 16, 17], [10, 9, 15, 16], [9, 6, 12, 15]]
-        edges = edges_of(faces) | {frozenset((7, 13)), frozenset((10, 16))}
-        found = topology.Sync(with_ids(cells), [*range(1, 13), 7, 8, 9, 10, 11, 12], faces,
-                              [tuple(e) for e in edges])
+        found = self.sync(cells, [*range(1, 13), 7, 8, 9, 10, 11, 12], faces)
         self.assertEqual(found.new_cells, 2)
         self.assertEqual(found.lost, [])
         self.assertEqual({topology.key_of(f) for f in found.new_faces},
                          {frozenset(top[0]), frozenset(top[1]), frozenset((7, 10, 13, 16))})
+
+    def test_a_vertex_inside_the_extruded_faces_has_no_edge_to_its_copy(self):
+        """Four cells in a square. Their upper faces are extruded together."""
+        def at(i, j, k):
+            return 9 * k + 3 * j + i
+
+        def column(i, j, k):
+            return cube(*(at(i + x, j + y, k + z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))))
+
+        low = [column(i, j, 0) for j in (0, 1) for i in (0, 1)]
+        high = [column(i, j, 1) for j in (0, 1) for i in (0, 1)]
+        middle = {at(1, 1, k) for k in (1, 2)}
+        faces = [loop for loop in topology.all_faces(low + high)
+                 if not (min(loop) >= 9 and max(loop) < 18)  # Blender removes what it extrudes,
+                 and not (middle <= set(loop))]              # and makes no face between two of them.
+        found = self.sync(low, [*range(1, 19), *range(10, 19)], faces)
+        self.assertEqual(found.lost, [])
+        self.assertEqual(found.new_cells, 4)
+        self.assertEqual(keys(found.cells), keys(low + high))
+        self.assertEqual(len(found.new_faces), 8)
 
     def test_a_face_extruded_twice_makes_two_cells(self):
         cells = row(1)

@@ -50,19 +50,19 @@ def around(espalier, kind, points, cells, margin):
 
 
 def fitted(espalier, lattice, points, margin):
-    """Scales a ready lattice so that all points are inside its limit, by trying larger sizes."""
+    """Scales a ready lattice to the smallest tried size that has all points inside its second level. If no
+    size has, as for points in the hole of a torus, its box has the size of the points."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, size = (low + high) / 2, np.maximum(high - low, 1e-9 * max(1.0, np.abs(points).max()))
     own_low, own_high = lattice.positions.min(axis=0), lattice.positions.max(axis=0)
-    factor = (1 + 2 * margin) * size / (own_high - own_low)
     sample = points[:: max(1, len(points) // 2000)]
-    for _ in range(12):
-        moved = lattice.with_positions((lattice.positions - (own_low + own_high) / 2) * factor + middle)
+    sizes = [lattice.with_positions((lattice.positions - (own_low + own_high) / 2) * (
+        1.25 ** k * (1 + 2 * margin) * size / (own_high - own_low)) + middle) for k in range(12)]
+    for moved in sizes:
         statuses = np.asarray(espalier.bind(moved, sample, 2).statuses)
         if (statuses == int(espalier.PointStatus.INSIDE)).all():
             return moved
-        factor = factor * 1.25
-    return moved
+    return sizes[0]
 
 
 def cage(espalier, points, cells, margin):

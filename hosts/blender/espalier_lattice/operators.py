@@ -448,7 +448,8 @@ class BakePointCache(BakeBase, ExportHelper, bpy.types.Operator):
         modifier = object.modifiers.get(binding.KEY) or object.modifiers.new(binding.KEY, "MESH_CACHE")
         modifier.cache_format = "PC2"
         modifier.filepath = self.filepath
-        modifier.frame_start = 0
+        modifier.frame_start = frames[0]
+        modifier.frame_scale = 1 / self.step
         self.report({"INFO"}, f"{self.filepath}: {len(frames)} frames of {len(object.data.vertices)} points")
         return {"FINISHED"}
 

@@ -7,6 +7,9 @@ keeps when others are deleted. Vertices that editing adds have the id of the ver
 from, or 0.
 """
 
+import itertools
+import math
+
 
 def key_of(loop):
     """Returns the same key for all ways to write one face."""
@@ -110,20 +113,22 @@ class Sync:
         """Returns the face that a face was extruded to, in the order of the face; None if it was not."""
         def candidates(vertex):
             same = [copy for origin, copies in self.copies.items()
-                    if origin == vertex or vertex in copies for copy in copies]
-            return [copy for copy in same
-                    if copy not in used and copy != vertex and frozenset((vertex, copy)) in self.edges]
+                    if origin == vertex or vertex in copies for copy in copies
+                    if copy not in used and copy != vertex]
+            # A vertex inside the faces that are extruded together has no edge to its copy.
+            joined = [copy for copy in same if frozenset((vertex, copy)) in self.edges]
+            return joined or same
 
-        tops = [candidates(vertex) for vertex in loop]
-        if any(len(top) != 1 for top in tops):
+        choices = [candidates(vertex) for vertex in loop]
+        if math.prod(map(len, choices)) > 1000:
             return None
-        top = [each[0] for each in tops]
-        if len(set(top)) < len(top):
-            return None
-        # A face that was extruded again is gone, too.
-        if key_of(top) not in self.face_of and self._top(top, used | set(loop)) is None:
-            return None
-        return top
+        for top in itertools.product(*choices):
+            if len(set(top)) < len(top):
+                continue
+            # A face that was extruded again is gone, too.
+            if key_of(top) in self.face_of or self._top(top, used | set(loop)) is not None:
+                return list(top)
+        return None
 
     def _add_extruded(self):
         """Adds a cell for each face of the boundary that was extruded, and for faces extruded again."""
