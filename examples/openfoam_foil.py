@@ -6,12 +6,12 @@
 
 TUTORIAL is the folder incompressible/simpleFoam/airFoil2D of OpenFOAM's tutorials (in Debian's package
 openfoam-examples: /usr/share/doc/openfoam-examples/examples/incompressible/simpleFoam/airFoil2D). CASE is the
-folder to make (foil). The steps:
+folder to make (foil); the case at rest is made beside it (foil-rest). The steps:
 
 1. copy the case, and read its mesh;
 2. make a lattice around the aerofoil, and bind the points of the mesh to it: the matrix D;
 3. turn the inner vertices of the lattice, and hold the outer ones, so that the mesh stays smooth;
-4. prove that no cell is inverted, or go only as far as none is;
+4. prove that no cell is inverted, or else turn by nine tenths of the largest step that inverts none;
 5. write the points, and let checkMesh and simpleFoam judge them;
 6. compute how the area of the aerofoil depends on each lattice vertex, by D, and check it by differences.
 """
@@ -154,8 +154,9 @@ def main():
     print(f"cells               {check.cell_count}; the pose inverts {len(validity.inverted)}; worst volume "
           f"ratio {validity.smallest[1]:.3f}")
     if step.length < 1:
-        print(f"largest step        {step.length:.6f} of the pose")
-        pose = lattice.positions + step.length * (pose - lattice.positions)
+        # At the whole step a cell has no volume left, so stop before.
+        print(f"largest step        {step.length:.6f} of the pose; {0.9 * step.length:.6f} is written")
+        pose = lattice.positions + 0.9 * step.length * (pose - lattice.positions)
         moved = binding.deform(pose)
     before, after = check.quality(model.positions), check.quality(moved)
     for name in ("non_orthogonality", "skewness"):

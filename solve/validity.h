@@ -123,7 +123,8 @@ public:
 
     /// The cells that are flat, folded or inside out at rest, ascending. A cell is inside out if
     /// its orientation differs from that of most cells in its connected component (joined by
-    /// faces). These cells are left out of all further results.
+    /// faces), or in a volume mesh of most cells of its kind. These cells are left out of all
+    /// further results.
     const std::vector<Index>& badAtRest() const { return badAtRest_; }
 
     /// Computes the volume ratios of a pose.
