@@ -47,14 +47,17 @@ public:
     bool hasCells() const { return volume_.mesh.cellCount() > 0; }
 
     /// Checks a pose in the stage "checking cells". With --largest-step, moves `points` back
-    /// towards rest until no cell is inverted. \param points deformed points, one per point of the
-    /// model; they are rounded as the file will
+    /// towards rest until no cell is inverted.
+    ///
+    /// \param points deformed points, one per point of the model; they are rounded as the file will
     ///        hold them
     MeshVerdict check(std::vector<Point3>& points, const MeshOptions& options,
                       Stages& stages) const;
 
     /// Throws a Finding if cells are inverted at the points of a verdict, or have no positive
-    /// volume. \param pose its path
+    /// volume.
+    ///
+    /// \param pose its path
     void requireValid(const MeshVerdict& verdict, const std::string& pose) const;
 
     /// Prints a warning to standard error if a pose inverts cells.

@@ -99,7 +99,9 @@ public:
 
     /// Checks a name for write(), after modelTarget(), without touching the file, so that a wrong
     /// name is refused before long work. An extension that belongs to no model format is accepted
-    /// ("/dev/stdout"). \throws FileError if `path` has the extension of another model format
+    /// ("/dev/stdout").
+    ///
+    /// \throws FileError if `path` has the extension of another model format
     void checkTarget(const std::filesystem::path& path) const;
 
     /// Writes the model with new positions, one per point.
@@ -148,7 +150,9 @@ using ModelReader = std::unique_ptr<Model> (*)(const std::filesystem::path& path
                                                std::string bytes);
 
 /// Makes readModel() know another format, for optional components. To be called before other
-/// threads read models. \param extension in lower case: ".cgns"; must live for ever
+/// threads read models.
+///
+/// \param extension in lower case: ".cgns"; must live for ever
 ESPALIER_API void addModelFormat(std::string_view extension, ModelReader read);
 
 /// Returns true if the extension names a format of models, in upper or lower case, or if the path

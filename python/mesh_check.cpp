@@ -18,16 +18,21 @@ using namespace py::literals;
 
 namespace {
 
+/// \throws Error if the model has no cells of a volume
+io::ModelVolume volumeOf(const ModelFile& model) {
+    io::ModelVolume volume = model.model->readVolume();
+    if (volume.mesh.cellCount() == 0)
+        throw Error(concat("model: ", printable(model.name), " has no cells of a volume"));
+    return volume;
+}
+
 /// The cells of a model, and the check of its poses.
 class MeshCheck {
 public:
     explicit MeshCheck(std::shared_ptr<const ModelFile> model)
         : model_(std::move(model)),
-          volume_(model_->model->readVolume()),
-          check_(volume_.mesh, model_->model->positions()) {
-        if (volume_.mesh.cellCount() == 0)
-            throw Error(concat("model: ", printable(model_->name), " has no cells of a volume"));
-    }
+          volume_(volumeOf(*model_)),
+          check_(volume_.mesh, model_->model->positions()) {}
 
     const io::ModelVolume& volume() const { return volume_; }
     const solve::ValidityCheck& check() const { return check_; }

@@ -106,14 +106,17 @@ struct ProvedTime {
 
 /// Returns the first root in time of a cubic that is positive before it, or a time at most two
 /// roundings before the root; `upTo` if the cubic is positive up to there; 0 if it is not positive
-/// at 0. \param coefficients Bernstein coefficients of degree 3 over the times 0 to 1 \param upTo
-/// above 0, at most 1
+/// at 0.
+///
+/// \param coefficients Bernstein coefficients of degree 3 over the times 0 to 1
+/// \param upTo above 0, at most 1
 double firstRoot(const std::array<double, 4>& coefficients, double upTo);
 
 /// Finds the time up to which a polynomial is proved to be positive. Where a corner of the cube
-/// ends this time, as it usually does, the time is the firstRoot() there within 1e-12. \param upTo
-/// above 0, at most 1 \cost usually one pass over the coefficients; at most 4,000 passes: 4 ms for
-/// degree 2
+/// ends this time, as it usually does, the time is the firstRoot() there within 1e-12.
+///
+/// \param upTo above 0, at most 1
+/// \cost usually one pass over the coefficients; at most 4,000 passes: 4 ms for degree 2
 template <std::size_t Degree>
 ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo);
 

@@ -86,10 +86,10 @@ private:
 ///   over the triangle, and so smallest on one of the three edges along the axis: three pieces,
 ///   whose determinants are quadratic along the axis. (They are no maps of their own: only the
 ///   derivatives are given.)
-/// - A polyhedron is split into tetrahedra as OpenFOAM does (FACE_CENTRE_TRIS): they join the
-/// centre
-///   of the cell, the centre of a face, and an edge of the face. The centres are OpenFOAM's at
-///   rest, written as weighted means of the points of the cell. The weights stay in all poses.
+/// - A polyhedron is split into tetrahedra as OpenFOAM does (FACE_CENTRE_TRIS): they join
+///   the centre of the cell, the centre of a face, and an edge of the face. The centres are
+///   OpenFOAM's at rest, written as weighted means of the points of the cell. The weights stay in
+///   all poses.
 class MeshPieces {
 public:
     /// \param rest positions of the points at rest, which determine the weights of the centres

@@ -30,8 +30,7 @@ namespace espalier::io {
 /// \param path for messages; the bytes are read, from a temporary file
 /// \param bytes the whole file
 /// \throws FileError if the library refuses the file, if a zone has no Cartesian coordinates of
-/// single
-///         or double precision, or if a coordinate is not finite
+///         single or double precision, or if a coordinate is not finite
 ESPALIER_API std::unique_ptr<Model> readCgnsModel(const std::filesystem::path& path,
                                                   std::string bytes);
 

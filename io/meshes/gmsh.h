@@ -25,8 +25,7 @@ namespace espalier::io {
 /// \param path for messages
 /// \param bytes the whole file
 /// \throws FileError with the line, if the file is of another version, is malformed up to the end
-/// of
-///         $Nodes, or if a coordinate is not finite
+///         of $Nodes, or if a coordinate is not finite
 ESPALIER_API std::unique_ptr<Model> readGmshModel(const std::filesystem::path& path,
                                                   std::string bytes);
 

@@ -60,8 +60,10 @@ std::unique_ptr<Model> readMeshModel(const MeshFormat& format, const std::filesy
                                      std::string bytes);
 
 /// Reads the volume cells of a mesh as a lattice. Vertices, lines and faces of surfaces are
-/// skipped. \throws FileError as the functions of the format, and if a cell of a volume is curved;
-///         TopologyError, with the path in its message, if the cells do not form a lattice
+/// skipped.
+///
+/// \throws FileError as the functions of the format, and if a cell of a volume is curved;
+///        TopologyError, with the path in its message, if the cells do not form a lattice
 Lattice readMeshLattice(const MeshFormat& format, const std::filesystem::path& path,
                         std::string_view bytes, ReadNotes* notes);
 

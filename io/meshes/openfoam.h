@@ -35,22 +35,29 @@ ESPALIER_API bool isFoamPath(const std::filesystem::path& path);
 ESPALIER_API std::filesystem::path foamPointsOf(const std::filesystem::path& path);
 
 /// Returns the file of points that is to be written for a path, as foamPointsOf(); the folder
-/// polyMesh must exist, the file need not. \throws FileError if a folder has no folder polyMesh and
-/// is none
+/// polyMesh must exist, the file need not.
+///
+/// \throws FileError if a folder has no folder polyMesh and is none
 ESPALIER_API std::filesystem::path foamTargetOf(const std::filesystem::path& path);
 
 /// Reads the points as a model. Only their coordinates are replaced on writing. The faces of the
 /// model are the boundary faces of the mesh. The volume is read from the files beside `path`; it
-/// has no cells if there is no file "faces". \param path the file "points" \param bytes the whole
-/// file \throws FileError with the line, if the file is malformed, or a coordinate is not finite
+/// has no cells if there is no file "faces".
+///
+/// \param path the file "points"
+/// \param bytes the whole file
+/// \throws FileError with the line, if the file is malformed, or a coordinate is not finite
 ESPALIER_API std::unique_ptr<Model> readFoamModel(const std::filesystem::path& path,
                                                   std::string bytes);
 
 /// Reads the cells as a lattice; they may be any polyhedra. Points that no cell uses are dropped.
-/// Two boundary faces with the same points (a baffle) become one face. \param path the file
-/// "points" \param bytes the whole file \param notes receives the dropped vertices; may be null
+/// Two boundary faces with the same points (a baffle) become one face.
+///
+/// \param path the file "points"
+/// \param bytes the whole file
+/// \param notes receives the dropped vertices; may be null
 /// \throws FileError naming the file and the line, if one of the files is missing or malformed;
-///         TopologyError, with the path in its message, if the cells do not form a lattice
+///        TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readFoam(const std::filesystem::path& path, std::string_view bytes,
                               ReadNotes* notes = nullptr);
 

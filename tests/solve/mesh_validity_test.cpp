@@ -202,7 +202,9 @@ TEST(MeshValidity, StepsThatACornerOfAHexahedronEndsAreRootsOfCubics) {
 }
 
 /// The decomposition of a polyhedron at rest, and its determinants in a pose, by definition: each
-/// centre moves as the same mean of points. \returns the smallest quotient of determinants
+/// centre moves as the same mean of points.
+///
+/// \returns the smallest quotient of determinants
 double polyhedronRatio(const VolumeMesh& mesh, Index cell, const Positions& rest,
                        const Positions& pose) {
     std::map<Index, std::vector<double>> weights;

@@ -10,7 +10,9 @@
 namespace espalier::test {
 
 /// Returns the cells of a lattice as a volume mesh: standard cells as such, all others as
-/// polyhedra. \param arePolyhedra whether standard cells become polyhedra, too
+/// polyhedra.
+///
+/// \param arePolyhedra whether standard cells become polyhedra, too
 inline far::VolumeMesh volumeMeshOf(const far::CellComplex& complex, bool arePolyhedra = false) {
     far::VolumeMeshBuilder builder(complex.count(0));
     for (Index cell = 0; cell < complex.count(3); ++cell) {
