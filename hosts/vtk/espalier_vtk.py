@@ -4,9 +4,9 @@
     from espalier_vtk import EspalierDeform
 
     deform = EspalierDeform()
-    deform.SetInputData(0, model)        # any vtkPointSet: a surface, a volume mesh, a curvilinear grid
-    deform.SetInputData(1, rest)         # the lattice at rest: a vtkUnstructuredGrid around the model
-    deform.SetInputData(2, pose)         # the same lattice with its points moved
+    deform.SetInputDataObject(0, model)        # any vtkPointSet: a surface, a volume mesh, a curvilinear grid
+    deform.SetInputDataObject(1, rest)         # the lattice at rest: a vtkUnstructuredGrid around the model
+    deform.SetInputDataObject(2, pose)         # the same lattice with its points moved
     deform.SetLevel(3)                   # or SetLimit(True)
     deform.Update()
     moved = deform.GetOutputDataObject(0)

@@ -266,6 +266,30 @@ def baked():
     check(np.abs(evaluated(bpy.data.objects["model"]) - expected[19]).max() < 1e-6, "frame 20")
 
 
+def undo():
+    """The object follows the lattice after undo and redo, too."""
+    enable()
+    clear()
+    sphere("model", 3)
+    add_lattice(bpy.data.objects["model"], kind="BOX", cells=2)
+    bpy.ops.ed.undo_push(message="bound")
+    before = evaluated(bpy.data.objects["model"])
+    move_lattice(bpy.data.objects["Espalier box"], twist)
+    bpy.ops.ed.undo_push(message="moved")
+    after = evaluated(bpy.data.objects["model"])
+    check(np.abs(after - before).max() > 0.1, "the model follows")
+    bpy.ops.ed.undo()
+    bpy.context.view_layer.update()
+    check(np.abs(evaluated(bpy.data.objects["model"]) - before).max() < 1e-6, "undo")
+    bpy.ops.ed.redo()
+    bpy.context.view_layer.update()
+    check(np.abs(evaluated(bpy.data.objects["model"]) - after).max() < 1e-6, "redo")
+    # Another move, which starts from what undo and redo have left.
+    bpy.ops.ed.undo()
+    move_lattice(bpy.data.objects["Espalier box"], lambda co: co)
+    check(np.abs(evaluated(bpy.data.objects["model"]) - before).max() < 1e-6, "undo again")
+
+
 def edit():
     """Cells survive editing; what cannot be kept is told."""
     enable()

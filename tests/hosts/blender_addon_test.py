@@ -69,13 +69,16 @@ class BlenderAddOn(CliTest):
         self.blender("bake")
         self.blender("baked")
 
+    def test_undo(self):
+        self.blender("undo")
+
     def test_cells_survive_editing(self):
         self.blender("edit")
 
     def test_points_outside_and_folded_cells_are_marked(self):
         self.blender("marks")
 
-    def test_more_than_24_frames_a_second_for_100000_points(self):
+    def test_the_speed_of_100000_points_is_printed(self):
         """A figure, not a timed test: the load of this machine is not known."""
         self.blender("speed")
         report = json.loads(self.text("speed.json"))

@@ -51,7 +51,7 @@ class VtkFilter(CliTest):
     def filter(self, model, **settings):
         deform = EspalierDeform()
         for port, data in enumerate((model, self.read("rest.vtu"), self.read("pose.vtu"))):
-            deform.SetInputData(port, data)
+            deform.SetInputDataObject(port, data)
         for name, value in settings.items():
             getattr(deform, "Set" + name)(value)
         deform.Update()
@@ -90,7 +90,7 @@ class VtkFilter(CliTest):
         deform = self.filter(self.read("model.vtu"))
         binding = deform.GetBinding()
         moved = self.read("rest.vtu")
-        deform.SetInputData(2, moved)
+        deform.SetInputDataObject(2, moved)
         deform.Update()
         self.assertIs(deform.GetBinding(), binding)
         np.testing.assert_array_equal(self.positions(deform.GetOutputDataObject(0)),

@@ -44,6 +44,7 @@ class Bound:
             self.binding = espalier.bind(refiner, self.points, settings.level, outside=settings.outside)
         self.compiled = espalier.CompiledTable(self.binding)
         self.moved = np.empty_like(self.points)
+        self.written = None  # the coordinates that the shape key has, unless undo has changed them
 
     def deform(self, pose):
         """Returns the points for a pose of the lattice in the coordinates of the object: array (N, 3)."""
@@ -163,11 +164,13 @@ def update(object, depsgraph):
     problems.pop(object.name_full, None)
     key = object.data.shape_keys.key_blocks[KEY]
     new = points.astype(np.float32).ravel()
-    old = np.empty_like(new)
-    key.data.foreach_get("co", old)
-    if np.array_equal(old, new):
+    if bound.written is None:
+        bound.written = np.empty_like(new)
+        key.data.foreach_get("co", bound.written)
+    if np.array_equal(bound.written, new):
         return False
     key.data.foreach_set("co", new)
+    bound.written = new
     object.data.update_tag()
     return True
 
@@ -229,7 +232,15 @@ def on_load(_=None):
     problems.clear()
 
 
-HANDLERS = {"frame_change_post": on_frame, "depsgraph_update_post": on_depsgraph, "load_post": on_load}
+@persistent
+def on_undo(_=None):
+    """Undo may have changed the shape keys."""
+    for bound in _bound.values():
+        bound.written = None
+
+
+HANDLERS = {"frame_change_post": on_frame, "depsgraph_update_post": on_depsgraph, "load_post": on_load,
+            "undo_post": on_undo, "redo_post": on_undo}
 
 
 def register():

@@ -57,7 +57,6 @@ def creases(mesh):
 def set_creases(mesh, values):
     values = np.asarray(values, dtype=np.float32)
     if bpy.app.version < (4, 0, 0):
-        mesh.use_customdata_edge_crease = True
         mesh.edges.foreach_set("crease", values)
         return
     attribute = mesh.attributes.get("crease_edge") or mesh.attributes.new("crease_edge", "FLOAT", "EDGE")
