@@ -15,16 +15,6 @@
 namespace espalier::cages {
 namespace {
 
-/// The corners of a hexahedron, each with its three neighbours in right-handed order.
-constexpr std::array<std::array<int, 4>, 8> kCorners = {{{0, 1, 3, 4},
-                                                         {1, 2, 0, 5},
-                                                         {2, 3, 1, 6},
-                                                         {3, 0, 2, 7},
-                                                         {4, 7, 5, 0},
-                                                         {5, 4, 6, 1},
-                                                         {6, 5, 7, 2},
-                                                         {7, 6, 4, 3}}};
-
 Point3 rowTimes(const stencils::StencilTable<double>& table, Index row,
                 std::span<const Point3> values) {
     Point3 result = {0, 0, 0};
@@ -63,9 +53,10 @@ double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Po
     // that the energy is finite and has a slope in folded cells too.
     constexpr double kFlat = 1e-3;
     double total = 0;
-    for (const auto& corner : kCorners) {
-        const Index a = vertices[corner[0]], b = vertices[corner[1]], c = vertices[corner[2]],
-                    d = vertices[corner[3]];
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const auto& next = far::kHexahedronNeighbours[corner];
+        const Index a = vertices[corner], b = vertices[next[0]], c = vertices[next[1]],
+                    d = vertices[next[2]];
         const Point3 u = difference(positions[b], positions[a]);
         const Point3 v = difference(positions[c], positions[a]);
         const Point3 w = difference(positions[d], positions[a]);
@@ -177,12 +168,13 @@ std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions
         std::vector<Point3> refined(positions.begin(), positions.end());
         if (level.table.rowCount() > 0) refined = stencils::applyLevelTable(level.table, positions);
         for (const Cell& cell : level.cells)
-            for (const auto& corner : kCorners) {
+            for (std::size_t corner = 0; corner < 8; ++corner) {
+                const auto& next = far::kHexahedronNeighbours[corner];
                 std::array<Point3, 3> ways;
                 double lengths = 1;
                 for (int i = 0; i < 3; ++i) {
-                    ways[i] = difference(refined[cell.vertices[corner[i + 1]]],
-                                         refined[cell.vertices[corner[0]]]);
+                    ways[i] =
+                        difference(refined[cell.vertices[next[i]]], refined[cell.vertices[corner]]);
                     lengths *= length(ways[i]);
                 }
                 const double volume = dot(ways[0], cross(ways[1], ways[2]));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cage_surface.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
@@ -204,17 +205,14 @@ HullBox boxAround(std::span<const Index> hull, const std::array<Index, 4>& face,
     } else {
         box.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     }
-    box.low.fill(std::numeric_limits<double>::infinity());
-    box.high.fill(-std::numeric_limits<double>::infinity());
-    for (const Index vertex : hull)
-        for (int axis = 0; axis < 3; ++axis) {
-            const double value = dot(box.axes[axis], vertices[vertex]);
-            box.low[axis] = std::min(box.low[axis], value);
-            box.high[axis] = std::max(box.high[axis], value);
-        }
+    BoundingBox bounds;
+    for (const Index vertex : hull) {
+        const Point3& at = vertices[vertex];
+        bounds.include({dot(box.axes[0], at), dot(box.axes[1], at), dot(box.axes[2], at)});
+    }
     for (int axis = 0; axis < 3; ++axis) {
-        box.low[axis] -= margin;
-        box.high[axis] += margin;
+        box.low[axis] = bounds.min[axis] - margin;
+        box.high[axis] = bounds.max[axis] + margin;
     }
     return box;
 }
@@ -261,13 +259,10 @@ public:
           grid_(grid),
           columns_(grid.counts[0] * grid.counts[1], static_cast<Index>(faces.size()),
                    [&](Index face, auto visit) {
-                       Point3 low = vertices[faces[face][0]], high = low;
-                       for (const Index vertex : faces[face])
-                           for (int axis = 0; axis < 2; ++axis) {
-                               low[axis] = std::min(low[axis], vertices[vertex][axis]);
-                               high[axis] = std::max(high[axis], vertices[vertex][axis]);
-                           }
-                       const auto from = grid.coordinatesOf(low), to = grid.coordinatesOf(high);
+                       BoundingBox bounds;
+                       for (const Index vertex : faces[face]) bounds.include(vertices[vertex]);
+                       const auto from = grid.coordinatesOf(bounds.min);
+                       const auto to = grid.coordinatesOf(bounds.max);
                        for (Index y = from[1]; y <= to[1]; ++y)
                            for (Index x = from[0]; x <= to[0]; ++x) visit(y * grid.counts[0] + x);
                    }) {}

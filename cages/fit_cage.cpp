@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fit_cage.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/vector3.h>
@@ -98,16 +99,9 @@ private:
     }
     static CubeGrid gridAround(const Lattice& lattice, std::span<const Point3> points,
                                double size) {
-        Point3 low = lattice.positions.front(), high = low;
-        const auto include = [&](const Point3& point) {
-            for (int axis = 0; axis < 3; ++axis) {
-                low[axis] = std::min(low[axis], point[axis]);
-                high[axis] = std::max(high[axis], point[axis]);
-            }
-        };
-        for (const Point3& point : lattice.positions) include(point);
-        for (const Point3& point : points) include(point);
-        return {low, high, size};
+        BoundingBox bounds(lattice.positions);
+        bounds.include(points);
+        return {bounds.min, bounds.max, size};
     }
 
     void begin(int attempt);
@@ -316,15 +310,12 @@ bool Fit::certify() {
 
 /// Throws if a point is further than kReach edges from the box around the start.
 void Fit::requireNear() const {
-    Point3 low = start_.front(), high = low;
-    for (const Point3& vertex : surface_.fineVertices(start_))
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], vertex[axis]);
-            high[axis] = std::max(high[axis], vertex[axis]);
-        }
+    BoundingBox bounds(surface_.fineVertices(start_));
+    bounds.include(start_.front());
     for (const Point3& point : groups_.points())
         for (int axis = 0; axis < 3; ++axis) {
-            const double away = std::max(low[axis] - point[axis], point[axis] - high[axis]);
+            const double away =
+                std::max(bounds.min[axis] - point[axis], point[axis] - bounds.max[axis]);
             if (away > kReach * edge_)
                 throw Error(concat("fitting a cage: the point ", textOf(point), " is ",
                                    textOf(away), " outside the start lattice; expected at most ",

@@ -111,13 +111,12 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
 void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
                          const CommonOptions& options) {
     const Offset outside = std::ranges::count(statuses, embed::PointStatus::Outside);
-    if (options.quiet || outside == 0 || options.embedding.outside != embed::OutsidePolicy::Keep)
-        return;
+    if (options.quiet || outside == 0 || options.outside->count() > 0) return;
     const Offset all = std::ssize(statuses);
     printError(
         fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
-                    "--outside nearest to move them with the nearest cell, or make a lattice "
-                    "around the whole model: espalier shape around",
+                    "--outside nearest to move them with the nearest cell, --outside keep if they "
+                    "should stay, or make a lattice around the whole model: espalier shape around",
                     outside, all, outside == 1 ? "is" : "are", outside == 1 ? "stays" : "stay",
                     outside < all ? ", so a pose may tear the model" : "")
             .c_str());

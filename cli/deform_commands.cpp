@@ -22,6 +22,7 @@
 #include "files.h"
 #include "mesh_check.h"
 #include "run_report.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
@@ -56,6 +57,13 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     }
     checkDistinct(paths);
     return paths;
+}
+
+/// Refuses an output that the model cannot be written to, and prints to standard error what a file
+/// in another format lacks. To be called between stages.
+void checkTarget(const io::Model& model, const std::filesystem::path& output) {
+    if (const std::string losses = model.checkTarget(output); !losses.empty())
+        printError(losses.c_str());
 }
 
 /// Returns the deformation gradient of each point for a pose of the lattice.
@@ -190,7 +198,7 @@ void runDeform(const DeformOptions& options) {
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
-    if (!io::isAnimationFile(options.output)) model->checkTarget(paths.front());
+    if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
@@ -226,6 +234,7 @@ void runBind(const DeformOptions& options) {
     file.binding = std::move(bound.binding);
     file.gradients = std::move(gradients);
     file.rest = rest.positions;
+    file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
@@ -242,13 +251,13 @@ void runApply(const DeformOptions& options) {
         bound = io::readBoundModel(options.model);
         return io::readModel(bound.modelName, bound.modelBytes);
     });
-    if (!io::isAnimationFile(options.output)) model->checkTarget(paths.front());
+    if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const auto& table = bound.binding.table;
     if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model,
                             "is damaged: its model does not have the points that were bound");
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
-        return io::readPose(path, bound.binding, printable(options.model), notes);
+        return io::readPose(path, bound, printable(options.model), notes);
     };
     const auto poses = readPoses(options.poses, read, stages);
     // Checking takes much longer than applying, so only on request.
@@ -270,9 +279,10 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         ->required();
     addOutputOption(
         command, options.output,
-        "The deformed model, in the format of MODEL. With several poses, %04d in the name "
-        "stands for the number of the pose, and .0000, .0001 ... is added without it. Or all poses "
-        "in one file: a point cache (.pc2, .mdd), or glTF with morph targets (.glb)")
+        "The deformed model, in the format of MODEL or, by its extension, in another model format. "
+        "With several poses, %04d in the name stands for the number of the pose, and .0000, .0001 "
+        "... is added without it. Or all poses in one file: a point cache (.pc2, .mdd), or glTF "
+        "with morph targets (.glb)")
         ->required();
     command
         .add_option("--frame-rate", options.framesPerSecond, "Poses per second in an .mdd or .glb")

@@ -164,7 +164,7 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
 /// refined lattice may leave the convex hull there (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
                          const far::TopologyRefiner& refiner) {
-    const Extent extent = extentOf(lattice.positions);
+    const BoundingBox box(lattice.positions);
     std::vector<std::string> attributes;
     for (const VertexAttribute& attribute : lattice.attributes)
         attributes.push_back(attribute.name);
@@ -176,9 +176,9 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
     return {{"lattice", path},
-            {"bounds", {extent.least, extent.most}},
-            {"size", extent.size()},
-            {"diagonal", extent.diagonal()},
+            {"bounds", {box.min, box.max}},
+            {"size", box.size()},
+            {"diagonal", box.diagonal()},
             {"marks", lattice.marks.edges.size() + lattice.marks.vertices.size()},
             {"attributes", attributes},
             {"interior_edges_of_two_faces", edgesOfTwoFaces},
@@ -331,7 +331,7 @@ void printLevel(std::size_t number, const SortedJson& level) {
 void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("{}\n", printable(options.lattice));
     fmt::print("{}",
-               Extent{report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}.text());
+               boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}));
     fmt::print("marks       {} edges and vertices with a sharpness set by hand\n",
                report["marks"].get<std::size_t>());
     std::string attributes;

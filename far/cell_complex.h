@@ -41,6 +41,15 @@ public:
     /// \param boundaries entry d − 1 is boundary(d); entries above `dimension` are empty
     CellComplex(int dimension, Index vertexCount, Boundaries boundaries);
 
+    /// Takes the relations of the child that a Refinement makes. The complex equals the one that
+    /// the other constructor makes, but derives relations faster.
+    static CellComplex refined(int dimension, Index vertexCount, Boundaries boundaries);
+
+    /// Returns true for a complex that refined() made. Its faces are quadrilaterals. A cell of type
+    /// n, which is [v, c], has 2n faces: the faces [v, f], n of them, and then the faces [e, c]. Of
+    /// its vertices, the first and the last have n edges in the cell, all others three.
+    bool isRefined() const;
+
     /// Returns 1 for a curve, 2 for a mesh, 3 for a lattice.
     int dimension() const;
 

@@ -17,13 +17,9 @@ ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
-        std::string text = "(";
-        for (const Index vertex : loop.first(std::min<std::size_t>(loop.size(), 32)))
-            text += concat(text.size() > 1 ? ", " : "", vertex);
-        text += loop.size() > 32 ? ", ...)" : ")";
-        throw TopologyError(
-            cause, entity,
-            concat(dimensionName(entity.dimension), " ", entity.index, ": loop ", text, why));
+        throw TopologyError(cause, entity,
+                            concat(dimensionName(entity.dimension), " ", entity.index, ": loop (",
+                                   listed(loop, 32), ")", why));
     };
     if (loop.size() < least)
         refuse(TopologyCause::TooFewVertices, concat(" has fewer than ", least, " vertices"));

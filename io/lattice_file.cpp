@@ -46,14 +46,11 @@ std::string droppedText(Index textureCoordinates) {
 
 /// Returns the note on vertices; empty if none were dropped.
 std::string droppedText(const std::vector<Index>& dropped) {
-    constexpr std::size_t kMaxNamed = 5;
     if (dropped.empty()) return "";
     const bool isOne = dropped.size() == 1;
-    std::string text = concat("dropped ", dropped.size(),
-                              isOne ? " unused vertex (vertex " : " unused vertices (vertices ");
-    for (std::size_t i = 0; i < std::min(dropped.size(), kMaxNamed); ++i)
-        text += concat(i == 0 ? "" : ", ", dropped[i]);
-    return text + (dropped.size() > kMaxNamed ? ", ...)" : ")");
+    return concat("dropped ", dropped.size(),
+                  isOne ? " unused vertex (vertex " : " unused vertices (vertices ",
+                  listed(dropped), ")");
 }
 
 }  // namespace

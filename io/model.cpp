@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/meshes/gmsh.h>
@@ -14,45 +15,87 @@
 #include <espalier/io/vtk/vtk_legacy.h>
 #include <espalier/io/vtk/vtu.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "models/model_conversion.h"
+#include "models/surface_writers.h"
+#include "vtk/vtk_surface_writers.h"
+
 namespace espalier::io {
 namespace {
 
+using Normals = SurfaceFormat::Normals;
+
 struct ModelFormat {
-    std::string_view extension;  ///< or the name of the file
+    SurfaceFormat surfaces;  ///< has no function write for the meshes of volumes
     ModelReader read;
+
+    std::string_view extension() const { return surfaces.extension; }
 };
 
 /// Returns all formats, with the formats of optional components.
 std::vector<ModelFormat>& modelFormats() {
     static std::vector<ModelFormat> formats = {
-        {".obj", readObj},           {".ply", readPly},         {".stl", readStl},
-        {".vtu", readVtuModel},      {".vtp", readVtpModel},    {".vtk", readVtkLegacyModel},
-        {".su2", readSu2Model},      {".msh", readGmshModel},   {".mesh", readMeditModel},
-        {".xyz", readPlot3dModel},   {".p3d", readPlot3dModel}, {".fmt", readPlot3dModel},
-        {kFoamPoints, readFoamModel}};
+        {{".obj", Normals::Corners, writeObjSurface}, readObj},
+        {{".ply", Normals::Points, writePlySurface}, readPly},
+        {{".stl", Normals::Facets, writeStlSurface}, readStl},
+        {{".vtu", Normals::Points, writeVtuSurface}, readVtuModel},
+        {{".vtp", Normals::Points, writeVtpSurface}, readVtpModel},
+        {{".vtk", Normals::Points, writeVtkLegacySurface}, readVtkLegacyModel},
+        {{".su2", Normals::Points, nullptr}, readSu2Model},
+        {{".msh", Normals::Points, nullptr}, readGmshModel},
+        {{".mesh", Normals::Points, nullptr}, readMeditModel},
+        {{".xyz", Normals::Points, nullptr}, readPlot3dModel},
+        {{".p3d", Normals::Points, nullptr}, readPlot3dModel},
+        {{".fmt", Normals::Points, nullptr}, readPlot3dModel},
+        {{kFoamPoints, Normals::Points, nullptr}, readFoamModel}};
     return formats;
 }
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
     for (const ModelFormat& format : modelFormats())
-        if (format.extension == extension || (format.read == readFoamModel && isFoamPath(path)))
+        if (format.extension() == extension || (format.read == readFoamModel && isFoamPath(path)))
             return &format;
     return nullptr;
 }
 
-const ModelFormat& requireFormat(const std::filesystem::path& path) {
-    if (const ModelFormat* format = findModelFormat(path)) return *format;
+/// Returns the extensions of all formats but OpenFOAM's.
+std::string knownExtensions() {
     std::string known;
     for (const ModelFormat& format : modelFormats())
         if (format.read != readFoamModel)
-            known.append(known.empty() ? "" : ", ").append(format.extension);
-    throw FileError(path,
-                    "is not of a known model format; expected " + known + " or an OpenFOAM case");
+            known.append(known.empty() ? "" : ", ").append(format.extension());
+    return known;
+}
+
+/// Returns the format to which a model is converted if it is written to `path`; null if it is
+/// written in its own.
+/// \throws FileError if no model can be converted to this format
+const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::path& path) {
+    const ModelFormat* format = findModelFormat(path);
+    if (!format || format->extension() == model.extension()) return nullptr;
+    if (!format->surfaces.write)
+        throw FileError(
+            path,
+            concat("a model that was read as ", model.extension(), " cannot be written as ",
+                   format->extension(),
+                   ", because this is a format of meshes with cells, and only ",
+                   "the coordinates of such a mesh can be replaced; name the output ",
+                   shownPath(std::filesystem::path(path).replace_extension(model.extension()))));
+    return &format->surfaces;
+}
+
+const ModelFormat& requireFormat(const std::filesystem::path& path) {
+    if (const ModelFormat* format = findModelFormat(path)) return *format;
+    const std::string known = knownExtensions() + " or an OpenFOAM case";
+    constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
+    if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
+        throw FileError(path, "lists other files; name one of these files (" + known + ")");
+    throw FileError(path, "is not of a known model format; expected " + known);
 }
 
 /// Throws unless there is one set of finite numbers per point.
@@ -78,51 +121,61 @@ std::filesystem::path modelTarget(const std::filesystem::path& path) {
     return foamTargetOf(path);
 }
 
-void Model::checkTarget(const std::filesystem::path& path) const {
-    // A new name without an extension may be meant as the folder of a case.
-    std::error_code ignored;
-    const bool isDevice = std::filesystem::exists(path, ignored) &&
-                          !std::filesystem::is_regular_file(path, ignored) &&
-                          !std::filesystem::is_directory(path, ignored);
-    if (extension() == kFoamPoints && path.filename() != kFoamPoints && !isDevice)
-        throw FileError(
-            path,
-            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
-            "or into a folder with a copy of the case (cp -r CASE COPY)");
-    const ModelFormat* format = findModelFormat(path);
-    if (format && format->extension != extension())
-        throw FileError(
-            path, concat("a model that was read as ", extension(), " can only be written as ",
-                         extension(),
-                         ", because everything but its coordinates is copied from "
-                         "its file; name the output ",
-                         shownPath(std::filesystem::path(path).replace_extension(extension())),
-                         ", or convert the model to ", format->extension, " first"));
+void ModelSurface::addOther(const std::string& kind, const std::string& name) {
+    auto other = std::ranges::find(others, kind, &OtherData::kind);
+    if (other == others.end()) other = others.insert(others.end(), {kind, {}});
+    if (!name.empty() && std::ranges::count(other->names, name) == 0) other->names.push_back(name);
+}
+
+std::string Model::checkTarget(const std::filesystem::path& path) const {
+    if (const SurfaceFormat* surfaces = conversionFor(*this, path))
+        return ModelConversion(*this, *surfaces, path).losses();
+    if (extension() == kFoamPoints) {
+        // A new name without an extension may be meant as the folder of a case.
+        std::error_code ignored;
+        const bool isDevice = std::filesystem::exists(path, ignored) &&
+                              !std::filesystem::is_regular_file(path, ignored) &&
+                              !std::filesystem::is_directory(path, ignored);
+        if (path.filename() != kFoamPoints && !isDevice)
+            throw FileError(
+                path,
+                "the points of an OpenFOAM mesh are written to a file of the name 'points', "
+                "or into a folder with a copy of the case (cp -r CASE COPY)");
+        return {};
+    }
+    if (!findModelFormat(path) && path.has_extension())
+        return concat(shownPath(path), ": is written as ", extension(),
+                      ", the format of the model, because ", printable(path.extension().string()),
+                      " is no known model format; known are ", knownExtensions());
+    return {};
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
     const std::filesystem::path target = modelTarget(path);
-    check(target, moved);
-    writeChecked(target, moved, {});
+    checkAll(moved, positions().size(), "positions", "new position");
+    writeInFormat(target, moved, {});
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved,
                   std::span<const DeformationGradient> gradients) const {
     const std::filesystem::path target = modelTarget(path);
-    check(target, moved);
+    checkAll(moved, positions().size(), "positions", "new position");
     checkAll(gradients, positions().size(), "gradients", "gradient");
-    writeChecked(target, moved, gradients);
+    writeInFormat(target, moved, gradients);
 }
 
-void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
-    checkTarget(path);
-    checkAll(moved, positions().size(), "positions", "new position");
+void Model::writeInFormat(const std::filesystem::path& path, std::span<const Point3> moved,
+                          std::span<const DeformationGradient> gradients) const {
+    if (const SurfaceFormat* surfaces = conversionFor(*this, path))
+        return ModelConversion(*this, *surfaces, path).write(moved, gradients);
+    if (extension() == kFoamPoints) checkTarget(path);
+    writeChecked(path, moved, gradients);
 }
 
 void addModelFormat(std::string_view extension, ModelReader read) {
     for (const ModelFormat& format : modelFormats())
-        if (format.extension == extension) return;
-    modelFormats().push_back({extension, read});
+        if (format.extension() == extension) return;
+    modelFormats().push_back({{extension, Normals::Points, nullptr}, read});
 }
 
 bool isModelFile(const std::filesystem::path& path) {

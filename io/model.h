@@ -45,15 +45,58 @@ struct ModelVolume {
     Index curvedCells = 0;
 };
 
+/// The surface of a model without its points, and the names of all other data in its file.
+struct ModelSurface {
+    /// Data that are neither points, faces nor normals.
+    struct OtherData {
+        std::string kind;                ///< plural: "texture coordinates", "point data"
+        std::vector<std::string> names;  ///< names of its parts, if the file has names for them
+    };
+
+    ModelFaces faces;
+
+    /// Normals. Empty if the file has none, or if some corner of a face has none.
+    std::vector<Point3> normals;
+
+    /// Per corner of the faces: the number of its normal. Empty if the normals are one per point.
+    std::vector<Index> normalCorners;
+
+    /// True if each point in no face repeats a point of a face, as in an STL.
+    bool repeatsPoints = false;
+
+    std::vector<OtherData> others;
+
+    /// Names of shapes in the file that faces cannot describe: "27 cells of VTK's type 12
+    /// (hexahedron)".
+    std::vector<std::string> otherShapes;
+
+    /// Adds a kind of data, and the name of a part of it, if it is not empty. Each kind is listed
+    /// once.
+    void addOther(const std::string& kind, const std::string& name = {});
+};
+
 /// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
 enum class CoordinateStorage { Text, Float, Double, Integer };
 
 /// A file with points that a lattice deforms. write() copies the file with new coordinates and
 /// keeps all other bytes as they were read. If no point has moved, the copy is identical.
 ///
+/// write() to a file with the extension of another model format converts the model: it writes the
+/// points, the faces and, where both formats have them, the normals of the points or corners.
+/// checkTarget() tells what the new file lacks.
+///
+///     .obj               faces of any size; normals per corner
+///     .ply               ASCII, coordinates of type double; normals per point
+///     .vtp, .vtu, .vtk   polygons, coordinates of type double; normals per point
+///     .stl               binary, coordinates rounded to floats; faces are split into triangles,
+///                        the same for all positions
+///
+/// The points keep their numbers, except that equal corners of an STL become one point. A model
+/// with shapes that faces cannot describe, such as the cells of a volume, is not converted.
+///
 /// Directions at the points, that is normals and tangents, are kept as well, unless write() is
-/// given a deformation gradient per point. The headers obj.h, ply.h and vtu.h (readVtuModel) say
-/// which numbers of a file are directions.
+/// given a deformation gradient per point. The headers obj.h, ply.h, vtu.h (readVtuModel) and
+/// vtk_legacy.h (readVtkLegacyModel) say which numbers of a file are directions.
 ///
 /// Models are immutable, and so safe to share between threads.
 class ESPALIER_API Model {
@@ -65,15 +108,15 @@ public:
     /// The points in the order of the file; all are finite.
     virtual std::span<const Point3> positions() const = 0;
 
-    /// Reads the faces from the file, which the model keeps; the result is not stored, so that a
-    /// model whose faces nobody asks for costs no memory for them.
+    /// Reads the surface from the file, which the model keeps; the result is not stored, so that a
+    /// model whose surface nobody asks for costs no memory for it.
     ///
     /// The headers of the formats say what a face is. In an STL, corners at equal places are one
     /// point: the first of them.
     ///
     /// \throws FileError if a face is malformed, or names a point that does not exist
     /// \cost one pass over the file; O(n log n) for an STL
-    virtual ModelFaces readFaces() const = 0;
+    virtual ModelSurface readSurface() const = 0;
 
     /// Reads the cells of the volume from the file, or from the files beside it. The result is not
     /// stored. It has no cells if the format or the file has none.
@@ -90,7 +133,7 @@ public:
     virtual CoordinateStorage storage() const = 0;
 
     /// Extension of the format, in lower case: ".obj"; "points" for OpenFOAM, whose file has this
-    /// name. A model is written in the format from which it was read.
+    /// name.
     virtual std::string_view extension() const = 0;
 
     /// Returns true if the file has directions that write() can carry by gradients. The normals of
@@ -98,13 +141,21 @@ public:
     virtual bool hasDirections() const = 0;
 
     /// Checks a name for write(), after modelTarget(), without touching the file, so that a wrong
-    /// name is refused before long work. An extension that belongs to no model format is accepted
-    /// ("/dev/stdout").
+    /// name is refused before long work.
     ///
-    /// \throws FileError if `path` has the extension of another model format
-    void checkTarget(const std::filesystem::path& path) const;
+    /// \return one line for the user, or nothing. It names the data of the model that a file in
+    ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
+    ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
+    ///         that the model is written in its own format. A name without extension
+    ///         ("/dev/stdout") means the same, without a word
+    /// \throws FileError if `path` has the extension of another model format to which this model
+    ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
+    ///         another name
+    /// \cost that of readSurface(), if the format is another one
+    std::string checkTarget(const std::filesystem::path& path) const;
 
-    /// Writes the model with new positions, one per point.
+    /// Writes the model with new positions, one per point, in its own format or in the one that the
+    /// extension of `path` names.
     ///
     /// A format with single-precision numbers rounds them. An existing file is replaced when all is
     /// written (see writeFile).
@@ -127,8 +178,10 @@ protected:
     Model() = default;
 
 private:
-    void check(const std::filesystem::path& path, std::span<const Point3> positions) const;
+    void writeInFormat(const std::filesystem::path& path, std::span<const Point3> positions,
+                       std::span<const DeformationGradient> gradients) const;
 
+    /// Writes the model in its own format.
     /// \param gradients one per point; or empty, and the directions stay
     virtual void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                               std::span<const DeformationGradient> gradients) const = 0;

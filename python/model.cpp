@@ -3,8 +3,6 @@
 #include <espalier/io/files/file.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <array>
-#include <charconv>
 #include <filesystem>
 #include <utility>
 
@@ -25,22 +23,6 @@ std::vector<Point3> pointsOf(const ModelFile& file) {
     return {points.begin(), points.end()};
 }
 
-ModelFile modelOfPoints(std::span<const Point3> points) {
-    std::string bytes;
-    std::array<char, 32> digits{};  // a double takes at most 24
-    for (const Point3& point : points) {
-        bytes += 'v';
-        for (const double coordinate : point) {
-            const auto end =
-                std::to_chars(digits.data(), digits.data() + digits.size(), coordinate);
-            bytes += ' ';
-            bytes.append(digits.data(), end.ptr);
-        }
-        bytes += '\n';
-    }
-    return modelOfBytes("points.obj", std::move(bytes));
-}
-
 namespace {
 
 /// Converts the name as os.fsdecode() does: bytes that are not UTF-8 become surrogates.
@@ -56,7 +38,7 @@ py::str nameOf(const ModelFile& file) {
 void addModel(py::module_& module) {
     py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
 A model to deform: a file that contains points. Writing it with other points keeps everything else
-byte for byte. Made by read_model().
+byte for byte, unless it is written in another format. Made by read_model().
 )")
         .def_property_readonly(
             "positions",
@@ -73,10 +55,14 @@ byte for byte. Made by read_model().
                const ArrayLike& positions) {
                 const auto points =
                     toPoints(positions, "positions", self.model->positions().size());
+                warn(withoutGil([&] { return self.model->checkTarget(path); }));
                 withoutGil([&] { self.model->write(path, points); });
             },
-            "path"_a, "positions"_a,
-            "Writes the model with these points, array (N, 3), in the format that it was read in.")
+            "path"_a, "positions"_a, R"(
+Writes the model with these points, array (N, 3). The extension of the path names the format: that of
+the model, which keeps everything but the points, or another model format, which gets the points, the
+faces and the normals. Data that the other format has no place for are named by a UserWarning.
+)")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")
                 .format(printable(self.name), self.model->positions().size());

@@ -71,12 +71,13 @@ std::string indexed(const std::string& field, std::size_t index) {
     return name;
 }
 
-void requireInterval(const std::string& shape, std::size_t index, double min, double max) {
-    requireFinite(shape, indexed("min", index), min);
-    requireFinite(shape, indexed("max", index), max);
+void requireInterval(const std::string& shape, const std::string& minField, double min,
+                     const std::string& maxField, double max) {
+    requireFinite(shape, minField, min);
+    requireFinite(shape, maxField, max);
     if (!(max > min))
-        refuseField(shape, indexed("max", index), textOf(max),
-                    "numbers above " + indexed("min", index) + ", which is " + textOf(min));
+        refuseField(shape, maxField, textOf(max),
+                    "numbers above " + minField + ", which is " + textOf(min));
 }
 
 void requireCountable(const std::string& shape, std::initializer_list<Offset> factors) {

@@ -32,8 +32,9 @@ Point3 unitVector(const std::string& shape, const std::string& field, const Poin
 /// Returns "field[index]", the name of a list entry in messages.
 std::string indexed(const std::string& field, std::size_t index);
 
-/// Throws unless min[index] and max[index] are finite and in this order.
-void requireInterval(const std::string& shape, std::size_t index, double min, double max);
+/// Throws unless the two ends of an interval are finite and in this order.
+void requireInterval(const std::string& shape, const std::string& minField, double min,
+                     const std::string& maxField, double max);
 
 /// Throws if the product of the factors (each above 0) is too large for an Index. It is the number
 /// of entities, or of entries in their loops; call this before allocating memory for them.

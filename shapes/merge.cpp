@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
@@ -229,7 +230,7 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
     for (const Lattice& lattice : lattices)
         points.insert(points.end(), lattice.positions.begin(), lattice.positions.end());
     requireCountable("merge", {static_cast<Offset>(points.size())});
-    const double distance = options.tolerance * diagonal(points);
+    const double distance = options.tolerance * BoundingBox(points).diagonal();
     Welding welding = weld(points, distance);
 
     Lattice result;

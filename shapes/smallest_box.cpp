@@ -92,8 +92,9 @@ Point2 smallestRectangle(const std::vector<Point2>& hull, double padding) {
     return best;
 }
 
-double paddedVolume(const Extents& extents, double padding) {
-    return (extents.size(0) + padding) * (extents.size(1) + padding) * (extents.size(2) + padding);
+double paddedVolume(const BoundingBox& box, double padding) {
+    const Point3 size = box.size();
+    return (size[0] + padding) * (size[1] + padding) * (size[2] + padding);
 }
 
 /// Turns a box about its axes, by the smallest rectangles, until its volume no longer decreases.
@@ -105,14 +106,14 @@ struct Search {
 
     void start(const Axes& from) {
         Axes current = from;
-        double smallest = paddedVolume(extentsAlong(current, points), padding);
+        double smallest = paddedVolume(boxAlong(current, points), padding);
         take(current, smallest);
         // Each turn makes the box smaller; the limit is for turns that gain almost nothing.
         constexpr int kMaxTurns = 60;
         int withoutGain = 0;
         for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
             turnAbout(current, static_cast<std::size_t>(turns % 3));
-            const double next = paddedVolume(extentsAlong(current, points), padding);
+            const double next = paddedVolume(boxAlong(current, points), padding);
             withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
             smallest = next;
             take(current, next);
@@ -203,16 +204,11 @@ Axes axesAlong(const Point3& direction) {
     return {first, cross(direction, first), direction};
 }
 
-Extents extentsAlong(const Axes& axes, std::span<const Point3> points) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Extents extents = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+BoundingBox boxAlong(const Axes& axes, std::span<const Point3> points) {
+    BoundingBox box;
     for (const Point3& point : points)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double place = dot(point, axes[axis]);
-            extents.min[axis] = std::min(extents.min[axis], place);
-            extents.max[axis] = std::max(extents.max[axis], place);
-        }
-    return extents;
+        box.include({dot(point, axes[0]), dot(point, axes[1]), dot(point, axes[2])});
+    return box;
 }
 
 Axes smallestBox(std::span<const Point3> points, double padding) {

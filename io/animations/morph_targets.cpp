@@ -11,6 +11,7 @@
 #include <string>
 
 #include "../files/bytes.h"
+#include "../models/triangulation.h"
 #include "morph_targets.h"
 
 namespace espalier::io {
@@ -19,14 +20,16 @@ namespace {
 // Constants of the specification of glTF 2.0.
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
-/// Splits faces into triangles around their first corners. Faces of two corners or one are left
-/// out.
-std::vector<std::uint32_t> trianglesOf(const ModelFaces& faces) {
+/// Splits faces into triangles at rest. Faces of two corners or one are left out.
+std::vector<std::uint32_t> trianglesOf(const ModelFaces& faces, std::span<const Point3> rest) {
     std::vector<std::uint32_t> corners;
+    std::vector<Point3> polygon;
     for (std::size_t face = 0; face < faces.count(); ++face) {
         const auto loop = faces[face];
-        for (std::size_t i = 2; i < loop.size(); ++i)
-            for (const std::size_t corner : {std::size_t{0}, i - 1, i})
+        polygon.clear();
+        for (const Index point : loop) polygon.push_back(rest[point]);
+        for (const auto& triangle : triangulated(polygon))
+            for (const std::size_t corner : triangle)
                 corners.push_back(static_cast<std::uint32_t>(loop[corner]));
     }
     return corners;
@@ -87,7 +90,8 @@ private:
 
 void writeMorphTargets(const std::filesystem::path& path, const Model& model,
                        const Animation& animation) {
-    const std::vector<std::uint32_t> corners = trianglesOf(model.readFaces());
+    const std::vector<std::uint32_t> corners =
+        trianglesOf(model.readSurface().faces, model.positions());
     if (corners.empty())
         throw FileError(path, "cannot be written: the model has no faces, and glTF holds faces");
     const std::size_t pointCount = model.positions().size();

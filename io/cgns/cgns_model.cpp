@@ -410,10 +410,10 @@ public:
         return CoordinateStorage::Double;
     }
 
-    ModelFaces readFaces() const override {
+    ModelSurface readSurface() const override {
         SurfaceFaces surface;
         visitCells(surface);
-        return std::move(surface.faces);
+        return surface.take();
     }
 
     ModelVolume readVolume() const override {

@@ -32,10 +32,10 @@ public:
         return points_.order ? storageOf(points_.precision) : CoordinateStorage::Text;
     }
 
-    ModelFaces readFaces() const override {
+    ModelSurface readSurface() const override {
         SurfaceFaces surface;
         readCells(surface);
-        return std::move(surface.faces);
+        return surface.take();
     }
 
     ModelVolume readVolume() const override {

@@ -129,11 +129,18 @@ void TextChanges::apply(TextPatch& patch, std::size_t point) const {
     }
 }
 
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes) {
-    const TextChanges points(text, changes);
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
+                  VectorOrder order) {
     TextPatch patch(out, text);
-    for (std::size_t point = 0; point < changes.front().places.size(); ++point)
-        points.apply(patch, point);
+    const auto apply = [&](std::span<const VectorChange> together) {
+        const TextChanges points(text, together);
+        for (std::size_t point = 0; point < together.front().places.size(); ++point)
+            points.apply(patch, point);
+    };
+    if (order == VectorOrder::PointAfterPoint)
+        apply(changes);
+    else
+        for (const VectorChange& change : changes) apply({&change, 1});
     patch.finish();
 }
 

@@ -103,9 +103,16 @@ private:
     std::vector<Number> numbers_;  ///< the numbers of one point, in the order of the file
 };
 
+/// The order in which a text has the vectors of several changes.
+enum class VectorOrder {
+    PointAfterPoint,  ///< all vectors of a point before those of the next, as for TextChanges
+    OneAfterTheOther  ///< the vectors of the first change at all points, then of the second, ...
+};
+
 /// Writes `text` with all changes.
-/// \param changes at least one, as for TextChanges
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
+/// \param changes at least one
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
+                  VectorOrder order = VectorOrder::PointAfterPoint);
 
 /// Writes `text` with the changes of one vector per point, whose numbers may be in any order in the
 /// text.

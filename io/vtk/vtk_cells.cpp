@@ -52,6 +52,26 @@ bool isCurved(std::int64_t type) {
     return std::ranges::count(kCurved, type) > 0;
 }
 
+/// Returns " (tetrahedron)" and the like for cells of a volume that are not curved; else nothing.
+const char* nameOfType(std::int64_t type) {
+    switch (type) {
+        case 10:
+            return " (tetrahedron)";
+        case kVtkVoxel:
+            return " (voxel)";
+        case 12:
+            return " (hexahedron)";
+        case 13:
+            return " (wedge)";
+        case 14:
+            return " (pyramid)";
+        case kVtkPolyhedron:
+            return " (polyhedron)";
+        default:
+            return "";
+    }
+}
+
 }  // namespace
 
 std::optional<int> lowDimensionOf(std::int64_t type) {
@@ -70,7 +90,10 @@ void VtkFaceReader::beginPiece(std::size_t firstPoint, std::size_t pointCount) {
 
 void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points) {
     constexpr std::int64_t kPixel = 8;
-    if (type < 5 || type > 9) return;
+    if (type < 5 || type > 9) {
+        ++otherCells_[type];
+        return;
+    }
     std::vector<Index> corners;
     for (const std::int64_t point : points) {
         if (point < 0 || static_cast<std::uint64_t>(point) >= pointCount_)
@@ -92,6 +115,19 @@ void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points)
     if (type == kPixel && corners.size() == 4) std::swap(corners[2], corners[3]);
     faces_.corners.insert(faces_.corners.end(), corners.begin(), corners.end());
     faces_.endFace();
+}
+
+void VtkFaceReader::giveTo(ModelSurface& surface) {
+    constexpr std::int64_t kEmptyCell = 0;
+    surface.faces = std::move(faces_);
+    for (const auto& [type, count] : otherCells_) {
+        const auto dimension = lowDimensionOf(type);
+        if (dimension == 0 || dimension == 1)
+            surface.addOther(dimension == 0 ? "vertex cells" : "lines");
+        else if (type != kEmptyCell)
+            surface.otherShapes.push_back(concat(count, count == 1 ? " cell" : " cells",
+                                                 " of VTK's type ", type, nameOfType(type)));
+    }
 }
 
 void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -25,11 +26,13 @@ inline constexpr std::int64_t kVtkPolyhedron = 42;
 /// all other types.
 std::optional<int> lowDimensionOf(std::int64_t type);
 
+inline constexpr std::int64_t kVtkVertices = 2;
+inline constexpr std::int64_t kVtkLine = 4;
 inline constexpr std::int64_t kVtkStrip = 6;
 inline constexpr std::int64_t kVtkPolygon = 7;
 
 /// Collects the faces of a model from cells of the types 5 (triangle), 6 (strip of triangles), 7
-/// (polygon), 8 (pixel) and 9 (quadrilateral). Cells of other types have no faces.
+/// (polygon), 8 (pixel) and 9 (quadrilateral). Cells of other types have no faces, and are counted.
 class VtkFaceReader {
 public:
     explicit VtkFaceReader(std::filesystem::path path) : path_(std::move(path)) {}
@@ -40,13 +43,15 @@ public:
     /// \throws FileError if the cell is a face and names a point that the piece does not have
     void add(std::int64_t type, std::span<const std::int64_t> points);
 
-    ModelFaces take() { return std::move(faces_); }
+    /// Moves the faces to a surface, and names the other cells there.
+    void giveTo(ModelSurface& surface);
 
 private:
     std::filesystem::path path_;
     std::size_t firstPoint_ = 0;
     std::size_t pointCount_ = 0;
     ModelFaces faces_;
+    std::map<std::int64_t, std::size_t> otherCells_;  ///< number of other cells of each type
 };
 
 /// Reads cells of the types 10 (tetrahedron), 11 (voxel), 12 (hexahedron), 13 (wedge), 14 (pyramid)

@@ -19,6 +19,9 @@ _Sparse = Any  # a sparse matrix of SciPy, which has no types of its own
 _TableLike = StencilTable | Binding | _Sparse
 _Rules = Literal["siggraph96", "cse96", "mlca", "rats"]
 _Boundary = Literal["sharp", "edge-only", "open"]
+_FaceVarying = Literal[
+    "none", "corners-only", "corners-plus1", "corners-plus2", "boundaries", "all"
+]
 _Outside = Literal["keep", "nearest", "error"]
 
 class Lattice:
@@ -40,6 +43,8 @@ class Lattice:
         vertex_sharpness: Mapping[int, float] = ...,
         holes: ArrayLike | None = None,
         attributes: Mapping[str, ArrayLike] = ...,
+        texture_coordinates: ArrayLike | None = None,
+        texture_corners: ArrayLike | Sequence[ArrayLike] | None = None,
     ) -> Lattice: ...
     @staticmethod
     def curve(
@@ -75,6 +80,10 @@ class Lattice:
     def integers(self) -> dict[str, NDArray[Any]]: ...
     @property
     def tags(self) -> dict[str, str]: ...
+    @property
+    def texture_coordinates(self) -> _Floats: ...
+    @property
+    def texture_corners(self) -> list[list[int]]: ...
     def with_positions(self, positions: ArrayLike) -> Lattice: ...
     def with_marks(
         self,
@@ -99,6 +108,7 @@ class Refiner:
         sharp_edges: Literal["single-cell", "literal"] = "single-cell",
         creasing: Literal["uniform", "chaikin"] | None = None,
         triangles: Literal["catmark", "smooth"] | None = None,
+        face_varying: _FaceVarying | None = None,
     ) -> None: ...
     @property
     def lattice(self) -> Lattice: ...

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cages/cage_surface.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/shapes/refiner_options.h>
@@ -81,17 +82,13 @@ TEST(CageSurface, hullsHoldTheNextLevel) {
 
 /// Points at random in the box around a lattice, for models of one point each.
 std::vector<Point3> randomPoints(const Lattice& lattice, int count) {
-    Point3 low = lattice.positions.front(), high = low;
-    for (const Point3& p : lattice.positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], p[axis]);
-            high[axis] = std::max(high[axis], p[axis]);
-        }
+    const BoundingBox bounds(lattice.positions);
     std::mt19937 random(5);
     std::vector<Point3> points(count);
     for (Point3& p : points)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            p[axis] = std::uniform_real_distribution<double>(low[axis], high[axis])(random);
+            p[axis] =
+                std::uniform_real_distribution<double>(bounds.min[axis], bounds.max[axis])(random);
     return points;
 }
 

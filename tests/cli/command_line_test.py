@@ -218,6 +218,15 @@ class Completion(CliTest):
         self.assertNotIn("mlca", self.complete("compare", "--rules", ""))
         self.assertEqual(self.complete("--completion", ""), ["bash", "zsh"])
 
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_zsh_finds_the_script(self):
+        # compinit reads the first lines of the scripts in $fpath.
+        script = r"""fpath=($1 $fpath); autoload -Uz compinit; compinit -u -d $2/dump
+                     print -r -- ${_comps[espalier]}; autoload +X -Uz _espalier"""
+        result = subprocess.run(["zsh", "-f", "-c", script, "zsh", COMPLETIONS, self.path],
+                                text=True, capture_output=True, timeout=60, check=False)
+        self.assertEqual((result.stdout, result.stderr), ("_espalier\n", ""))
+
     def test_names_of_files_are_left_to_the_shell(self):
         for words in (["deform", ""], ["deform", "m.obj", "--rest", ""], ["info", "sha"]):
             self.assertEqual(self.complete(*words), [])

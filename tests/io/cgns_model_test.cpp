@@ -141,7 +141,7 @@ TEST(CgnsModel, HasTheCellsAndFacesOfAllZones) {
         EXPECT_EQ(volume.mesh.kind(4), std::nullopt);
         EXPECT_EQ(volume.mesh.faces(4).size(), 4u);
         EXPECT_EQ(volume.mesh.internalFaceCount(), 1);  // In the grid.
-        const ModelFaces faces = model->readFaces();
+        const ModelFaces faces = model->readSurface().faces;
         ASSERT_EQ(faces.count(), 1u);
         EXPECT_THAT(faces[0], ElementsAre(12, 14, 13));
     }
@@ -159,7 +159,7 @@ TEST(CgnsModel, PlanesHaveNoZ) {
         file.coordinates<double>(zone, "CoordinateY", {0, 0, 1, 1});
     }
     const auto model = readCgnsModel("a.cgns", readFile(folder / "a.cgns"));
-    EXPECT_EQ(model->readFaces().count(), 1u);
+    EXPECT_EQ(model->readSurface().faces.count(), 1u);
     EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
     auto moved = copyOf(model->positions());
     moved[3] = {2, 2, 0};

@@ -13,7 +13,7 @@ TEST(Medit, MeshesOfTwoDimensionsHaveNoZ) {
         "MeshVersionFormatted 1\nDimension 2\nVertices\n4\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
         "Quadrilaterals 1\n1 2 3 4 0\nEnd\n";
     const auto model = readMeditModel("a.mesh", text);
-    EXPECT_EQ(model->readFaces().count(), 1u);
+    EXPECT_EQ(model->readSurface().faces.count(), 1u);
     auto moved = copyOf(model->positions());
     moved[2][0] = 1.5;
     EXPECT_THAT(written(*model, moved), HasSubstr("1 0 1\n1.5 1 1\n"));

@@ -71,7 +71,7 @@ TEST(MeshModel, OnlyChangedCoordinatesAreReplaced) {
 
 TEST(MeshModel, HasTheFacesOfSurfaces) {
     for (const Sample& sample : samples()) {
-        const ModelFaces faces = readModel(sample.name, sample.bytes)->readFaces();
+        const ModelFaces faces = readModel(sample.name, sample.bytes)->readSurface().faces;
         std::set<std::vector<Index>> loops;
         for (std::size_t i = 0; i < faces.count(); ++i)
             loops.emplace(faces[i].begin(), faces[i].end());

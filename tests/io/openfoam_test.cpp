@@ -71,7 +71,7 @@ TEST(OpenFoam, TheVolumeIsBesideThePoints) {
             EXPECT_EQ(volume.mesh.kind(1), far::StandardCell::Pyramid);
             EXPECT_EQ(volume.mesh.kind(2), std::nullopt);
             EXPECT_EQ(volume.mesh.kind(3), far::StandardCell::Tetrahedron);
-            EXPECT_EQ(model->readFaces().count(), 15u);  // The boundary.
+            EXPECT_EQ(model->readSurface().faces.count(), 15u);  // The boundary.
             ReadNotes notes;
             const Lattice lattice = readLattice(path, &notes);
             EXPECT_EQ(lattice.complex.count(3), 4);
@@ -94,7 +94,7 @@ TEST(OpenFoam, AFolderOfATimeHasTheFacesOfItsCase) {
     // Points without a mesh are a model without cells.
     putFoam(folder / "alone/x", {{"points", points}});
     EXPECT_EQ(readModel(folder / "alone/x/points")->readVolume().mesh.cellCount(), 0);
-    EXPECT_EQ(readModel(folder / "alone/x/points")->readFaces().count(), 0u);
+    EXPECT_EQ(readModel(folder / "alone/x/points")->readSurface().faces.count(), 0u);
     EXPECT_REFUSED(FileError, "has no file 'faces' beside it, nor in constant/polyMesh of its case",
                    readLattice(folder / "alone/x/points"));
 }

@@ -48,7 +48,7 @@ TEST(Plot3d, TextIsReadAndWrittenInPlace) {
             "3\n3 3\n";
         EXPECT_EQ(written(*model, moved), expected);
         EXPECT_EQ(model->readVolume().mesh.cellCount(), 3);
-        EXPECT_EQ(model->readFaces().count(), 0u);
+        EXPECT_EQ(model->readSurface().faces.count(), 0u);
     }
 }
 
@@ -63,7 +63,7 @@ TEST(Plot3d, VariantsOfTextAreToldByTheirNumbers) {
     const auto plane = readModel("a.xyz", "2, 2\n0, 1.0D+00, 0 1.0d0\n0 0 1 1\n");
     EXPECT_THAT(copyOf(plane->positions()),
                 ElementsAre(Point3{0, 0, 0}, Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{1, 1, 0}));
-    EXPECT_EQ(plane->readFaces().count(), 1u);
+    EXPECT_EQ(plane->readSurface().faces.count(), 1u);
     auto moved = copyOf(plane->positions());
     moved[1] = {1.5, 0, 0};
     EXPECT_EQ(written(*plane, moved), "2, 2\n0, 1.5, 0 1.0d0\n0 0 1 1\n");
@@ -101,7 +101,7 @@ TEST(Plot3d, BinaryVariantsAreToldByTheirExtent) {
     const auto plane =
         readModel("a.p3d", binaryGrid<double>(std::endian::big, true, true, false, 2));
     EXPECT_EQ(plane->positions().size(), 6u);
-    EXPECT_EQ(plane->readFaces().count(), 2u);
+    EXPECT_EQ(plane->readSurface().faces.count(), 2u);
 }
 
 TEST(Plot3d, BlocksOfALatticeAreWelded) {

@@ -16,7 +16,7 @@ TEST(Su2, MeshesOfTwoDimensionsHaveNoZ) {
     const auto model = readSu2Model("a.su2", kPlane);
     EXPECT_EQ(model->positions().size(), 5u);
     EXPECT_EQ(model->positions()[4], (Point3{-1, 0.5, 0}));
-    EXPECT_EQ(model->readFaces().count(), 2u);
+    EXPECT_EQ(model->readSurface().faces.count(), 2u);
     EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
     auto moved = copyOf(model->positions());
     moved[4] = {-2, 0.25, 0};
@@ -55,7 +55,7 @@ TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
         return text.replace(text.find(before), before.size(), after);
     };
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readSu2Model("a.su2", bytes)->readFaces());
+        EXPECT_REFUSED(FileError, message, readSu2Model("a.su2", bytes)->readSurface().faces);
     };
     expectRefused("% nothing\n", "a.su2:1: the file ends; expected NPOIN=");
     expectRefused("NPOIN= 0\n", "a.su2:1: the points come before NDIME=");
