@@ -467,10 +467,11 @@ void addInfoCommand(CLI::App& program) {
                    runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     command.get_option("LATTICE")->description(
-        "A lattice (.ovm, .vtu or .vtk), a model (.obj, .ply, .stl, .vtu, .vtp or .vtk) or a bound "
-        "model (.espb). A .vtu or .vtk is a lattice if it has cells of a volume");
+        "A lattice: " + kLatticeFiles + "; a model: " + kModelFiles +
+        "; or a bound model: .espb. A file that may be either is a lattice if it has cells of a "
+        "volume");
     command.add_flag("--model", options.asModel,
-                     "Describe a .vtu or .vtk as a model, whatever cells it has");
+                     "Describe a file that may be either as a model, whatever cells it has");
     command.add_flag("--json", options.json, "Print JSON");
     command.add_flag("--smoothness", options.smoothness,
                      "Also print how smooth the limit is at each irregular vertex and edge: the "

@@ -18,21 +18,21 @@
 namespace espalier::io {
 namespace {
 
-enum class Format { Pc2, Mdd, Glb };
+enum class AnimationFormat { Pc2, Mdd, Glb };
 
-Format formatOf(const std::filesystem::path& path) {
+AnimationFormat animationFormatOf(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
-    if (extension == ".pc2") return Format::Pc2;
-    if (extension == ".mdd") return Format::Mdd;
-    if (extension == ".glb") return Format::Glb;
+    if (extension == ".pc2") return AnimationFormat::Pc2;
+    if (extension == ".mdd") return AnimationFormat::Mdd;
+    if (extension == ".glb") return AnimationFormat::Glb;
     throw FileError(path, "is not of a known format of animations; expected .pc2, .mdd or .glb");
 }
 
 /// Writes the header of a point cache. Returns the byte order of the format.
-std::endian writeHeader(std::ostream& out, Format format, std::int32_t pointCount,
+std::endian writeHeader(std::ostream& out, AnimationFormat format, std::int32_t pointCount,
                         const Animation& animation) {
     const auto frameCount = static_cast<std::int32_t>(animation.frameCount);
-    if (format == Format::Pc2) {
+    if (format == AnimationFormat::Pc2) {
         using namespace std::string_view_literals;
         ByteOutput bytes(out, std::endian::little);
         bytes.bytes("POINTCACHE2\0"sv);
@@ -73,7 +73,7 @@ bool isAnimationFile(const std::filesystem::path& path) {
 
 void writeAnimation(const std::filesystem::path& path, const Model& model,
                     const Animation& animation) {
-    const Format format = formatOf(path);
+    const AnimationFormat format = animationFormatOf(path);
     constexpr std::size_t kMaxCount = std::numeric_limits<std::int32_t>::max();
     const std::size_t pointCount = model.positions().size();
     if (animation.frameCount == 0 || animation.frameCount > kMaxCount || pointCount > kMaxCount)
@@ -81,7 +81,7 @@ void writeAnimation(const std::filesystem::path& path, const Model& model,
                            " points cannot be written; expected 1 to ", kMaxCount));
     if (!(animation.framesPerSecond > 0 && std::isfinite(animation.framesPerSecond)))
         throw Error("the number of frames per second is not a number above 0");
-    if (format == Format::Glb) return writeMorphTargets(path, model, animation);
+    if (format == AnimationFormat::Glb) return writeMorphTargets(path, model, animation);
     writeFile(path, [&](std::ostream& out) {
         const std::endian order =
             writeHeader(out, format, static_cast<std::int32_t>(pointCount), animation);

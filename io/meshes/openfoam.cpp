@@ -132,7 +132,7 @@ bool isFoamMarker(const Path& path) {
 }
 
 /// Returns the folder that a path means: the folder itself, or that of a file NAME.foam.
-std::optional<Path> folderOf(const Path& path) {
+std::optional<Path> caseFolderOf(const Path& path) {
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) return path;
     if (isFoamMarker(path)) return path.has_parent_path() ? path.parent_path() : Path(".");
@@ -142,11 +142,11 @@ std::optional<Path> folderOf(const Path& path) {
 }  // namespace
 
 bool isFoamPath(const Path& path) {
-    return path.filename() == kFoamPoints || folderOf(path);
+    return path.filename() == kFoamPoints || caseFolderOf(path);
 }
 
 std::filesystem::path foamPointsOf(const Path& path) {
-    const auto folder = folderOf(path);
+    const auto folder = caseFolderOf(path);
     if (!folder) return path;
     std::error_code ignored;
     const auto polyMesh = polyMeshOf(*folder);
@@ -160,7 +160,7 @@ std::filesystem::path foamPointsOf(const Path& path) {
 }
 
 std::filesystem::path foamTargetOf(const Path& path) {
-    const auto folder = folderOf(path);
+    const auto folder = caseFolderOf(path);
     if (!folder) return path;
     if (const auto polyMesh = polyMeshOf(*folder)) return *polyMesh / kFoamPoints;
     throw FileError(path,

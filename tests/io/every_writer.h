@@ -134,7 +134,7 @@ inline std::vector<Writer> everyWriter(int size) {
         io::readModel("a.obj", modelText(".obj", size) + facesOfObj(size));
     for (const std::string extension : kModelExtensions) {
         const std::shared_ptr<const io::Model> model =
-            io::readModel(name, modelText(extension, size));
+            io::readModel("a" + extension, modelText(extension, size));
         std::vector<Point3> moved(model->positions().begin(), model->positions().end());
         for (Point3& point : moved) point[2] += 0.5;
         writers.push_back({"m" + extension, [=](const auto& path) { model->write(path, moved); }});
