@@ -411,7 +411,8 @@ Interval Refinement::parentOf(Entity child) const {
 }
 
 std::optional<Entity> Refinement::childOf(const Interval& interval) const {
-    const auto& [lower, upper] = interval;
+    const Entity lower = interval.lower;
+    const Entity upper = interval.upper;
     if (lower.dimension > upper.dimension || upper.dimension > dimension_) return std::nullopt;
     const Family& family = families_[lower.dimension][upper.dimension];
     const auto row = parent_.relation(upper.dimension, lower.dimension)[upper.index];

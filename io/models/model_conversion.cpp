@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 #include <ostream>
-#include <ranges>
 #include <utility>
+#include <vector>
 
 #include "coordinates.h"
 #include "triangulation.h"
@@ -28,9 +28,9 @@ std::string listOfShapes(const std::vector<std::string>& shapes) {
 
 std::string nameOf(const ModelSurface::OtherData& other) {
     constexpr std::size_t kMaxNameBytes = 40;
-    const auto quoted = other.names | std::views::transform([](const std::string& name) {
-                            return concat("'", printable(name, kMaxNameBytes), "'");
-                        });
+    std::vector<std::string> quoted;
+    for (const std::string& name : other.names)
+        quoted.push_back(concat("'", printable(name, kMaxNameBytes), "'"));
     return concat(other.kind, other.names.empty() ? "" : " ", listed(quoted));
 }
 

@@ -140,10 +140,12 @@ def test_a_binding_without_a_model(tmp_path, binding, pose):
     without_model(path)
     loaded = espalier.load_binding(path)
     assert loaded.points is None
-    np.testing.assert_array_equal(loaded.deform(pose), binding.deform(pose))
+    # D · p' instead of x + D · (p' − p): both round sums of some 30 terms of about 3.
+    deformed = loaded.deform(pose)
+    np.testing.assert_allclose(deformed, binding.deform(pose), atol=1e-13)
     pickled = pickle.loads(pickle.dumps(loaded))
     assert pickled.points is None
-    np.testing.assert_array_equal(pickled.deform(pose), binding.deform(pose))
+    np.testing.assert_array_equal(pickled.deform(pose), deformed)
     loaded.save(copy)
     assert copy.read_bytes() == path.read_bytes()
 
