@@ -127,7 +127,8 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
     if (!name.empty() && std::ranges::count(other->names, name) == 0) other->names.push_back(name);
 }
 
-std::string Model::checkTarget(const std::filesystem::path& path) const {
+std::string Model::checkTarget(const std::filesystem::path& name) const {
+    const std::filesystem::path path = modelTarget(name);
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
         return ModelConversion(*this, *surfaces, path).losses();
     if (extension() == kFoamPoints) {

@@ -140,8 +140,8 @@ public:
     /// an STL do not count: they always follow the points.
     virtual bool hasDirections() const = 0;
 
-    /// Checks a name for write(), after modelTarget(), without touching the file, so that a wrong
-    /// name is refused before long work.
+    /// Checks a name for write() without touching the file, so that a wrong name is refused before
+    /// long work.
     ///
     /// \return one line for the user, or nothing. It names the data of the model that a file in
     ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12

@@ -106,12 +106,6 @@ double sampledDeterminant(StandardCell kind, const Positions& corners, int parts
     return least;
 }
 
-Positions shaken(Positions positions, double size, unsigned seed) {
-    const auto offsets = randomValues(3 * positions.size(), seed);
-    for (std::size_t i = 0; i < offsets.size(); ++i) positions[i / 3][i % 3] += size * offsets[i];
-    return positions;
-}
-
 // The reference samples the determinants of the textbook maps on a grid. Samples miss the smallest
 // value by less than the square of their distance times a second derivative below 100, so cells are
 // only compared with it if it is outside ±100 / 12² / 8.
@@ -124,7 +118,7 @@ TEST(MeshValidity, AgreesWithSampledDeterminants) {
         EXPECT_THAT(validity.badAtRest(), IsEmpty());
         int valid = 0, inverted = 0;
         for (unsigned seed = 0; seed < 60; ++seed) {
-            const Positions pose = shaken(rest, 0.25 + 0.02 * seed, seed);
+            const Positions pose = shaken(rest, seed, 0.25 + 0.02 * seed);
             const double least = sampledDeterminant(kind, pose, kParts);
             const bool isInverted = !validity.check(pose).inverted.empty();
             if (least <= 0 || least > kMiss) {
@@ -151,8 +145,8 @@ TEST(MeshValidity, AgreesWithSampledDeterminants) {
 // in (u, v); that of a wedge is linear over the triangle.
 TEST(MeshValidity, DeterminantsOfPyramidsAndWedgesAreSmallestAtCornersAndEdges) {
     for (unsigned seed = 0; seed < 20; ++seed) {
-        const Positions pyramid = shaken(unitCell(StandardCell::Pyramid), 0.5, seed);
-        const Positions wedge = shaken(unitCell(StandardCell::Wedge), 0.5, seed);
+        const Positions pyramid = shaken(unitCell(StandardCell::Pyramid), seed, 0.5);
+        const Positions wedge = shaken(unitCell(StandardCell::Wedge), seed, 0.5);
         const auto values = randomValues(3, seed);
         const double u = (1 + values[0]) / 2, v = (1 + values[1]) / 2, w = (1 + values[2]) / 4;
         const auto ofPyramid = [&](double a, double b) {
@@ -252,7 +246,7 @@ TEST(MeshValidity, PolyhedraAreSplitIntoTetrahedra) {
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     int inverted = 0;
     for (unsigned seed = 0; seed < 40; ++seed) {
-        const Positions pose = shaken(lattice.positions, 0.02 * seed, seed);
+        const Positions pose = shaken(lattice.positions, seed, 0.02 * seed);
         const double ratio = polyhedronRatio(mesh, 0, lattice.positions, pose);
         const PoseValidity found = validity.check(pose);
         // The floor, 1e-13, is relative to lengths: the tetrahedra have a tenth of their product.
@@ -324,7 +318,7 @@ TEST(MeshValidity, TheOrientationOfMostCellsOfAKindIsRight) {
 TEST(MeshValidity, DoesNotDependOnThreadsAndOnTheCellsBeside) {
     const Lattice box = shapes::box({.cells = {12, 12, 12}});
     const VolumeMesh mesh = volumeMeshOf(box.complex);
-    const Positions pose = shaken(box.positions, 0.06, 1);
+    const Positions pose = shaken(box.positions, 1, 0.06);
     const auto run = [&] {
         const ValidityCheck validity(mesh, box.positions);
         return std::tuple(validity.check(pose), validity.largestStep(pose));
