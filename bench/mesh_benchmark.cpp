@@ -94,8 +94,9 @@ void check(benchmark::State& state, Cells cells, bool isInverted) {
             timed(preparing, [&] { return solve::ValidityCheck(made.mesh, made.rest); });
         const auto found = timed(checking, [&] { return validity.check(pose); });
         const auto step = timed(stepping, [&] { return validity.largestStep(pose); });
-        const auto before = timed(measuring, [&] { return meshQuality(made.mesh, made.rest); });
-        const auto after = timed(measuring, [&] { return meshQuality(made.mesh, pose); });
+        const auto before =
+            timed(measuring, [&] { return solve::meshQuality(made.mesh, made.rest); });
+        const auto after = timed(measuring, [&] { return solve::meshQuality(made.mesh, pose); });
         benchmark::DoNotOptimize(after);
         if (!validity.badAtRest().empty() || before.nonPositiveVolumes > 0)
             state.SkipWithError("cells are bad at rest");

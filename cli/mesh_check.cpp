@@ -75,7 +75,10 @@ void addMeshOptions(CLI::App& command, MeshOptions& options) {
 
 MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model, Stages& stages)
     : path_(path), model_(model) {
-    volume_ = stages.run("reading cells", [&] { return model.readVolume(); });
+    volume_ = stages.run("reading", [&] {
+        stages.addBytes(0);  // The bytes of the file have been counted.
+        return model.readVolume();
+    });
     if (!hasCells()) return;
     stages.run("checking cells", [&] {
         const far::VolumeMesh& mesh = volume_.mesh;

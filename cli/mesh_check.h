@@ -39,7 +39,7 @@ struct MeshVerdict {
 /// The cells of a model, and its points at rest.
 class MeshCheck {
 public:
-    /// Reads the cells of a model in the stage "reading cells".
+    /// Reads the cells of a model in the stage "reading".
     /// \param path of the model, for messages
     MeshCheck(const std::filesystem::path& path, const io::Model& model, Stages& stages);
 

@@ -78,7 +78,7 @@ model : Model with cells of a volume, such as the mesh of an OpenFOAM case, or a
         .def(py::init([](std::shared_ptr<const ModelFile> model) {
                  return withoutGil([&] { return std::make_unique<MeshCheck>(std::move(model)); });
              }),
-             "model"_a)
+             "model"_a.none(false))
         .def_property_readonly(
             "cell_count", [](const MeshCheck& self) { return self.volume().mesh.cellCount(); },
             "Number of cells that are checked: int.")

@@ -411,17 +411,19 @@ def speed():
     animate(lattice)
     scene = bpy.context.scene
     scene.frame_set(1)
-    times = []
+    wall, cpu = [], []
     for repeat in range(3):
-        begin = time.perf_counter()
+        begin, used = time.perf_counter(), time.process_time()
         for frame in range(1, 25):
             scene.frame_set(frame)
-        times.append(24 / (time.perf_counter() - begin))
+        wall.append(24 / (time.perf_counter() - begin))
+        cpu.append(24 / (time.process_time() - used))
     moved = evaluated(model)
     check(np.abs(moved - np.asarray([v.co for v in model.data.shape_keys.key_blocks[0].data])).max() > 0.1,
           "the points move")
     (FOLDER / "speed.json").write_text(json.dumps({"points": len(model.data.vertices),
-                                                   "frames_per_second": max(times)}))
+                                                   "frames_per_second": max(wall),
+                                                   "frames_per_cpu_second": max(cpu)}))
 
 
 def render():
