@@ -29,6 +29,11 @@ std::vector<std::string> namesOf(const CLI::Option& option);
 ///         none, and the nearest name
 const CLI::App& findCommand(const CLI::App& program, std::span<const std::string> words);
 
+/// Writes the word -- behind the numbers of each option that takes several, so that the parser does
+/// not take the argument that follows them for one more: `--cells 4 MODEL`.
+/// \param command the command that the words name, as findCommand() returns it
+void endNumbers(const CLI::App& command, std::vector<std::string>& words);
+
 /// Returns a script by which a shell completes commands, options and the words that options take;
 /// names of files everywhere else.
 /// \param shell "bash", for a file that bash sources; or "zsh", for a file _espalier in its $fpath

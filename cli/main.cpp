@@ -164,6 +164,7 @@ int run(int argumentCount, char** arguments) {
             printError("expected a command, as listed above");
             return kUsage;
         }
+        endNumbers(command, words);
         std::ranges::reverse(words);  // as the parser takes them
         program.parse(std::move(words));
     } catch (const CLI::Success& helpOrVersion) {

@@ -109,7 +109,8 @@ std::optional<double> numberOf(const std::string& word) {
 }
 
 CLI::Option* takeNumbers(CLI::Option* option, const std::string& names) {
-    return option->delimiter(',')->check(isNumberOf(names))->type_name(names);
+    // The parser refuses too many numbers. The word -- ends them: see endNumbers().
+    return option->delimiter(',')->check(isNumberOf(names))->type_name(names)->allow_extra_args();
 }
 
 CLI::Validator isNumberOf(const std::string& names) {

@@ -95,6 +95,24 @@ class SeveralNumbers(CliTest):
                   ["--hold", -.1, -.1, -.1, .1, 1.1, 1.1, "--freeze", 1, 2],
                   ["--freeze", "1,2", "--hold", "-.1,-.1,-.1,.1,1.1,1.1"])
 
+    def test_an_argument_may_follow_numbers(self):
+        self.write_model([(.5, .5, .5), (.1, .2, .3), (.7, .2, .8)])
+        model = "model.obj"
+        self.same(["shape", "around", "ovm"], [model, "--cells", 2], ["--cells", 2, model],
+                  ["--cells=2", model], ["--cells", 2, "--", model])
+        self.same(["shape", "around", "ovm"], [model, "--cells", 1, 2, 3, "--margin", .5],
+                  ["--margin", .5, "--cells", 1, 2, 3, model], ["--cells", "1,2,3", model, "--margin", .5],
+                  ["--margin", .5, "--cells", 1, "2,3", model])
+        self.run_program("shape", "box", "-o", "rest.ovm")
+        self.same(["pose", "ovm"], ["rest.ovm", "--scale", 2, "--move", 1, 2, 3],
+                  ["--scale", 2, "rest.ovm", "--move", 1, 2, 3],
+                  ["--scale", 2, "--move", 1, 2, 3, "rest.ovm"])
+        self.same(["pose", "ovm"], ["rest.ovm", "--twist", "z", -9], ["--twist", "z", -9, "rest.ovm"])
+        self.same(["fit", "ovm"], [model, "--pull", .5, .5, .5, -.1, 0, 0, "--rest", "rest.ovm", "-n", 1],
+                  ["--rest", "rest.ovm", "-n", 1, "--pull", .5, .5, .5, "-.1,0,0", model])
+        self.assertIn("--move: expected the numbers X Y Z, with spaces or commas between, got rest.ovm",
+                      self.error_of("pose", "--move", 1, 2, "rest.ovm", "-o", "x.ovm", code=2))
+
     def test_wrong_numbers_are_named(self):
         names = "--min: expected the numbers X Y Z, with spaces or commas between, got"
         for numbers, message in [
