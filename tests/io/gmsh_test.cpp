@@ -2,16 +2,12 @@
 // mesh_model_test.cpp has the tests that all formats of meshes share.
 #include <espalier/io/meshes/gmsh.h>
 #include <io/mesh_samples.h>
+#include <io/replaced.h>
 
 #include "support/test.h"
 
 namespace espalier::io {
 namespace {
-
-std::string replaced(std::string text, const std::string& before, const std::string& after) {
-    EXPECT_NE(text.find(before), std::string::npos) << before;
-    return text.replace(text.find(before), before.size(), after);
-}
 
 TEST(Gmsh, QuadraticElementsAreCurved) {
     const std::string text =

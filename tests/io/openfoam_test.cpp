@@ -2,6 +2,7 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/meshes/openfoam.h>
 #include <io/mesh_samples.h>
+#include <io/replaced.h>
 
 #include "support/test.h"
 
@@ -9,11 +10,6 @@ namespace espalier::io {
 namespace {
 
 using Files = std::map<std::string, std::string>;
-
-std::string replaced(std::string text, const std::string& before, const std::string& after) {
-    EXPECT_NE(text.find(before), std::string::npos) << before;
-    return text.replace(text.find(before), before.size(), after);
-}
 
 TEST(OpenFoam, PointsAreAModelAsTextAndInBinary) {
     for (const bool isBinary : {false, true}) {

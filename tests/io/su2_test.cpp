@@ -55,7 +55,7 @@ TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
         return text.replace(text.find(before), before.size(), after);
     };
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readSu2Model("a.su2", bytes)->readSurface().faces);
+        EXPECT_REFUSED(FileError, message, readSu2Model("a.su2", bytes)->readSurface());
     };
     expectRefused("% nothing\n", "a.su2:1: the file ends; expected NPOIN=");
     expectRefused("NPOIN= 0\n", "a.su2:1: the points come before NDIME=");
