@@ -63,19 +63,38 @@ const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     return nullptr;
 }
 
-/// Returns the extensions of all formats but OpenFOAM's.
-std::string knownExtensions() {
+/// Returns the extensions of the formats to which models can be converted, or of all others but
+/// OpenFOAM's.
+std::string extensionsOf(bool areTargets) {
     std::string known;
     for (const ModelFormat& format : modelFormats())
-        if (format.read != readFoamModel)
+        if ((format.surfaces.write != nullptr) == areTargets && format.read != readFoamModel)
             known.append(known.empty() ? "" : ", ").append(format.extension());
     return known;
 }
 
+/// Throws unless points of OpenFOAM may be written to a path.
+void checkFoamName(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const bool isDevice = std::filesystem::exists(path, ignored) &&
+                          !std::filesystem::is_regular_file(path, ignored) &&
+                          !std::filesystem::is_directory(path, ignored);
+    // A new name without an extension may be meant as the folder of a case.
+    if (path.filename() != kFoamPoints && !isDevice)
+        throw FileError(
+            path,
+            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
+            "or into a folder with a copy of the case (cp -r CASE COPY)");
+}
+
 /// Returns the format to which a model is converted if it is written to `path`; null if it is
 /// written in its own.
-/// \throws FileError if no model can be converted to this format
+/// \throws FileError if the model, or any model, cannot be written under this name
 const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::path& path) {
+    if (model.extension() == kFoamPoints) {
+        checkFoamName(path);
+        return nullptr;
+    }
     const ModelFormat* format = findModelFormat(path);
     if (!format || format->extension() == model.extension()) return nullptr;
     if (!format->surfaces.write)
@@ -91,11 +110,13 @@ const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::pa
 
 const ModelFormat& requireFormat(const std::filesystem::path& path) {
     if (const ModelFormat* format = findModelFormat(path)) return *format;
-    const std::string known = knownExtensions() + " or an OpenFOAM case";
     constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
     if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
-        throw FileError(path, "lists other files; name one of these files (" + known + ")");
-    throw FileError(path, "is not of a known model format; expected " + known);
+        throw FileError(path,
+                        "lists other files; name one of these files (" + extensionsOf(true) + ")");
+    throw FileError(path, "is not of a known model format; expected " + extensionsOf(true) +
+                              ", or the mesh of a simulation: " + extensionsOf(false) +
+                              " or an OpenFOAM case");
 }
 
 /// Throws unless there is one set of finite numbers per point.
@@ -131,23 +152,10 @@ std::string Model::checkTarget(const std::filesystem::path& name) const {
     const std::filesystem::path path = modelTarget(name);
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
         return ModelConversion(*this, *surfaces, path).losses();
-    if (extension() == kFoamPoints) {
-        // A new name without an extension may be meant as the folder of a case.
-        std::error_code ignored;
-        const bool isDevice = std::filesystem::exists(path, ignored) &&
-                              !std::filesystem::is_regular_file(path, ignored) &&
-                              !std::filesystem::is_directory(path, ignored);
-        if (path.filename() != kFoamPoints && !isDevice)
-            throw FileError(
-                path,
-                "the points of an OpenFOAM mesh are written to a file of the name 'points', "
-                "or into a folder with a copy of the case (cp -r CASE COPY)");
-        return {};
-    }
-    if (!findModelFormat(path) && path.has_extension())
+    if (extension() != kFoamPoints && !findModelFormat(path) && path.has_extension())
         return concat(shownPath(path), ": is written as ", extension(),
                       ", the format of the model, because ", printable(path.extension().string()),
-                      " is no known model format; known are ", knownExtensions());
+                      " is no known model format; known are ", extensionsOf(true));
     return {};
 }
 
@@ -169,7 +177,6 @@ void Model::writeInFormat(const std::filesystem::path& path, std::span<const Poi
                           std::span<const DeformationGradient> gradients) const {
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
         return ModelConversion(*this, *surfaces, path).write(moved, gradients);
-    if (extension() == kFoamPoints) checkTarget(path);
     writeChecked(path, moved, gradients);
 }
 

@@ -109,7 +109,9 @@ inline std::string meshText(const std::string& extension, int pointCount) {
                                          : point) +
                 "\n";
     }
-    return text + (extension == ".msh" ? "$EndNodes\n" : extension == "points" ? ")\n" : "");
+    return text + (extension == ".msh"     ? "$EndNodes\n$Elements\n0\n$EndElements\n"
+                   : extension == "points" ? ")\n"
+                                           : "");
 }
 
 /// Returns a triangle with a normal for every three points.

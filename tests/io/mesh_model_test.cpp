@@ -137,6 +137,24 @@ TEST(MeshModel, IsALattice) {
               "lattice");
 }
 
+TEST(MeshModel, OnlySurfacesAreConverted) {
+    for (const Sample& sample : samples()) {
+        const auto model = readModel(sample.name, sample.bytes);
+        EXPECT_REFUSED(FileError, "b.stl: a .stl cannot hold 4 cells of a volume of the model",
+                       model->checkTarget("b.stl"));
+    }
+    const auto triangle = readModel(
+        "a.msh",
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n"
+        "$Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n");
+    EXPECT_EQ(triangle->checkTarget("b.obj"), "");
+    for (const std::string name : {"b.su2", "b.mesh", "b.xyz"})
+        EXPECT_REFUSED(FileError,
+                       name + ": a model that was read as .msh cannot be written as " +
+                           name.substr(1) + ", because this is a format of meshes with cells",
+                       triangle->checkTarget(name));
+}
+
 TEST(MeshModel, CannotBeWrittenAsALattice) {
     const Lattice lattice = readLattice("a.su2", sampleSu2());
     for (const char* name :
