@@ -27,7 +27,7 @@ struct MeshOptions {
 /// Adds --no-inverted and --largest-step to a command.
 void addMeshOptions(CLI::App& command, MeshOptions& options);
 
-/// What a pose does to the cells of a mesh.
+/// The effect of a pose on the cells of a mesh.
 struct MeshVerdict {
     solve::PoseValidity validity;
     solve::LargestStep step;

@@ -28,8 +28,8 @@ public:
     /// Creates a mesh without points and cells.
     VolumeMesh();
 
-    /// Makes a mesh of faces, as OpenFOAM stores it. Cells whose faces are those of a tetrahedron,
-    /// pyramid, wedge or hexahedron become standard cells, and all others polyhedra.
+    /// Makes a mesh of faces, as OpenFOAM stores it. Cells with the faces of a tetrahedron, pyramid,
+    /// wedge or hexahedron become standard cells, and all others polyhedra.
     ///
     /// \param faces loops of points, each anticlockwise seen from outside its owner; internal faces
     ///        first
