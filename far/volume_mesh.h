@@ -18,18 +18,19 @@ namespace espalier::far {
 /// The cells of a volume mesh of a simulation: points, faces, and which cells the faces bound. It
 /// has no positions.
 ///
-/// A VolumeMesh is lighter than a CellComplex, since it is only checked and never refined: it has no
-/// edges, and its topology is not validated. A cell may be open or name a point twice, and two faces
-/// may have the same points (baffles). A million hexahedra take 0.2 GB and 0.7 s.
+/// A VolumeMesh is lighter than a CellComplex, since it is only checked and never refined: it has
+/// no edges, and its topology is not validated. A cell may be open or name a point twice, and two
+/// faces may have the same points (baffles). A million hexahedra take 0.2 GB and 0.7 s.
 ///
-/// Has value semantics: copies share the same immutable data, and any number of threads may read it.
+/// Has value semantics: copies share the same immutable data, and any number of threads may read
+/// it.
 class ESPALIER_API VolumeMesh {
 public:
     /// Creates a mesh without points and cells.
     VolumeMesh();
 
-    /// Makes a mesh of faces, as OpenFOAM stores it. Cells with the faces of a tetrahedron, pyramid,
-    /// wedge or hexahedron become standard cells, and all others polyhedra.
+    /// Makes a mesh of faces, as OpenFOAM stores it. Cells with the faces of a tetrahedron,
+    /// pyramid, wedge or hexahedron become standard cells, and all others polyhedra.
     ///
     /// \param faces loops of points, each anticlockwise seen from outside its owner; internal faces
     ///        first
@@ -102,9 +103,9 @@ private:
     void checkPoints(std::span<const Index> points, Index cell) const;
 
     Index pointCount_;
-    Rows<Index> corners_;         ///< per cell; empty rows for polyhedra
-    Rows<Index> loops_;           ///< the faces of polyhedra
-    Rows<Index> loopsOfCells_;    ///< per cell, the rows of loops_
+    Rows<Index> corners_;       ///< per cell; empty rows for polyhedra
+    Rows<Index> loops_;         ///< the faces of polyhedra
+    Rows<Index> loopsOfCells_;  ///< per cell, the rows of loops_
 };
 
 }  // namespace espalier::far

@@ -59,8 +59,8 @@ std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, dou
 
 using Positions = std::span<const Point3>;
 
-/// Returns the length of a derivative, below 1e91. Unlike length() it need not avoid overflow, which
-/// takes four times as long.
+/// Returns the length of a derivative, below 1e91. Unlike length() it need not avoid overflow,
+/// which takes four times as long.
 double sizeOf(const Point3& derivative) {
     return std::sqrt(dot(derivative, derivative));
 }

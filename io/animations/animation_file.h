@@ -19,8 +19,8 @@
 ///     .mdd   the same, with a time for each frame; the format of LightWave
 ///     .glb   the faces of the model with its points at rest, and one morph target per pose, which
 ///            holds the movement of the points. An animation "poses" goes from pose to pose, one
-///            per frame. Faces of more than three corners are split into triangles as at rest. glTF takes y for up and metres for units; coordinates are written as
-///            they are
+///            per frame. Faces of more than three corners are split into triangles as at rest. glTF
+///            takes y for up and metres for units; coordinates are written as they are
 ///
 /// All coordinates are rounded to floats.
 

@@ -36,7 +36,8 @@ ESPALIER_API std::unique_ptr<Model> readPlot3dModel(const std::filesystem::path&
 /// different blocks that coincide are welded, as by shapes::merge().
 /// \param notes unchanged; for the signature of a reader of lattices
 /// \throws FileError as above, and if a block has one layer only; TopologyError, with the path in
-///         its message, if the cells do not form a lattice, for example because an edge has no length
+///         its message, if the cells do not form a lattice, for example because an edge has no
+///         length
 ESPALIER_API Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes,
                                 ReadNotes* notes = nullptr);
 
