@@ -139,7 +139,7 @@ void addAroundCommand(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "around", "A box of hexahedra around the points of one or more models", runAround);
     options.command = &command;
-    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
+    command.add_option("MODEL", options.models, "The models: " + kModelFiles)
         ->required()
         ->expected(1, 1000);
     CLI::Option* const cells =

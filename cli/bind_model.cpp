@@ -56,11 +56,10 @@ std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
 }  // namespace
 
 void addModelAndRest(CLI::App& command, BindOptions& options) {
-    command.add_option("MODEL", options.model, "The model: .obj, .ply, .stl, .vtu, .vtp or .vtk")
-        ->required();
+    command.add_option("MODEL", options.model, "The model: " + kModelFiles)->required();
     command
         .add_option("--rest", options.rest,
-                    "The lattice at rest, around the model: .ovm, .vtu or .vtk")
+                    "The lattice at rest, around the model: " + kLatticeFiles)
         ->required();
 }
 

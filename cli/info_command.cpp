@@ -11,6 +11,7 @@
 #include <espalier/io/model.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
+#include <espalier/solve/mesh_quality.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -78,20 +79,6 @@ double cellVolume(const CellComplex& complex, const std::vector<Point3>& positio
     return volume;
 }
 
-/// Returns the smallest determinant of the three unit edge vectors at a corner of a hexahedron.
-double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Point3>& positions) {
-    double smallest = 1;
-    for (std::size_t i = 0; i < 8; ++i) {
-        Vector3d edges[3];
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Index neighbour = corners[far::kHexahedronNeighbours[i][k]];
-            edges[k] = (at(positions, neighbour) - at(positions, corners[i])).normalized();
-        }
-        smallest = std::min(smallest, edges[0].dot(edges[1].cross(edges[2])));
-    }
-    return smallest;
-}
-
 /// Counts the types n. On a base lattice, n is the number of edges of a cell at each of its
 /// vertices; on the levels above, all cells are of type n, with 2n faces.
 Histogram cellTypes(const CellComplex& complex, bool isBase) {
@@ -156,7 +143,9 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
         largestVolume = std::max(largestVolume, volume);
         invertedCells += !(volume > 0);
         if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
-            smallestJacobian = std::min(smallestJacobian, scaledJacobian(*corners, positions));
+            smallestJacobian =
+                std::min(smallestJacobian,
+                         solve::scaledJacobian(far::StandardCell::Hexahedron, *corners, positions));
     }
     return {{"counts", counts},
             {"euler_characteristic", complex.eulerCharacteristic()},
@@ -408,7 +397,7 @@ struct Described {
 /// Reads a lattice or a model. A .vtu or .vtk without volume cells is a model, and with --model
 /// every .vtu or .vtk is one.
 Described readDescribed(const InfoOptions& options) {
-    const std::filesystem::path path = options.lattice;
+    const std::filesystem::path path = io::modelFile(options.lattice);
     Described result;
     if (io::lowerCase(path.extension().string()) == ".espb") {
         io::BoundModel bound = io::readBoundModel(path);
@@ -478,10 +467,11 @@ void addInfoCommand(CLI::App& program) {
                    runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     command.get_option("LATTICE")->description(
-        "A lattice (.ovm, .vtu or .vtk), a model (.obj, .ply, .stl, .vtu, .vtp or .vtk) or a bound "
-        "model (.espb). A .vtu or .vtk is a lattice if it has cells of a volume");
+        "A lattice: " + kLatticeFiles + "; a model: " + kModelFiles +
+        "; or a bound model: .espb. A file that may be either is a lattice if it has cells of a "
+        "volume");
     command.add_flag("--model", options.asModel,
-                     "Describe a .vtu or .vtk as a model, whatever cells it has");
+                     "Describe a file that may be either as a model, whatever cells it has");
     command.add_flag("--json", options.json, "Print JSON");
     command.add_flag("--smoothness", options.smoothness,
                      "Also print how smooth the limit is at each irregular vertex and edge: the "

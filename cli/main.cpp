@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#ifdef ESPALIER_WITH_CGNS
+#include <espalier/io/cgns/cgns_model.h>
+#endif
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -177,6 +180,9 @@ int run(int argumentCount, char** arguments) {
 
 int main(int argumentCount, char** arguments) {
     using namespace espalier::cli;
+#ifdef ESPALIER_WITH_CGNS
+    espalier::io::addCgnsModels();
+#endif
     holdStandardStreams();
     try {
         const int code = run(argumentCount, arguments);

@@ -12,8 +12,8 @@ void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options
     const bool isAny = kind == FileKind::Refinable;
     command
         .add_option(isAny ? "LATTICE|MESH|CURVE" : "LATTICE", options.lattice,
-                    isAny ? "A lattice (.ovm, .vtu or .vtk), or a mesh or a curve (.obj)"
-                          : "The lattice: .ovm, .vtu or .vtk")
+                    isAny ? "A lattice: " + kLatticeFiles + "; or a mesh or a curve: .obj"
+                          : "The lattice: " + kLatticeFiles)
         ->required();
     addLevelOption(command, options.level, 0);
     addRefinementOptions(command, options.common, isAny ? RulesFor::Anything : RulesFor::Lattices);

@@ -18,6 +18,13 @@
 
 namespace espalier::cli {
 
+/// The files that lattices and models are read from, for help texts.
+inline const std::string kLatticeFiles =
+    ".ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, an OpenFOAM case)";
+inline const std::string kModelFiles =
+    ".obj, .ply, .stl, .vtu, .vtp or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, "
+    ".cgns, an OpenFOAM case)";
+
 /// Adds an option that takes one of a few words. The help shows the words and the default.
 ///
 /// \param value a Choice, or a std::optional of one, with the default

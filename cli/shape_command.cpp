@@ -247,7 +247,7 @@ void addMerge(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "merge", "Merge lattices into one: vertices at the same place are joined", runMerge);
     options.command = &command;
-    command.add_option("LATTICE", options.lattices, "Two or more lattices: .ovm, .vtu or .vtk")
+    command.add_option("LATTICE", options.lattices, "Two or more lattices: " + kLatticeFiles)
         ->required()
         ->expected(2, 1000);
     add(command, "--tolerance", options.merge.tolerance,

@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
 
 #include <cstddef>
@@ -32,6 +33,16 @@ struct ModelFaces {
     void endFace() { ends.push_back(corners.size()); }
 
     friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
+};
+
+/// The cells of a model, if it is a mesh of a volume.
+struct ModelVolume {
+    /// The tetrahedra, pyramids, wedges, hexahedra and polyhedra, right-handed, in the order of the
+    /// file. Its points are positions().
+    far::VolumeMesh mesh;
+
+    /// Number of cells with curved edges, such as quadratic ones. They are not in `mesh`.
+    Index curvedCells = 0;
 };
 
 /// The surface of a model without its points, and the names of all other data in its file.
@@ -107,10 +118,22 @@ public:
     /// \cost one pass over the file; O(n log n) for an STL
     virtual ModelSurface readSurface() const = 0;
 
+    /// Reads the cells of the volume from the file, or from the files beside it. The result is not
+    /// stored. It has no cells if the format or the file has none.
+    ///
+    /// Cells are right-handed: if most cells of a kind have a negative volume, all cells of this
+    /// kind are turned, and each polyhedron is turned so that its volume is positive. (In
+    /// OpenFOAM's format nothing is turned, since owners and neighbours determine the outside.)
+    ///
+    /// \throws FileError if a cell is malformed, or names a point that does not exist
+    /// \cost one pass over the file, and far::VolumeMeshBuilder::build()
+    virtual ModelVolume readVolume() const { return {}; }
+
     /// How the file stores the coordinates. If parts of a file differ, the least precise of them.
     virtual CoordinateStorage storage() const = 0;
 
-    /// Extension of the format, in lower case: ".obj".
+    /// Extension of the format, in lower case: ".obj"; "points" for OpenFOAM, whose file has this
+    /// name.
     virtual std::string_view extension() const = 0;
 
     /// Returns true if the file has directions that write() can carry by gradients. The normals of
@@ -126,7 +149,8 @@ public:
     ///         that the model is written in its own format. A name without extension
     ///         ("/dev/stdout") means the same, without a word
     /// \throws FileError if `path` has the extension of another model format to which this model
-    ///         cannot be converted, with the reason
+    ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
+    ///         another name
     /// \cost that of readSurface(), if the format is another one
     std::string checkTarget(const std::filesystem::path& path) const;
 
@@ -163,7 +187,29 @@ private:
                               std::span<const DeformationGradient> gradients) const = 0;
 };
 
-/// Returns true if the extension names a format of models, in upper or lower case.
+/// Returns the file that a path of a model means: the points of OpenFOAM for a folder
+/// (meshes/openfoam.h), and the path itself otherwise. readModel() does this, too.
+/// \throws FileError if a folder has no mesh of OpenFOAM
+ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
+
+/// Returns the file that Model::write() writes for a path: likewise the points for a folder.
+/// \throws FileError if a folder has no mesh of OpenFOAM
+ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
+
+/// The function that reads a model of a format.
+/// \param path for messages
+/// \param bytes the whole file
+using ModelReader = std::unique_ptr<Model> (*)(const std::filesystem::path& path,
+                                               std::string bytes);
+
+/// Makes readModel() know another format, for optional components. To be called before other
+/// threads read models.
+///
+/// \param extension in lower case: ".cgns"; must live for ever
+ESPALIER_API void addModelFormat(std::string_view extension, ModelReader read);
+
+/// Returns true if the extension names a format of models, in upper or lower case, or if the path
+/// is one of OpenFOAM (isFoamPath()).
 ESPALIER_API bool isModelFile(const std::filesystem::path& path);
 
 /// Reads a model in the format that its extension names, in upper or lower case.

@@ -639,7 +639,9 @@ linear : array (3, 3); translation : 3 float
             return lattice;
         },
         "path"_a,
-        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices in no "
+        "Reads a Lattice from .ovm, .vtu or .vtk, or from the mesh of a simulation (.msh, .mesh, "
+        ".su2, "
+        ".xyz, an OpenFOAM case), or a mesh or a curve from .obj. Vertices in no "
         "cell of a lattice, or no line of a curve, are dropped with a UserWarning; the vertices "
         "after them get lower numbers.");
     module.def(

@@ -71,13 +71,17 @@ faces and the normals. Data that the other format has no place for are named by 
         "read_model",
         [](const std::filesystem::path& path) {
             return withoutGil([&] {
-                auto bytes = io::readFile(path);
-                auto model = io::readModel(path, bytes);
+                const std::filesystem::path file = io::modelFile(path);
+                auto bytes = io::readFile(file);
+                auto model = io::readModel(file, bytes);
                 return std::make_shared<ModelFile>(
-                    ModelFile{path.filename().string(), std::move(bytes), std::move(model)});
+                    ModelFile{file.filename().string(), std::move(bytes), std::move(model)});
             });
         },
-        "path"_a, "Reads a Model from .obj, .ply, .stl, .vtu, .vtp or .vtk.");
+        "path"_a, R"(
+Reads a Model from .obj, .ply, .stl, .vtu, .vtp or .vtk, or from the mesh of a simulation: .msh, .mesh,
+.su2, .xyz, .p3d, .fmt, .cgns (if built with CGNS), or the folder of an OpenFOAM case.
+)");
 }
 
 }  // namespace espalier::python

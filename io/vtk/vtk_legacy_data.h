@@ -8,6 +8,7 @@
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "../files/number_types.h"
+#include "vtk_cells.h"
 
 namespace espalier::io {
 
@@ -30,6 +32,21 @@ struct LegacyRows {
         return std::span(values).subspan(begin, end - begin);
     }
 };
+
+/// Passes the cells of CELLS and CELL_TYPES to a reader.
+/// \throws FileError if the numbers of cells and types differ; as VtkCellReader
+inline void addLegacyCells(const std::filesystem::path& path, const LegacyRows& rows,
+                           const std::vector<std::int64_t>& types, VtkCellReader& cells) {
+    if (types.size() != rows.count())
+        throw FileError(path,
+                        concat("has ", rows.count(), " cells and ", types.size(), " cell types"));
+    for (std::size_t cell = 0; cell < types.size(); ++cell) {
+        if (types[cell] == kVtkPolyhedron)
+            cells.addPolyhedron(rows[cell]);
+        else
+            cells.add(types[cell], rows[cell]);
+    }
+}
 
 /// Reads words and arrays of numbers from a legacy VTK file; the numbers are text or big-endian
 /// binary data. Every error is a FileError with path and line.

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "../lattices/lattice_parts.h"
+#include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "vtk_cells.h"
 #include "vtk_legacy_parts.h"
@@ -200,6 +202,44 @@ private:
     std::vector<std::int64_t> types_;
 };
 
+/// Reads the cells of an unstructured grid.
+class LegacyVolumeReader final : public LegacyParts {
+public:
+    LegacyVolumeReader(const std::filesystem::path& path, std::string_view bytes)
+        : LegacyParts(path, bytes) {}
+
+    void read(const std::filesystem::path& path, VtkCellReader& cells) {
+        readParts();
+        addLegacyCells(path, rows_, types_, cells);
+    }
+
+private:
+    void beginDataSet(const std::string&) override {}
+    void beginData(LegacyArray::Owner, std::size_t) override {}
+
+    void readPoints(std::size_t count, const std::string& type) override {
+        data().skipValues(type, saturatingProduct(3, count), "a coordinate");
+    }
+
+    void readRows(const std::string& keyword) override {
+        if (keyword == "cells")
+            rows_ = data().rows("CELLS");
+        else
+            data().skipRows();
+    }
+
+    void readCellTypes(std::size_t count) override {
+        types_ = data().numbers<std::int64_t>("int", count, "a cell type");
+    }
+
+    void readArray(const LegacyArray& array) override {
+        data().skipValues(array.type, array.size(), "a number");
+    }
+
+    LegacyRows rows_;
+    std::vector<std::int64_t> types_;
+};
+
 class VtkLegacyModel final : public Model {
 public:
     VtkLegacyModel(const std::filesystem::path& path, std::string bytes)
@@ -218,6 +258,13 @@ public:
         const auto normals = std::ranges::find(vectors_, Carry{carryNormal}, &LegacyVectors::carry);
         if (normals != vectors_.end()) surface.normals = normals->values;
         return surface;
+    }
+
+    ModelVolume readVolume() const override {
+        VolumeCells volume;
+        VtkCellReader cells(path_, checkedIndex(path_, positions().size(), "points"), volume, true);
+        LegacyVolumeReader(path_, bytes_).read(path_, cells);
+        return withPathInErrors(path_, [&] { return volume.finish(positions()); });
     }
 
 private:

@@ -13,6 +13,7 @@
 
 #include "../files/number_types.h"
 #include "../lattices/lattice_parts.h"
+#include "../meshes/lattice_cells.h"
 #include "vtk_cells.h"
 #include "vtk_legacy_parts.h"
 #include "vtk_xml.h"
@@ -27,9 +28,11 @@ public:
 
     Lattice read(ReadNotes* notes) {
         readParts();
-        VtkCellReader cells(path_, checkedIndex(path_, lattice_.positions.size(), "points"));
-        addCells(cells);
-        if (notes) notes->skippedCells = cells.skippedCells();
+        const Index count = checkedIndex(path_, lattice_.positions.size(), "points");
+        LatticeCells cells(path_, count);
+        VtkCellReader reader(path_, count, cells);
+        addLegacyCells(path_, rows_, types_, reader);
+        if (notes) notes->skippedCells = cells.skipped();
         lattice_.marks.vertices = vertexMarksFromFile(path_, vertexSharpness_);
         addEdgeMarks();
         return finishLattice(path_, cells.takeBuilder(), std::move(lattice_), notes);
@@ -106,20 +109,6 @@ private:
                 path_, line,
                 concat("the array ", inQuotes(array.name), " has ", array.tuples, " tuples of ",
                        array.components, " for ", lattice_.positions.size(), " points"));
-    }
-
-    void addCells(VtkCellReader& cells) {
-        const std::size_t count = rows_.count();
-        if (types_.size() != count)
-            throw FileError(path_,
-                            concat("has ", count, " cells and ", types_.size(), " cell types"));
-        for (std::size_t cell = 0; cell < count; ++cell) {
-            const auto row = rows_[cell];
-            if (types_[cell] == kVtkPolyhedron)
-                cells.addPolyhedron(row);
-            else
-                cells.add(types_[cell], row);
-        }
     }
 
     void addEdgeMarks() {

@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "../files/bytes.h"
+#include "../lattices/lattice_parts.h"
+#include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "vtk_cells.h"
 #include "vtk_xml.h"
+#include "vtu_cells.h"
 
 namespace espalier::io {
 namespace {
@@ -114,6 +117,15 @@ public:
         surface.normals = normals();
         nameOtherArrays(surface);
         return surface;
+    }
+
+    ModelVolume readVolume() const override {
+        VolumeCells volume;
+        if (!isGrid()) return {};
+        VtkCellReader reader(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"),
+                             volume, true);
+        readVtuCells(file_, reader);
+        return withPathInErrors(file_.path(), [&] { return volume.finish(positions_); });
     }
 
     CoordinateStorage storage() const override {

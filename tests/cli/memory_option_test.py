@@ -71,6 +71,12 @@ class MemoryTest(CliTest):
             "b.vtu": vtu('<DataArray type="Float32" NumberOfComponents="3" format="binary">'
                          + base64.b64encode(struct.pack("<Q", TRILLION)).decode()
                          + "</DataArray>", TRILLION),
+            "a.su2": f"NDIME= 3\nNPOIN= {TRILLION}\n0 0 0\n",
+            "a.mesh": f"MeshVersionFormatted 2\nDimension 3\nVertices {TRILLION}\n0 0 0 0\n",
+            "a.msh": f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{TRILLION}\n1 0 0 0\n",
+            "b.msh": f"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 {TRILLION} 1 1\n3 1 0 {TRILLION}\n",
+            "a.xyz": f"1\n{TRILLION} 1 1\n0 0 0\n",
+            "points": f"FoamFile {{ class vectorField; }}\n{TRILLION}\n((0 0 0))\n",
         }
         for name, text in claims.items():
             self.put(name, text)

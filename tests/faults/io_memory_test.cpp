@@ -103,6 +103,8 @@ TEST_F(IoMemory, Models) {
     files.emplace_back("faces.obj", test::modelText(".obj", 3) + test::facesOfObj(3));
     for (const std::string extension : test::kModelExtensions)
         files.emplace_back("a" + extension, test::modelText(extension, 3));
+    for (const std::string extension : test::kMeshExtensions)
+        files.emplace_back(test::fileOfMesh(extension), test::meshText(extension, 3));
     for (const auto& [name, bytes] : files) {
         SCOPED_TRACE(name);
         const fs::path path = folder / name;

@@ -288,6 +288,65 @@ def bound_model(espalier, folder):
     put("espb", "rest-gradients", bound.read_bytes())
 
 
+def meshes():
+    points = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"]
+    lines = "\n".join(points)
+    put("su2", "tetrahedron", f"""NDIME= 3 % a comment
+NELEM= 1
+10 0 1 2 3 0
+NPOIN= 4
+{lines}
+NMARK= 1
+MARKER_TAG= wall
+MARKER_ELEMS= 1
+5 0 2 1
+""")
+    put("su2", "plane", "NZONE= 1\nIZONE= 1\nNDIME= 2\nNELEM= 1\n9 0 1 2 3\nNPOIN= 4\n0 0\n1 0\n1 1\n0 1\n")
+    put("mesh", "tetrahedron", "MeshVersionFormatted 2\nDimension 3\nVertices 4\n"
+        + "".join(f"{p} 1\n" for p in points)
+        + "Corners 1\n1\nTriangles 1\n1 3 2 0\nTetrahedra 1\n1 2 3 4 0\nEnd\n")
+    put("mesh", "plane", "MeshVersionFormatted 1 Dimension 2 # two\nVertices 3 0 0 0 1 0 0 0 1 0 "
+        "Triangles 1 1 2 3 0 EdgesP2 1 1 2 3 0")
+    numbered = "".join(f"{i + 1} {p}\n" for i, p in enumerate(points))
+    put("msh", "2", f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n{numbered}$EndNodes\n$Elements\n2\n"
+        "1 4 2 0 1 1 2 3 4\n7 2 1 0 1 3 2\n$EndElements\n")
+    put("msh", "4", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 4 3 9\n3 1 0 3\n3\n5\n9\n"
+        + "\n".join(points[:3]) + "\n2 1 1 1\n4\n0 0 1 0.5 0.5\n$EndNodes\n"
+        "$Elements\n1 1 1 1\n3 1 4 1\n1 3 5 9 4\n$EndElements\n")
+    doubles = [struct.pack("<3d", *map(float, p.split())) for p in points]
+    one = struct.pack("<i", 1)
+    put("msh", "2-binary", b"$MeshFormat\n2.2 1 8\n" + one + b"\n$EndMeshFormat\n$Nodes\n4\n"
+        + b"".join(struct.pack("<i", i + 1) + d for i, d in enumerate(doubles))
+        + b"\n$EndNodes\n$Elements\n1\n" + struct.pack("<10i", 4, 1, 2, 1, 0, 1, 1, 2, 3, 4)
+        + b"\n$EndElements\n")
+    put("msh", "4-binary", b"$MeshFormat\n4.1 1 8\n" + one + b"\n$EndMeshFormat\n$Entities\n"
+        + struct.pack("<4Q", 0, 0, 0, 0) + b"\n$EndEntities\n$Nodes\n"
+        + struct.pack("<4Q3iQ4Q", 1, 4, 1, 4, 3, 1, 0, 4, 1, 2, 3, 4) + b"".join(doubles)
+        + b"\n$EndNodes\n$Elements\n" + struct.pack("<4Q3iQ5Q", 1, 1, 1, 1, 3, 1, 4, 1, 1, 1, 2, 3, 4)
+        + b"\n$EndElements\n")
+    cube = [[(i >> axis & 1) for i in range(8)] for axis in range(3)]
+    flat = [c for axis in cube for c in axis]
+    put("plot3d", "text", "1\n2 2 2\n" + "\n".join(" ".join(map(str, axis)) for axis in cube) + "\n")
+    put("plot3d", "plane", "2, 2\n0 1.0D0 0 1\n0 0 1 1\n")
+    data = struct.pack("<24d", *flat)
+    record = lambda content: struct.pack("<i", len(content)) + content + struct.pack("<i", len(content))
+    put("plot3d", "records", record(one) + record(struct.pack("<3i", 2, 2, 2)) + record(data))
+    put("plot3d", "plain-float", struct.pack(">3i24f8i", 2, 2, 2, *flat, *8 * [1]))
+
+    def foam(kind, text, binary=False):
+        arch = b'arch "LSB;label=32;scalar=64"; ' if binary else b""
+        return (b"/* \\ */\nFoamFile { version 2.0; format " + (b"binary; " if binary else b"ascii; ") + arch
+                + b"class " + kind.encode() + b"; }\n// *\n" + text)
+
+    put("foam", "text", foam("vectorField", b"4\n(\n" + b"".join(f"({p})\n".encode() for p in points) + b")\n"))
+    put("foam", "binary", foam("vectorField", b"4\n(" + b"".join(doubles) + b")\n// end\n", True))
+    put("foam_lists", "faces", foam("faceList", b"2(3(0 1 2) 4(3 2 1 0))"))
+    put("foam_lists", "compact", foam("faceCompactList", b"2\n(" + struct.pack("<2i", 0, 3) + b")\n3\n("
+                                      + struct.pack("<3i", 0, 1, 2) + b")", True))
+    put("foam_lists", "labels", foam("labelList", b"3(7 0 2)"))
+    put("foam_lists", "uniform", foam("labelList", b"12{0}"))
+
+
 def matrices():
     put("mtx", "real", "%%MatrixMarket matrix coordinate real general\n% two\n3 4 3\n"
                        "1 1 0.5\n3 4 -1e-3\n1 2 0.5\n")
@@ -407,6 +466,7 @@ def main():
         bound_model(espalier, Path(folder))
     marked_lattice()
     models()
+    meshes()
     matrices()
     arrays()
     payloads()

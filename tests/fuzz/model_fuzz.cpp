@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/pose_file.h>
 #include <espalier/shapes/inventory.h>
@@ -79,6 +80,9 @@ void runModel(const std::string& name, std::string_view bytes) {
     std::vector<Point3> moved(model.positions().begin(), model.positions().end());
     for (Point3& point : moved)
         for (double& coordinate : point) coordinate = coordinate / 2 + 1;
+    // A mesh of two dimensions stays in its plane.
+    if (!resultOf([&] { return writtenWith(model, moved); }))
+        for (Point3& point : moved) point[2] = 0;
     const auto requireMoved = [&](const std::string& once) {
         const auto back = io::readModel(name, once);
         require(back->hasDirections() == model.hasDirections(), "a moved model has its directions");
@@ -114,13 +118,37 @@ void runCage(std::string_view bytes) {
     require(pose->size() == rest.positions.size(), "a pose has a position for each vertex");
 }
 
+/// Reads the faces and the cells of a mesh, also as a lattice; each is refused or valid.
+void runMesh(const std::string& name, std::string_view bytes) {
+    runModel(name, bytes);
+    const auto read = resultOf([&] { return io::readModel(name, std::string(bytes)); });
+    if (!read) return;
+    const auto pointCount = static_cast<Index>((*read)->positions().size());
+    if (const auto volume = readResult(name, [&] { return (*read)->readVolume(); })) {
+        const far::VolumeMesh& mesh = volume->mesh;
+        require(mesh.cellCount() == 0 || mesh.pointCount() == pointCount,
+                "a volume has the points of its model");
+        for (Index face = 0; face < mesh.faceCount(); ++face)
+            for (const Index point : mesh.face(face))
+                require(point >= 0 && point < pointCount, "a face names points that exist");
+    }
+    readResult(name, [&] { return (*read)->readSurface(); });
+    if (const auto lattice = readResult(name, [&] { return io::readLattice(name, bytes); }))
+        far::validate(lattice->complex);
+}
+
 const Target kObj("obj", [](std::string_view bytes) { runModel("a.obj", bytes); });
 const Target kPly("ply", [](std::string_view bytes) { runModel("a.ply", bytes); });
 const Target kStl("stl", [](std::string_view bytes) { runModel("a.stl", bytes); });
-const Target kVtuModel("vtu_model", [](std::string_view bytes) { runModel("a.vtu", bytes); });
+const Target kVtuModel("vtu_model", [](std::string_view bytes) { runMesh("a.vtu", bytes); });
 const Target kVtp("vtp", [](std::string_view bytes) { runModel("a.vtp", bytes); });
 const Target kVtkModel("vtk_model", [](std::string_view bytes) { runModel("a.vtk", bytes); });
 const Target kCage("cage", runCage);
+const Target kSu2("su2", [](std::string_view bytes) { runMesh("a.su2", bytes); });
+const Target kGmsh("msh", [](std::string_view bytes) { runMesh("a.msh", bytes); });
+const Target kMedit("mesh", [](std::string_view bytes) { runMesh("a.mesh", bytes); });
+const Target kPlot3d("plot3d", [](std::string_view bytes) { runMesh("a.xyz", bytes); });
+const Target kFoam("foam", [](std::string_view bytes) { runModel("points", bytes); });
 
 }  // namespace
 }  // namespace espalier::fuzz

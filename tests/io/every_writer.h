@@ -78,6 +78,42 @@ inline std::string modelText(const std::string& extension, int pointCount) {
            points + "</DataArray></Points><Cells/></Piece></" + type + "></VTKFile>\n";
 }
 
+/// Meshes of simulations. OpenFOAM's has a name instead of an extension.
+inline constexpr const char* kMeshExtensions[] = {".su2", ".msh", ".mesh", ".xyz", "points"};
+
+/// Returns the name of a file with such an extension.
+inline std::string fileOfMesh(const std::string& extension) {
+    return (extension == "points" ? "" : "m") + extension;
+}
+
+/// Returns a mesh of `pointCount` points without cells, as the text of a file.
+inline std::string meshText(const std::string& extension, int pointCount) {
+    const std::string number = std::to_string(pointCount);
+    if (extension == ".xyz") {
+        std::string text = number + " 1 1\n";
+        for (int i = 0; i < pointCount; ++i) text += std::to_string(i) + " ";
+        for (int i = 0; i < 2 * pointCount; ++i) text += "0.5 ";
+        return text;
+    }
+    std::string text = extension == ".su2" ? "NDIME= 3\nNPOIN= " + number + "\n"
+                       : extension == ".msh"
+                           ? "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + number + "\n"
+                       : extension == ".mesh"
+                           ? "MeshVersionFormatted 2\nDimension 3\nVertices " + number + "\n"
+                           : "FoamFile { format ascii; class vectorField; }\n" + number + "\n(\n";
+    for (int i = 0; i < pointCount; ++i) {
+        const std::string point = std::to_string(i) + " 0.5 0.25";
+        text += (extension == ".msh"     ? std::to_string(i + 1) + " " + point
+                 : extension == ".mesh"  ? point + " 0"
+                 : extension == "points" ? "(" + point + ")"
+                                         : point) +
+                "\n";
+    }
+    return text + (extension == ".msh"     ? "$EndNodes\n$Elements\n0\n$EndElements\n"
+                   : extension == "points" ? ")\n"
+                                           : "");
+}
+
 /// Returns a triangle with a normal for every three points.
 inline std::string facesOfObj(int pointCount) {
     std::string faces = "vn 0 0 1\n";
@@ -108,6 +144,14 @@ inline std::vector<Writer> everyWriter(int size) {
         writers.push_back({"other" + extension, [=](const auto& path) {
                                (extension == ".obj" ? stl : obj)->write(path, moved);
                            }});
+    }
+    for (const std::string extension : kMeshExtensions) {
+        const std::string name = fileOfMesh(extension);
+        const std::shared_ptr<const io::Model> model =
+            io::readModel(name, meshText(extension, size));
+        std::vector<Point3> moved(model->positions().begin(), model->positions().end());
+        for (Point3& point : moved) point[2] += 0.5;
+        writers.push_back({name, [=](const auto& path) { model->write(path, moved); }});
     }
     const auto table = std::make_shared<const stencils::StencilTable<double>>(bandTable(size));
     for (const std::string& extension : io::matrixExtensions())
