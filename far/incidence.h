@@ -51,7 +51,8 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     return rows;
 }
 
-/// Where each row begins in the values of rows: offsets, or one length of all rows.
+/// The starts of rows in the values of compressed rows. They are stored as offsets, or as one
+/// length of all rows.
 class ESPALIER_API RowStarts {
 public:
     RowStarts() = default;
