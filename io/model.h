@@ -50,7 +50,7 @@ struct ModelSurface {
     /// Per corner of the faces: the number of its normal. Empty if the normals are one per point.
     std::vector<Index> normalCorners;
 
-    /// True if each point in no face repeats a point of a face, as in an STL.
+    /// True if each point that is in no face repeats a point of a face, as in an STL.
     bool repeatsPoints = false;
 
     std::vector<OtherData> others;
@@ -72,7 +72,7 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 ///
 /// write() to a file with the extension of another model format converts the model: it writes the
 /// points, the faces and, where both formats have them, the normals of the points or corners.
-/// checkTarget() tells what the new file lacks.
+/// checkTarget() names the data that the new file lacks.
 ///
 ///     .obj               faces of any size; normals per corner
 ///     .ply               ASCII, coordinates of type double; normals per point
@@ -123,8 +123,8 @@ public:
     /// \return one line for the user, or nothing. It names the data of the model that a file in
     ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
     ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
-    ///         that the model is written in its own format. A name without extension
-    ///         ("/dev/stdout") means the same, without a word
+    ///         that the model is written in its own format. For a name without extension
+    ///         ("/dev/stdout"), the model is written in its own format too, and there is no line
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason
     /// \cost that of readSurface(), if the format is another one
@@ -138,10 +138,11 @@ public:
     ///
     /// \throws Error unless there is one position for each of positions(), finite and not too large
     ///         for the format; FileError as checkTarget(), or if the file cannot be written
+    /// \cost one pass over the file; for another format also readSurface(), in each call
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
-    /// The same, and carries the directions at each point by its gradient: normals by
-    /// carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
+    /// Writes the model as above, and carries the directions at each point by its gradient: normals
+    /// by carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
     /// rounding of the format. If all gradients are the identity and no point has moved, the copy
     /// is identical. Three numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
     ///

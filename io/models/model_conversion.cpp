@@ -130,7 +130,7 @@ void ModelConversion::splitIntoTriangles() {
     std::vector<Point3> polygon;
     for (std::size_t face = 0; face < surface_.faces.count(); ++face) {
         const auto loop = surface_.faces[face];
-        // All poses of a model get the same triangles, as they look best at rest.
+        // The triangles follow from the positions at rest, so all poses have the same triangles.
         polygon.clear();
         for (const Index corner : loop)
             polygon.push_back(rest[points_ ? (*points_)[corner] : corner]);

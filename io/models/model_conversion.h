@@ -42,7 +42,7 @@ public:
     ModelConversion(const Model& model, const SurfaceFormat& format, std::filesystem::path path);
 
     /// Returns one line for the user: the data of the model that the new file lacks, and the
-    /// changes. Empty if there are none.
+    /// changes. Empty if the new file lacks nothing and nothing is changed.
     std::string losses() const;
 
     /// Writes the file.
