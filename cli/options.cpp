@@ -109,7 +109,7 @@ std::optional<double> numberOf(const std::string& word) {
 }
 
 CLI::Option* takeNumbers(CLI::Option* option, const std::string& names) {
-    // The parser refuses too many numbers. The word -- ends them: see endNumbers().
+    // The parser refuses too many numbers. The word -- ends the numbers: see endNumbers().
     return option->delimiter(',')->check(isNumberOf(names))->type_name(names)->allow_extra_args();
 }
 
@@ -135,7 +135,7 @@ bool isCapital(char c) {
 
 /// Returns the option of a command that sets a field of a C++ struct: "--minor-radius" for
 /// "minorRadius". The option may have some of the words only: "--grid" for "gridCells", "--size"
-/// for "cellSize", "--joint" for "joints". Empty if there is none.
+/// for "cellSize", "--joint" for "joints". Empty if there is no such option.
 std::string optionOfField(const CLI::App& command, std::string_view field) {
     std::vector<std::string> words(1);
     for (const char c : field) {

@@ -94,7 +94,7 @@ void addRunOptions(CLI::App& command, CommonOptions& options);
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name = "-o,--output");
 
-/// Returns the number that a word is; nothing if it is none.
+/// Returns the value of a word that is a number; nothing if the word is no number.
 std::optional<double> numberOf(const std::string& word);
 
 /// Returns a check that a word is a number. Its message has the names of all numbers of an option:
@@ -115,7 +115,7 @@ CLI::Option* addNumbers(CLI::App& command, const std::string& name, Value& value
     return takeNumbers(command.add_option(name, value, help), names);
 }
 
-/// Throws what withNamesOfOptions() throws in place of an error.
+/// Throws the exception that withNamesOfOptions() throws in place of `error`.
 [[noreturn]] void throwWithNamesOfOptions(const CLI::App& command, const Error& error);
 
 /// Returns the message of a library without the name of the function at its start: "angle is nan"
@@ -124,8 +124,8 @@ std::string withoutFunction(const std::string& message);
 
 /// Calls a function of a library whose arguments are the options of a command.
 /// \throws CLI::ValidationError in place of an Error that names such an argument, with the names of
-///         the options: "torus: minorRadius is 3" becomes "--minor-radius is 3"; other errors as
-///         they are, but without the name of the function
+///         the options: "torus: minorRadius is 3" becomes "--minor-radius is 3"; Error in place of
+///         another Error, with the same message but without the name of the function
 template <class Call>
 auto withNamesOfOptions(const CLI::App& command, const Call& call) {
     try {

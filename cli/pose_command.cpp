@@ -32,7 +32,8 @@ constexpr const char* kSelect = "--select";
 
 class Posing;
 
-/// An option of an operation, of a selection or of a place, and its effect. Their order matters.
+/// An option that selects vertices, sets a place or runs an operation, and its effect. Steps run in
+/// the order of the options.
 struct Step {
     std::string option;
     std::function<void(Posing&)> run;
@@ -195,7 +196,8 @@ public:
 
     const std::vector<Point3>& positions() const { return positions_; }
 
-    /// Selects vertices, or all of them. Clears falloff, centre, range and direction.
+    /// Selects the vertices of `selection`; all vertices without one. Clears falloff, centre, range
+    /// and direction.
     /// \throws CLI::ValidationError if no vertex is selected
     void select(std::optional<Selection> selection) {
         selection_ = std::move(selection);
@@ -345,7 +347,8 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
         "FACTOR|X Y Z")
         ->expected(1, 3);
     addAlongAxis(
-        command, steps, "--twist", "DEGREES", "Rotate about an axis, the more the farther along it",
+        command, steps, "--twist", "DEGREES",
+        "Rotate about an axis, by an angle that grows from 0 along the axis",
         [](const auto& positions, const Point3& axis, double degrees, const auto& place,
            const Posing&) { return pose::twist(positions, axis, radians(degrees), place); });
     addAlongAxis(command, steps, "--bend", "DEGREES", "Bend the axis into an arc of a circle",
@@ -418,7 +421,7 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
     takeNumbers(
         addStep<Range>(command, steps, "--range",
                        "Coordinates along the axis between which twist, bend and taper grow "
-                       "from nothing to all; by default, those of the selected vertices",
+                       "from nothing to all; by default, the interval of the selected vertices",
                        [](Posing& posing, const Range& range) { posing.range = range; }),
         "FROM TO");
     addStep<std::string>(

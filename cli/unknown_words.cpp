@@ -84,8 +84,8 @@ bool isOption(const std::string& word) {
            std::string_view("0123456789.").find(word[1]) == std::string_view::npos;
 }
 
-/// Returns the index of the last word that an option takes in any case: the values that it must
-/// have follow it, also if they begin as options do.
+/// Returns the index of the last word that an option requires. The words after an option are its
+/// values, also if they begin as options do.
 /// \param at the index of the option in the words
 std::size_t lastRequired(const CLI::Option& option, std::span<const std::string> words,
                          std::size_t at) {
