@@ -6,6 +6,7 @@
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 
+#include <cstring>
 #include <utility>
 
 #include "handles.h"

@@ -62,6 +62,7 @@ public:
         : rowCount_(static_cast<Index>(offsets.size() - 1)), offsets_(std::move(offsets)) {}
 
     /// Makes rows of the same length, without storing offsets.
+    /// \param length 1 or more
     RowStarts(Index rowCount, Index length) : rowCount_(rowCount), length_(length) {}
 
     /// Makes rows of these lengths; without offsets if they are all equal and not 0.

@@ -32,8 +32,10 @@ bool isPly(const Path& path) {
 std::vector<Index> canonical(LoopView loop) {
     std::vector<Index> least, turned;
     const std::size_t size = loop.size();
+    if (size == 0) return least;
+    const Index lowest = std::ranges::min(loop);
     for (std::size_t start = 0; start < size; ++start) {
-        if (loop[start] != std::ranges::min(loop)) continue;
+        if (loop[start] != lowest) continue;
         for (const std::size_t step : {std::size_t{1}, size - 1}) {
             turned.clear();
             for (std::size_t i = 0; i < size; ++i)
@@ -130,11 +132,11 @@ std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
 
 ModelFaces facesOf(const far::CellComplex& complex) {
     ModelFaces faces;
-    for (Index face = 0; face < complex.count(2); ++face) {
-        const LoopView loop = complex.relation(2, 0)[face];
-        faces.corners.insert(faces.corners.end(), loop.begin(), loop.end());
-        faces.endFace();
-    }
+    if (complex.count(2) == 0) return faces;
+    const far::Incidence& loops = complex.relation(2, 0);
+    faces.corners.assign(loops.values().begin(), loops.values().end());
+    for (Index face = 0; face < complex.count(2); ++face)
+        faces.ends.push_back(loops.offset(face + 1));
     return faces;
 }
 
@@ -146,11 +148,7 @@ void writeCage(const Path& path, const Lattice& lattice) {
     if (!isCageFile(path))
         throw FileError(path, "a cage cannot be written in this format; expected .obj or .ply");
     checkedForWriting(path, lattice);
-    const far::Incidence& loops = lattice.complex.relation(2, 0);
-    ModelFaces faces;
-    faces.corners.assign(loops.values().begin(), loops.values().end());
-    for (Index face = 0; face < lattice.complex.count(2); ++face)
-        faces.ends.push_back(loops.offset(face + 1));
+    const ModelFaces faces = facesOf(lattice.complex);
     const SurfaceView surface{lattice.positions, faces};
     writeFile(path, [&](std::ostream& out) {
         isPly(path) ? writePlySurface(out, surface) : writeObjSurface(out, surface);
