@@ -259,7 +259,8 @@ the lattice. Made by bind() and load_binding(). Any number of threads may use it
         .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
 Returns the positions of the points for a pose of the lattice: x + D @ (p' - p), where x and p are the
 points and the lattice at rest. So points that no moved vertex influences, and points in `kept`, stay
-exactly where they were. A binding that was loaded from a file without a model gives D @ p'.
+exactly where they were. A binding that was loaded from a file without a model or without the lattice
+at rest (version 1) gives D @ p'.
 
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
