@@ -172,9 +172,12 @@ void throwWithNamesOfOptions(const CLI::App& command, const Error& error) {
         const std::size_t begin = at;
         while (at < message.size() && isLetter(message[at])) ++at;
         const std::string word = message.substr(begin, at - begin);
-        // The first word is a field. Elsewhere, fields have capitals or an index.
-        const bool isField = begin == 0 || (at < message.size() && message[at] == '[') ||
-                             std::any_of(word.begin(), word.end(), isCapital);
+        // "minorRadius is 3": the first word is a field, unless it begins the name of a file
+        // ("output.vtu lacks ..."). Elsewhere, fields have capitals or an index.
+        const std::string_view after = std::string_view(message).substr(at);
+        const bool isField = after.starts_with('[') ||
+                             (begin == 0 ? after.starts_with(" is ")
+                                         : std::any_of(word.begin(), word.end(), isCapital));
         const std::string option =
             isField && !word.empty() ? optionOfField(command, word) : std::string();
         text += option.empty() ? word : option;

@@ -99,6 +99,16 @@ class Shapes(CliTest):
                          r"^espalier: vertices \d and \d of cell 0 of far.ovm would become")
         self.assertFalse((self.path / "m.vtu").exists())
 
+    def test_a_file_with_the_name_of_an_option_is_no_option(self):
+        self.run_program("shape", "box", "-o", "output.vtu")
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "a.vtu")
+        self.put("a.vtu", self.text("a.vtu").replace(
+            "<PointData>", '<PointData><DataArray type="Float64" Name="t" format="ascii">'
+                           "0 0 0 0 0 0 0 0</DataArray>"))
+        for inputs in [("a.vtu", "output.vtu"), ("output.vtu", "a.vtu")]:
+            self.assertEqual(self.error_of("shape", "merge", *inputs, "-o", "c.vtu"),
+                             "espalier: output.vtu lacks attribute 't', which a.vtu has\n")
+
     def test_a_merge_does_not_replace_an_input(self):
         self.run_program("shape", "box", "-o", "a.ovm")
         self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
