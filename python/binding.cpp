@@ -147,7 +147,8 @@ std::vector<Real> coordinatesOf(const std::vector<Point3>& positions) {
 
 constexpr osd::BufferDescriptor kXyz{0, 3, 3};
 
-/// Computes x + D · (p' − p), or D · p' if the points or the lattice at rest are not known.
+/// Computes x + D · (p' − p), or D · p' if the points or the lattice at rest are not known. Rounds
+/// p to Real before it subtracts, so that the lattice at rest in Real moves no point.
 template <class Real>
 void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::span<const Real> pose,
               std::span<Real> result) {
@@ -161,7 +162,7 @@ void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::spa
     std::vector<Real> displacements(pose.size());
     for (std::size_t v = 0; v < rest.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c)
-            displacements[3 * v + c] = static_cast<Real>(pose[3 * v + c] - rest[v][c]);
+            displacements[3 * v + c] = pose[3 * v + c] - static_cast<Real>(rest[v][c]);
     const auto& points = std::get<Lazy<std::vector<Real>>>(self.atRest).get([&] {
         return coordinatesOf<Real>(*self.points);
     });
@@ -264,7 +265,7 @@ at rest (version 1) gives D @ p'.
 
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
-An array of float32 is evaluated in float32, any other in float64.
+An array of float32 is evaluated in float32, with x and p rounded to float32; any other in float64.
 
 The first call compiles D (see CompiledTable); the compiled form is kept for later calls.
 )")
