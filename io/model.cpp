@@ -90,7 +90,7 @@ std::string Model::checkTarget(const std::filesystem::path& path) const {
                       ", the format of the model, because ", printable(path.extension().string()),
                       " is no known model format; known are ", knownExtensions());
     if (!format || format->extension() == extension()) return {};
-    return ModelConversion(*this, format->surfaces, path).losses();
+    return conversionTo(format->surfaces, path)->losses(path);
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
@@ -111,7 +111,20 @@ void Model::writeInFormat(const std::filesystem::path& path, std::span<const Poi
     if (!format || format->extension() == extension())
         writeChecked(path, moved, gradients);
     else
-        ModelConversion(*this, format->surfaces, path).write(moved, gradients);
+        conversionTo(format->surfaces, path)->write(path, moved, gradients);
+}
+
+std::shared_ptr<const ModelConversion> Model::conversionTo(
+    const SurfaceFormat& format, const std::filesystem::path& path) const {
+    {
+        const std::lock_guard lock(conversionMutex_);
+        if (conversion_ && conversion_->extension() == format.extension) return conversion_;
+    }
+    // Made without the lock, so that no thread waits. Several threads may make equal conversions.
+    auto made = std::make_shared<const ModelConversion>(*this, format, path);
+    const std::lock_guard lock(conversionMutex_);
+    conversion_ = made;
+    return made;
 }
 
 bool isModelFile(const std::filesystem::path& path) {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -64,6 +65,9 @@ struct ModelSurface {
     void addOther(const std::string& kind, const std::string& name = {});
 };
 
+class ModelConversion;
+struct SurfaceFormat;
+
 /// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
 enum class CoordinateStorage { Text, Float, Double, Integer };
 
@@ -86,6 +90,9 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 /// Directions at the points, that is normals and tangents, are kept as well, unless write() is
 /// given a deformation gradient per point. The headers obj.h, ply.h, vtu.h (readVtuModel) and
 /// vtk_legacy.h (readVtkLegacyModel) say which numbers of a file are directions.
+///
+/// The model keeps its converted surface, so that several poses in one other format convert it
+/// once.
 ///
 /// Models are immutable, and so safe to share between threads.
 class ESPALIER_API Model {
@@ -127,7 +134,9 @@ public:
     ///         ("/dev/stdout"), the model is written in its own format too, and there is no line
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason
-    /// \cost that of readSurface(), if the format is another one
+    /// \cost if the format is another one, the cost of readSurface() and of splitting faces;
+    /// nothing
+    ///       if the call before was for the same format. The model keeps the result in memory
     std::string checkTarget(const std::filesystem::path& path) const;
 
     /// Writes the model with new positions, one per point, in its own format or in the one that the
@@ -138,7 +147,7 @@ public:
     ///
     /// \throws Error unless there is one position for each of positions(), finite and not too large
     ///         for the format; FileError as checkTarget(), or if the file cannot be written
-    /// \cost one pass over the file; for another format also readSurface(), in each call
+    /// \cost one pass over the file; for another format also the cost of checkTarget()
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
     /// Writes the model as above, and carries the directions at each point by its gradient: normals
@@ -158,10 +167,17 @@ private:
     void writeInFormat(const std::filesystem::path& path, std::span<const Point3> positions,
                        std::span<const DeformationGradient> gradients) const;
 
+    /// Returns the conversion to another format. Keeps the last one for later calls.
+    std::shared_ptr<const ModelConversion> conversionTo(const SurfaceFormat& format,
+                                                        const std::filesystem::path& path) const;
+
     /// Writes the model in its own format.
     /// \param gradients one per point; or empty, and the directions stay
     virtual void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                               std::span<const DeformationGradient> gradients) const = 0;
+
+    mutable std::mutex conversionMutex_;
+    mutable std::shared_ptr<const ModelConversion> conversion_;
 };
 
 /// Returns true if the extension names a format of models, in upper or lower case.
