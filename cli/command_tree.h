@@ -30,8 +30,9 @@ std::vector<std::string> namesOf(const CLI::Option& option);
 const CLI::App& findCommand(const CLI::App& program, std::span<const std::string> words);
 
 /// Inserts the word -- after the numbers of each option that takes several numbers, so that the
-/// parser does not take an argument after them as one more number: `--cells 4 MODEL`.
-/// \param command the command that the words name, as findCommand() returns it
+/// parser does not take an argument after them as one more number: `--cells 4 MODEL`. The words
+/// that the option requires may be of any kind, as in `--select end +z LATTICE`. \param command the
+/// command that the words name, as findCommand() returns it
 void endNumbers(const CLI::App& command, std::vector<std::string>& words);
 
 /// Returns a script by which a shell completes commands, options and the words that options take,

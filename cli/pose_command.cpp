@@ -381,9 +381,11 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
             "half-space X Y Z NX NY NZ, a point of its plane and the normal into it; end +z, the "
             "last layer in a direction; vertices NUMBER...; attribute NAME, whose values from 0 to "
             "1 are the parts of the operation that the vertices get. Clears the four options below")
-        // Two words at least, so that the second one may begin with a minus.
+        // Two words at least, so that the second one may begin with a minus. All words that follow
+        // them are numbers, so endNumbers() ends them.
         ->type_size(2, kMany)
         ->expected(1)
+        ->allow_extra_args()
         ->type_name("KIND ...")
         ->delimiter(',')
         ->trigger_on_parse();
