@@ -110,16 +110,18 @@ std::optional<double> numberOf(const std::string& word) {
 
 CLI::Option* takeNumbers(CLI::Option* option, const std::string& names) {
     // The parser refuses too many numbers. The word -- ends the numbers: see endNumbers().
-    return option->delimiter(',')->check(isNumberOf(names))->type_name(names)->allow_extra_args();
+    return option->delimiter(',')
+        ->check(isNumberOf("the numbers " + names))
+        ->type_name(names)
+        ->allow_extra_args();
 }
 
-CLI::Validator isNumberOf(const std::string& names) {
+CLI::Validator isNumberOf(const std::string& words) {
     return CLI::Validator(
-        [names](std::string& text) {
-            return numberOf(text)
-                       ? std::string()
-                       : "expected the numbers " + names + ", with spaces or commas between, got " +
-                             (text.empty() ? "nothing" : text);
+        [words](std::string& text) {
+            return numberOf(text) ? std::string()
+                                  : "expected " + words + ", with spaces or commas between, got " +
+                                        (text.empty() ? "nothing" : text);
         },
         "");
 }

@@ -97,9 +97,9 @@ CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::st
 /// Returns the value of a word that is a number; nothing if the word is no number.
 std::optional<double> numberOf(const std::string& word);
 
-/// Returns a check that a word is a number. Its message has the names of all numbers of an option:
-/// "X Y Z".
-CLI::Validator isNumberOf(const std::string& names);
+/// Returns a check that a word is a number.
+/// \param words all words of the option, for the message: "the numbers X Y Z", "AXIS DEGREES"
+CLI::Validator isNumberOf(const std::string& words);
 
 /// Lets an option take several numbers, with spaces or commas between them.
 /// \param names the numbers in the help: "X Y Z"

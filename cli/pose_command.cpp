@@ -411,7 +411,7 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
                            })
         ->delimiter(',')
         ->check(CLI::Validator(isProfile).application_index(0))
-        ->check(isNumberOf("RADIUS").application_index(1))
+        ->check(isNumberOf("linear|smooth RADIUS").application_index(1))
         ->type_name("linear|smooth RADIUS");
     takeNumbers(
         addStep<Point3>(command, steps, "--center",

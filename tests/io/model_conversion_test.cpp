@@ -159,10 +159,12 @@ TEST(ModelConversion, NormalsThatHaveNoPlaceAreNamed) {
     EXPECT_FALSE(converted(*split, "b.ply", split->positions()).model->hasDirections());
     const auto shared = readModel("a.obj", points + "f 1//1 2//1 3//2\nf 3//3 2//1 4//2\n");
     EXPECT_EQ(shared->checkTarget("b.ply"), "");
-    for (const std::string faces : {"f 1//1 2//1 3\n", "f 1//1 2//1 3//4\n", "f 1 2 3\n", ""})
+    for (const std::string faces : {"f 1//1 2//1 3\n", "f 1//1 2//1 3//4\n", "f 1 2 3\n"})
         EXPECT_EQ(
             readModel("a.obj", points + faces)->checkTarget("b.vtp"),
             "b.vtp: the .obj has data that are not written: normals (some corners have none)");
+    EXPECT_EQ(readModel("a.obj", points)->checkTarget("b.vtp"),
+              "b.vtp: the .obj has data that are not written: normals (the model has no faces)");
     // Points without faces keep their normals where a format has normals of points.
     const std::string cloud =
         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
