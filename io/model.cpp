@@ -62,6 +62,12 @@ const ModelFormat& requireFormat(const std::filesystem::path& path) {
     throw FileError(path, "is not of a known model format; expected " + known);
 }
 
+/// Returns true for the number of a pose: ".0001".
+bool isNumber(const std::string& extension) {
+    return extension.size() > 1 &&
+           extension.find_first_not_of("0123456789", 1) == std::string::npos;
+}
+
 /// Throws unless there is one set of finite numbers per point.
 template <class Numbers>
 void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std::string& plural,
@@ -85,7 +91,7 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
 
 std::string Model::checkTarget(const std::filesystem::path& path) const {
     const ModelFormat* format = findModelFormat(path);
-    if (!format && path.has_extension())
+    if (!format && path.has_extension() && !isNumber(path.extension().string()))
         return concat(shownPath(path), ": is written as ", extension(),
                       ", the format of the model, because ", printable(path.extension().string()),
                       " is no known model format; known are ", knownExtensions());

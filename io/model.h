@@ -131,7 +131,8 @@ public:
     ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
     ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
     ///         that the model is written in its own format. For a name without extension
-    ///         ("/dev/stdout"), the model is written in its own format too, and there is no line
+    ///         ("/dev/stdout"), or with the number of a pose instead ("a.0001"), the model is
+    ///         written in its own format too, and there is no line
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason
     /// \cost if the format is another one, the cost of readSurface() and of splitting faces;

@@ -530,6 +530,13 @@ class Deform(CliTest):
             self.assert_close(self.read_points(names[0]), self.points, 1e-12)
             self.assert_close(self.read_points(names[1]), self.expected, 1e-12)
 
+    def test_a_number_is_no_format(self):
+        for pattern, poses, name in [("out.%04d", ["pose.vtk"], "out.0000"),
+                                     ("out", ["rest.vtu", "pose.vtk"], "out.0001")]:
+            result = self.deform("model.obj", "rest.vtu", *poses, "-n", 1, out=pattern)
+            self.assertEqual(result.stderr, "")
+            self.assertIn("\nv ", self.text(name))
+
     def test_numbered_outputs_that_are_one_file_are_refused(self):
         arguments = ["deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "pose.vtk",
                      "-n", 1, "-o", "out.obj"]

@@ -295,6 +295,10 @@ TEST(ModelConversion, OtherNamesKeepTheFormat) {
         model->checkTarget("b.gltf"),
         "b.gltf: is written as .obj, the format of the model, because .gltf is no known model "
         "format; known are .obj, .ply, .stl, .vtu, .vtp, .vtk");
+    // A number at the end names a pose, not a format.
+    for (const char* name : {"b.0001", "b.7"}) EXPECT_EQ(model->checkTarget(name), "");
+    EXPECT_NE(model->checkTarget("b."), "");
+    EXPECT_NE(model->checkTarget("b.7z"), "");
     const TemporaryFolder folder;
     model->write(folder / "b", model->positions());
     EXPECT_EQ(readFile(folder / "b"), kObj);
