@@ -298,6 +298,17 @@ std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model) {
     return std::vector<Point3>(points.begin(), points.end());
 }
 
+std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model,
+                                                const std::filesystem::path& path) {
+    try {
+        return pointsAtRest(model);
+    } catch (const MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        throw FileError(path, error.what());
+    }
+}
+
 void checkBoundModel(const BoundModel& model) {
     const StencilTable<double>& table = model.binding.table;
     const auto refuse = [&](const std::string& what, const std::string& got) {

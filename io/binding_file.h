@@ -102,6 +102,11 @@ ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path, std::s
 /// \throws Error if the model cannot be read, or has another number of points
 ESPALIER_API std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model);
 
+/// The same for a bound model from a file.
+/// \throws FileError that names the file instead of Error; MemoryError as readModel()
+ESPALIER_API std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model,
+                                                             const std::filesystem::path& path);
+
 /// \throws Error unless the gradients have the binding's points as rows and its lattice vertices as
 ///         columns, and the lattice at rest has these vertices and its faces name no others
 ESPALIER_API void checkBoundModel(const BoundModel& model);

@@ -90,11 +90,7 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
 BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
-    try {
-        result->points = io::pointsAtRest(result->bound);
-    } catch (const Error& error) {
-        throw io::FileError(path, error.what());
-    }
+    result->points = io::pointsAtRest(result->bound, path);
     return result;
 }
 
