@@ -551,6 +551,17 @@ ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* bin
 /// Reads a binding that espalier_binding_save() or `espalier bind` wrote. `espalier bind` also
 /// stores the file of the model, and for a binding to the limit the gradients, which move the
 /// normals of the model. A later espalier_binding_save() writes both again.
+///
+/// Reads the stored model too, for espalier_binding_rest() and espalier_binding_apply(), which move
+/// its points by displacements of the lattice.
+///
+/// \retval ESPALIER_ERROR_FILE the file cannot be read or is damaged (io/binding_file.h); the
+/// stored
+///         model cannot be read, or has another number of points than the binding
+/// \retval ESPALIER_ERROR_MEMORY the model takes more memory than the limit allows
+/// \cost O(size of the file), and one pass over the stored model. Keeps the binding, the file of
+/// the
+///       model and 24 bytes per point
 ESPALIER_C_API espalier_status espalier_binding_load(const char* path, espalier_binding** binding);
 
 /// Gives D: points × vertices of the lattice, which is also the Jacobian of the points by the
