@@ -107,6 +107,7 @@ ESPALIER_API std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& m
 ESPALIER_API std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model,
                                                              const std::filesystem::path& path);
 
+/// Checks that the parts of a bound model fit together, as writeBoundModel() does.
 /// \throws Error unless the gradients have the binding's points as rows and its lattice vertices as
 ///         columns, and the lattice at rest has these vertices and its faces name no others
 ESPALIER_API void checkBoundModel(const BoundModel& model);
