@@ -15,7 +15,8 @@ constexpr std::size_t kPage = std::size_t{2} << 20;
 void* allocateLargePages(std::size_t bytes) {
     void* const memory = ::operator new(bytes, std::align_val_t{kPage});
 #ifdef __linux__
-    // Only whole pages, since other arrays may share the last one. If it fails, pages are small.
+    // Only whole pages, because other arrays may share the last page. If the call fails, the pages
+    // are small, which is slower but correct.
     ::madvise(memory, bytes / kPage * kPage, MADV_HUGEPAGE);
 #endif
     return memory;

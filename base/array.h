@@ -10,14 +10,15 @@
 
 namespace espalier {
 
-/// Arrays of this size and more are allocated by allocateLargePages().
+/// Arrays of this number of bytes and more are allocated by allocateLargePages().
 inline constexpr std::size_t kLargeArray = std::size_t{4} << 20;
 
 /// Allocates memory that the system may hold in large pages. Writing to fresh memory is up to three
-/// times as fast, because the system is asked for 2 MB at a time instead of 4 kB. Where the system
-/// has no large pages, this is operator new.
+/// times as fast, because the system gives 2 MB at a time instead of 4 kB. Where the system has no
+/// large pages, the memory has pages of the usual size. The memory begins at a multiple of 2 MB.
 /// \throws std::bad_alloc
 ESPALIER_API void* allocateLargePages(std::size_t bytes);
+/// Frees memory that allocateLargePages() returned.
 ESPALIER_API void freeLargePages(void* memory);
 
 /// An allocator that leaves new elements uninitialized unless they are given a value.

@@ -7,7 +7,7 @@
 
 namespace espalier {
 
-/// A division of the numbers 0 to n − 1 into sets. At first each number is a set of its own.
+/// Divides the numbers 0 to n − 1 into sets. At first each number is a set of its own.
 ///
 /// Each set is a tree: a number points to its parent, and the root represents the set. Searches
 /// halve the paths that they follow.
@@ -17,7 +17,8 @@ public:
         std::iota(parents_.begin(), parents_.end(), std::size_t{0});
     }
 
-    /// Returns the number that represents the set of `item`, until a set is joined to this one.
+    /// Returns the number that represents the set of `item`. Another number may represent the set
+    /// after a call of join().
     std::size_t rootOf(std::size_t item) {
         while (parents_[item] != item) item = parents_[item] = parents_[parents_[item]];
         return item;

@@ -21,8 +21,8 @@
 
 // Multiplies a table by xyz values with our evaluators, OpenSubdiv's and Eigen's, on the same
 // arrays. Benchmarks are named apply/WORKLOAD/REAL/COMPONENTS/WHO. Each result is compared with our
-// plain evaluator's before it is timed. Those named addend/WORKLOAD/REAL/COMPONENTS/FORM WAY add
-// points.
+// plain evaluator's before it is timed. Benchmarks named addend/WORKLOAD/REAL/COMPONENTS/FORM WAY
+// add points to the results.
 namespace espalier {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 
+#include <cstring>
 #include <utility>
 
 #include "handles.h"
@@ -128,13 +129,7 @@ espalier_status espalier_binding_save(const espalier_binding* binding, const cha
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
     return c::result(binding, "binding", [&] {
         espalier_binding::Data data{io::readBoundModel(&c::deref(path, "path"))};
-        try {
-            data.points = io::pointsAtRest(data.model);
-        } catch (const MemoryError&) {
-            throw;
-        } catch (const Error& error) {
-            throw io::FileError(path, error.what());
-        }
+        data.points = io::pointsAtRest(data.model, path);
         return c::newBinding(std::move(data));
     });
 }

@@ -544,8 +544,8 @@ ESPALIER_C_API espalier_status espalier_binding_create_tensor(const espalier_lat
 ESPALIER_C_API void espalier_binding_destroy(espalier_binding* binding);
 
 /// Writes a binding without loss (.espb, io/binding_file.h), for espalier_binding_load() and for
-/// `espalier apply`. A binding that was made here stores its points as a model points.obj. An
-/// existing file is replaced only after everything has been written.
+/// `espalier apply`. If the binding was not loaded with a model, the file stores the points as a
+/// model points.obj. An existing file is replaced only after everything has been written.
 /// \retval ESPALIER_ERROR_INPUT a point is not finite
 ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* binding,
                                                      const char* path);
@@ -553,6 +553,17 @@ ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* bin
 /// Reads a binding that espalier_binding_save() or `espalier bind` wrote. `espalier bind` also
 /// stores the file of the model, and for a binding to the limit the gradients, which move the
 /// normals of the model. A later espalier_binding_save() writes both again.
+///
+/// Reads the stored model too, for espalier_binding_rest() and espalier_binding_apply(), which move
+/// its points by displacements of the lattice.
+///
+/// \retval ESPALIER_ERROR_FILE the file cannot be read or is damaged (io/binding_file.h); the
+/// stored
+///         model cannot be read, or has another number of points than the binding
+/// \retval ESPALIER_ERROR_MEMORY the model takes more memory than the limit allows
+/// \cost O(size of the file), and one pass over the stored model. Keeps the binding, the file of
+/// the
+///       model and 24 bytes per point
 ESPALIER_C_API espalier_status espalier_binding_load(const char* path, espalier_binding** binding);
 
 /// Gives D: points × vertices of the lattice, which is also the Jacobian of the points by the
@@ -584,9 +595,8 @@ ESPALIER_C_API espalier_status espalier_binding_kept(const espalier_binding* bin
 
 /// Gives the positions of the lattice and of the points at rest: 3 · *vertex_count and 3 ·
 /// *point_count numbers.
-/// \retval ESPALIER_ERROR_INPUT the binding was read from a file that does not have both: of
-/// version
-///         1, or without a model
+/// \retval ESPALIER_ERROR_INPUT the binding was loaded from a file of version 1 or without a model,
+///         which lacks one of the two
 ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* binding,
                                                      int32_t* vertex_count, const double** vertices,
                                                      int32_t* point_count, const double** points);
@@ -706,11 +716,11 @@ ESPALIER_C_API espalier_status espalier_evaluator_f32_evaluate(
     espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
     espalier_workspace* workspace);
 
-/// Does the same, and adds `addend` to the results: component c of row i gets component c mod
-/// addend_layout.length of entry i (osd::Addend). With the displacements of the lattice as the
-/// source and the points at rest as the addend, the results are x + D · (p' − p): see
-/// espalier_binding_apply(). They need no espalier_binding_put_kept_f64(), and in float the error
-/// is smaller.
+/// Evaluates a range of rows as above, and adds `addend` to the results: component c of row i gets
+/// component c mod addend_layout.length of entry i (osd::Addend). With the displacements of the
+/// lattice as the source and the points at rest as the addend, the results are x + D · (p' − p):
+/// see espalier_binding_apply(). Then espalier_binding_put_kept_f64() is not needed, and in float
+/// the error is smaller.
 ///
 /// \param addend one entry for each row; its length divides the length of the destination. Must not
 ///        overlap the destination
@@ -763,7 +773,8 @@ ESPALIER_C_API espalier_status espalier_change_evaluator_f32_evaluate(
     espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
     espalier_workspace* workspace);
 
-/// Does the same, and adds `addend` to the results, as espalier_evaluator_f64_evaluate_and_add().
+/// Evaluates the changed rows as above, and adds `addend` to their results, as
+/// espalier_evaluator_f64_evaluate_and_add() does.
 ESPALIER_C_API espalier_status espalier_change_evaluator_f64_evaluate_and_add(
     const espalier_change_evaluator_f64* changes, const double* source, int64_t source_size,
     espalier_buffer_layout source_layout, const double* addend, int64_t addend_size,

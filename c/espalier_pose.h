@@ -36,7 +36,8 @@ enum {
     ESPALIER_FALLOFF_SMOOTH = 1   ///< 1 − 3u² + 2u³
 };
 
-/// The decrease of weights outside of a selection. Functions accept null: all weights are 0 or 1.
+/// The decrease of weights outside a selected region. Functions accept null for it: then all
+/// weights are 0 or 1.
 typedef struct espalier_falloff {
     int32_t profile;  ///< ESPALIER_FALLOFF_...
     double radius;    ///< at and beyond this distance the weights are 0; 0 or more
@@ -73,8 +74,9 @@ ESPALIER_C_API espalier_status espalier_select_end(int32_t vertex_count, const d
                                                    const espalier_falloff* falloff,
                                                    double* weights);
 
-/// Selects positions by number. The falloff measures the distance from the nearest of them.
-/// \param number_count, numbers 0 or more, below vertex_count; repeated numbers count once
+/// Selects positions by number. The falloff uses the distance from the nearest selected position.
+/// \param number_count 0 or more
+/// \param numbers 0 to vertex_count − 1; repeated numbers count once
 /// \cost O(vertex_count); with a falloff O(vertex_count · number_count)
 ESPALIER_C_API espalier_status espalier_select_numbers(int32_t vertex_count,
                                                        const double* positions,
@@ -88,16 +90,20 @@ ESPALIER_C_API espalier_status espalier_select_numbers(int32_t vertex_count,
 /// espalier_default_pose_options(): later versions may add fields, and `size` tells the library
 /// which fields exist. Operations ignore fields that they do not need.
 typedef struct espalier_pose_options {
-    size_t size;            ///< sizeof(espalier_pose_options)
-    const double* weights;  ///< vertex_count numbers, 0 to 1: the part of the operation that each
-                            ///< position gets; where it is 0, the position stays bit for bit;
-                            ///< default null: 1 for all
-    const double*
-        center;  ///< x, y, z: a point on the axis, or the fixed point of a scaling; default
-                 ///< null: the middle of the box around the positions with a weight above 0
-    const double* range;  ///< two ascending coordinates along the axis, in the direction of the
-                          ///< axis, between which twist, bend and taper grow from nothing to all;
-                          ///< default null: the interval of the positions with a weight above 0
+    size_t size;  ///< sizeof(espalier_pose_options)
+
+    /// vertex_count numbers, 0 to 1: the part of the operation that each position gets. A position
+    /// with weight 0 stays bit for bit. Default null: 1 for all.
+    const double* weights;
+
+    /// x, y, z: a point on the axis, or the fixed point of a scaling. Default null: the middle of
+    /// the box around the positions with a weight above 0.
+    const double* center;
+
+    /// Two coordinates along the unit vector of the axis, the second above the first. Twist, bend
+    /// and taper grow from nothing to all between them. Default null: the interval of the positions
+    /// with a weight above 0.
+    const double* range;
 } espalier_pose_options;
 
 static inline espalier_pose_options espalier_default_pose_options(void) {
@@ -109,7 +115,7 @@ static inline espalier_pose_options espalier_default_pose_options(void) {
     return options;
 }
 
-/// Adds weight · offset.
+/// Moves by weight · offset.
 /// \param options null for the defaults
 /// \param pose receives 3 · vertex_count numbers; may be the same array as `positions`
 /// \cost O(vertex_count)
@@ -157,19 +163,18 @@ ESPALIER_C_API espalier_status espalier_pose_taper(int32_t vertex_count, const d
 // ---- Files ----------------------------------------------------------------------------------
 
 /// Writes a lattice as a cage for mesh editors: an .obj or .ply with the vertices in their order,
-/// all digits, and every face, interior ones too.
+/// with all digits, and with every face, also interior faces.
+/// \retval ESPALIER_ERROR_FILE the file cannot be written, or has another extension
 ESPALIER_C_API espalier_status espalier_lattice_write_cage(const espalier_lattice* lattice,
                                                            const char* path);
 
 /// Reads a pose of a lattice: a lattice file (.ovm, .vtu, .vtk) with the same cells on the same
-/// vertex numbers, or a cage (.obj, .ply) with one point per vertex and no other faces than those
-/// of the lattice.
+/// vertex numbers, or a cage (.obj, .ply) with one point per vertex and only faces of the lattice.
 ///
 /// \param vertex_count number of vertices of the lattice
 /// \param pose receives 3 · vertex_count numbers
 /// \retval ESPALIER_ERROR_FILE the file cannot be read, or is not a pose of this lattice; the
-/// message
-///         has the first difference
+///         message names the first difference
 ESPALIER_C_API espalier_status espalier_lattice_read_pose(const espalier_lattice* lattice,
                                                           const char* path, int32_t vertex_count,
                                                           double* pose);

@@ -4,6 +4,7 @@
 #include <espalier/shapes/selection.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "espalier_pose.h"
 #include "handles.h"

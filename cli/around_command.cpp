@@ -144,8 +144,8 @@ void addAroundCommand(CLI::App& shape) {
         ->expected(1, 1000);
     CLI::Option* const cells =
         addNumbers(command, "--cells", options.cells, "N|I J K",
-                   "One number: cells along the longest side, and as many along the others as make "
-                   "them closest to cubes. Three numbers: cells along x, y and z")
+                   "One number: cells along the longest side; the other sides get the numbers that "
+                   "make the cells closest to cubes. Three numbers: cells along x, y and z")
             ->expected(1, 3)
             ->default_str("4");
     command

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-// The commands and options of the program, and the texts that are made of them: the manual page,
+// The commands and options of the program, and the texts that follow from them: the manual page,
 // the completion of shells, suggestions for misspelt words.
 namespace espalier::cli {
 
@@ -23,19 +23,20 @@ std::vector<const CLI::Option*> optionsOf(const CLI::App& command);
 std::vector<std::string> namesOf(const CLI::Option& option);
 
 /// Returns the command that the words of a command line name: `espalier shape box` for "shape",
-/// "box", "--cells" ..., and the program for none. To be called before the words are parsed, since
-/// the parser reports a missing option before an unknown one.
-/// \throws CLI::ValidationError naming the first word that should be a command or an option and is
-///         none, and the nearest name
+/// "box", "--cells" ...; the program if they name no command. Call this before the words are
+/// parsed, because the parser reports a missing option before an unknown one.
+/// \throws CLI::ValidationError naming the first word that is no known command or option where one
+///         is expected, and the nearest name
 const CLI::App& findCommand(const CLI::App& program, std::span<const std::string> words);
 
-/// Writes the word -- behind the numbers of each option that takes several, so that the parser does
-/// not take the argument that follows them for one more: `--cells 4 MODEL`.
-/// \param command the command that the words name, as findCommand() returns it
+/// Inserts the word -- after the numbers of each option that takes several numbers, so that the
+/// parser does not take an argument after them as one more number: `--cells 4 MODEL`. The words
+/// that the option requires may be of any kind, as in `--select end +z LATTICE`. \param command the
+/// command that the words name, as findCommand() returns it
 void endNumbers(const CLI::App& command, std::vector<std::string>& words);
 
-/// Returns a script by which a shell completes commands, options and the words that options take;
-/// names of files everywhere else.
+/// Returns a script by which a shell completes commands, options and the words that options take,
+/// and names of files everywhere else.
 /// \param shell "bash", for a file that bash sources; or "zsh", for a file _espalier in its $fpath
 /// \throws CLI::ValidationError for another shell
 std::string completionScript(const CLI::App& program, const std::string& shell);

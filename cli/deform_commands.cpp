@@ -59,8 +59,8 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     return paths;
 }
 
-/// Refuses an output that the model cannot be written to, and prints to standard error what a file
-/// in another format lacks. To be called between stages.
+/// Throws if the model cannot be written to the output. Names the data that an output in another
+/// format lacks on standard error. Call this between stages.
 void checkTarget(const io::Model& model, const std::filesystem::path& output) {
     if (const std::string losses = model.checkTarget(output); !losses.empty())
         printError(losses.c_str());

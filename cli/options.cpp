@@ -109,17 +109,19 @@ std::optional<double> numberOf(const std::string& word) {
 }
 
 CLI::Option* takeNumbers(CLI::Option* option, const std::string& names) {
-    // The parser refuses too many numbers. The word -- ends them: see endNumbers().
-    return option->delimiter(',')->check(isNumberOf(names))->type_name(names)->allow_extra_args();
+    // The parser refuses too many numbers. The word -- ends the numbers: see endNumbers().
+    return option->delimiter(',')
+        ->check(isNumberOf("the numbers " + names))
+        ->type_name(names)
+        ->allow_extra_args();
 }
 
-CLI::Validator isNumberOf(const std::string& names) {
+CLI::Validator isNumberOf(const std::string& words) {
     return CLI::Validator(
-        [names](std::string& text) {
-            return numberOf(text)
-                       ? std::string()
-                       : "expected the numbers " + names + ", with spaces or commas between, got " +
-                             (text.empty() ? "nothing" : text);
+        [words](std::string& text) {
+            return numberOf(text) ? std::string()
+                                  : "expected " + words + ", with spaces or commas between, got " +
+                                        (text.empty() ? "nothing" : text);
         },
         "");
 }
@@ -135,7 +137,7 @@ bool isCapital(char c) {
 
 /// Returns the option of a command that sets a field of a C++ struct: "--minor-radius" for
 /// "minorRadius". The option may have some of the words only: "--grid" for "gridCells", "--size"
-/// for "cellSize", "--joint" for "joints". Empty if there is none.
+/// for "cellSize", "--joint" for "joints". Empty if there is no such option.
 std::string optionOfField(const CLI::App& command, std::string_view field) {
     std::vector<std::string> words(1);
     for (const char c : field) {
@@ -172,9 +174,12 @@ void throwWithNamesOfOptions(const CLI::App& command, const Error& error) {
         const std::size_t begin = at;
         while (at < message.size() && isLetter(message[at])) ++at;
         const std::string word = message.substr(begin, at - begin);
-        // The first word is a field. Elsewhere, fields have capitals or an index.
-        const bool isField = begin == 0 || (at < message.size() && message[at] == '[') ||
-                             std::any_of(word.begin(), word.end(), isCapital);
+        // "minorRadius is 3": the first word is a field, unless it begins the name of a file
+        // ("output.vtu lacks ..."). Elsewhere, fields have capitals or an index.
+        const std::string_view after = std::string_view(message).substr(at);
+        const bool isField = after.starts_with('[') ||
+                             (begin == 0 ? after.starts_with(" is ")
+                                         : std::any_of(word.begin(), word.end(), isCapital));
         const std::string option =
             isField && !word.empty() ? optionOfField(command, word) : std::string();
         text += option.empty() ? word : option;

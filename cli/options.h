@@ -101,12 +101,12 @@ void addRunOptions(CLI::App& command, CommonOptions& options);
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name = "-o,--output");
 
-/// Returns the number that a word is; nothing if it is none.
+/// Returns the value of a word that is a number; nothing if the word is no number.
 std::optional<double> numberOf(const std::string& word);
 
-/// Returns a check that a word is a number. Its message has the names of all numbers of an option:
-/// "X Y Z".
-CLI::Validator isNumberOf(const std::string& names);
+/// Returns a check that a word is a number.
+/// \param words all words of the option, for the message: "the numbers X Y Z", "AXIS DEGREES"
+CLI::Validator isNumberOf(const std::string& words);
 
 /// Lets an option take several numbers, with spaces or commas between them.
 /// \param names the numbers in the help: "X Y Z"
@@ -122,7 +122,7 @@ CLI::Option* addNumbers(CLI::App& command, const std::string& name, Value& value
     return takeNumbers(command.add_option(name, value, help), names);
 }
 
-/// Throws what withNamesOfOptions() throws in place of an error.
+/// Throws the exception that withNamesOfOptions() throws in place of `error`.
 [[noreturn]] void throwWithNamesOfOptions(const CLI::App& command, const Error& error);
 
 /// Returns the message of a library without the name of the function at its start: "angle is nan"
@@ -131,8 +131,8 @@ std::string withoutFunction(const std::string& message);
 
 /// Calls a function of a library whose arguments are the options of a command.
 /// \throws CLI::ValidationError in place of an Error that names such an argument, with the names of
-///         the options: "torus: minorRadius is 3" becomes "--minor-radius is 3"; other errors as
-///         they are, but without the name of the function
+///         the options: "torus: minorRadius is 3" becomes "--minor-radius is 3"; Error in place of
+///         another Error, with the same message but without the name of the function
 template <class Call>
 auto withNamesOfOptions(const CLI::App& command, const Call& call) {
     try {

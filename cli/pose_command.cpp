@@ -32,7 +32,8 @@ constexpr const char* kSelect = "--select";
 
 class Posing;
 
-/// An option of an operation, of a selection or of a place, and its effect. Their order matters.
+/// An option that selects vertices, sets a place or runs an operation, and its effect. Steps run in
+/// the order of the options.
 struct Step {
     std::string option;
     std::function<void(Posing&)> run;
@@ -195,7 +196,8 @@ public:
 
     const std::vector<Point3>& positions() const { return positions_; }
 
-    /// Selects vertices, or all of them. Clears falloff, centre, range and direction.
+    /// Selects the vertices of `selection`; all vertices without one. Clears falloff, centre, range
+    /// and direction.
     /// \throws CLI::ValidationError if no vertex is selected
     void select(std::optional<Selection> selection) {
         selection_ = std::move(selection);
@@ -345,7 +347,8 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
         "FACTOR|X Y Z")
         ->expected(1, 3);
     addAlongAxis(
-        command, steps, "--twist", "DEGREES", "Rotate about an axis, the more the farther along it",
+        command, steps, "--twist", "DEGREES",
+        "Rotate about an axis, by an angle that grows from 0 along the axis",
         [](const auto& positions, const Point3& axis, double degrees, const auto& place,
            const Posing&) { return pose::twist(positions, axis, radians(degrees), place); });
     addAlongAxis(command, steps, "--bend", "DEGREES", "Bend the axis into an arc of a circle",
@@ -378,9 +381,11 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
             "half-space X Y Z NX NY NZ, a point of its plane and the normal into it; end +z, the "
             "last layer in a direction; vertices NUMBER...; attribute NAME, whose values from 0 to "
             "1 are the parts of the operation that the vertices get. Clears the four options below")
-        // Two words at least, so that the second one may begin with a minus.
+        // Two words at least, so that the second one may begin with a minus. All words that follow
+        // them are numbers, so endNumbers() ends them.
         ->type_size(2, kMany)
         ->expected(1)
+        ->allow_extra_args()
         ->type_name("KIND ...")
         ->delimiter(',')
         ->trigger_on_parse();
@@ -406,7 +411,7 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
                            })
         ->delimiter(',')
         ->check(CLI::Validator(isProfile).application_index(0))
-        ->check(isNumberOf("RADIUS").application_index(1))
+        ->check(isNumberOf("linear|smooth RADIUS").application_index(1))
         ->type_name("linear|smooth RADIUS");
     takeNumbers(
         addStep<Point3>(command, steps, "--center",
@@ -418,7 +423,7 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
     takeNumbers(
         addStep<Range>(command, steps, "--range",
                        "Coordinates along the axis between which twist, bend and taper grow "
-                       "from nothing to all; by default, those of the selected vertices",
+                       "from nothing to all; by default, the interval of the selected vertices",
                        [](Posing& posing, const Range& range) { posing.range = range; }),
         "FROM TO");
     addStep<std::string>(

@@ -84,20 +84,20 @@ bool isOption(const std::string& word) {
            std::string_view("0123456789.").find(word[1]) == std::string_view::npos;
 }
 
-/// Returns the index of the last word that an option takes in any case: the values that it must
-/// have follow it, also if they begin as options do.
+/// Returns the index of the last word that an option requires. The words after an option are its
+/// values, also if they begin as options do.
 /// \param at the index of the option in the words
 std::size_t lastRequired(const CLI::Option& option, std::span<const std::string> words,
                          std::size_t at) {
     const std::string& word = words[at];
     const bool isValueInWord =
         word.find('=') != std::string::npos || (word[1] != '-' && word.size() > 2);
-    auto values = option.get_items_expected_min() - (isValueInWord ? 1 : 0);
-    for (; values > 0 && at + 1 < words.size(); --values) {
-        ++at;
-        if (option.get_delimiter() != '\0')
-            values -= static_cast<int>(std::ranges::count(words[at], option.get_delimiter()));
-    }
+    const auto valuesIn = [&](const std::string& text) {
+        const char delimiter = option.get_delimiter();
+        return 1 + (delimiter == '\0' ? 0 : static_cast<int>(std::ranges::count(text, delimiter)));
+    };
+    int values = option.get_items_expected_min() - (isValueInWord ? valuesIn(word) : 0);
+    while (values > 0 && at + 1 < words.size()) values -= valuesIn(words[++at]);
     return at;
 }
 
@@ -130,7 +130,6 @@ void endNumbers(const CLI::App& command, std::vector<std::string>& words) {
         i = lastRequired(option, words, i);
         const char delimiter = option.get_delimiter();
         if (delimiter == '\0' || !option.get_allow_extra_args()) continue;
-        if (!isNumbers(words[i], delimiter)) continue;
         while (i + 1 < words.size() && isNumbers(words[i + 1], delimiter)) ++i;
         if (i + 1 < words.size() && !isOption(words[i + 1]))
             words.insert(words.begin() + static_cast<std::ptrdiff_t>(++i), "--");

@@ -51,7 +51,8 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     return rows;
 }
 
-/// Where each row begins in the values of rows: offsets, or one length of all rows.
+/// The starts of rows in the values of compressed rows. They are stored as offsets, or as one
+/// length of all rows.
 class ESPALIER_API RowStarts {
 public:
     RowStarts() = default;
@@ -61,6 +62,7 @@ public:
         : rowCount_(static_cast<Index>(offsets.size() - 1)), offsets_(std::move(offsets)) {}
 
     /// Makes rows of the same length, without storing offsets.
+    /// \param length 1 or more
     RowStarts(Index rowCount, Index length) : rowCount_(rowCount), length_(length) {}
 
     /// Makes rows of these lengths; without offsets if they are all equal and not 0.

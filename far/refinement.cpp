@@ -80,7 +80,7 @@ private:
         const auto faceNamed = [&](Index point) {
             return point == loops[0][2] ? 0 : point == loops[1][2] ? 1 : 2;
         };
-        std::array<Index, 3> rank;                   // of f_i among the faces
+        std::array<Index, 3> rank;                   // rank of the point of f_i among the three
         std::array<std::array<Index, 3>, 3> edgeOf;  // [i][j] is the place of [e_j, f_i]
         const auto set = [&](std::size_t face, const std::array<Index, 4>& vertices,
                              const std::array<Index, 4>& edges) {
@@ -340,7 +340,7 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
         const std::int8_t* const faceEdgeSigns = parent_.boundary(2).signs().data();
         const RowStarts::View rowStarts = starts;
         CornerPlaces places(parent_);
-        std::vector<Offset> next;  // where the row of each [v,c] continues; −1 if it is not kept
+        std::vector<Offset> next;  // place of the next value of each row [v,c]; −1 if not kept
         std::vector<EdgeOfCell> edges;
         for (Offset c = firstCell; c < lastCell; ++c) {
             const auto cell = static_cast<Index>(c);

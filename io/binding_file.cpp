@@ -162,27 +162,6 @@ ModelFaces readLatticeFaces(const Sizes& sizes, ByteInput& in) {
     return faces;
 }
 
-/// \throws Error unless the gradients have the binding's points as rows and its lattice vertices as
-///         columns, and the lattice at rest has these vertices and its faces name no others
-void checkShape(const BoundModel& model) {
-    const StencilTable<double>& table = model.binding.table;
-    const auto refuse = [&](const std::string& what, const std::string& got) {
-        throw Error(concat("a bound model of ", table.rowCount(), " points and ",
-                           table.columnCount(), " lattice vertices has ", what, " of ", got));
-    };
-    if (model.gradients)
-        for (const auto& each : model.gradients->tables)
-            if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
-                refuse("gradients",
-                       concat(each.rowCount(), " points and ", each.columnCount(), " vertices"));
-    const bool needsRest = model.gradients || model.faces.count() > 0 || !model.rest.empty();
-    if (needsRest && std::ssize(model.rest) != table.columnCount())
-        refuse("a lattice at rest", concat(model.rest.size(), " vertices"));
-    for (const Index corner : model.faces.corners)
-        if (corner < 0 || corner >= table.columnCount())
-            refuse("a face", concat("vertex ", corner));
-}
-
 void write(ByteOutput& out, const std::vector<Point3>& points) {
     for (const Point3& point : points) out.numbers(std::span<const double>(point));
 }
@@ -257,7 +236,7 @@ std::uint32_t versionOf(const BoundModel& model) {
 void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
                      std::span<const Point3> points) {
     const StencilTable<double>& table = model.binding.table;
-    checkShape(model);
+    checkBoundModel(model);
     if (!points.empty() && std::ssize(points) != table.rowCount())
         throw Error(concat("a bound model of ", table.rowCount(), " points is to be written with ",
                            points.size(), " points at rest"));
@@ -317,6 +296,36 @@ std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model) {
     if (std::ssize(points) != count)
         throw Error(concat("binds ", count, " points, but its model has ", points.size()));
     return std::vector<Point3>(points.begin(), points.end());
+}
+
+std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model,
+                                                const std::filesystem::path& path) {
+    try {
+        return pointsAtRest(model);
+    } catch (const MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+void checkBoundModel(const BoundModel& model) {
+    const StencilTable<double>& table = model.binding.table;
+    const auto refuse = [&](const std::string& what, const std::string& got) {
+        throw Error(concat("a bound model of ", table.rowCount(), " points and ",
+                           table.columnCount(), " lattice vertices has ", what, " of ", got));
+    };
+    if (model.gradients)
+        for (const auto& each : model.gradients->tables)
+            if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
+                refuse("gradients",
+                       concat(each.rowCount(), " points and ", each.columnCount(), " vertices"));
+    const bool needsRest = model.gradients || model.faces.count() > 0 || !model.rest.empty();
+    if (needsRest && std::ssize(model.rest) != table.columnCount())
+        refuse("a lattice at rest", concat(model.rest.size(), " vertices"));
+    for (const Index corner : model.faces.corners)
+        if (corner < 0 || corner >= table.columnCount())
+            refuse("a face", concat("vertex ", corner));
 }
 
 }  // namespace espalier::io

@@ -46,8 +46,8 @@ struct BoundModel {
     /// they are not known, as in files of version 1.
     std::vector<Point3> rest = {};
 
-    /// The faces of the lattice, with which those of a cage are compared (pose_file.h). Empty if
-    /// they are not known, as in files of versions 1 to 3.
+    /// The faces of the lattice. readPose() compares the faces of a cage with them (pose_file.h).
+    /// Empty if they are not known, as in files of versions 1 to 3.
     ModelFaces faces = {};
 };
 
@@ -76,12 +76,13 @@ struct BoundModel {
 ///     bytes     the model's name; the model
 ///     u32       CRC-32 (zlib's) of all bytes before it
 ///
-/// \param points if the bound model has no file of a model, these points at rest are stored as a
-///        model points.obj, so that `espalier apply` can write them; none: the file has no model
+/// \param points the points at rest, or none. If the bound model has no file of a model, they are
+///        stored as a model points.obj, so that `espalier apply` can write them; else they are
+///        ignored
 /// \throws Error if the gradients, the lattice at rest or its faces do not have the shape of the
-///         binding, or if there are gradients or faces and no lattice at rest; if the points are
-///         neither none nor one per row, or one is not finite; FileError if the file cannot be
-///         written
+///         binding; if there are gradients or faces but no lattice at rest; if there are points,
+///         but not one per row; if a point that is to be stored is not finite; FileError if the
+///         file cannot be written
 ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
                                   std::span<const Point3> points = {});
 
@@ -96,8 +97,19 @@ ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path);
 /// \param bytes the whole file
 ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path, std::string_view bytes);
 
-/// Returns the points of the model at rest, one per row; nothing if there is no file of a model.
+/// Returns the points of the model at rest, one per row; nothing if the bound model has rows but no
+/// file of a model.
 /// \throws Error if the model cannot be read, or has another number of points
 ESPALIER_API std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model);
+
+/// The same for a bound model from a file.
+/// \throws FileError that names the file instead of Error; MemoryError as readModel()
+ESPALIER_API std::optional<std::vector<Point3>> pointsAtRest(const BoundModel& model,
+                                                             const std::filesystem::path& path);
+
+/// Checks that the parts of a bound model fit together, as writeBoundModel() does.
+/// \throws Error unless the gradients have the binding's points as rows and its lattice vertices as
+///         columns, and the lattice at rest has these vertices and its faces name no others
+ESPALIER_API void checkBoundModel(const BoundModel& model);
 
 }  // namespace espalier::io

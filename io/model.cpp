@@ -119,6 +119,12 @@ const ModelFormat& requireFormat(const std::filesystem::path& path) {
                               " or an OpenFOAM case");
 }
 
+/// Returns true for the number of a pose: ".0001".
+bool isNumber(const std::string& extension) {
+    return extension.size() > 1 &&
+           extension.find_first_not_of("0123456789", 1) == std::string::npos;
+}
+
 /// Throws unless there is one set of finite numbers per point.
 template <class Numbers>
 void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std::string& plural,
@@ -151,10 +157,11 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
 std::string Model::checkTarget(const std::filesystem::path& name) const {
     const std::filesystem::path path = modelTarget(name);
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
-        return ModelConversion(*this, *surfaces, path).losses();
-    if (extension() != kFoamPoints && !findModelFormat(path) && path.has_extension())
+        return conversionTo(*surfaces, path)->losses(path);
+    const std::string word = path.extension().string();
+    if (extension() != kFoamPoints && !findModelFormat(path) && !word.empty() && !isNumber(word))
         return concat(shownPath(path), ": is written as ", extension(),
-                      ", the format of the model, because ", printable(path.extension().string()),
+                      ", the format of the model, because ", printable(word),
                       " is no known model format; known are ", extensionsOf(true));
     return {};
 }
@@ -176,8 +183,22 @@ void Model::write(const std::filesystem::path& path, std::span<const Point3> mov
 void Model::writeInFormat(const std::filesystem::path& path, std::span<const Point3> moved,
                           std::span<const DeformationGradient> gradients) const {
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
-        return ModelConversion(*this, *surfaces, path).write(moved, gradients);
-    writeChecked(path, moved, gradients);
+        conversionTo(*surfaces, path)->write(path, moved, gradients);
+    else
+        writeChecked(path, moved, gradients);
+}
+
+std::shared_ptr<const ModelConversion> Model::conversionTo(
+    const SurfaceFormat& format, const std::filesystem::path& path) const {
+    {
+        const std::lock_guard lock(conversionMutex_);
+        if (conversion_ && conversion_->extension() == format.extension) return conversion_;
+    }
+    // Made without the lock, so that no thread waits. Several threads may make equal conversions.
+    auto made = std::make_shared<const ModelConversion>(*this, format, path);
+    const std::lock_guard lock(conversionMutex_);
+    conversion_ = made;
+    return made;
 }
 
 void addModelFormat(std::string_view extension, ModelReader read) {

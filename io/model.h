@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -61,7 +62,7 @@ struct ModelSurface {
     /// Per corner of the faces: the number of its normal. Empty if the normals are one per point.
     std::vector<Index> normalCorners;
 
-    /// True if each point in no face repeats a point of a face, as in an STL.
+    /// True if each point that is in no face repeats a point of a face, as in an STL.
     bool repeatsPoints = false;
 
     std::vector<OtherData> others;
@@ -75,6 +76,9 @@ struct ModelSurface {
     void addOther(const std::string& kind, const std::string& name = {});
 };
 
+class ModelConversion;
+struct SurfaceFormat;
+
 /// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
 enum class CoordinateStorage { Text, Float, Double, Integer };
 
@@ -83,7 +87,7 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 ///
 /// write() to a file with the extension of another model format converts the model: it writes the
 /// points, the faces and, where both formats have them, the normals of the points or corners.
-/// checkTarget() tells what the new file lacks.
+/// checkTarget() names the data that the new file lacks.
 ///
 ///     .obj               faces of any size; normals per corner
 ///     .ply               ASCII, coordinates of type double; normals per point
@@ -97,6 +101,9 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 /// Directions at the points, that is normals and tangents, are kept as well, unless write() is
 /// given a deformation gradient per point. The headers obj.h, ply.h, vtu.h (readVtuModel) and
 /// vtk_legacy.h (readVtkLegacyModel) say which numbers of a file are directions.
+///
+/// The model keeps its converted surface, so that several poses in one other format convert it
+/// once.
 ///
 /// Models are immutable, and so safe to share between threads.
 class ESPALIER_API Model {
@@ -146,12 +153,15 @@ public:
     /// \return one line for the user, or nothing. It names the data of the model that a file in
     ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
     ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
-    ///         that the model is written in its own format. A name without extension
-    ///         ("/dev/stdout") means the same, without a word
+    ///         that the model is written in its own format. For a name without extension
+    ///         ("/dev/stdout"), or with the number of a pose instead ("a.0001"), the model is
+    ///         written in its own format too, and there is no line
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
     ///         another name
-    /// \cost that of readSurface(), if the format is another one
+    /// \cost if the format is another one, the cost of readSurface() and of splitting faces;
+    /// nothing
+    ///       if the call before was for the same format. The model keeps the result in memory
     std::string checkTarget(const std::filesystem::path& path) const;
 
     /// Writes the model with new positions, one per point, in its own format or in the one that the
@@ -162,10 +172,11 @@ public:
     ///
     /// \throws Error unless there is one position for each of positions(), finite and not too large
     ///         for the format; FileError as checkTarget(), or if the file cannot be written
+    /// \cost one pass over the file; for another format also the cost of checkTarget()
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
-    /// The same, and carries the directions at each point by its gradient: normals by
-    /// carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
+    /// Writes the model as above, and carries the directions at each point by its gradient: normals
+    /// by carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
     /// rounding of the format. If all gradients are the identity and no point has moved, the copy
     /// is identical. Three numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
     ///
@@ -181,10 +192,17 @@ private:
     void writeInFormat(const std::filesystem::path& path, std::span<const Point3> positions,
                        std::span<const DeformationGradient> gradients) const;
 
+    /// Returns the conversion to another format. Keeps the last one for later calls.
+    std::shared_ptr<const ModelConversion> conversionTo(const SurfaceFormat& format,
+                                                        const std::filesystem::path& path) const;
+
     /// Writes the model in its own format.
     /// \param gradients one per point; or empty, and the directions stay
     virtual void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                               std::span<const DeformationGradient> gradients) const = 0;
+
+    mutable std::mutex conversionMutex_;
+    mutable std::shared_ptr<const ModelConversion> conversion_;
 };
 
 /// Returns the file that a path of a model means: the points of OpenFOAM for a folder

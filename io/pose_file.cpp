@@ -28,20 +28,43 @@ bool isPly(const Path& path) {
     throw FileError(path, "is not a pose of " + name + cause);
 }
 
+/// Returns the rotation of a loop that is lowest in lexicographic order.
+///
+/// Compares the rotations that begin at `one` and at `other`. If they differ first at their
+/// vertices number `same`, then the higher one, and the `same` rotations after it, are not the
+/// lowest.
+///
+/// \cost O(n)
+std::vector<Index> lowestRotation(LoopView loop) {
+    const std::size_t size = loop.size();
+    std::size_t one = 0, other = 1, same = 0;
+    while (one < size && other < size && same < size) {
+        const Index a = loop[(one + same) % size], b = loop[(other + same) % size];
+        if (a == b) {
+            ++same;
+            continue;
+        }
+        (a > b ? one : other) += same + 1;
+        if (one == other) ++other;
+        same = 0;
+    }
+    std::vector<Index> rotation(loop.begin(), loop.end());
+    if (size > 0)
+        std::ranges::rotate(rotation,
+                            rotation.begin() + static_cast<std::ptrdiff_t>(std::min(one, other)));
+    return rotation;
+}
+
 /// Returns the same loop, begun and directed so that equal loops become equal lists.
 std::vector<Index> canonical(LoopView loop) {
-    std::vector<Index> least, turned;
-    const std::size_t size = loop.size();
-    for (std::size_t start = 0; start < size; ++start) {
-        if (loop[start] != std::ranges::min(loop)) continue;
-        for (const std::size_t step : {std::size_t{1}, size - 1}) {
-            turned.clear();
-            for (std::size_t i = 0; i < size; ++i)
-                turned.push_back(loop[(start + i * step) % size]);
-            if (least.empty() || turned < least) least = turned;
-        }
-    }
-    return least;
+    const std::vector<Index> reversed(loop.rbegin(), loop.rend());
+    return std::min(lowestRotation(loop), lowestRotation(reversed));
+}
+
+/// Returns the vertices of a face for a message: all, unless there are many.
+std::string verticesOf(LoopView loop) {
+    constexpr std::size_t kMaxListed = 8;
+    return listed(loop, kMaxListed);
 }
 
 bool isPartOf(LoopView part, LoopView whole) {
@@ -67,14 +90,19 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& cag
     std::ranges::sort(known);
     for (std::size_t face = 0; face < cage.count(); ++face) {
         const LoopView loop = cage[face];
+        if (loop.empty())
+            refuse(path, name,
+                   concat(": face ", face,
+                          " of the file has no vertices. Export the mesh with the faces of the "
+                          "lattice"));
         if (std::ranges::binary_search(known, canonical(loop))) continue;
         const std::string what =
-            concat(": face ", face, " of the file, of vertices ", listed(loop), ", ");
+            concat(": face ", face, " of the file, of vertices ", verticesOf(loop), ", ");
         for (std::size_t whole = 0; whole < lattice.count(); ++whole)
             if (loop.size() < lattice[whole].size() && isPartOf(loop, lattice[whole]))
                 refuse(path, name,
                        concat(what, "is a part of face ", whole, " of the lattice, of vertices ",
-                              listed(lattice[whole]),
+                              verticesOf(lattice[whole]),
                               ". Export the mesh without splitting faces into triangles"));
         refuse(path, name,
                what +
@@ -130,11 +158,11 @@ std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
 
 ModelFaces facesOf(const far::CellComplex& complex) {
     ModelFaces faces;
-    for (Index face = 0; face < complex.count(2); ++face) {
-        const LoopView loop = complex.relation(2, 0)[face];
-        faces.corners.insert(faces.corners.end(), loop.begin(), loop.end());
-        faces.endFace();
-    }
+    if (complex.count(2) == 0) return faces;
+    const far::Incidence& loops = complex.relation(2, 0);
+    faces.corners.assign(loops.values().begin(), loops.values().end());
+    for (Index face = 0; face < complex.count(2); ++face)
+        faces.ends.push_back(loops.offset(face + 1));
     return faces;
 }
 
@@ -146,11 +174,7 @@ void writeCage(const Path& path, const Lattice& lattice) {
     if (!isCageFile(path))
         throw FileError(path, "a cage cannot be written in this format; expected .obj or .ply");
     checkedForWriting(path, lattice);
-    const far::Incidence& loops = lattice.complex.relation(2, 0);
-    ModelFaces faces;
-    faces.corners.assign(loops.values().begin(), loops.values().end());
-    for (Index face = 0; face < lattice.complex.count(2); ++face)
-        faces.ends.push_back(loops.offset(face + 1));
+    const ModelFaces faces = facesOf(lattice.complex);
     const SurfaceView surface{lattice.positions, faces};
     writeFile(path, [&](std::ostream& out) {
         isPly(path) ? writePlySurface(out, surface) : writeObjSurface(out, surface);

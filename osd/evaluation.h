@@ -55,13 +55,13 @@ using MutableValues = std::span<std::type_identity_t<Real>>;
 /// Values that an evaluation adds to its results, such as the points of a model at rest: with the
 /// displacements of the lattice as the source, the results are x + D · (p' − p). Where nothing
 /// moves they are exactly x. Elsewhere the sums round relative to the displacement, and only the
-/// last addition relative to x: in float, 1000 units from the origin, the largest error was 3.1e-5,
-/// half the distance of two floats, and 2.0e-4 without an addend.
+/// last addition relative to x. In float, 1000 units from the origin, the largest error was 3.1e-5
+/// (half the distance of two floats) with an addend, and 2.0e-4 without.
 ///
-/// \cost the addend is read once. Bound models took 1.03 to 1.3 times as long with an addend as
-///       without, the less the more poses at once, and their factors 1.4 to 1.55 times. A pass
-///       over the results after the evaluation costs more: up to 1.8 times
-///       (bench/apply_benchmark.cpp)
+/// \cost The addend is read once. With an addend, tables of bound models took 1.03 to 1.3 times as
+///       long as without; the ratio falls with the number of poses in one call. Tables in factors
+///       took 1.4 to 1.55 times as long. A pass over the results after the evaluation costs more:
+///       up to 1.8 times as long (bench/apply_benchmark.cpp)
 template <class Real>
 struct Addend {
     std::span<const Real> values = {};
@@ -95,7 +95,8 @@ ESPALIER_API void checkEvaluation(Index rowCount, Index columnCount, std::size_t
 /// - Row i goes to entry i of the destination, whatever the range. Entries of rows outside the
 ///   range and numbers between entries are not written.
 /// - A row without entries gives 0.
-/// - Evaluators on processors take an Addend, and add it to each sum in one addition, last.
+/// - Evaluators on the CPU take an Addend, and add it to each sum in one addition, last. Evaluators
+///   on a GPU take none.
 /// - The destination must not overlap the source or the addend. All three must hold all entries
 ///   that the table and the range address.
 /// - One pass over the table serves any number of components. So several poses can be evaluated at

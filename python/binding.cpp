@@ -90,11 +90,7 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
 BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
-    try {
-        result->points = io::pointsAtRest(result->bound);
-    } catch (const Error& error) {
-        throw io::FileError(path, error.what());
-    }
+    result->points = io::pointsAtRest(result->bound, path);
     return result;
 }
 
@@ -147,7 +143,8 @@ std::vector<Real> coordinatesOf(const std::vector<Point3>& positions) {
 
 constexpr osd::BufferDescriptor kXyz{0, 3, 3};
 
-/// Computes x + D · (p' − p), or D · p' if the points or the lattice at rest are not known.
+/// Computes x + D · (p' − p), or D · p' if the points or the lattice at rest are not known. Rounds
+/// p to Real before it subtracts, so that the lattice at rest in Real moves no point.
 template <class Real>
 void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::span<const Real> pose,
               std::span<Real> result) {
@@ -161,7 +158,7 @@ void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::spa
     std::vector<Real> displacements(pose.size());
     for (std::size_t v = 0; v < rest.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c)
-            displacements[3 * v + c] = static_cast<Real>(pose[3 * v + c] - rest[v][c]);
+            displacements[3 * v + c] = pose[3 * v + c] - static_cast<Real>(rest[v][c]);
     const auto& points = std::get<Lazy<std::vector<Real>>>(self.atRest).get([&] {
         return coordinatesOf<Real>(*self.points);
     });
@@ -259,11 +256,12 @@ the lattice. Made by bind() and load_binding(). Any number of threads may use it
         .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
 Returns the positions of the points for a pose of the lattice: x + D @ (p' - p), where x and p are the
 points and the lattice at rest. So points that no moved vertex influences, and points in `kept`, stay
-exactly where they were. A binding that was loaded from a file without a model gives D @ p'.
+exactly where they were. A binding that was loaded from a file without a model or without the lattice
+at rest (version 1) gives D @ p'.
 
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
-An array of float32 is evaluated in float32, any other in float64.
+An array of float32 is evaluated in float32, with x and p rounded to float32; any other in float64.
 
 The first call compiles D (see CompiledTable); the compiled form is kept for later calls.
 )")

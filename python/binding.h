@@ -51,7 +51,7 @@ struct BoundPoints {
                Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
         forms = {};
 
-    /// The coordinates of `points` in each precision, for deform().
+    /// The coordinates of `points` in float and in double, for deform().
     std::tuple<Lazy<std::vector<float>>, Lazy<std::vector<double>>> atRest = {};
 };
 

@@ -531,8 +531,8 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
             "the child of a vertex has -1, or the largest number of an unsigned "
             "type.")
         .def_property_readonly("tags", &tagsOf,
-                               "How the file asks to be refined: dict with those of boundary, "
-                               "creasing, triangles and face_varying that the file sets.")
+                               "How the file asks to be refined: dict with boundary, creasing, "
+                               "triangles and face_varying, each only if the file sets it.")
         .def_property_readonly(
             "texture_coordinates",
             [](const py::object& self) {

@@ -59,9 +59,9 @@ byte for byte, unless it is written in another format. Made by read_model().
                 withoutGil([&] { self.model->write(path, points); });
             },
             "path"_a, "positions"_a, R"(
-Writes the model with these points, array (N, 3). The extension of the path names the format: that of
-the model, which keeps everything but the points, or another model format, which gets the points, the
-faces and the normals. Data that the other format has no place for are named by a UserWarning.
+Writes the model with these points, array (N, 3). The extension of the path names the format. In the
+model's own format, everything but the points is kept. A file in another model format gets the points,
+the faces and the normals, and a UserWarning names the data that are not written.
 )")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")

@@ -3,6 +3,7 @@
 
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
+#include <espalier/io/binding_file.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -241,16 +242,13 @@ py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
     return tables;
 }
 
-std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, const Table& table) {
+std::optional<io::BoundGradients> gradientsOfState(const py::handle& state) {
     if (state.is_none()) return std::nullopt;
     const auto tables = state.cast<py::tuple>();
     io::BoundGradients gradients;
     requireState(tables.size() == gradients.tables.size());
-    for (std::size_t axis = 0; axis < tables.size(); ++axis) {
+    for (std::size_t axis = 0; axis < tables.size(); ++axis)
         gradients.tables[axis] = std::move(*tableOfState(tables[axis]));
-        requireState(gradients.tables[axis].rowCount() == table.rowCount() &&
-                     gradients.tables[axis].columnCount() == table.columnCount());
-    }
     return gradients;
 }
 
@@ -299,15 +297,15 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
         }
         requireState(std::ssize(result->statuses) == rows);
     }
-    result->bound.gradients = gradientsOfState(state[9], binding.table);
+    result->bound.gradients = gradientsOfState(state[9]);
     if (!state[10].is_none())
         result->bound.rest = toPoints(state[10], "rest", binding.table.columnCount());
-    requireState(!result->bound.gradients || !result->bound.rest.empty());
     auto& faces = result->bound.faces;
     faces.ends = numbersOf<std::vector<std::size_t>>(state[11]);
     faces.corners = numbersOf<std::vector<Index>>(state[12]);
     requireState(std::ranges::is_sorted(faces.ends) &&
                  faces.corners.size() == (faces.ends.empty() ? 0 : faces.ends.back()));
+    io::checkBoundModel(result->bound);
     return result;
 }
 

@@ -56,17 +56,17 @@ std::vector<Value> at(const std::vector<Index>& points, std::span<const Value> v
 }  // namespace
 
 ModelConversion::ModelConversion(const Model& model, const SurfaceFormat& format,
-                                 std::filesystem::path path)
-    : model_(model), format_(format), path_(std::move(path)), surface_(model.readSurface()) {
+                                 const std::filesystem::path& path)
+    : model_(model), format_(format), surface_(model.readSurface()) {
     const std::string from(model.extension()), to(format.extension);
     if (!surface_.otherShapes.empty())
-        throw FileError(path_, "a " + to + " cannot hold " + listOfShapes(surface_.otherShapes) +
-                                   " of the model; name the output " +
-                                   shownPath(std::filesystem::path(path_).replace_extension(from)) +
-                                   ", or extract the surface of the model first");
+        throw FileError(path, "a " + to + " cannot hold " + listOfShapes(surface_.otherShapes) +
+                                  " of the model; name the output " +
+                                  shownPath(std::filesystem::path(path).replace_extension(from)) +
+                                  ", or extract the surface of the model first");
     dropSmallFaces();
     if (format.isFacets() && surface_.faces.count() == 0)
-        throw FileError(path_,
+        throw FileError(path,
                         "a " + to +
                             " consists of triangles, and the model has no faces; name the output "
                             ".obj or .ply, which can hold points alone");
@@ -130,7 +130,7 @@ void ModelConversion::splitIntoTriangles() {
     std::vector<Point3> polygon;
     for (std::size_t face = 0; face < surface_.faces.count(); ++face) {
         const auto loop = surface_.faces[face];
-        // All poses of a model get the same triangles, as they look best at rest.
+        // The triangles follow from the positions at rest, so all poses have the same triangles.
         polygon.clear();
         for (const Index corner : loop)
             polygon.push_back(rest[points_ ? (*points_)[corner] : corner]);
@@ -180,7 +180,7 @@ void ModelConversion::moveNormalsToCorners() {
     surface_.addOther("normals (the model has no faces)");
 }
 
-std::string ModelConversion::losses() const {
+std::string ModelConversion::losses(const std::filesystem::path& path) const {
     std::vector<std::string> parts = changes_;
     if (!surface_.others.empty()) {
         std::string names;
@@ -191,18 +191,18 @@ std::string ModelConversion::losses() const {
     }
     std::string text;
     for (const std::string& part : parts)
-        text += (text.empty() ? shownPath(path_) + ": " : "; ") + part;
+        text += (text.empty() ? shownPath(path) + ": " : "; ") + part;
     return text;
 }
 
-void ModelConversion::write(std::span<const Point3> positions,
+void ModelConversion::write(const std::filesystem::path& path, std::span<const Point3> positions,
                             std::span<const DeformationGradient> gradients) const {
     std::vector<Point3> normals = surface_.normals;
     std::vector<Index> normalCorners = surface_.normalCorners;
     if (!gradients.empty()) carryNormals(gradients, normals, normalCorners);
     std::vector<Point3> written;
     if (points_) positions = written = at(*points_, positions);
-    writeFile(path_, [&](std::ostream& out) {
+    writeFile(path, [&](std::ostream& out) {
         format_.write(out, {positions, surface_.faces, normals, normalCorners});
     });
 }

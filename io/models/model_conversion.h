@@ -30,25 +30,29 @@ struct SurfaceFormat {
     bool isFacets() const { return normals == Normals::Facets; }
 };
 
-/// Writes a model in another format: its points, faces and normals.
+/// Writes a model in another format: its points, faces and normals. May write any number of files.
 class ModelConversion {
 public:
     /// Reads the surface of the model.
     ///
     /// \param model must outlive the conversion
-    /// \param path name of the new file, for messages
+    /// \param path name of a new file, for messages
     /// \throws FileError if the format lacks a shape of the model, or has no place for points
     ///         without faces; if a face of the model is malformed
-    ModelConversion(const Model& model, const SurfaceFormat& format, std::filesystem::path path);
+    ModelConversion(const Model& model, const SurfaceFormat& format,
+                    const std::filesystem::path& path);
+
+    /// Returns the extension of the new format.
+    std::string_view extension() const { return format_.extension; }
 
     /// Returns one line for the user: the data of the model that the new file lacks, and the
-    /// changes. Empty if there are none.
-    std::string losses() const;
+    /// changes. Empty if the new file lacks nothing and nothing is changed.
+    std::string losses(const std::filesystem::path& path) const;
 
-    /// Writes the file.
+    /// Writes a file.
     /// \param positions one per point of the model
     /// \param gradients one per point, and normals are carried; or empty, and they stay
-    void write(std::span<const Point3> positions,
+    void write(const std::filesystem::path& path, std::span<const Point3> positions,
                std::span<const DeformationGradient> gradients) const;
 
 private:
@@ -62,7 +66,6 @@ private:
 
     const Model& model_;
     SurfaceFormat format_;
-    std::filesystem::path path_;
     ModelSurface surface_;                      ///< with the faces and normals of the new file
     std::optional<std::vector<Index>> points_;  ///< the points that are written, if not all are
     std::vector<std::string> changes_;

@@ -347,7 +347,9 @@ public:
         if (haveAllNormals && !surface.normalCorners.empty() &&
             std::ranges::all_of(surface.normalCorners, isNormal))
             return surface;
-        if (hasNormals_) surface.addOther("normals (some corners have none)");
+        if (hasNormals_)
+            surface.addOther(surface.faces.count() == 0 ? "normals (the model has no faces)"
+                                                        : "normals (some corners have none)");
         surface.normals.clear();
         surface.normalCorners.clear();
         return surface;

@@ -121,16 +121,18 @@ private:
 
 void checkTextureCoordinates(const std::filesystem::path& path, const Lattice& mesh) {
     const auto& [components, values, corners] = mesh.textureCoordinates;
-    if (corners.empty()) return;
+    if (values.empty() && corners.empty()) return;
     const auto fail = [&](const std::string& cause) {
         throw FileError(path, "cannot be written: the texture coordinates " + cause);
     };
     if (components != 2) fail(concat("have ", components, " components; an OBJ has 2"));
+    if (values.size() % 2 != 0) fail(concat("have ", values.size(), " numbers; expected pairs"));
+    for (const double value : values)
+        if (!std::isfinite(value)) fail("are not finite");
+    if (corners.empty()) return;
     if (mesh.complex.dimension() != 2 ||
         corners.size() != mesh.complex.relation(2, 0).values().size())
         fail("are not one for each corner of each face");
-    for (const double value : values)
-        if (!std::isfinite(value)) fail("are not finite");
     for (const Index corner : corners)
         if (corner < 0 || static_cast<std::size_t>(corner) >= values.size() / 2)
             fail(concat("have no number ", corner, ", which a corner names"));

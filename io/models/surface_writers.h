@@ -25,8 +25,8 @@ struct SurfaceView {
 // The writers below write a new file. Numbers of text formats are the shortest that read back as
 // the same double.
 
-/// Writes `v`, `vn` and `f` statements. Of normals that are one per point, points in no face lose
-/// theirs.
+/// Writes `v`, `vn` and `f` statements. If the normals are one per point, a point in no face loses
+/// its normal, because only faces name normals.
 void writeObjSurface(std::ostream& out, const SurfaceView& surface);
 
 /// Writes an ASCII PLY with coordinates of type double.

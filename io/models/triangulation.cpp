@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <numeric>
+#include <limits>
 
 #include "triangulation.h"
 
@@ -43,6 +43,37 @@ std::vector<Point2> projected(std::span<const Point3> polygon) {
     return result;
 }
 
+/// Returns true if all corners lie on one line or at one place, up to the rounding of their
+/// coordinates: if no corner is farther from the line through the first corner and the farthest one
+/// than the rounding of a coordinate.
+bool isOnLine(std::span<const Point3> polygon) {
+    // Halves, so that no difference overflows.
+    std::vector<Point3> offsets;
+    double largest = 0, size = 0;
+    std::size_t farthest = 0;
+    for (const Point3& corner : polygon) {
+        const Point3 offset = difference(scaled(corner, 0.5), scaled(polygon[0], 0.5));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            largest = std::max(largest, std::abs(corner[axis] / 2));
+            if (std::abs(offset[axis]) <= size) continue;
+            size = std::abs(offset[axis]);
+            farthest = offsets.size();
+        }
+        offsets.push_back(offset);
+    }
+    if (size == 0) return true;
+    for (Point3& offset : offsets)
+        for (double& number : offset) number /= size;
+    // A corner and the first one are each rounded by up to half an epsilon of a coordinate, and the
+    // products of the cross product by as much of their size, which is at most 1.
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * (1 + largest / size);
+    return std::ranges::all_of(offsets, [&](const Point3& offset) {
+        return std::ranges::all_of(cross(offset, offsets[farthest]), [&](double component) {
+            return std::abs(component) <= rounding;
+        });
+    });
+}
+
 class EarClipper {
 public:
     explicit EarClipper(std::span<const Point3> polygon)
@@ -62,7 +93,7 @@ public:
         // An ear may appear where a corner is cut, or (rarely) elsewhere: then all corners are
         // tested again.
         while (triangles_.size() < count) {
-            const std::size_t cutBefore = triangles_.size();
+            const std::size_t countBefore = triangles_.size();
             std::deque<std::size_t> candidates;
             for (std::size_t i = 1; i <= points_.size(); ++i)
                 if (!isCut[i % points_.size()]) candidates.push_back(i % points_.size());
@@ -74,11 +105,8 @@ public:
                 cut(corner);
                 candidates.insert(candidates.end(), {before_[corner], after_[corner]});
             }
-            // The polygon crosses itself or has no area: any corner will do.
-            if (triangles_.size() == cutBefore) {
-                isCut[first] = true;
-                cut(first);
-            }
+            // The polygon crosses itself: any triangles of the rest will do.
+            if (triangles_.size() == countBefore) addFan(first, count);
         }
         return std::move(triangles_);
     }
@@ -108,6 +136,13 @@ private:
         std::erase(reflex_, corner);
     }
 
+    /// Splits the corners that are left into a fan.
+    /// \param count of all triangles
+    void addFan(std::size_t apex, std::size_t count) {
+        for (std::size_t corner = after_[apex]; triangles_.size() < count; corner = after_[corner])
+            triangles_.push_back({apex, corner, after_[corner]});
+    }
+
     std::vector<Point2> points_;
     std::vector<std::size_t> before_, after_;  ///< the neighbours of each corner that is not cut
     std::vector<std::size_t> reflex_;  ///< the corners that are not convex, or once were not
@@ -118,8 +153,11 @@ private:
 
 std::vector<Triangle> triangulated(std::span<const Point3> polygon) {
     if (polygon.size() < 3) return {};
-    if (polygon.size() == 3) return {{0, 1, 2}};
-    return EarClipper(polygon).clip();
+    if (!isOnLine(polygon)) return EarClipper(polygon).clip();
+    std::vector<Triangle> fan;
+    for (std::size_t corner = 2; corner < polygon.size(); ++corner)
+        fan.push_back({0, corner - 1, corner});
+    return fan;
 }
 
 }  // namespace espalier::io

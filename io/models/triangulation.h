@@ -15,11 +15,13 @@ namespace espalier::io {
 ///
 /// The triangles have the winding of the polygon, and together each edge of the polygon once. A
 /// plane polygon that does not cross itself is covered exactly, convex or not. In other polygons
-/// the corners that are left when there is no ear are joined to one of them.
+/// there may be no ear at some point; then the rest is split into a fan. Corners on one line give a
+/// fan from the first corner.
 ///
 /// \param polygon corners of the polygon; fewer than three have no triangle
 /// \return corners of polygon.size() − 2 triangles, by their numbers in `polygon`
-/// \cost O(n) if the polygon is convex, otherwise up to O(n · number of reflex corners)
+/// \cost O(n) if the polygon is convex or its corners are on one line. Otherwise up to O(n · number
+///       of reflex corners); up to O(n² · number of reflex corners) if the polygon crosses itself
 std::vector<std::array<std::size_t, 3>> triangulated(std::span<const Point3> polygon);
 
 }  // namespace espalier::io

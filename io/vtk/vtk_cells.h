@@ -32,7 +32,7 @@ inline constexpr std::int64_t kVtkStrip = 6;
 inline constexpr std::int64_t kVtkPolygon = 7;
 
 /// Collects the faces of a model from cells of the types 5 (triangle), 6 (strip of triangles), 7
-/// (polygon), 8 (pixel) and 9 (quadrilateral). Cells of other types have no faces, and are counted.
+/// (polygon), 8 (pixel) and 9 (quadrilateral). Counts the cells of each other type.
 class VtkFaceReader {
 public:
     explicit VtkFaceReader(std::filesystem::path path) : path_(std::move(path)) {}

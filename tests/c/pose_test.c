@@ -200,7 +200,7 @@ static void test_files(const char* folder) {
     }
 
     /* The same vertices with other cells: one instead of eight. */
-    for (int v = 0; v < N; ++v) back[v] = -7;
+    for (int i = 0; i < 3 * N; ++i) back[i] = -7;
     static const int32_t corners[8] = {0, 1, 2, 3, 4, 5, 6, 7};
     OK(espalier_lattice_create_hexahedra(8, rest, 1, corners, &other));
     INVALID(espalier_lattice_read_pose(other, path[0], N, back), "expected 8");
@@ -225,7 +225,7 @@ static void test_files(const char* folder) {
     INVALID(espalier_binding_read_pose(binding, NULL, N, back), "path is null");
     INVALID(espalier_binding_read_pose(binding, path[1], 26, back), "expected 27");
     INVALID(espalier_binding_read_pose(binding, path[1], N, NULL), "pose is null");
-    for (int v = 0; v < N; ++v) CHECK(back[v] == -7);
+    for (int i = 0; i < 3 * N; ++i) CHECK(back[i] == -7);
     espalier_binding_destroy(loaded);
     espalier_binding_destroy(binding);
     espalier_refiner_destroy(refiner);

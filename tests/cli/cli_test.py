@@ -99,6 +99,16 @@ class Shapes(CliTest):
                          r"^espalier: vertices \d and \d of cell 0 of far.ovm would become")
         self.assertFalse((self.path / "m.vtu").exists())
 
+    def test_a_file_with_the_name_of_an_option_is_no_option(self):
+        self.run_program("shape", "box", "-o", "output.vtu")
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "a.vtu")
+        self.put("a.vtu", self.text("a.vtu").replace(
+            "<PointData>", '<PointData><DataArray type="Float64" Name="t" format="ascii">'
+                           "0 0 0 0 0 0 0 0</DataArray>"))
+        for inputs in [("a.vtu", "output.vtu"), ("output.vtu", "a.vtu")]:
+            self.assertEqual(self.error_of("shape", "merge", *inputs, "-o", "c.vtu"),
+                             "espalier: output.vtu lacks attribute 't', which a.vtu has\n")
+
     def test_a_merge_does_not_replace_an_input(self):
         self.run_program("shape", "box", "-o", "a.ovm")
         self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
@@ -519,6 +529,13 @@ class Deform(CliTest):
             self.deform("model.obj", "rest.vtu", "rest.vtu", "pose.vtk", "-n", 1, out=pattern)
             self.assert_close(self.read_points(names[0]), self.points, 1e-12)
             self.assert_close(self.read_points(names[1]), self.expected, 1e-12)
+
+    def test_a_number_is_no_format(self):
+        for pattern, poses, name in [("out.%04d", ["pose.vtk"], "out.0000"),
+                                     ("out", ["rest.vtu", "pose.vtk"], "out.0001")]:
+            result = self.deform("model.obj", "rest.vtu", *poses, "-n", 1, out=pattern)
+            self.assertEqual(result.stderr, "")
+            self.assertIn("\nv ", self.text(name))
 
     def test_numbered_outputs_that_are_one_file_are_refused(self):
         arguments = ["deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "pose.vtk",

@@ -108,6 +108,23 @@ class SeveralNumbers(CliTest):
                   ["--scale", 2, "rest.ovm", "--move", 1, 2, 3],
                   ["--scale", 2, "--move", 1, 2, 3, "rest.ovm"])
         self.same(["pose", "ovm"], ["rest.ovm", "--twist", "z", -9], ["--twist", "z", -9, "rest.ovm"])
+        for words in [("box", 0, 0, 0, 1, 1, 0), ("box", "0,0,0", "1,1,0"), ("ball", 0, 0, 0, .5),
+                      ("ball,0,0,0,.5",), ("half-space", 0, 0, .5, 0, 0, "-1"), ("end", "+z"),
+                      ("end", "-z"), ("end,+z",), ("vertices", 0, 3), ("vertices", "0,3")]:
+            self.same(["pose", "ovm"], ["rest.ovm", "--select", *words, "--move", 1, 2, 3],
+                      ["--select", *words, "rest.ovm", "--move", 1, 2, 3],
+                      ["--select", *words, "--", "rest.ovm", "--move", 1, 2, 3])
+        self.same(["pose", "ovm"], ["rest.ovm", "--select", "end", "+z", "--move", 1, 2, 3],
+                  ["--select=end,+z", "rest.ovm", "--move=1,2,3"],
+                  ["--select=end,+z", "--move=1,2,3", "rest.ovm"])
+        self.run_program("shape", "box", "-o", "rest.vtu")
+        self.put("rest.vtu", self.text("rest.vtu").replace(
+            "<PointData>", '<PointData><DataArray type="Float64" Name="t" format="ascii">'
+                           "0 0 0 0 1 1 1 1</DataArray>"))
+        self.same(["pose", "vtu"], ["rest.vtu", "--select", "attribute", "t", "--move", 1, 2, 3],
+                  ["--select", "attribute", "t", "rest.vtu", "--move", 1, 2, 3])
+        self.assertIn("--select: box 1 2: expected box X0 Y0 Z0 X1 Y1 Z1",
+                      self.error_of("pose", "--select", "box", 1, 2, "rest.ovm", "-o", "x.ovm", code=2))
         self.same(["fit", "ovm"], [model, "--pull", .5, .5, .5, -.1, 0, 0, "--rest", "rest.ovm", "-n", 1],
                   ["--rest", "rest.ovm", "-n", 1, "--pull", .5, .5, .5, "-.1,0,0", model])
         self.assertIn("--move: expected the numbers X Y Z, with spaces or commas between, got rest.ovm",

@@ -131,9 +131,11 @@ class Pose(CliTest):
         for options, message in [
                 (["--twist", "w", 90], "--twist: expected an axis x, y or z, or with a sign: +x, -z; "
                                        "got w"),
-                (["--twist", "z", "much"], "--twist: expected the numbers AXIS DEGREES, with spaces "
-                                           "or commas between, got much"),
-                (["--twist", "z"], "--twist: expected the numbers AXIS DEGREES"),
+                (["--twist", "z", "much"], "--twist: expected AXIS DEGREES, with spaces or commas "
+                                           "between, got much"),
+                (["--twist", "z"], "--twist: expected AXIS DEGREES"),
+                (["--falloff", "linear", "far"], "--falloff: expected linear|smooth RADIUS, with "
+                                                 "spaces or commas between, got far"),
                 (["--move", 1, "two", 3], "--move: expected the numbers X Y Z, with spaces or commas "
                                           "between, got two"),
                 (["--move", 1, 2], "--move: expected the numbers X Y Z"),

@@ -82,8 +82,8 @@ void runLattice(const std::string& name, std::string_view bytes) {
     requireSame(io::readRefinable(name, *once), *lattice);
 }
 
-/// Refines a mesh once. Requires that each corner of its faces has a texture coordinate that is a
-/// mean of those of the file, and that charts stay apart.
+/// Refines a mesh once. Requires that each corner of its faces names a texture coordinate, that the
+/// texture coordinates stay near the texture coordinates of the file, and that the mode is kept.
 /// \param bytes the mode, and then an OBJ
 void runFaceVarying(std::string_view bytes) {
     constexpr Index kMaxFaces = 200;  // refining more takes too long

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/model.h>
 #include <zlib.h>
 
 #include <fstream>
@@ -147,6 +149,20 @@ TEST(BindingFile, PointsBecomeAModel) {
     other.modelBytes = "v 1 2 3\n";
     EXPECT_REFUSED(Error, "binds 3 points, but its model has 1", pointsAtRest(other));
     EXPECT_EQ(pointsAtRest({}), std::vector<Point3>());
+    EXPECT_REFUSED(FileError, "a.espb: binds 3 points, but its model has 1",
+                   pointsAtRest(other, folder / "a.espb"));
+}
+
+TEST(BindingFile, MemoryThatAModelLacksIsNoFaultOfTheFile) {
+    const TemporaryFolder folder;
+    BoundModel model = sample();
+    readModel("a.obj", "v 1 2 3\nv 4 5 6\nv 7 8 9\n")
+        ->write(folder / "a.vtu", std::vector<Point3>(3));
+    model.modelName = "a.vtu";
+    model.modelBytes = readFile(folder / "a.vtu");
+    EXPECT_EQ(pointsAtRest(model, "a.espb"), std::vector<Point3>(3));
+    const MemoryLimit limit(1);
+    EXPECT_THROW(pointsAtRest(model, "a.espb"), MemoryError);
 }
 
 // The empty parts are: kept points, name and model.

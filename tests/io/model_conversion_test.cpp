@@ -4,6 +4,7 @@
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
 
+#include <atomic>
 #include <set>
 
 namespace espalier::io {
@@ -158,10 +159,12 @@ TEST(ModelConversion, NormalsThatHaveNoPlaceAreNamed) {
     EXPECT_FALSE(converted(*split, "b.ply", split->positions()).model->hasDirections());
     const auto shared = readModel("a.obj", points + "f 1//1 2//1 3//2\nf 3//3 2//1 4//2\n");
     EXPECT_EQ(shared->checkTarget("b.ply"), "");
-    for (const std::string faces : {"f 1//1 2//1 3\n", "f 1//1 2//1 3//4\n", "f 1 2 3\n", ""})
+    for (const std::string faces : {"f 1//1 2//1 3\n", "f 1//1 2//1 3//4\n", "f 1 2 3\n"})
         EXPECT_EQ(
             readModel("a.obj", points + faces)->checkTarget("b.vtp"),
             "b.vtp: the .obj has data that are not written: normals (some corners have none)");
+    EXPECT_EQ(readModel("a.obj", points)->checkTarget("b.vtp"),
+              "b.vtp: the .obj has data that are not written: normals (the model has no faces)");
     // Points without faces keep their normals where a format has normals of points.
     const std::string cloud =
         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
@@ -292,9 +295,57 @@ TEST(ModelConversion, OtherNamesKeepTheFormat) {
         model->checkTarget("b.gltf"),
         "b.gltf: is written as .obj, the format of the model, because .gltf is no known model "
         "format; known are .obj, .ply, .stl, .vtu, .vtp, .vtk");
+    // A number at the end names a pose, not a format.
+    for (const char* name : {"b.0001", "b.7"}) EXPECT_EQ(model->checkTarget(name), "");
+    EXPECT_NE(model->checkTarget("b."), "");
+    EXPECT_NE(model->checkTarget("b.7z"), "");
     const TemporaryFolder folder;
     model->write(folder / "b", model->positions());
     EXPECT_EQ(readFile(folder / "b"), kObj);
+}
+
+/// A square. Counts how often its surface is read.
+class CountingModel final : public Model {
+public:
+    std::span<const Point3> positions() const override { return positions_; }
+    ModelSurface readSurface() const override {
+        ++reads;
+        ModelSurface surface;
+        surface.faces.corners = {0, 1, 2, 3};
+        surface.faces.endFace();
+        return surface;
+    }
+    CoordinateStorage storage() const override { return CoordinateStorage::Double; }
+    std::string_view extension() const override { return ".obj"; }
+    bool hasDirections() const override { return false; }
+
+    mutable std::atomic<int> reads = 0;
+
+private:
+    void writeChecked(const std::filesystem::path&, std::span<const Point3>,
+                      std::span<const DeformationGradient>) const override {}
+
+    std::vector<Point3> positions_ = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+};
+
+TEST(ModelConversion, ReadsTheSurfaceOncePerFormat) {
+    const TemporaryFolder folder;
+    const CountingModel model;
+    EXPECT_THAT(model.checkTarget("pose0.stl"), StartsWith("pose0.stl: "));
+    EXPECT_THAT(model.checkTarget("pose1.stl"), StartsWith("pose1.stl: "));
+    std::vector<Point3> pose = copyOf(model.positions());
+    for (const char* name : {"pose0.stl", "pose1.stl", "pose2.stl"}) {
+        pose[0][2] += 1;
+        model.write(folder / name, pose);
+        EXPECT_EQ(readModel(folder / name)->positions()[0], pose[0]) << name;
+    }
+    EXPECT_EQ(model.reads, 1);
+    model.write(folder / "pose.ply", pose);
+    EXPECT_EQ(loopsOf(readModel(folder / "pose.ply")->readSurface()), (Loops{{0, 1, 2, 3}}));
+    EXPECT_EQ(model.reads, 2);
+    // In its own format, a model is written without its surface.
+    model.write(folder / "pose.obj", pose);
+    EXPECT_EQ(model.reads, 2);
 }
 
 }  // namespace

@@ -100,6 +100,31 @@ TEST(PoseFile, FacesThatTheLatticeDoesNotHaveAreRefused) {
     EXPECT_THAT(refusalOfCage(cageWith("f 1 3 2 4\n")), HasSubstr("0, 2, 1, 3," + message));
 }
 
+TEST(PoseFile, FacesWithoutVerticesAreNamedAsSuch) {
+    const std::string head =
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
+    EXPECT_EQ(
+        refusalOfCage(head + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n0\n",
+                      "cage.ply"),
+        ": is not a pose of rest.vtu: face 0 of the file has no vertices. Export the mesh with "
+        "the faces of the lattice");
+}
+
+TEST(PoseFile, EightVerticesOfAFaceAreListed) {
+    EXPECT_THAT(refusalOfCage(cageWith("f 1 2 3 4 5 6 7 8\n")),
+                HasSubstr("of vertices 0, 1, 2, 3, 4, 5, 6, 7, is not a face"));
+    EXPECT_THAT(refusalOfCage(cageWith("f 1 2 3 4 5 6 7 8 1\n")),
+                HasSubstr("of vertices 0, 1, 2, 3, 4, 5, 6, 7, ..., is not a face"));
+}
+
+// If the time to compare a face grew as the square of its corners, this would take minutes.
+TEST(PoseFile, AFaceMayRepeatItsLowestVertexOften) {
+    std::string face = "f";
+    for (int i = 0; i < 300'000; ++i) face += " 1";
+    EXPECT_THAT(refusalOfCage(cageWith(face + " 2\n")), HasSubstr("is not a face of the lattice"));
+}
+
 TEST(PoseFile, TheNumberOfPointsMustBeTheNumberOfVertices) {
     EXPECT_EQ(refusalOfCage(cageWith("v 0 0 0\n")),
               ": is not a pose of rest.vtu: it has 9 points; expected one for each of the 8 "

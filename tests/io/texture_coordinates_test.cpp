@@ -136,6 +136,11 @@ TEST(TextureCoordinates, ThatDoNotFitTheMeshAreRefused) {
     std::vector<double> infinite = values;
     infinite[3] = kInfinity;
     expectRefused({2, infinite, corners}, "are not finite");
+    // Without corners, the values are written too.
+    expectRefused({2, infinite, {}}, "are not finite");
+    expectRefused({2, {0, 0, 1}, {}}, "have 3 numbers; expected pairs");
+    mesh.textureCoordinates = {2, values, {}};
+    EXPECT_NO_THROW(writeObjMesh(folder / "a.obj", mesh));
     mesh.textureCoordinates = {2, {0, 0}, corners};
     EXPECT_REFUSED(Error, "a corner of a face names the texture coordinate 1; there are 1",
                    refinedCorners(mesh, 1));

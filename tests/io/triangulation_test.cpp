@@ -150,5 +150,32 @@ TEST(Triangulation, HasTrianglesForAnyPolygon) {
     expectTriangulation(bent, triangulated(bent));
 }
 
+// If the time grew as the square of the number of corners, this would take minutes.
+TEST(Triangulation, OfLongLinesIsAFan) {
+    constexpr std::size_t kCount = 100'000;
+    // In the first direction all areas are exactly 0; in the others, rounding makes some positive.
+    // The last line is far from the origin.
+    const Point3 directions[] = {{1, 0, 0}, {0.1, 0.7, -0.3}, {0.1, 0.7, -0.3}};
+    const Point3 starts[] = {{0, 0, 0}, {0, 0, 0}, {1e5, -2e5, 3e5}};
+    for (std::size_t line = 0; line < 3; ++line) {
+        SCOPED_TRACE(line);
+        std::vector<Point3> polygon;
+        for (std::size_t i = 0; i < kCount; ++i)
+            polygon.push_back(sum(starts[line], scaled(directions[line], double(i))));
+        const auto triangles = triangulated(polygon);
+        ASSERT_EQ(triangles.size(), kCount - 2);
+        EXPECT_EQ(triangles.front(), (Triangle{0, 1, 2}));
+        EXPECT_EQ(triangles.back(), (Triangle{0, kCount - 2, kCount - 1}));
+    }
+}
+
+// A line of corners that leads back to its start through the same places.
+TEST(Triangulation, OfLinesThereAndBackIsQuick) {
+    constexpr int kCount = 100'000;
+    std::vector<Point3> polygon;
+    for (int i = 0; i < kCount; ++i) polygon.push_back({std::min(i, kCount - i) * 0.1, 0, 5});
+    EXPECT_EQ(triangulated(polygon).size(), polygon.size() - 2);
+}
+
 }  // namespace
 }  // namespace espalier::io

@@ -169,6 +169,18 @@ def test_what_a_pose_leaves_alone_stays_as_it_was(tmp_path, rest, points):
             np.testing.assert_array_equal((second != at_rest).any(axis=1), columns)
 
 
+def test_the_rest_pose_in_float32_leaves_all_points_as_they_were():
+    # float32 can hold neither 0.1 nor 1000.1, so a pose must be compared with the rest in float32.
+    rest = espalier.shapes.box(min=(0.1, 0.1, 999.1), max=(1.1, 1.1, 1000.1), cells=(2, 2, 2))
+    assert (rest.positions.astype(np.float32) != rest.positions).any()
+    points = np.random.default_rng(8).uniform((.2, .2, 999.2), (1, 1, 1000), (200, 3))
+    for limit in False, True:
+        binding = espalier.bind(rest, points, limit=limit)
+        np.testing.assert_array_equal(binding.deform(rest.positions.astype(np.float32)),
+                                      points.astype(np.float32))
+        np.testing.assert_array_equal(binding.deform(rest.positions), points)
+
+
 def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, points):
     lines = ["v {} {} {}".format(*p.tolist()) for p in points]
     (tmp_path / "plain.obj").write_text("\n".join([*lines, ""]))

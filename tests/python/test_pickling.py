@@ -130,6 +130,22 @@ def test_a_table_that_is_none(binding):
         blank.__setstate__((columns, offsets[::-1], *rest))
 
 
+@pytest.mark.parametrize("change", [
+    {12: lambda corners: corners + 1},
+    {12: lambda corners: corners - 1},
+    {10: lambda rest: None},
+    {11: lambda ends: ends[::-1]},
+    {11: lambda ends: ends[:-1]},
+], ids=["vertex above all", "vertex below 0", "no rest", "ends in no order", "corners of no face"])
+def test_a_binding_whose_faces_fit_no_lattice(binding, change):
+    blank = espalier.Binding.__new__(espalier.Binding)
+    state = list(binding.__getstate__())
+    for part, changed in change.items():
+        state[part] = changed(np.array(state[part]))
+    with pytest.raises(ValueError):
+        blank.__setstate__(tuple(state))
+
+
 @pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
 def test_all_protocols(protocol):
     lattice = shapes.box(cells=(2, 1, 1))

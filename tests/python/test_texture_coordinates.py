@@ -65,7 +65,7 @@ def test_charts_are_refined_apart():
     assert at_corners(smooth)[:16].max() <= 1 and at_corners(smooth)[16:].min() >= 5
 
 
-def test_the_mode_is_chosen_or_that_of_the_file(tmp_path):
+def test_the_tag_of_the_file_is_the_default_mode(tmp_path):
     tagged = OBJ + "t facevaryinginterpolateboundary 1/0/0 1\n"
     (tmp_path / "a.obj").write_text(tagged)
     read = espalier.read(tmp_path / "a.obj")
@@ -111,7 +111,7 @@ def test_without_seams_they_are_refined_as_positions():
      r"texture_corners\[1\]: names -1"),
     ({"texture_coordinates": TEXTURES, "texture_corners": 7}, "texture_corners: expected an array"),
 ])
-def test_what_does_not_fit_is_refused(arguments, message):
+def test_texture_coordinates_that_do_not_fit_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         espalier.Lattice.mesh(POSITIONS, FACES, **arguments)
 
