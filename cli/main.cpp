@@ -24,6 +24,7 @@
 #include <vector>
 
 #ifdef ESPALIER_WITH_TBB
+#include <tbb/task_arena.h>
 #include <tbb/task_scheduler_observer.h>
 #endif
 
@@ -44,7 +45,12 @@ using namespace espalier;
 /// signals wait.
 class SignalsToMainThread : public tbb::task_scheduler_observer {
 public:
-    SignalsToMainThread() { observe(true); }
+    SignalsToMainThread() {
+        // This call makes the data of this thread. If observe() had to and memory ran out, the
+        // destructor of oneTBB's class would read data that are not there.
+        tbb::this_task_arena::isolate([] {});
+        observe(true);
+    }
     ~SignalsToMainThread() override { observe(false); }
 
     /// oneTBB calls this when a thread begins to work.

@@ -50,8 +50,9 @@ std::vector<Index> lowestRotation(LoopView loop) {
     }
     std::vector<Index> rotation(loop.begin(), loop.end());
     if (size > 0)
-        std::ranges::rotate(rotation,
-                            rotation.begin() + static_cast<std::ptrdiff_t>(std::min(one, other)));
+        std::rotate(rotation.begin(),
+                    rotation.begin() + static_cast<std::ptrdiff_t>(std::min(one, other)),
+                    rotation.end());
     return rotation;
 }
 
