@@ -3,6 +3,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/solve/validity.h>
@@ -76,9 +77,12 @@ public:
           start_(start.positions),
           positions_(start_),
           edge_(meanEdge(start)),
-          groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
+          groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2)),
+                  options.cells),
           shapes_(refiner_),
-          parts_(base_, options.levelOfParts) {}
+          parts_(base_, options.levelOfParts) {
+        findNearCells();
+    }
 
     std::vector<Point3> run();
 
@@ -110,8 +114,22 @@ private:
         return {low, high, size};
     }
 
+    void findNearCells();
+
+    /// Whether the faces of a cell are fitted to a group of points.
+    bool belongs(Index group, Index cell) const {
+        const Index of = groups_.groups()[group].cell;
+        return of < 0 || std::ranges::binary_search(nearCells_[cell], of);
+    }
+
+    template <class Accept>
+    Index nearestFace(const Point3& point, Index rings, const std::vector<Point3>& centres,
+                      Accept accept) const;
+
     void begin(int attempt);
     void associate();
+    void associatePulls(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
+    void associatePushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
     void optimise(int iterations);
     bool certify();
     void polish();
@@ -126,7 +144,10 @@ private:
     PointGroups groups_;
     CellShapes shapes_;
     limit::LimitParts parts_;
-    std::vector<double> clearance_;  ///< of each group
+    std::vector<std::vector<Index>> nearCells_;  ///< of each cell, ascending; if points have cells
+    std::vector<Index> firstOfCube_, nextOfFace_;  ///< lists of the faces of level 3 in each cube
+    std::vector<double> clearance_;                ///< of each group
+    std::vector<double> distanceToOthers_;  ///< of each group, from faces it does not belong to
     double anchor_ = 0;              ///< weight of the squared way of a vertex from the start
     std::vector<double> pushOf_;     ///< factor of each group
     std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
@@ -145,32 +166,60 @@ void Fit::begin(int attempt) {
     shapes_.resetWeights();
     pull_.assign(surface_.coarseCentres().rowCount(), pull);
     clearance_.assign(groups_.groups().size(), options_.margin + 0.05 * edge_);
+    distanceToOthers_.assign(clearance_.size(), options_.margin + 0.03 * edge_);
     pushOf_.assign(clearance_.size(), 1.0);
     isRaised_.assign(clearance_.size(), 0);
 }
 
+/// Lists the cells that are at most two cells away from each cell.
+void Fit::findNearCells() {
+    if (options_.cells.empty()) return;
+    const far::CellComplex& complex = base_.level(0).complex;
+    const auto addNear = [&](Index cell, std::vector<Index>& near) {
+        for (const Index vertex : complex.relation(3, 0)[cell])
+            for (const Index other : complex.relation(0, 3)[vertex]) near.push_back(other);
+    };
+    std::vector<Index> ring;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        ring.clear();
+        addNear(cell, ring);
+        sortUnique(ring);
+        std::vector<Index>& near = nearCells_.emplace_back();
+        for (const Index other : ring) addNear(other, near);
+        sortUnique(near);
+    }
+}
+
 void Fit::associate() {
-    const double unit = 1 / (edge_ * edge_);
     const std::vector<Point3> fine = surface_.fineVertices(positions_);
     const std::span<const std::array<Index, 4>> faces = surface_.fineFaces().loops;
-    const auto faceCount = static_cast<Index>(faces.size());
-    std::vector<Point3> centres(faceCount), normals(faceCount);
-    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
-        coarseNormals(pull_.size(), {0, 0, 0});
-    for (Index f = 0; f < faceCount; ++f) {
+    std::vector<Point3> centres(faces.size()), normals(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
         const auto& face = faces[f];
         centres[f] =
             scaled(sum(sum(fine[face[0]], fine[face[1]]), sum(fine[face[2]], fine[face[3]])), 0.25);
-        const Point3 normal = cross(difference(fine[face[2]], fine[face[0]]),
-                                    difference(fine[face[3]], fine[face[1]]));
+        normals[f] = cross(difference(fine[face[2]], fine[face[0]]),
+                           difference(fine[face[3]], fine[face[1]]));
+    }
+    associatePulls(centres, normals);
+    for (Point3& normal : normals) {
         const double size = length(normal);
-        normals[f] = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
-        const Index coarse = surface_.coarseFaceOf(f);
-        coarseNormals[coarse] = sum(coarseNormals[coarse], normal);
+        normal = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
+    }
+    associatePushes(centres, normals);
+}
+
+/// Pulls each face of level 2 towards the nearest points.
+void Fit::associatePulls(const std::vector<Point3>& centres, const std::vector<Point3>& normals) {
+    const double unit = 1 / (edge_ * edge_);
+    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
+        coarseNormals(pull_.size(), {0, 0, 0});
+    for (std::size_t f = 0; f < centres.size(); ++f) {
+        const Index coarse = surface_.coarseFaceOf(static_cast<Index>(f));
+        coarseNormals[coarse] = sum(coarseNormals[coarse], normals[f]);
         coarseCentres[coarse] = sum(coarseCentres[coarse], scaled(centres[f], 0.25));
     }
     const auto groups = groups_.groups();
-    // Pulls: each face of level 2 towards the nearest points.
     pulls_.assign(pull_.size(), {});
     parallelFor(std::ssize(pulls_), 64, [&](Offset first, Offset last) {
         for (Offset c = first; c < last; ++c) {
@@ -179,7 +228,9 @@ void Fit::associate() {
             const double size = length(coarseNormals[c]);
             if (!(size > 0)) continue;
             const Point3 normal = scaled(coarseNormals[c], 1 / size);
-            const Index nearest = groups_.nearest(coarseCentres[c], 24);
+            const Index cell = surface_.cellOfCoarse(term.row);
+            const Index nearest = groups_.nearest(
+                coarseCentres[c], 24, [&](Index group) { return belongs(group, cell); });
             if (nearest < 0) continue;
             const auto& group = groups[nearest];
             Point3 way = difference(coarseCentres[c], group.centre);
@@ -199,56 +250,88 @@ void Fit::associate() {
             term.reach = 0.25 * edge_;
         }
     });
-    // Pushes: each group of points against the nearest face of level 3. Of the points at the faces
-    // that are one face of level 2, the one that sticks out most counts.
-    std::vector<Index> firstOfCube(groups_.grid().cubeCount(), -1), nextOfFace(faceCount, -1);
+}
+
+/// Returns the face of level 3 with the nearest centre, of those with accept(face); −1 if none is
+/// within `rings` rings of cubes.
+template <class Accept>
+Index Fit::nearestFace(const Point3& point, Index rings, const std::vector<Point3>& centres,
+                       Accept accept) const {
+    const auto place = groups_.grid().coordinatesOf(point);
+    double least = 0;
+    Index best = -1;
+    for (Index ring = 0; ring <= rings; ++ring) {
+        const double reach = (ring - 1) * groups_.grid().size;
+        if (best >= 0 && reach > 0 && reach * reach > least) break;
+        groups_.grid().forEachInRing(place, ring, [&](Index cube) {
+            for (Index f = firstOfCube_[cube]; f >= 0; f = nextOfFace_[f]) {
+                const Point3 way = difference(centres[f], point);
+                const double distance = dot(way, way);
+                if (best >= 0 && (distance > least || (distance == least && f > best))) continue;
+                if (!accept(f)) continue;
+                best = f;
+                least = distance;
+            }
+        });
+    }
+    return best;
+}
+
+/// Pushes the nearest face of level 3 of each group of points outwards. Of the groups at one face,
+/// the one that sticks out most counts. Pushes faces of other parts away from the group.
+void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals) {
+    const double unit = 1 / (edge_ * edge_);
+    const auto groups = groups_.groups();
+    const auto faceCount = static_cast<Index>(centres.size());
+    firstOfCube_.assign(groups_.grid().cubeCount(), -1);
+    nextOfFace_.assign(faceCount, -1);
     for (Index f = faceCount; f-- > 0;) {
-        Index& first = firstOfCube[groups_.grid().cubeOf(centres[f])];
-        nextOfFace[f] = first;
+        Index& first = firstOfCube_[groups_.grid().cubeOf(centres[f])];
+        nextOfFace_[f] = first;
         first = f;
     }
-    std::vector<Index> nearestFace(groups.size(), -1);
+    const std::vector<Index>& cells = surface_.fineFaces().cells;
+    std::vector<Index> own(groups.size(), -1), other(groups.size(), -1);
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
-            const Point3& point = groups[g].centre;
-            const auto place = groups_.grid().coordinatesOf(point);
-            double least = 0;
-            Index best = -1;
-            for (Index ring = 0; ring <= 3; ++ring) {
-                const double reach = (ring - 1) * groups_.grid().size;
-                if (best >= 0 && reach > 0 && reach * reach > least) break;
-                groups_.grid().forEachInRing(place, ring, [&](Index cube) {
-                    for (Index f = firstOfCube[cube]; f >= 0; f = nextOfFace[f]) {
-                        const Point3 way = difference(centres[f], point);
-                        const double distance = dot(way, way);
-                        if (best < 0 || distance < least || (distance == least && f < best)) {
-                            best = f;
-                            least = distance;
-                        }
-                    }
-                });
-            }
-            nearestFace[g] = best;
+            const auto group = static_cast<Index>(g);
+            own[g] = nearestFace(groups[g].centre, 3, centres,
+                                 [&](Index f) { return belongs(group, cells[f]); });
+            if (groups[g].cell >= 0)
+                other[g] = nearestFace(groups[g].centre, 3, centres,
+                                       [&](Index f) { return !belongs(group, cells[f]); });
         }
     });
     distance_.assign(groups.size(), 0);
-    std::vector<double> leastOf(faceCount, 0.25 * edge_);
-    std::vector<PlaneTerm> of(faceCount);
+    std::vector<double> leastOf(faceCount, 0.25 * edge_), leastOfOther = leastOf;
+    std::vector<PlaneTerm> terms(faceCount), termsOfOther(faceCount);
     for (std::size_t g = 0; g < groups.size(); ++g) {
-        const Index f = nearestFace[g];
-        if (f < 0) continue;
-        const Point3& normal = normals[f];
-        const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
-        const double distance = dot(normal, centres[f]) - offset;
-        distance_[g] = distance;
-        if (distance < leastOf[f]) {
-            leastOf[f] = distance;
-            of[f] = {f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
+        if (const Index f = own[g]; f >= 0) {
+            const Point3& normal = normals[f];
+            const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
+            const double distance = dot(normal, centres[f]) - offset;
+            distance_[g] = distance;
+            if (distance < leastOf[f]) {
+                leastOf[f] = distance;
+                terms[f] = {
+                    f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
+            }
+        }
+        if (const Index f = other[g]; f >= 0) {
+            const Point3 inwards = scaled(normals[f], -1);
+            const double offset =
+                dot(inwards, groups_.farthest(groups[g], inwards)) + distanceToOthers_[g];
+            const double distance = dot(inwards, centres[f]) - offset;
+            if (distance < leastOfOther[f]) {
+                leastOfOther[f] = distance;
+                termsOfOther[f] = {f, inwards, offset, weights_.push * unit / 64, 0, 0.05 * edge_};
+            }
         }
     }
     pushes_.clear();
-    for (const PlaneTerm& term : of)
-        if (term.inside > 0) pushes_.push_back(term);
+    for (const auto* list : {&terms, &termsOfOther})
+        for (const PlaneTerm& term : *list)
+            if (term.inside > 0) pushes_.push_back(term);
 }
 
 void Fit::optimise(int iterations) {
@@ -277,7 +360,15 @@ bool Fit::certify() {
         if (group.depth > deepest) {
             deepest = group.depth;
             failure_ = concat("the point ", textOf(groups_.points()[group.point]),
-                              " is not proved to be inside");
+                              group.winding > 1 ? " is not proved to be inside only once"
+                                                : " is not proved to be inside");
+        }
+        isProved = false;
+        // A point that another part of the lattice covers, or nearly so.
+        if (group.winding > 1 || (group.cell >= 0 && !belongs(group.group, group.cell))) {
+            double& distance = distanceToOthers_[group.group];
+            distance = std::min(distance + 0.01 * edge_, options_.margin + 0.25 * edge_);
+            continue;
         }
         if (distance_[group.group] < -0.02 * edge_)
             pushOf_[group.group] = std::min(2 * pushOf_[group.group], 64.0);
@@ -285,10 +376,10 @@ bool Fit::certify() {
         const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
         for (Index ring = 0; ring <= 2; ++ring)
             groups_.grid().forEachInRing(place, ring, [&](Index cube) {
-                if (const Index near = groups_.inCube(cube); near >= 0)
+                groups_.forEachInCube(cube, [&](Index near) {
                     raise_[near] = std::max(raise_[near], more * (1 - 0.25 * ring));
+                });
             });
-        isProved = false;
     }
     for (std::size_t g = 0; g < raise_.size(); ++g) {
         // All others rise a little too, so that points do not stick out in turns.
@@ -310,7 +401,7 @@ bool Fit::certify() {
     for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
         if (isBad[cell]) shapes_.scaleWeight(cell, 1.5);
     for (std::size_t c = 0; c < pull_.size(); ++c)
-        if (isBad[surface_.cellOf(surface_.baseFaceOf(static_cast<Index>(c)))]) pull_[c] *= 0.5;
+        if (isBad[surface_.cellOfCoarse(static_cast<Index>(c))]) pull_[c] *= 0.5;
     return isProved;
 }
 
@@ -422,6 +513,13 @@ Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions&
             concat("fitting a cage: maxRounds is ", options.maxRounds, "; expected 1 or more"));
     if (refinerOptions(start).boundary == far::Boundary::Open)
         throw Error("fitting a cage: the start has an open boundary, which shrinks away");
+    if (!options.cells.empty() && options.cells.size() != points.size())
+        throw Error(concat("fitting a cage: got ", options.cells.size(), " cells for ",
+                           points.size(), " points"));
+    for (const Index cell : options.cells)
+        if (cell < 0 || cell >= start.complex.count(3))
+            throw Error(concat("fitting a cage: a point belongs to cell ", cell,
+                               "; expected 0 to ", start.complex.count(3) - 1));
     checkFinite(points, "point");
     checkFinite(start.positions, "vertex");
     const auto isStart = [&](const Point3& p) { return p == start.positions.front(); };

@@ -16,6 +16,11 @@ struct FitOptions {
     /// Level to which limit::LimitParts refines irregular features for the proof of validity.
     int levelOfParts = 2;
 
+    /// The cell of each point at the start; or empty. A point belongs to the cells at most two cells
+    /// away from its cell: only these are fitted to it. So cells of parts that are close to each
+    /// other may overlap at the start.
+    std::span<const Index> cells = {};
+
     /// Largest number of proofs that may fail before fitting starts anew with less pull.
     int maxRounds = 8;
 };
@@ -23,7 +28,8 @@ struct FitOptions {
 /// Moves the vertices of a lattice so that its boundary follows a model.
 ///
 /// The result is proved:
-/// - Every point is inside level 3 and inside the limit volume, `margin` away from the boundary.
+/// - Every point is inside level 3 and inside the limit volume, `margin` away from the boundary. The
+///   limit volume contains it only once.
 /// - Every patch of the limit volume has a positive Jacobian (solve::ValidityCheck on
 ///   limit::LimitParts of `levelOfParts`).
 ///

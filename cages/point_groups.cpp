@@ -32,19 +32,27 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     return result;
 }
 
-PointGroups::PointGroups(std::span<const Point3> points, const CubeGrid& grid) : grid_(grid) {
-    std::vector<std::pair<Index, Point3>> keyed;
+PointGroups::PointGroups(std::span<const Point3> points, const CubeGrid& grid,
+                         std::span<const Index> cells)
+    : grid_(grid) {
+    struct Keyed {
+        Index cube, cell;
+        Point3 point;
+        auto operator<=>(const Keyed&) const = default;
+    };
+    std::vector<Keyed> keyed;
     keyed.reserve(points.size());
-    for (const Point3& point : points) keyed.emplace_back(grid.cubeOf(point), point);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        keyed.push_back({grid.cubeOf(points[i]), cells.empty() ? -1 : cells[i], points[i]});
     std::sort(keyed.begin(), keyed.end());
     keyed.erase(std::unique(keyed.begin(), keyed.end()), keyed.end());
-    groupOfCube_.assign(grid.cubeCount(), -1);
+    firstOfCube_.assign(grid.cubeCount(), -1);
     points_.reserve(keyed.size());
-    for (const auto& [cube, point] : keyed) {
+    for (const auto& [cube, cell, point] : keyed) {
         const auto number = static_cast<Index>(points_.size());
-        if (groups_.empty() || groups_.back().cube != cube) {
-            groupOfCube_[cube] = static_cast<Index>(groups_.size());
-            groups_.push_back({cube, number, number, point, point, {0, 0, 0}});
+        if (groups_.empty() || groups_.back().cube != cube || groups_.back().cell != cell) {
+            if (firstOfCube_[cube] < 0) firstOfCube_[cube] = static_cast<Index>(groups_.size());
+            groups_.push_back({cube, cell, number, number, point, point, {0, 0, 0}});
         }
         Group& group = groups_.back();
         ++group.last;
@@ -70,28 +78,6 @@ const Point3& PointGroups::farthest(const Group& group, const Point3& direction)
         }
     }
     return points_[best];
-}
-
-Index PointGroups::nearest(const Point3& point, Index rings) const {
-    const auto centre = grid_.coordinatesOf(point);
-    Index best = -1;
-    double least = 0;
-    for (Index ring = 0; ring <= rings; ++ring) {
-        // A cube of this ring is at least ring − 1 cubes away.
-        const double reach = (ring - 1) * grid_.size;
-        if (best >= 0 && reach > 0 && reach * reach > least) break;
-        grid_.forEachInRing(centre, ring, [&](Index cube) {
-            const Index group = groupOfCube_[cube];
-            if (group < 0) return;
-            const Point3 way = difference(groups_[group].centre, point);
-            const double distance = dot(way, way);
-            if (best < 0 || distance < least || (distance == least && group < best)) {
-                best = group;
-                least = distance;
-            }
-        });
-    }
-    return best;
 }
 
 }  // namespace espalier::cages

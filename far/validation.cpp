@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/disjoint_sets.h>
 #include <espalier/base/error.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/topology_error.h>
@@ -19,30 +20,6 @@ std::string edgeName(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
     return concat("edge (", ends[0], ", ", ends[1], ")");
 }
-
-/// Disjoint sets of the numbers 0 to n − 1.
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t count) : parents_(count), setCount_(count) {
-        std::iota(parents_.begin(), parents_.end(), std::size_t{0});
-    }
-    std::size_t find(std::size_t item) {
-        while (parents_[item] != item) item = parents_[item] = parents_[parents_[item]];
-        return item;
-    }
-    void unite(std::size_t a, std::size_t b) {
-        a = find(a);
-        b = find(b);
-        if (a == b) return;
-        parents_[a] = b;
-        --setCount_;
-    }
-    std::size_t setCount() const { return setCount_; }
-
-private:
-    std::vector<std::size_t> parents_;
-    std::size_t setCount_;
-};
 
 void checkEdge(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
