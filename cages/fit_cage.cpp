@@ -2,6 +2,7 @@
 #include "fit_cage.h"
 
 #include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -57,15 +57,6 @@ void checkFinite(std::span<const Point3> points, const char* name) {
                     std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
-std::string textOf(double value) {
-    std::array<char, 32> text;
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-
-std::string textOf(const Point3& point) {
-    return concat("(", textOf(point[0]), ", ", textOf(point[1]), ", ", textOf(point[2]), ")");
-}
-
 /// The state of a fit.
 class Fit {
 public:
@@ -81,7 +72,7 @@ public:
                   options.cells),
           shapes_(refiner_),
           parts_(base_, options.levelOfParts) {
-        findNearCells();
+        findApart();
     }
 
     std::vector<Point3> run();
@@ -114,12 +105,12 @@ private:
         return {low, high, size};
     }
 
-    void findNearCells();
+    void findApart();
 
     /// Whether the faces of a cell are fitted to a group of points.
     bool belongs(Index group, Index cell) const {
         const Index of = groups_.groups()[group].cell;
-        return of < 0 || std::ranges::binary_search(nearCells_[cell], of);
+        return of < 0 || !std::ranges::binary_search(apart_[cell], of);
     }
 
     template <class Accept>
@@ -144,7 +135,7 @@ private:
     PointGroups groups_;
     CellShapes shapes_;
     limit::LimitParts parts_;
-    std::vector<std::vector<Index>> nearCells_;  ///< of each cell, ascending; if points have cells
+    std::vector<std::vector<Index>> apart_;  ///< of each cell, ascending; if points have cells
     std::vector<Index> firstOfCube_, nextOfFace_;  ///< lists of the faces of level 3 in each cube
     std::vector<double> clearance_;                ///< of each group
     std::vector<double> distanceToOthers_;  ///< of each group, from faces it does not belong to
@@ -171,22 +162,40 @@ void Fit::begin(int attempt) {
     isRaised_.assign(clearance_.size(), 0);
 }
 
-/// Lists the cells that are at most two cells away from each cell.
-void Fit::findNearCells() {
+/// Lists, for each cell, the cells that are close to it in space but not along the lattice: their
+/// parts of the model are apart. In a full grid the number of faces between two cells is at most √3
+/// times their distance in edges.
+void Fit::findApart() {
     if (options_.cells.empty()) return;
+    constexpr double kReach = 5;   // edges
+    constexpr int kMaxSteps = 9;  // more than √3 · kReach
     const far::CellComplex& complex = base_.level(0).complex;
-    const auto addNear = [&](Index cell, std::vector<Index>& near) {
-        for (const Index vertex : complex.relation(3, 0)[cell])
-            for (const Index other : complex.relation(0, 3)[vertex]) near.push_back(other);
-    };
-    std::vector<Index> ring;
+    std::vector<Point3> centres;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
-        ring.clear();
-        addNear(cell, ring);
-        sortUnique(ring);
-        std::vector<Index>& near = nearCells_.emplace_back();
-        for (const Index other : ring) addNear(other, near);
-        sortUnique(near);
+        std::vector<Point3> corners;
+        for (const Index vertex : complex.relation(3, 0)[cell]) corners.push_back(start_[vertex]);
+        centres.push_back(mean(corners));
+    }
+    apart_.resize(centres.size());
+    std::vector<int> steps(centres.size(), -1);
+    std::vector<Index> reached;
+    for (std::size_t a = 0; a < centres.size(); ++a) {
+        reached = {static_cast<Index>(a)};
+        steps[a] = 0;
+        for (std::size_t i = 0; i < reached.size() && steps[reached[i]] < kMaxSteps; ++i)
+            for (const Index face : complex.relation(3, 2)[reached[i]])
+                for (const Index next : complex.relation(2, 3)[face])
+                    if (steps[next] < 0) {
+                        steps[next] = steps[reached[i]] + 1;
+                        reached.push_back(next);
+                    }
+        for (std::size_t b = 0; b < centres.size(); ++b) {
+            const double distance = length(difference(centres[a], centres[b])) / edge_;
+            if (distance > kReach) continue;
+            if (steps[b] < 0 || steps[b] > std::sqrt(3) * distance + 0.5)
+                apart_[a].push_back(static_cast<Index>(b));
+        }
+        for (const Index cell : reached) steps[cell] = -1;
     }
 }
 
@@ -297,7 +306,7 @@ void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<
             const auto group = static_cast<Index>(g);
             own[g] = nearestFace(groups[g].centre, 3, centres,
                                  [&](Index f) { return belongs(group, cells[f]); });
-            if (groups[g].cell >= 0)
+            if (groups[g].cell >= 0 && !apart_[groups[g].cell].empty())
                 other[g] = nearestFace(groups[g].centre, 3, centres,
                                        [&](Index f) { return !belongs(group, cells[f]); });
         }
@@ -388,6 +397,8 @@ bool Fit::certify() {
         if (raise_[g] > 0) isRaised_[g] = 1;
     }
     const solve::ValidityCheck check(parts_, positions_);
+    if(getenv("TRACE")){ int other=0,wn=0; for(auto&u:uncovered){ if(u.winding!=1) ++wn; if(u.cell>=0&&!belongs(u.group,u.cell)) ++other;} fprintf(stderr,"  certify: uncovered %zu (winding %d other %d) deepest %.4f edge bad %zu volume %.4f\n",uncovered.size(),wn,other,deepest/edge_,check.badAtRest().size(),enclosedVolume()); {std::array<int,7> c{}; Point3 lo{9,9,9},hi{-9,-9,-9}; for(auto&u:uncovered) if(u.winding!=1){c[std::clamp(u.winding+2,0,6)]++; for(int a=0;a<3;a++){lo[a]=std::min(lo[a],groups_.points()[u.point][a]);hi[a]=std::max(hi[a],groups_.points()[u.point][a]);}} fprintf(stderr,"     winding -2..4: %d %d %d %d %d %d %d box %.3f %.3f %.3f - %.3f %.3f %.3f\n",c[0],c[1],c[2],c[3],c[4],c[5],c[6],lo[0],lo[1],lo[2],hi[0],hi[1],hi[2]);}
+    for(size_t i=0;i<uncovered.size()&&i<4;i++){auto&u=uncovered[i]; auto&p=groups_.points()[u.point]; fprintf(stderr,"     (%.4f %.4f %.4f) depth %.4f cell %d w %d clearance %.3f dist %.4f push %g\n",p[0],p[1],p[2],u.depth/edge_,u.cell,u.winding,clearance_[u.group]/edge_,distance_[u.group]/edge_,pushOf_[u.group]);} }
     std::vector<char> isBad(shapes_.cellCount(), 0);
     const far::CellComplex& complex = base_.level(0).complex;
     shapes_.examine(check.badAtRest());
@@ -479,6 +490,9 @@ std::vector<Point3> Fit::run() {
         for (int step = 0; step < kSteps; ++step) {
             associate();
             // Early steps are short, because faces then change their nearest points.
+            if(getenv("CELL")){ int c=atoi(getenv("CELL")); Point3 lo{9,9,9},hi{-9,-9,-9}; for(Index v: base_.level(0).complex.relation(3,0)[c]) for(int a=0;a<3;a++){lo[a]=std::min(lo[a],positions_[v][a]);hi[a]=std::max(hi[a],positions_[v][a]);} fprintf(stderr,"step %d cell box %.3f %.3f %.3f - %.3f %.3f %.3f\n",step,lo[0],lo[1],lo[2],hi[0],hi[1],hi[2]);
+             for(auto&t:pulls_) if(surface_.cellOfCoarse(t.row)==c) fprintf(stderr,"   pull %d dir %.2f %.2f %.2f offset %.3f outside %.3g\n",t.row,t.direction[0],t.direction[1],t.direction[2],t.offset,t.outside);
+             for(auto&t:pushes_) if(surface_.fineFaces().cells[t.row]==c) fprintf(stderr,"   push %d dir %.2f %.2f %.2f offset %.3f inside %.3g\n",t.row,t.direction[0],t.direction[1],t.direction[2],t.offset,t.inside);}
             optimise(step < kSteps / 2 ? 8 : 20);
         }
         for (int round = 0; round < options_.maxRounds; ++round) {
@@ -493,7 +507,7 @@ std::vector<Point3> Fit::run() {
             }
         }
     }
-    throw Error(concat("fitting a cage of ", base_.level(0).complex.count(0),
+    throw FitError(concat("fitting a cage of ", base_.level(0).complex.count(0),
                        " vertices: ", failure_, "; try more vertices or a larger margin"));
 }
 

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/error.h>
 #include <espalier/base/point.h>
 #include <espalier/shapes/lattice.h>
 
 #include <span>
 
 namespace espalier::cages {
+
+/// Thrown by fitCage() if no lattice with the cells of the start is found.
+class FitError : public Error {
+public:
+    using Error::Error;
+};
 
 struct FitOptions {
     /// Least distance between the points and the boundary of the limit volume, in units of the
@@ -41,8 +48,8 @@ struct FitOptions {
 /// \param points of the model; their order has no effect
 /// \throws Error if there are no points; for a number that is not finite or out of range; for an
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
-///         box around the start; or if no lattice with these cells is found. Names the point or
-///         the cell
+///         box around the start; FitError if no lattice with these cells is found. Both name the
+///         point or the cell
 /// \cost on one thread about 2 s for 300,000 points and 500 vertices; 6 s and 450 MB for
 ///       5 million points
 Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options = {});

@@ -468,7 +468,8 @@ bool GridCells::joinConflicts() {
                     return true;
                 }
             for (auto at = behind.rbegin(); at != behind.rend(); ++at)
-                if (cut(at->second, opposite(direction), number)) return true;
+                if (getenv("CUT") && cut(at->second, opposite(direction), number)) {printf("[cut]");return true;}
+            if(getenv("TRACE")) printf("[join]");
             joinParts(behind.front().second, behind.back().second, parts_[p].joins + 1);
             return true;
         }

@@ -3,13 +3,13 @@
 
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/cages/cage.h>
 
 #include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
 
-#include "cage.h"
 
 namespace espalier::cages {
 

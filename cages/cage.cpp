@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
+#include <espalier/base/vector3.h>
+#include <espalier/cages/cage.h>
+#include <espalier/shapes/around.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit_cage.h"
+#include "grid_cells.h"
+#include "model_surface.h"
+#include "model_voxels.h"
+#include "surface_samples.h"
+
+namespace espalier::cages {
+namespace {
+
+/// Range of the number of vertices, as a fraction of the wanted number.
+constexpr double kLeast = 0.8, kMost = 1.2;
+
+/// Lattices that are tried before the model is given up.
+constexpr std::size_t kMaxFits = 5;
+
+/// Voxels along the edge of a cell; fewer if there would be too many voxels.
+constexpr Index kVoxelsPerEdge = 8;
+constexpr double kMaxVoxels = 2.5e7;
+
+/// A cell is left out if the model reaches less than this into it, in edges.
+constexpr double kReach = 0.4;
+
+/// Parts of a model in one cell or in two neighbours are joined if they are nearer than this, in
+/// edges.
+constexpr double kJoinDistance = 0.75;
+
+using Axes = std::array<Point3, 3>;
+constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+Point3 toFrame(const Axes& axes, const Point3& p) {
+    return {dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)};
+}
+
+Point3 fromFrame(const Axes& axes, const Point3& p) {
+    return sum(sum(scaled(axes[0], p[0]), scaled(axes[1], p[1])), scaled(axes[2], p[2]));
+}
+
+struct Box {
+    Point3 low, high;
+    explicit Box(std::span<const Point3> points) : low(points.front()), high(low) {
+        for (const Point3& point : points)
+            for (int axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], point[axis]);
+                high[axis] = std::max(high[axis], point[axis]);
+            }
+    }
+    Point3 size() const { return difference(high, low); }
+    double diagonal() const { return length(size()); }
+};
+
+/// Axes for the grid, with the points of the model along them.
+struct Frame {
+    Axes axes;
+    std::vector<Point3> points;
+};
+
+/// A grid to try.
+struct Candidate {
+    std::size_t frame = 0;
+    double cellSize = 0;
+    std::array<Index, 3> offset = {0, 0, 0};
+    Index vertexCount = 0;
+    double score = 0;  ///< the lower the better
+};
+
+/// Returns the axes of the smallest box around points.
+Axes orientedAxes(std::span<const Point3> points) {
+    const Lattice box =
+        shapes::around(points, {.cellsAlongLongest = 1, .margin = 0.01, .oriented = true});
+    Axes axes;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        axes[axis] =
+            normalised(difference(box.positions[std::size_t{1} << axis], box.positions[0]));
+    return axes;
+}
+
+class CageMaker {
+public:
+    CageMaker(const SurfaceModel& model, const CageOptions& options);
+    Lattice make();
+
+private:
+    void addFrames();
+    Index voxelsPerEdge(const Frame& frame, double cellSize) const;
+    ModelVoxels voxelsOf(const Frame& frame, double cellSize) const;
+    GridCells cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const;
+    std::vector<Candidate> candidates() const;
+    double sizeFor(std::size_t frame) const;
+    void tryOffsets(std::size_t frame, double cellSize, std::vector<Candidate>& found) const;
+    Lattice fit(const Candidate& candidate) const;
+
+    ModelSurface surface_;
+    CageOptions options_;
+    std::vector<Frame> frames_;
+    double diagonal_ = 0, margin_ = 0;
+};
+
+void requireNumber(double value, const char* name) {
+    if (!(value >= 0 && value <= 1e90))
+        throw Error(concat("making a cage: ", name, " is ", textOf(value),
+                           "; expected a finite number, 0 or more"));
+}
+
+CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
+    : surface_(model), options_(options) {
+    if (options.vertices < 8)
+        throw Error(concat("making a cage: vertices is ", options.vertices,
+                           "; expected 8 or more"));
+    requireNumber(options.cellSize, "cellSize");
+    requireNumber(options.margin, "margin");
+    requireNumber(options.shell, "shell");
+    const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
+    diagonal_ = Box(points).diagonal();
+    if (diagonal_ == 0) throw Error("making a cage: all points of the model are at one place");
+    margin_ = options.margin * diagonal_ + options.shell / 2;
+    addFrames();
+}
+
+void CageMaker::addFrames() {
+    frames_.push_back({kCoordinateAxes, surface_.points()});
+}
+
+Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
+    const Point3 size = Box(frame.points).size();
+    for (Index k = kVoxelsPerEdge; k > 1; --k) {
+        double count = 1;
+        for (int axis = 0; axis < 3; ++axis)
+            count *= (size[axis] + options_.shell) / cellSize * k + k + 4;
+        if (count <= kMaxVoxels) return k;
+    }
+    return 1;
+}
+
+ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
+    return {surface_, frame.points,
+            {.size = cellSize / voxelsPerEdge(frame, cellSize),
+             .shellRadius = options_.shell / 2,
+             .gap = cellSize / 2}};
+}
+
+GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const {
+    const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
+    return {voxels,
+            {.voxelsPerEdge = k,
+             .offset = candidate.offset,
+             .joinDistance = options_.keepApart ? 1 : kJoinDistance * k,
+             .reach = kReach * k}};
+}
+
+/// Returns a cell size for about the wanted number of vertices.
+double CageMaker::sizeFor(std::size_t frame) const {
+    if (options_.cellSize > 0) return options_.cellSize;
+    // The number of vertices grows about as the power −2.4 of the size. It is not monotone.
+    double size = diagonal_ / 4, best = size, bestRatio = 0;
+    double small = 0, large = 0;  // sizes with too many and with too few vertices
+    for (int round = 0; round < 12; ++round) {
+        const ModelVoxels voxels = voxelsOf(frames_[frame], size);
+        const double ratio =
+            static_cast<double>(cellsOf(voxels, {frame, size}).vertexCount()) / options_.vertices;
+        if (bestRatio == 0 || std::abs(std::log(ratio)) < std::abs(std::log(bestRatio))) {
+            best = size;
+            bestRatio = ratio;
+        }
+        if (std::abs(std::log(ratio)) < 0.05) break;
+        (ratio > 1 ? small : large) = size;
+        size *= std::clamp(std::pow(ratio, 1 / 2.4), 0.2, 5.0);
+        if (small > 0 && large > 0 && (size <= std::min(small, large) * 1.001 ||
+                                       size >= std::max(small, large) / 1.001))
+            size = std::sqrt(small * large);
+    }
+    return best;
+}
+
+void CageMaker::tryOffsets(std::size_t frame, double cellSize,
+                           std::vector<Candidate>& found) const {
+    const ModelVoxels voxels = voxelsOf(frames_[frame], cellSize);
+    const Index half = voxelsPerEdge(frames_[frame], cellSize) / 2;
+    for (Index octant = 0; octant < 8; ++octant) {
+        Candidate candidate{frame, cellSize};
+        for (int axis = 0; axis < 3; ++axis)
+            candidate.offset[axis] = (octant >> axis & 1) * half;
+        const GridCells cells = cellsOf(voxels, candidate);
+        if (!cells.isManifold() || (options_.keepApart && cells.joined())) continue;
+        candidate.vertexCount = cells.vertexCount();
+        const double ratio = static_cast<double>(candidate.vertexCount) / options_.vertices;
+        if (options_.cellSize == 0 && (ratio < kLeast || ratio > kMost)) continue;
+        // Few vertices at a small size of cells.
+        candidate.score = cellSize * std::pow(ratio, 1 / 2.4);
+        found.push_back(candidate);
+    }
+}
+
+std::vector<Candidate> CageMaker::candidates() const {
+    std::vector<Candidate> found;
+    for (std::size_t frame = 0; frame < frames_.size(); ++frame) {
+        const double size = sizeFor(frame);
+        tryOffsets(frame, size, found);
+        for (const double factor : {1.06, 1 / 1.06, 1.12, 1 / 1.12, 1.2, 1 / 1.2}) {
+            if (found.size() >= kMaxFits || options_.cellSize > 0) break;
+            tryOffsets(frame, size * factor, found);
+        }
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    if (found.size() > kMaxFits) found.resize(kMaxFits);
+    return found;
+}
+
+Lattice CageMaker::fit(const Candidate& candidate) const {
+    const Frame& frame = frames_[candidate.frame];
+    const ModelVoxels voxels = voxelsOf(frame, candidate.cellSize);
+    const GridCells cells = cellsOf(voxels, candidate);
+    Lattice start = cells.build();
+    for (Point3& position : start.positions) position = fromFrame(frame.axes, position);
+    const std::vector<Point3> samples =
+        surfaceSamples(surface_.triangles(), surface_.points(), candidate.cellSize / 8);
+    std::vector<Index> cellOfSample;
+    cellOfSample.reserve(samples.size());
+    for (const Point3& sample : samples)
+        cellOfSample.push_back(cells.cellOf(toFrame(frame.axes, sample)));
+    return fitCage(std::move(start), samples, {.margin = margin_, .cells = cellOfSample});
+}
+
+Lattice CageMaker::make() {
+    const std::vector<Candidate> tried = candidates();
+    if (tried.empty())
+        throw Error(concat("making a cage: no lattice of ", options_.vertices,
+                           " vertices has the topology of the model; try more"));
+    std::string failure;
+    for (const Candidate& candidate : tried) {
+        if(getenv("TRACE")) fprintf(stderr,"candidate size %.4f offset %d %d %d vertices %d score %.4f\n",candidate.cellSize,candidate.offset[0],candidate.offset[1],candidate.offset[2],candidate.vertexCount,candidate.score);
+        try {
+            return fit(candidate);
+        } catch (const FitError& error) {
+            if(getenv("TRACE")) fprintf(stderr,"   %s\n",error.what());
+            failure = error.what();
+        }
+    }
+    throw Error(concat("making a cage: ", failure));
+}
+
+}  // namespace
+
+Lattice cage(const SurfaceModel& model, const CageOptions& options) {
+    return CageMaker(model, options).make();
+}
+
+}  // namespace espalier::cages
