@@ -104,6 +104,8 @@ private:
     double sizeFor(std::size_t frame) const;
     void tryOffsets(std::size_t frame, double cellSize, std::vector<Candidate>& found) const;
     Lattice fit(const Candidate& candidate) const;
+    std::vector<FitPoint> samples(const Frame& frame, double cellSize, const ModelVoxels& voxels,
+                                  const GridCells& cells) const;
 
     ModelSurface surface_;
     CageOptions options_;
@@ -228,13 +230,43 @@ Lattice CageMaker::fit(const Candidate& candidate) const {
     const GridCells cells = cellsOf(voxels, candidate);
     Lattice start = cells.build();
     for (Point3& position : start.positions) position = fromFrame(frame.axes, position);
-    const std::vector<Point3> samples =
-        surfaceSamples(surface_.triangles(), surface_.points(), candidate.cellSize / 8);
-    std::vector<Index> cellOfSample;
-    cellOfSample.reserve(samples.size());
-    for (const Point3& sample : samples)
-        cellOfSample.push_back(cells.cellOf(toFrame(frame.axes, sample)));
-    return fitCage(std::move(start), samples, {.margin = margin_, .cells = cellOfSample});
+    return fitCage(std::move(start), samples(frame, candidate.cellSize, voxels, cells),
+                   {.margin = margin_});
+}
+
+/// Returns points of the model, at most an eighth of a cell apart.
+std::vector<FitPoint> CageMaker::samples(const Frame& frame, double cellSize,
+                                         const ModelVoxels& voxels,
+                                         const GridCells& cells) const {
+    std::vector<FitPoint> result;
+    const std::vector<Point3>& points = surface_.points();
+    const auto add = [&](std::span<const Triangle> triangles, double sign) {
+        std::array<float, 3> normal = {0, 0, 0};
+        std::size_t last = triangles.size();
+        forEachSample(triangles, points, cellSize / 8, [&](const Point3& point, std::size_t t) {
+            if (sign != 0 && t != last) {
+                const auto& [a, b, c] = triangles[t];
+                const Point3 way =
+                    cross(difference(points[b], points[a]), difference(points[c], points[a]));
+                const double size = length(way);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    normal[axis] = size > 0 ? static_cast<float>(sign * way[axis] / size) : 0;
+                last = t;
+            }
+            const Point3 local = toFrame(frame.axes, point);
+            result.push_back({point, normal, cells.cellOf(local), voxels.isInner(local)});
+        });
+    };
+    if (options_.shell > 0) {
+        add(surface_.triangles(), 0);
+        return result;
+    }
+    for (std::size_t i = 0; i < surface_.closedPieces().size(); ++i) {
+        const ModelSurface::ClosedPiece& piece = surface_.closedPieces()[i];
+        add(std::span(piece.triangles).first(piece.capBegin), voxels.signs()[i]);
+    }
+    add(surface_.openTriangles(), 0);
+    return result;
 }
 
 Lattice CageMaker::make() {

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,25 +43,27 @@ constexpr double kGoodJacobian = 0.3;
 /// Steps of an attempt before the first proof.
 constexpr int kSteps = 12;
 
+/// Least cosine between the normals of a face and of the points that it is fitted to.
+constexpr double kFacing = -0.5;
+
 struct Weights {
     double shape = 0.04;  ///< of a cell
     double pull = 1;      ///< of the squared distance, in edges, of the surface from the points
     double push = 1000;   ///< of the squared distance by which a point sticks out
 };
 
-void checkFinite(std::span<const Point3> points, const char* name) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (const double coordinate : points[i])
-            if (!(std::abs(coordinate) <= 1e90))
-                throw Error(concat(
-                    "fitting a cage: ", name, " ", i,
-                    std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
+void checkFinite(const Point3& point, const char* name, std::size_t number) {
+    for (const double coordinate : point)
+        if (!(std::abs(coordinate) <= 1e90))
+            throw Error(concat(
+                "fitting a cage: ", name, " ", number,
+                std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
 /// The state of a fit.
 class Fit {
 public:
-    Fit(const Lattice& start, std::span<const Point3> points, const FitOptions& options)
+    Fit(const Lattice& start, std::span<const FitPoint> points, const FitOptions& options)
         : options_(options),
           base_(start.complex, refinerOptions(start)),
           refiner_(refined()),
@@ -68,8 +71,7 @@ public:
           start_(start.positions),
           positions_(start_),
           edge_(meanEdge(start)),
-          groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2)),
-                  options.cells),
+          groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
           shapes_(refiner_),
           parts_(base_, options.levelOfParts) {
         findApart();
@@ -91,7 +93,7 @@ private:
                 difference(lattice.positions[ends[edge][0]], lattice.positions[ends[edge][1]]));
         return total / lattice.complex.count(1);
     }
-    static CubeGrid gridAround(const Lattice& lattice, std::span<const Point3> points,
+    static CubeGrid gridAround(const Lattice& lattice, std::span<const FitPoint> points,
                                double size) {
         Point3 low = lattice.positions.front(), high = low;
         const auto include = [&](const Point3& point) {
@@ -101,16 +103,23 @@ private:
             }
         };
         for (const Point3& point : lattice.positions) include(point);
-        for (const Point3& point : points) include(point);
+        for (const FitPoint& point : points) include(point.position);
         return {low, high, size};
     }
 
     void findApart();
 
-    /// Whether the faces of a cell are fitted to a group of points.
+    /// Whether a group of points belongs to the part of the model that a cell holds.
     bool belongs(Index group, Index cell) const {
         const Index of = groups_.groups()[group].cell;
         return of < 0 || !std::ranges::binary_search(apart_[cell], of);
+    }
+
+    /// Whether a face with this normal is fitted to a group of points. It may not face the other
+    /// way, as the far side of a thin part does, or the boundary of another part.
+    bool suits(Index group, Index cell, const Point3& normal) const {
+        return !groups_.groups()[group].isInner &&
+               dot(groups_.groups()[group].normal, normal) > kFacing && belongs(group, cell);
     }
 
     template <class Accept>
@@ -166,7 +175,6 @@ void Fit::begin(int attempt) {
 /// parts of the model are apart. In a full grid the number of faces between two cells is at most √3
 /// times their distance in edges.
 void Fit::findApart() {
-    if (options_.cells.empty()) return;
     constexpr double kReach = 5;   // edges
     constexpr int kMaxSteps = 9;  // more than √3 · kReach
     const far::CellComplex& complex = base_.level(0).complex;
@@ -239,7 +247,7 @@ void Fit::associatePulls(const std::vector<Point3>& centres, const std::vector<P
             const Point3 normal = scaled(coarseNormals[c], 1 / size);
             const Index cell = surface_.cellOfCoarse(term.row);
             const Index nearest = groups_.nearest(
-                coarseCentres[c], 24, [&](Index group) { return belongs(group, cell); });
+                coarseCentres[c], 24, [&](Index group) { return suits(group, cell, normal); });
             if (nearest < 0) continue;
             const auto& group = groups[nearest];
             Point3 way = difference(coarseCentres[c], group.centre);
@@ -304,8 +312,9 @@ void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
             const auto group = static_cast<Index>(g);
+            if (groups[g].isInner) continue;
             own[g] = nearestFace(groups[g].centre, 3, centres,
-                                 [&](Index f) { return belongs(group, cells[f]); });
+                                 [&](Index f) { return suits(group, cells[f], normals[f]); });
             if (groups[g].cell >= 0 && !apart_[groups[g].cell].empty())
                 other[g] = nearestFace(groups[g].centre, 3, centres,
                                        [&](Index f) { return !belongs(group, cells[f]); });
@@ -490,6 +499,7 @@ std::vector<Point3> Fit::run() {
         for (int step = 0; step < kSteps; ++step) {
             associate();
             // Early steps are short, because faces then change their nearest points.
+            if(getenv("STEPS")){ auto un=findUncovered(surface_, positions_, groups_, options_.margin); std::map<int,std::pair<int,Point3>> by; for(auto&u:un) if(u.winding>1){ auto&e=by[groups_.groups()[u.group].cell]; e.first++; e.second=groups_.points()[u.point];} fprintf(stderr,"step %d volume %.3f:",step,enclosedVolume()); for(auto&[c,e]:by) fprintf(stderr," cell %d n %d (%.2f %.2f %.2f)",c,e.first,e.second[0],e.second[1],e.second[2]); fprintf(stderr,"\n"); }
             if(getenv("CELL")){ int c=atoi(getenv("CELL")); Point3 lo{9,9,9},hi{-9,-9,-9}; for(Index v: base_.level(0).complex.relation(3,0)[c]) for(int a=0;a<3;a++){lo[a]=std::min(lo[a],positions_[v][a]);hi[a]=std::max(hi[a],positions_[v][a]);} fprintf(stderr,"step %d cell box %.3f %.3f %.3f - %.3f %.3f %.3f\n",step,lo[0],lo[1],lo[2],hi[0],hi[1],hi[2]);
              for(auto&t:pulls_) if(surface_.cellOfCoarse(t.row)==c) fprintf(stderr,"   pull %d dir %.2f %.2f %.2f offset %.3f outside %.3g\n",t.row,t.direction[0],t.direction[1],t.direction[2],t.offset,t.outside);
              for(auto&t:pushes_) if(surface_.fineFaces().cells[t.row]==c) fprintf(stderr,"   push %d dir %.2f %.2f %.2f offset %.3f inside %.3g\n",t.row,t.direction[0],t.direction[1],t.direction[2],t.offset,t.inside);}
@@ -513,7 +523,7 @@ std::vector<Point3> Fit::run() {
 
 }  // namespace
 
-Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options) {
+Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options) {
     if (start.complex.dimension() != 3) throw Error("fitting a cage: the start is not a lattice");
     if (points.empty()) throw Error("fitting a cage: there are no points");
     if (!(options.margin >= 0 && options.margin <= 1e90))
@@ -527,15 +537,14 @@ Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions&
             concat("fitting a cage: maxRounds is ", options.maxRounds, "; expected 1 or more"));
     if (refinerOptions(start).boundary == far::Boundary::Open)
         throw Error("fitting a cage: the start has an open boundary, which shrinks away");
-    if (!options.cells.empty() && options.cells.size() != points.size())
-        throw Error(concat("fitting a cage: got ", options.cells.size(), " cells for ",
-                           points.size(), " points"));
-    for (const Index cell : options.cells)
-        if (cell < 0 || cell >= start.complex.count(3))
-            throw Error(concat("fitting a cage: a point belongs to cell ", cell,
-                               "; expected 0 to ", start.complex.count(3) - 1));
-    checkFinite(points, "point");
-    checkFinite(start.positions, "vertex");
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkFinite(points[i].position, "point", i);
+        if (points[i].cell < -1 || points[i].cell >= start.complex.count(3))
+            throw Error(concat("fitting a cage: point ", i, " belongs to cell ", points[i].cell,
+                               "; expected -1 to ", start.complex.count(3) - 1));
+    }
+    for (std::size_t i = 0; i < start.positions.size(); ++i)
+        checkFinite(start.positions[i], "vertex", i);
     const auto isStart = [&](const Point3& p) { return p == start.positions.front(); };
     if (std::all_of(start.positions.begin(), start.positions.end(), isStart))
         throw Error("fitting a cage: all vertices of the start are at one place");

@@ -7,6 +7,8 @@
 
 #include <span>
 
+#include "point_groups.h"
+
 namespace espalier::cages {
 
 /// Thrown by fitCage() if no lattice with the cells of the start is found.
@@ -22,11 +24,6 @@ struct FitOptions {
 
     /// Level to which limit::LimitParts refines irregular features for the proof of validity.
     int levelOfParts = 2;
-
-    /// The cell of each point at the start; or empty. A point belongs to the cells at most two cells
-    /// away from its cell: only these are fitted to it. So cells of parts that are close to each
-    /// other may overlap at the start.
-    std::span<const Index> cells = {};
 
     /// Largest number of proofs that may fail before fitting starts anew with less pull.
     int maxRounds = 8;
@@ -52,6 +49,6 @@ struct FitOptions {
 ///         point or the cell
 /// \cost on one thread about 2 s for 300,000 points and 500 vertices; 6 s and 450 MB for
 ///       5 million points
-Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options = {});
+Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options = {});
 
 }  // namespace espalier::cages

@@ -50,20 +50,15 @@ GridCells::GridCells(const ModelVoxels& voxels, const GridCellOptions& options)
         counts_[axis] = (voxels.grid().counts[axis] + options_.offset[axis]) /
                             options_.voxelsPerEdge + 2;
     }
-    isAdded_.assign(counts_[0] * counts_[1] * counts_[2], 0);
-    constexpr int kMaxRepairs = 40;
-    Repair repaired = Repair::Added;
-    for (int round = 0; round < kMaxRepairs && repaired != Repair::None; ++round) {
-        if (repaired == Repair::Added) {
-            joined_.reset();
-            findParts();
-            findContacts();
-        }
-        do leaveOut(options_.reach);
+    findParts();
+    findContacts();
+    int rounds=0; struct R{int&r;const GridCells&g;~R(){if(getenv("ROUNDS")) fprintf(stderr,"rounds %d manifold %d\n",r,g.isManifold());}} rr{rounds,*this};
+    constexpr int kMaxRepairs = 100;
+    for (int round = 0; round < kMaxRepairs && !isManifold_; ++round) {
+        ++rounds; do leaveOut(options_.reach);
         while (joinConflicts());
-        repaired = repair();
+        isManifold_ = !repair();
     }
-    isManifold_ = repaired == Repair::None;
     countVertices();
 }
 
@@ -78,28 +73,16 @@ void GridCells::findParts() {
     for (cube[2] = 0; cube[2] < counts_[2]; ++cube[2])
         for (cube[1] = 0; cube[1] < counts_[1]; ++cube[1])
             for (cube[0] = 0; cube[0] < counts_[0]; ++cube[0]) {
-                const Index number = numberOf(cube);
-                const bool isAdded = isAdded_[number] != 0;
                 std::array<Index, 3> low, high;
                 for (int axis = 0; axis < 3; ++axis) {
                     low[axis] = std::max(cube[axis] * k - options_.offset[axis], 0);
                     high[axis] = std::min((cube[axis] + 1) * k - options_.offset[axis], n[axis]);
                 }
                 const std::size_t first = parts_.size();
-                if (isAdded) {
-                    parts_.emplace_back();
-                    parts_.back().cube = cube;
-                    parts_.back().isAdded = true;
-                }
                 for (Index z = low[2]; z < high[2]; ++z)
                     for (Index y = low[1]; y < high[1]; ++y)
                         for (Index x = low[0]; x < high[0]; ++x) {
                             const Index voxel = (z * n[1] + y) * n[0] + x;
-                            if (isAdded) {
-                                partOf_[voxel] = static_cast<Index>(first);
-                                parts_.back().voxels.push_back(voxel);
-                                continue;
-                            }
                             if (isUsed[voxel] == 0 || partOf_[voxel] >= 0) continue;
                             const auto part = static_cast<Index>(parts_.size());
                             parts_.emplace_back();
@@ -216,10 +199,11 @@ void GridCells::findContacts() {
         }
     }
     // So do parts in neighbouring cubes that are near to each other.
-    std::vector<Index> firstPart(isAdded_.size() + 1, static_cast<Index>(parts_.size()));
+    const Index cubeCount = counts_[0] * counts_[1] * counts_[2];
+    std::vector<Index> firstPart(cubeCount + 1, static_cast<Index>(parts_.size()));
     for (std::size_t p = parts_.size(); p-- > 0;)
         firstPart[numberOf(parts_[p].cube)] = static_cast<Index>(p);
-    for (std::size_t cube = isAdded_.size(); cube-- > 0;)
+    for (Index cube = cubeCount; cube-- > 0;)
         firstPart[cube] = std::min(firstPart[cube], firstPart[cube + 1]);
     for (std::size_t p = 0; p < parts_.size(); ++p)
         for (Index axis = 0; axis < 3; ++axis) {
@@ -235,22 +219,6 @@ void GridCells::findContacts() {
                 parts_[q].contacts.push_back({static_cast<Index>(p), 2 * axis});
             }
         }
-    // A part that was added touches all its neighbours.
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        if (!parts_[p].isAdded) continue;
-        for (Index direction = 0; direction < kDirections; ++direction) {
-            if (neighbour(static_cast<Index>(p), direction) != -1) continue;
-            Cube cube = parts_[p].cube;
-            cube[direction / 2] += 2 * (direction & 1) - 1;
-            Index best = -1;
-            const Index number = numberOf(cube);
-            for (Index q = firstPart[number]; q < firstPart[number + 1]; ++q)
-                if (best < 0 || parts_[q].voxels.size() > parts_[best].voxels.size()) best = q;
-            if (best < 0) continue;
-            parts_[p].contacts.push_back({best, direction});
-            parts_[best].contacts.push_back({static_cast<Index>(p), opposite(direction)});
-        }
-    }
 }
 
 /// Returns the part behind a face; −1 if there is none, −2 if there are several.
@@ -448,33 +416,37 @@ void GridCells::addContact(Index part, const Contact& contact) {
     add(parts_[contact.to].contacts, back);
 }
 
-/// Resolves the first faces with several parts behind them. Returns true if there were any.
+/// Resolves faces with several parts behind them. Returns true if there were any.
 bool GridCells::joinConflicts() {
+    bool isChanged = false;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         const auto number = static_cast<Index>(p);
         if (!parts_[p].isUsed) continue;
         for (Index direction = 0; direction < kDirections; ++direction) {
-            if (neighbour(number, direction) != -2) continue;
-            std::vector<std::pair<Index, Index>> behind;  // −count, part
-            for (const Contact& contact : parts_[p].contacts)
-                if (contact.direction == direction && !contact.isCut)
-                    behind.emplace_back(-contact.count, contact.to);
-            std::sort(behind.begin(), behind.end());
-            const double reach = kConflictReach * options_.voxelsPerEdge;
-            // The smallest first.
-            for (auto at = behind.rbegin(); at != behind.rend(); ++at)
-                if (isRemovable(at->second) && depthOf(at->second) <= reach) {
-                    leaveOutPart(at->second);
-                    return true;
-                }
-            for (auto at = behind.rbegin(); at != behind.rend(); ++at)
-                if (getenv("CUT") && cut(at->second, opposite(direction), number)) {printf("[cut]");return true;}
-            if(getenv("TRACE")) printf("[join]");
-            joinParts(behind.front().second, behind.back().second, parts_[p].joins + 1);
-            return true;
+            while (parts_[p].isUsed && neighbour(number, direction) == -2) {
+                resolveConflict(number, direction);
+                isChanged = true;
+            }
         }
     }
-    return false;
+    return isChanged;
+}
+
+/// Leaves out, cuts off or joins one of the parts behind a face.
+void GridCells::resolveConflict(Index number, Index direction) {
+    std::vector<std::pair<Index, Index>> behind;  // count, part
+    for (const Contact& contact : parts_[number].contacts)
+        if (contact.direction == direction && !contact.isCut)
+            behind.emplace_back(contact.count, contact.to);
+    // The smallest first.
+    std::sort(behind.begin(), behind.end());
+    const double reach = kConflictReach * options_.voxelsPerEdge;
+    for (const auto& [count, part] : behind)
+        if (isRemovable(part) && depthOf(part) <= reach) return leaveOutPart(part);
+    if (getenv("CUT"))
+    for (const auto& [count, part] : behind)
+        if (cut(part, opposite(direction), number)) return;
+    joinParts(behind.back().second, behind.front().second, parts_[number].joins + 1);
 }
 
 void GridCells::countVertices() {
@@ -491,8 +463,15 @@ void GridCells::countVertices() {
     corners_.assign(parts_.size(), {});
     cellOfPart_.assign(parts_.size(), -1);
     vertexCount_ = cellCount_ = 0;
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        if (!parts_[p].isUsed) continue;
+    // Added parts come last in parts_, but take their places in the layers.
+    order_.clear();
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+        if (parts_[p].isUsed) order_.push_back(static_cast<Index>(p));
+    std::stable_sort(order_.begin(), order_.end(), [&](Index a, Index b) {
+        return numberOf(parts_[a].cube) < numberOf(parts_[b].cube);
+    });
+    for (const Index part : order_) {
+        const auto p = static_cast<std::size_t>(part);
         cellOfPart_[p] = cellCount_++;
         for (unsigned corner = 0; corner < 8; ++corner) {
             Index& number = numbers[sets.find(p * 8 + corner)];
@@ -502,9 +481,9 @@ void GridCells::countVertices() {
     }
 }
 
-/// Finds edges and vertices where the boundary is not a manifold. Adds cells there; returns true if
-/// there are any.
-GridCells::Repair GridCells::repair() {
+/// Finds edges and vertices where the boundary is not a manifold, and adds parts or joins parts
+/// there. Returns true if there are any.
+bool GridCells::repair() {
     struct Face {
         std::array<Index, 4> key;
         Index part, direction;
@@ -535,7 +514,7 @@ GridCells::Repair GridCells::repair() {
             if (a.key != b.key) continue;
             if (parts_[a.part].cube == parts_[b.part].cube) {
                 joinParts(a.part, b.part, 1);
-                return Repair::Joined;
+                return true;
             }
             addContact(a.part, {b.part, a.direction, 0, false, true});
             isChanged = true;
@@ -543,25 +522,6 @@ GridCells::Repair GridCells::repair() {
         }
         if (!isChanged) break;
     }
-    // Adds the one of some cubes that has most voxels of the model.
-    std::vector<Index> voxelCounts(isAdded_.size(), 0);
-    for (const Part& part : parts_)
-        if (part.isUsed) voxelCounts[numberOf(part.cube)] += static_cast<Index>(part.voxels.size());
-    bool isAdded = false;
-    const auto add = [&](std::span<const Cube> cubes, std::span<const Cube> taken) {
-        Index best = -1;
-        for (const Cube& cube : cubes) {
-            if (std::find(taken.begin(), taken.end(), cube) != taken.end()) continue;
-            const Index number = numberOf(cube);
-            if (isAdded_[number] != 0) continue;
-            if (best < 0 || voxelCounts[number] > voxelCounts[best] ||
-                (voxelCounts[number] == voxelCounts[best] && number < best))
-                best = number;
-        }
-        if (best < 0) return;
-        isAdded_[best] = 1;
-        isAdded = true;
-    };
     // Around each vertex, the free faces must form one fan: each edge has two of them.
     struct Corner {
         Index vertex, part, corner;
@@ -575,15 +535,17 @@ GridCells::Repair GridCells::repair() {
     std::sort(corners.begin(), corners.end());
     std::map<Index, std::vector<std::size_t>> facesOfEdge;  // by the other end
     std::vector<std::pair<Index, Index>> free;  // part, direction
-    std::vector<Cube> taken, around;
+    std::vector<Index> members;  // parts at the vertex
+    std::vector<char> isTouched(parts_.size(), 0);
+    bool isBad = false;
     for (std::size_t first = 0, last = 0; first < corners.size(); first = last) {
         while (last < corners.size() && corners[last].vertex == corners[first].vertex) ++last;
         facesOfEdge.clear();
-        taken.clear();
+        members.clear();
         free.clear();
         for (std::size_t i = first; i < last; ++i) {
             const auto [vertex, part, corner] = corners[i];
-            taken.push_back(parts_[part].cube);
+            members.push_back(part);
             const int shared = sharedFaces(part);
             for (Index axis = 0; axis < 3; ++axis) {
                 const Index d = 2 * axis + (corner >> axis & 1);
@@ -605,26 +567,57 @@ GridCells::Repair GridCells::repair() {
                 addContact(a, {b, directionA, 0, false, true});
             else
                 continue;
-            return Repair::Joined;
+            return true;
         }
         DisjointSets fans(faceCount);
-        bool isBad = false;
+        bool isManifold = true;
         for (const auto& [end, list] : facesOfEdge) {
-            if (list.size() != 2) isBad = true;
+            if (list.size() != 2) isManifold = false;
             for (const std::size_t face : list) fans.unite(face, list[0]);
         }
-        if (!isBad && (faceCount == 0 || fans.setCount() == 1)) continue;
+        if (isManifold && (faceCount == 0 || fans.setCount() == 1)) continue;
+        isBad = true;
+        // Parts at a vertex beside an added part wait for the next round.
+        if (std::any_of(members.begin(), members.end(),
+                        [&](Index part) { return isTouched[part] != 0; }))
+            continue;
+        for (const Index part : members) isTouched[part] = 1;
         const auto [vertex, part, corner] = corners[first];
-        around.clear();
-        for (unsigned octant = 0; octant < 8; ++octant) {
-            Cube cube = parts_[part].cube;
-            for (int axis = 0; axis < 3; ++axis)
-                cube[axis] += (corner >> axis & 1) - 1 + static_cast<Index>(octant >> axis & 1);
-            around.push_back(cube);
-        }
-        add(around, taken);
+        Cube low = parts_[part].cube;
+        for (int axis = 0; axis < 3; ++axis) low[axis] += (corner >> axis & 1) - 1;
+        addPart(low, members);
     }
-    return isAdded ? Repair::Added : Repair::None;
+    return isBad;
+}
+
+/// Adds a part in one of the eight cubes from `low` on, beside the parts around a vertex.
+void GridCells::addPart(const Cube& low, std::span<const Index> members) {
+    // The one with the most neighbours.
+    Part added;
+    added.isAdded = true;
+    std::vector<Contact> contacts;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        Cube cube = low;
+        for (int axis = 0; axis < 3; ++axis) cube[axis] += static_cast<Index>(octant >> axis & 1);
+        contacts.clear();
+        bool isFree = true;
+        for (const Index member : members) {
+            const Cube& other = parts_[member].cube;
+            isFree = isFree && other != cube;
+            for (Index direction = 0; direction < kDirections; ++direction) {
+                Cube next = cube;
+                next[direction / 2] += 2 * (direction & 1) - 1;
+                if (next == other) contacts.push_back({member, direction});
+            }
+        }
+        if (!isFree || contacts.size() <= added.contacts.size()) continue;
+        added.cube = cube;
+        added.contacts = contacts;
+    }
+    contacts = std::exchange(added.contacts, {});
+    parts_.push_back(std::move(added));
+    const auto number = static_cast<Index>(parts_.size()) - 1;
+    for (const Contact& contact : contacts) addContact(number, contact);
 }
 
 Lattice GridCells::build() const {
@@ -633,9 +626,8 @@ Lattice GridCells::build() const {
     far::ComplexBuilder builder(3, vertexCount_);
     const CubeGrid& grid = voxels_.grid();
     constexpr std::array<unsigned, 8> kHexahedron = {0, 1, 3, 2, 4, 5, 7, 6};
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for (const Index p : order_) {
         const Part& part = parts_[p];
-        if (!part.isUsed) continue;
         std::array<Index, 8> vertices;
         for (std::size_t i = 0; i < 8; ++i) vertices[i] = corners_[p][kHexahedron[i]];
         builder.addCell(far::StandardCell::Hexahedron, vertices);

@@ -79,9 +79,10 @@ private:
     void findParts();
     void findContacts();
     bool joinConflicts();
+    void resolveConflict(Index part, Index direction);
     void leaveOut(double reach);
-    enum class Repair { None, Joined, Added };
-    Repair repair();
+    bool repair();
+    void addPart(const Cube& low, std::span<const Index> members);
     void countVertices();
 
     Index numberOf(const Cube& cube) const;
@@ -101,13 +102,13 @@ private:
     const ModelVoxels& voxels_;
     GridCellOptions options_;
     std::array<Index, 3> counts_;  ///< of the cubes
-    std::vector<char> isAdded_;    ///< per cube
     std::vector<Part> parts_;
     std::vector<Index> partOf_;  ///< per voxel; −1 if it is not used
     std::vector<std::array<Index, 8>> corners_;  ///< per part: vertices
+    std::vector<Index> order_;       ///< of the parts that are cells
     std::vector<Index> cellOfPart_;
     Index cellCount_ = 0, vertexCount_ = 0;
-    bool isManifold_ = true;
+    bool isManifold_ = false;
     std::optional<Point3> joined_;
 };
 

@@ -252,6 +252,7 @@ void ModelSurface::addPiece(std::span<const Triangle> piece, std::span<const cha
             length(cross(difference(points_[a], apex), difference(points_[b], apex))) / 2;
     }
     if (!(capArea <= kMostOpen * area)) return addOpen();
+    closed.capBegin = piece.size();
     const auto firstApex = static_cast<Index>(points_.size());
     for (const auto& [a, b] : boundary)
         closed.triangles.push_back({b, a, firstApex + capOf[groups.find(placeIn(names, a))]});

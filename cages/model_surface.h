@@ -43,7 +43,8 @@ public:
     const std::vector<Triangle>& triangles() const { return triangles_; }
 
     struct ClosedPiece {
-        std::vector<Triangle> triangles;  ///< with the caps, anticlockwise seen from outside
+        std::vector<Triangle> triangles;  ///< anticlockwise seen from outside; caps come last
+        std::size_t capBegin = 0;         ///< the first cap
         double volume = 0;        ///< 0 or more
         /// If the faces of the model are wound against most of the model, as those of a cavity are.
         bool isInward = false;

@@ -191,7 +191,8 @@ ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> po
                          const VoxelOptions& options)
     : grid_(gridAround(points, options.size,
                        options.shellRadius > 0 ? options.shellRadius : options.gap)),
-      isUsed_(grid_.cubeCount(), 0) {
+      isUsed_(grid_.cubeCount(), 0),
+      signs_(surface.closedPieces().size(), 1) {
     markTriangles(grid_, surface.triangles(), points, isUsed_);
     if (options.shellRadius > 0) {
         isUsed_ = within(options.shellRadius, grid_, isUsed_);
@@ -199,6 +200,18 @@ ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> po
     }
     markClosed(surface, points);
     if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
+}
+
+bool ModelVoxels::isInner(const Point3& point) const {
+    const auto place = grid_.coordinatesOf(point);
+    for (Index z = place[2] - 2; z <= place[2] + 2; ++z)
+        for (Index y = place[1] - 2; y <= place[1] + 2; ++y)
+            for (Index x = place[0] - 2; x <= place[0] + 2; ++x) {
+                const bool isInGrid = x >= 0 && y >= 0 && z >= 0 && x < grid_.counts[0] &&
+                                      y < grid_.counts[1] && z < grid_.counts[2];
+                if (!isInGrid || isUsed_[grid_.cubeAt({x, y, z})] == 0) return false;
+            }
+    return true;
 }
 
 void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3> points) {
@@ -210,24 +223,33 @@ void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3
                          static_cast<Index>(piece), crossings);
     std::sort(crossings.begin(), crossings.end());
     const Index plane = grid_.counts[0] * grid_.counts[1];
-    // A piece that is wound inwards is a cavity if it lies in a piece that is wound outwards.
-    std::vector<int> signs(pieces.size(), 1);
-    for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
-        if (!pieces[piece].isInward) continue;
-        const Index cube = grid_.cubeOf(points[pieces[piece].triangles[0][0]]);
+    // A piece that is wound inwards is a cavity if most of it lies in pieces that are wound
+    // outwards.
+    const auto isInOthers = [&](const Point3& point) {
+        const Index cube = grid_.cubeOf(point);
         const Crossing first{cube % plane, cube / plane, 0, std::numeric_limits<int>::min()};
         int winding = 0;
         for (auto at = std::lower_bound(crossings.begin(), crossings.end(), first);
              at != crossings.end() && at->column == first.column; ++at)
             if (!pieces[at->piece].isInward) winding += at->sign;
-        if (winding != 0) signs[piece] = -1;
+        return winding != 0;
+    };
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+        if (!pieces[piece].isInward) continue;
+        Offset count = 0, total = 0;
+        for (const Triangle& t : pieces[piece].triangles)
+            for (const Index corner : t) {
+                ++total;
+                count += isInOthers(points[corner]) ? 1 : 0;
+            }
+        if (4 * count > 3 * total) signs_[piece] = -1;
     }
     for (std::size_t last = crossings.size(); last > 0;) {
         const Index column = crossings[last - 1].column;
         int winding = 0;
         while (last > 0 && crossings[last - 1].column == column) {
             const Crossing& above = crossings[--last];
-            winding += signs[above.piece] * above.sign;
+            winding += signs_[above.piece] * above.sign;
             if (winding == 0) continue;
             const Index end =
                 last > 0 && crossings[last - 1].column == column ? crossings[last - 1].height : -1;

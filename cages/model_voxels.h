@@ -37,12 +37,19 @@ public:
     /// For each cube of the grid, whether it belongs to the model.
     std::span<const char> isUsed() const { return isUsed_; }
 
+    /// Whether a point is in the model, two voxels or more away from its boundary.
+    bool isInner(const Point3& point) const;
+
+    /// For each closed piece of the surface: 1, or −1 if it is a cavity.
+    const std::vector<int>& signs() const { return signs_; }
+
 private:
     void markClosed(const ModelSurface& surface, std::span<const Point3> points);
     void markEnclosed(const ModelSurface& surface, std::span<const Point3> points, double gap);
 
     CubeGrid grid_;
     std::vector<char> isUsed_;
+    std::vector<int> signs_;
 };
 
 }  // namespace espalier::cages

@@ -32,39 +32,63 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     return result;
 }
 
-PointGroups::PointGroups(std::span<const Point3> points, const CubeGrid& grid,
-                         std::span<const Index> cells)
-    : grid_(grid) {
+PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid) : grid_(grid) {
     struct Keyed {
         Index cube, cell;
+        bool isInner;
         Point3 point;
+        std::array<float, 3> normal;
         auto operator<=>(const Keyed&) const = default;
     };
     std::vector<Keyed> keyed;
     keyed.reserve(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-        keyed.push_back({grid.cubeOf(points[i]), cells.empty() ? -1 : cells[i], points[i]});
+    for (const FitPoint& point : points)
+        keyed.push_back({grid.cubeOf(point.position), point.cell, point.isInner, point.position,
+                         point.normal});
     std::sort(keyed.begin(), keyed.end());
-    keyed.erase(std::unique(keyed.begin(), keyed.end()), keyed.end());
     firstOfCube_.assign(grid.cubeCount(), -1);
     points_.reserve(keyed.size());
-    for (const auto& [cube, cell, point] : keyed) {
+    Index normalCount = 0;
+    const auto endGroup = [&] {
+        if (groups_.empty()) return;
+        Group& group = groups_.back();
+        group.centre = scaled(group.centre, 1.0 / (group.last - group.first));
+        // The mean of unit vectors is short if they differ.
+        constexpr double kShort = 0.5;
+        const double size = length(group.normal);
+        group.normal = normalCount > 0 && size > kShort * normalCount
+                           ? scaled(group.normal, 1 / size)
+                           : Point3{0, 0, 0};
+        normalCount = 0;
+    };
+    const Keyed* last = nullptr;
+    for (const Keyed& at : keyed) {
         const auto number = static_cast<Index>(points_.size());
-        if (groups_.empty() || groups_.back().cube != cube || groups_.back().cell != cell) {
-            if (firstOfCube_[cube] < 0) firstOfCube_[cube] = static_cast<Index>(groups_.size());
-            groups_.push_back({cube, cell, number, number, point, point, {0, 0, 0}});
+        if (last == nullptr || last->cube != at.cube || last->cell != at.cell ||
+            last->isInner != at.isInner) {
+            endGroup();
+            if (firstOfCube_[at.cube] < 0)
+                firstOfCube_[at.cube] = static_cast<Index>(groups_.size());
+            groups_.push_back({at.cube, at.cell, at.isInner, number, number, at.point, at.point});
+            last = nullptr;
         }
         Group& group = groups_.back();
+        if (at.normal != std::array<float, 3>{0, 0, 0}) {
+            group.normal = sum(group.normal, {at.normal[0], at.normal[1], at.normal[2]});
+            ++normalCount;
+        }
+        const bool isNew = last == nullptr || last->point != at.point;
+        last = &at;
+        if (!isNew) continue;
         ++group.last;
         for (int axis = 0; axis < 3; ++axis) {
-            group.low[axis] = std::min(group.low[axis], point[axis]);
-            group.high[axis] = std::max(group.high[axis], point[axis]);
+            group.low[axis] = std::min(group.low[axis], at.point[axis]);
+            group.high[axis] = std::max(group.high[axis], at.point[axis]);
         }
-        group.centre = sum(group.centre, point);
-        points_.push_back(point);
+        group.centre = sum(group.centre, at.point);
+        points_.push_back(at.point);
     }
-    for (Group& group : groups_)
-        group.centre = scaled(group.centre, 1.0 / (group.last - group.first));
+    endGroup();
 }
 
 const Point3& PointGroups::farthest(const Group& group, const Point3& direction) const {

@@ -6,6 +6,7 @@
 #include <espalier/base/vector3.h>
 
 #include <array>
+#include <compare>
 #include <span>
 #include <vector>
 
@@ -55,21 +56,41 @@ struct CubeGrid {
     }
 };
 
-/// Points of a model, grouped by the cubes of a grid and by the cells that they belong to.
+/// A point of a model.
+struct FitPoint {
+    Point3 position = {};
+
+    /// Direction away from the solid, a unit vector; zero: not known.
+    std::array<float, 3> normal = {0, 0, 0};
+
+    /// The cell of the lattice that the point belongs to; −1: any. Cells that are far away from this
+    /// cell along the lattice are not fitted to the point, even if they are close to it. So the cells
+    /// of parts that are close to each other may overlap before the fit.
+    Index cell = -1;
+
+    /// Whether the point is inside the solid. The boundary is not fitted to the point, but must
+    /// contain it.
+    bool isInner = false;
+
+    auto operator<=>(const FitPoint&) const = default;
+};
+
+/// Points of a model, grouped by the cubes of a grid and by the cells that they belong to. Inner
+/// points form groups of their own.
 class PointGroups {
 public:
     struct Group {
         Index cube = 0;
-        Index cell = -1;            ///< −1 if cells are not given
+        Index cell = -1;
+        bool isInner = false;
         Index first = 0, last = 0;  ///< points first to last − 1
         Point3 low = {}, high = {};
         Point3 centre = {};  ///< mean of the points
+        Point3 normal = {};  ///< a unit vector, or zero if the normals are not known or differ
     };
 
     /// Sorts and groups points. Their order has no effect.
-    /// \param cells the cell of each point; or empty
-    PointGroups(std::span<const Point3> points, const CubeGrid& grid,
-                std::span<const Index> cells = {});
+    PointGroups(std::span<const FitPoint> points, const CubeGrid& grid);
 
     const CubeGrid& grid() const { return grid_; }
     std::span<const Point3> points() const { return points_; }

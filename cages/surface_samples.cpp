@@ -9,9 +9,10 @@
 namespace espalier::cages {
 namespace {
 
-/// Halves a triangle across its longest side until no side is longer than `spacing`. Adds the
+/// Halves a triangle across its longest side until no side is longer than `spacing`. Visits the
 /// middles of the sides that it halves.
-void addParts(const std::array<Point3, 3>& triangle, double spacing, std::vector<Point3>& samples) {
+void visitParts(const std::array<Point3, 3>& triangle, double spacing,
+                FunctionRef<void(const Point3&)> visit) {
     int longest = 0;
     double most = -1;
     for (int i = 0; i < 3; ++i) {
@@ -24,29 +25,25 @@ void addParts(const std::array<Point3, 3>& triangle, double spacing, std::vector
     const Point3 &a = triangle[longest], &b = triangle[(longest + 1) % 3],
                  &c = triangle[(longest + 2) % 3];
     const Point3 middle = between(a, b, 0.5);
-    samples.push_back(middle);
-    addParts({a, middle, c}, spacing, samples);
-    addParts({middle, b, c}, spacing, samples);
+    visit(middle);
+    visitParts({a, middle, c}, spacing, visit);
+    visitParts({middle, b, c}, spacing, visit);
 }
 
 }  // namespace
 
-std::vector<Point3> surfaceSamples(std::span<const Triangle> triangles,
-                                   std::span<const Point3> points, double spacing) {
-    std::vector<Point3> samples;
-    std::vector<char> isUsed(points.size(), 0);
-    for (const Triangle& t : triangles) {
-        for (const Index corner : t) isUsed[corner] = 1;
-        if (t[0] == t[2]) continue;
+void forEachSample(std::span<const Triangle> triangles, std::span<const Point3> points,
+                   double spacing, FunctionRef<void(const Point3&, std::size_t)> visit) {
+    for (std::size_t number = 0; number < triangles.size(); ++number) {
+        const Triangle& t = triangles[number];
         const std::array<Point3, 3> corners = {points[t[0]], points[t[1]], points[t[2]]};
-        for (int i = 0; i < 3; ++i)
-            samples.push_back(between(corners[i], corners[(i + 1) % 3], 0.5));
-        samples.push_back(mean(corners));
-        addParts(corners, spacing, samples);
+        for (const Point3& corner : corners) visit(corner, number);
+        if (t[0] == t[2]) continue;
+        for (std::size_t i = 0; i < 3; ++i)
+            visit(between(corners[i], corners[(i + 1) % 3], 0.5), number);
+        visit(mean(corners), number);
+        visitParts(corners, spacing, [&](const Point3& point) { visit(point, number); });
     }
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (isUsed[i] != 0) samples.push_back(points[i]);
-    return samples;
 }
 
 }  // namespace espalier::cages

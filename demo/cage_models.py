@@ -204,8 +204,9 @@ def hollow():
 def bowl():
     """Half a sphere, without a thickness."""
     points, faces = ball(1.0, rounds=4)
-    faces = [loop for loop in faces if all(points[v][2] < 1e-9 for v in loop)]
-    return Model(points, faces, is_solid=False)
+    faces = np.array([loop for loop in faces if all(points[v][2] < 1e-9 for v in loop)])
+    used, loops = np.unique(faces, return_inverse=True)
+    return Model(points[used], loops.reshape(faces.shape).tolist(), is_solid=False)
 
 
 def cloth():
