@@ -26,6 +26,12 @@ namespace {
 /// Range of the number of vertices, as a fraction of the wanted number.
 constexpr double kLeast = 0.8, kMost = 1.2;
 
+/// Range at which the search for a size of cells stops.
+constexpr double kWantedLeast = 0.94, kWantedMost = 1.04;
+
+/// The number of vertices grows about as this power of 1 / size.
+constexpr double kPower = 2.4;
+
 /// Lattices that are tried before the model is given up.
 constexpr std::size_t kMaxFits = 5;
 
@@ -74,7 +80,7 @@ struct Frame {
 struct Candidate {
     std::size_t frame = 0;
     double cellSize = 0;
-    std::array<Index, 3> offset = {0, 0, 0};
+    std::array<Index, 3> offset = {0, 0, 0};  ///< in halves of a cell
     Index vertexCount = 0;
     double score = 0;  ///< the lower the better
 };
@@ -101,8 +107,11 @@ private:
     ModelVoxels voxelsOf(const Frame& frame, double cellSize) const;
     GridCells cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const;
     std::vector<Candidate> candidates() const;
-    double sizeFor(std::size_t frame) const;
-    void tryOffsets(std::size_t frame, double cellSize, std::vector<Candidate>& found) const;
+    double ratioOf(Index vertexCount) const;
+    double sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
+                   int rounds) const;
+    void addCandidate(const ModelVoxels& voxels, Candidate candidate,
+                      std::vector<Candidate>& found) const;
     Lattice fit(const Candidate& candidate) const;
     std::vector<FitPoint> samples(const Frame& frame, double cellSize, const ModelVoxels& voxels,
                                   const GridCells& cells) const;
@@ -136,6 +145,18 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
 
 void CageMaker::addFrames() {
     frames_.push_back({kCoordinateAxes, surface_.points()});
+    // Other axes are worth their time if their box is clearly smaller.
+    constexpr double kSmaller = 0.8;
+    const double least = 1e-3 * diagonal_;  // of a side, for flat models
+    const auto volume = [&](const Point3& size) {
+        return (size[0] + least) * (size[1] + least) * (size[2] + least);
+    };
+    const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
+    Frame turned{orientedAxes(points), {}};
+    for (const Point3& point : surface_.points())
+        turned.points.push_back(toFrame(turned.axes, point));
+    if (volume(Box(turned.points).size()) < kSmaller * volume(Box(points).size()))
+        frames_.push_back(std::move(turned));
 }
 
 Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
@@ -158,68 +179,86 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
 
 GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const {
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
+    std::array<Index, 3> offset;
+    for (int axis = 0; axis < 3; ++axis) offset[axis] = candidate.offset[axis] * k / 2;
     return {voxels,
             {.voxelsPerEdge = k,
-             .offset = candidate.offset,
+             .offset = offset,
              .joinDistance = options_.keepApart ? 1 : kJoinDistance * k,
              .reach = kReach * k}};
 }
 
-/// Returns a cell size for about the wanted number of vertices.
-double CageMaker::sizeFor(std::size_t frame) const {
-    if (options_.cellSize > 0) return options_.cellSize;
-    // The number of vertices grows about as the power −2.4 of the size. It is not monotone.
-    double size = diagonal_ / 4, best = size, bestRatio = 0;
+double CageMaker::ratioOf(Index vertexCount) const {
+    return static_cast<double>(vertexCount) / options_.vertices;
+}
+
+/// Returns a size of cells for which the number of vertices is about the wanted one. It may not be
+/// found: the number of vertices is not a continuous function of the size.
+/// \param offset in halves of a cell
+/// \param size the first size to try
+double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
+                          int rounds) const {
+    double best = size, bestRatio = 0;
     double small = 0, large = 0;  // sizes with too many and with too few vertices
-    for (int round = 0; round < 12; ++round) {
-        const ModelVoxels voxels = voxelsOf(frames_[frame], size);
-        const double ratio =
-            static_cast<double>(cellsOf(voxels, {frame, size}).vertexCount()) / options_.vertices;
+    for (int round = 0; round < rounds; ++round) {
+        Candidate candidate{frame, size, offset};
+        const double ratio = ratioOf(cellsOf(voxelsOf(frames_[frame], size), candidate).vertexCount());
         if (bestRatio == 0 || std::abs(std::log(ratio)) < std::abs(std::log(bestRatio))) {
             best = size;
             bestRatio = ratio;
         }
-        if (std::abs(std::log(ratio)) < 0.05) break;
-        (ratio > 1 ? small : large) = size;
-        size *= std::clamp(std::pow(ratio, 1 / 2.4), 0.2, 5.0);
-        if (small > 0 && large > 0 && (size <= std::min(small, large) * 1.001 ||
-                                       size >= std::max(small, large) / 1.001))
+        if (ratio > kWantedLeast && ratio < kWantedMost) break;
+        double& bound = ratio > 1 ? small : large;
+        if (bound == 0 || (ratio > 1 ? size > small : size < large)) bound = size;
+        size *= std::clamp(std::pow(ratio, 1 / kPower), 0.2, 5.0);
+        if (small > 0 && large > 0 && (size <= small || size >= large))
             size = std::sqrt(small * large);
     }
     return best;
 }
 
-void CageMaker::tryOffsets(std::size_t frame, double cellSize,
-                           std::vector<Candidate>& found) const {
-    const ModelVoxels voxels = voxelsOf(frames_[frame], cellSize);
-    const Index half = voxelsPerEdge(frames_[frame], cellSize) / 2;
-    for (Index octant = 0; octant < 8; ++octant) {
-        Candidate candidate{frame, cellSize};
-        for (int axis = 0; axis < 3; ++axis)
-            candidate.offset[axis] = (octant >> axis & 1) * half;
-        const GridCells cells = cellsOf(voxels, candidate);
-        if (!cells.isManifold() || (options_.keepApart && cells.joined())) continue;
-        candidate.vertexCount = cells.vertexCount();
-        const double ratio = static_cast<double>(candidate.vertexCount) / options_.vertices;
-        if (options_.cellSize == 0 && (ratio < kLeast || ratio > kMost)) continue;
-        // Few vertices at a small size of cells.
-        candidate.score = cellSize * std::pow(ratio, 1 / 2.4);
-        found.push_back(candidate);
-    }
+/// Adds a candidate, unless its lattice is not fit for use.
+void CageMaker::addCandidate(const ModelVoxels& voxels, Candidate candidate,
+                             std::vector<Candidate>& found) const {
+    const GridCells cells = cellsOf(voxels, candidate);
+    if (!cells.isManifold() || (options_.keepApart && cells.joined())) return;
+    candidate.vertexCount = cells.vertexCount();
+    const double ratio = ratioOf(candidate.vertexCount);
+    if (options_.cellSize == 0 && (ratio < kLeast || ratio > kMost)) return;
+    // Small cells with few vertices are best.
+    candidate.score = candidate.cellSize * std::pow(ratio, 1 / kPower);
+    found.push_back(candidate);
 }
 
 std::vector<Candidate> CageMaker::candidates() const {
+    const auto byScore = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
     std::vector<Candidate> found;
     for (std::size_t frame = 0; frame < frames_.size(); ++frame) {
-        const double size = sizeFor(frame);
-        tryOffsets(frame, size, found);
-        for (const double factor : {1.06, 1 / 1.06, 1.12, 1 / 1.12, 1.2, 1 / 1.2}) {
-            if (found.size() >= kMaxFits || options_.cellSize > 0) break;
-            tryOffsets(frame, size * factor, found);
+        const double size = options_.cellSize > 0
+                                ? options_.cellSize
+                                : sizeFor(frame, {0, 0, 0}, diagonal_ / 4, 12);
+        const ModelVoxels voxels = voxelsOf(frames_[frame], size);
+        std::vector<Candidate> offsets;
+        for (Index octant = 0; octant < 8; ++octant) {
+            Candidate candidate{frame, size, {octant & 1, octant >> 1 & 1, octant >> 2}};
+            if (options_.cellSize > 0) {
+                addCandidate(voxels, candidate, found);
+                continue;
+            }
+            candidate.score =
+                std::pow(ratioOf(cellsOf(voxels, candidate).vertexCount()), 1 / kPower);
+            offsets.push_back(candidate);
+        }
+        std::stable_sort(offsets.begin(), offsets.end(), byScore);
+        std::size_t wanted = found.size() + kMaxFits;
+        for (const Candidate& offset : offsets) {
+            if (found.size() == wanted) break;
+            Candidate candidate = offset;
+            candidate.cellSize = sizeFor(frame, offset.offset, size * offset.score, 4);
+            addCandidate(voxelsOf(frames_[frame], candidate.cellSize), candidate, found);
         }
     }
-    std::stable_sort(found.begin(), found.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    std::stable_sort(found.begin(), found.end(), byScore);
     if (found.size() > kMaxFits) found.resize(kMaxFits);
     return found;
 }
