@@ -43,6 +43,9 @@ constexpr double kGoodJacobian = 0.3;
 /// Steps of an attempt before the first proof.
 constexpr int kSteps = 12;
 
+/// Faces that points push are at most this far away, in cubes of the points.
+constexpr Index kPushRings = 3;
+
 /// Least cosine between the normals of a face and of the points that it is fitted to.
 constexpr double kFacing = -0.5;
 
@@ -308,15 +311,33 @@ void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<
         first = f;
     }
     const std::vector<Index>& cells = surface_.fineFaces().cells;
+    // Boxes around the faces of each cell.
+    std::vector<Point3> low(apart_.size(), {1e99, 1e99, 1e99}), high(apart_.size(), {-1e99, -1e99, -1e99});
+    for (Index f = 0; f < faceCount; ++f)
+        for (int axis = 0; axis < 3; ++axis) {
+            low[cells[f]][axis] = std::min(low[cells[f]][axis], centres[f][axis]);
+            high[cells[f]][axis] = std::max(high[cells[f]][axis], centres[f][axis]);
+        }
+    const double reach = kPushRings * groups_.grid().size;
+    const auto isNear = [&](Index group, Index cell) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (low[cell][axis] > groups[group].high[axis] + reach ||
+                high[cell][axis] < groups[group].low[axis] - reach)
+                return false;
+        return true;
+    };
     std::vector<Index> own(groups.size(), -1), other(groups.size(), -1);
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
             const auto group = static_cast<Index>(g);
             if (groups[g].isInner) continue;
-            own[g] = nearestFace(groups[g].centre, 3, centres,
+            own[g] = nearestFace(groups[g].centre, kPushRings, centres,
                                  [&](Index f) { return suits(group, cells[f], normals[f]); });
-            if (groups[g].cell >= 0 && !apart_[groups[g].cell].empty())
-                other[g] = nearestFace(groups[g].centre, 3, centres,
+            if (groups[g].cell < 0) continue;
+            const std::vector<Index>& apart = apart_[groups[g].cell];
+            if (std::any_of(apart.begin(), apart.end(),
+                            [&](Index cell) { return isNear(group, cell); }))
+                other[g] = nearestFace(groups[g].centre, kPushRings, centres,
                                        [&](Index f) { return !belongs(group, cells[f]); });
         }
     });
