@@ -40,7 +40,7 @@ constexpr Index kVoxelsPerEdge = 8;
 constexpr double kMaxVoxels = 2.5e7;
 
 /// A cell is left out if the model reaches less than this into it, in edges.
-constexpr double kReach = 0.4;
+constexpr double kLeastReach = 0.4;
 
 /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this, in
 /// edges.
@@ -131,8 +131,8 @@ void requireNumber(double value, const char* name) {
 CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     : surface_(model), options_(options) {
     if (options.vertices < 8)
-        throw Error(concat("making a cage: vertices is ", options.vertices,
-                           "; expected 8 or more"));
+        throw Error(
+            concat("making a cage: vertices is ", options.vertices, "; expected 8 or more"));
     requireNumber(options.cellSize, "cellSize");
     requireNumber(options.margin, "margin");
     requireNumber(options.shell, "shell");
@@ -171,7 +171,8 @@ Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
 }
 
 ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
-    return {surface_, frame.points,
+    return {surface_,
+            frame.points,
             {.size = cellSize / voxelsPerEdge(frame, cellSize),
              .shellRadius = options_.shell / 2,
              .gap = cellSize / 2}};
@@ -185,7 +186,7 @@ GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candida
             {.voxelsPerEdge = k,
              .offset = offset,
              .joinDistance = options_.keepApart ? 1 : kJoinDistance * k,
-             .reach = kReach * k}};
+             .reach = kLeastReach * k}};
 }
 
 double CageMaker::ratioOf(Index vertexCount) const {
@@ -202,7 +203,8 @@ double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset,
     double small = 0, large = 0;  // sizes with too many and with too few vertices
     for (int round = 0; round < rounds; ++round) {
         Candidate candidate{frame, size, offset};
-        const double ratio = ratioOf(cellsOf(voxelsOf(frames_[frame], size), candidate).vertexCount());
+        const double ratio =
+            ratioOf(cellsOf(voxelsOf(frames_[frame], size), candidate).vertexCount());
         if (bestRatio == 0 || std::abs(std::log(ratio)) < std::abs(std::log(bestRatio))) {
             best = size;
             bestRatio = ratio;
@@ -234,9 +236,8 @@ std::vector<Candidate> CageMaker::candidates() const {
     const auto byScore = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
     std::vector<Candidate> found;
     for (std::size_t frame = 0; frame < frames_.size(); ++frame) {
-        const double size = options_.cellSize > 0
-                                ? options_.cellSize
-                                : sizeFor(frame, {0, 0, 0}, diagonal_ / 4, 12);
+        const double size = options_.cellSize > 0 ? options_.cellSize
+                                                  : sizeFor(frame, {0, 0, 0}, diagonal_ / 4, 12);
         const ModelVoxels voxels = voxelsOf(frames_[frame], size);
         std::vector<Candidate> offsets;
         for (Index octant = 0; octant < 8; ++octant) {
@@ -275,8 +276,7 @@ Lattice CageMaker::fit(const Candidate& candidate) const {
 
 /// Returns points of the model, at most an eighth of a cell apart.
 std::vector<FitPoint> CageMaker::samples(const Frame& frame, double cellSize,
-                                         const ModelVoxels& voxels,
-                                         const GridCells& cells) const {
+                                         const ModelVoxels& voxels, const GridCells& cells) const {
     std::vector<FitPoint> result;
     const std::vector<Point3>& points = surface_.points();
     const auto add = [&](std::span<const Triangle> triangles, double sign) {
@@ -315,11 +315,9 @@ Lattice CageMaker::make() {
                            " vertices has the topology of the model; try more"));
     std::string failure;
     for (const Candidate& candidate : tried) {
-        if(getenv("TRACE")) fprintf(stderr,"candidate size %.4f offset %d %d %d vertices %d score %.4f\n",candidate.cellSize,candidate.offset[0],candidate.offset[1],candidate.offset[2],candidate.vertexCount,candidate.score);
         try {
             return fit(candidate);
         } catch (const FitError& error) {
-            if(getenv("TRACE")) fprintf(stderr,"   %s\n",error.what());
             failure = error.what();
         }
     }

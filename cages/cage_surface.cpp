@@ -303,8 +303,8 @@ private:
 /// The boxes to use: around the hull of each face, or around its four corners.
 enum class Around { Hull, Corners };
 
-/// Returns those of some groups that have a point in a box, or a point around which the triangles of
-/// the faces do not wind once.
+/// Returns those of some groups that have a point in a box, or a point around which the triangles
+/// of the faces do not wind once.
 std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
                                 std::span<const Point3> vertices, const PointGroups& points,
                                 std::span<const Index> tried, double margin) {
@@ -374,13 +374,13 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
                     depth = here;
                     deepest = face;
                 }
-                int around = 1;
+                int turns = 1;
                 if (depth < 0) {
-                    around = winding.around(point);
-                    if (around != 1) depth = 0.5 * grid.size;
+                    turns = winding.around(point);
+                    if (turns != 1) depth = 0.5 * grid.size;
                 }
                 if (depth > worst.depth)
-                    worst = {g, i, depth, deepest < 0 ? -1 : surface.cells[deepest], around};
+                    worst = {g, i, depth, deepest < 0 ? -1 : surface.cells[deepest], turns};
             }
         }
     });

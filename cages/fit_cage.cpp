@@ -33,7 +33,7 @@ constexpr int kAttempts = 4;
 constexpr double kMaxGrowth = 2;
 
 /// How far a point may be outside the start, in edges of the start.
-constexpr double kReach = 1;
+constexpr double kMaxOutside = 1;
 
 /// Rounds after the first proof that try to improve cells with a scaled Jacobian below
 /// kGoodJacobian.
@@ -151,10 +151,10 @@ private:
     std::vector<Index> firstOfCube_, nextOfFace_;  ///< lists of the faces of level 3 in each cube
     std::vector<double> clearance_;                ///< of each group
     std::vector<double> distanceToOthers_;  ///< of each group, from faces it does not belong to
-    double anchor_ = 0;              ///< weight of the squared way of a vertex from the start
-    std::vector<double> pushOf_;     ///< factor of each group
-    std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
-    std::vector<double> raise_;      ///< of the clearance of each group
+    double anchor_ = 0;             ///< weight of the squared way of a vertex from the start
+    std::vector<double> pushOf_;    ///< factor of each group
+    std::vector<double> distance_;  ///< of each group from its plane, when it was last associated
+    std::vector<double> raise_;     ///< of the clearance of each group
     std::vector<char> isRaised_;
     std::vector<double> pull_;  ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
@@ -178,8 +178,8 @@ void Fit::begin(int attempt) {
 /// parts of the model are apart. In a full grid the number of faces between two cells is at most √3
 /// times their distance in edges.
 void Fit::findApart() {
-    constexpr double kReach = 5;   // edges
-    constexpr int kMaxSteps = 9;  // more than √3 · kReach
+    constexpr double kNear = 5;   // edges
+    constexpr int kMaxSteps = 9;  // more than √3 · kNear
     const far::CellComplex& complex = base_.level(0).complex;
     std::vector<Point3> centres;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
@@ -202,7 +202,7 @@ void Fit::findApart() {
                     }
         for (std::size_t b = 0; b < centres.size(); ++b) {
             const double distance = length(difference(centres[a], centres[b])) / edge_;
-            if (distance > kReach) continue;
+            if (distance > kNear) continue;
             if (steps[b] < 0 || steps[b] > std::sqrt(3) * distance + 0.5)
                 apart_[a].push_back(static_cast<Index>(b));
         }
@@ -312,7 +312,8 @@ void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<
     }
     const std::vector<Index>& cells = surface_.fineFaces().cells;
     // Boxes around the faces of each cell.
-    std::vector<Point3> low(apart_.size(), {1e99, 1e99, 1e99}), high(apart_.size(), {-1e99, -1e99, -1e99});
+    std::vector<Point3> low(apart_.size(), {1e99, 1e99, 1e99}),
+        high(apart_.size(), {-1e99, -1e99, -1e99});
     for (Index f = 0; f < faceCount; ++f)
         for (int axis = 0; axis < 3; ++axis) {
             low[cells[f]][axis] = std::min(low[cells[f]][axis], centres[f][axis]);
@@ -352,8 +353,8 @@ void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<
             distance_[g] = distance;
             if (distance < leastOf[f]) {
                 leastOf[f] = distance;
-                terms[f] = {
-                    f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
+                terms[f] = {f, normal,      offset, weights_.push * pushOf_[g] * unit / 64,
+                            0, 0.05 * edge_};
             }
         }
         if (const Index f = other[g]; f >= 0) {
@@ -427,8 +428,6 @@ bool Fit::certify() {
         if (raise_[g] > 0) isRaised_[g] = 1;
     }
     const solve::ValidityCheck check(parts_, positions_);
-    if(getenv("TRACE")){ int other=0,wn=0; for(auto&u:uncovered){ if(u.winding!=1) ++wn; if(u.cell>=0&&!belongs(u.group,u.cell)) ++other;} fprintf(stderr,"  certify: uncovered %zu (winding %d other %d) deepest %.4f edge bad %zu volume %.4f\n",uncovered.size(),wn,other,deepest/edge_,check.badAtRest().size(),enclosedVolume()); {std::array<int,7> c{}; Point3 lo{9,9,9},hi{-9,-9,-9}; for(auto&u:uncovered) if(u.winding!=1){c[std::clamp(u.winding+2,0,6)]++; for(int a=0;a<3;a++){lo[a]=std::min(lo[a],groups_.points()[u.point][a]);hi[a]=std::max(hi[a],groups_.points()[u.point][a]);}} fprintf(stderr,"     winding -2..4: %d %d %d %d %d %d %d box %.3f %.3f %.3f - %.3f %.3f %.3f\n",c[0],c[1],c[2],c[3],c[4],c[5],c[6],lo[0],lo[1],lo[2],hi[0],hi[1],hi[2]);}
-    for(size_t i=0;i<uncovered.size()&&i<4;i++){auto&u=uncovered[i]; auto&p=groups_.points()[u.point]; fprintf(stderr,"     (%.4f %.4f %.4f) depth %.4f cell %d w %d clearance %.3f dist %.4f push %g\n",p[0],p[1],p[2],u.depth/edge_,u.cell,u.winding,clearance_[u.group]/edge_,distance_[u.group]/edge_,pushOf_[u.group]);} }
     std::vector<char> isBad(shapes_.cellCount(), 0);
     const far::CellComplex& complex = base_.level(0).complex;
     shapes_.examine(check.badAtRest());
@@ -446,7 +445,7 @@ bool Fit::certify() {
     return isProved;
 }
 
-/// Throws if a point is further than kReach edges from the box around the start.
+/// Throws if a point is further than kMaxOutside edges from the box around the start.
 void Fit::requireNear() const {
     Point3 low = start_.front(), high = low;
     for (const Point3& vertex : surface_.fineVertices(start_))
@@ -457,10 +456,10 @@ void Fit::requireNear() const {
     for (const Point3& point : groups_.points())
         for (int axis = 0; axis < 3; ++axis) {
             const double away = std::max(low[axis] - point[axis], point[axis] - high[axis]);
-            if (away > kReach * edge_)
+            if (away > kMaxOutside * edge_)
                 throw Error(concat("fitting a cage: the point ", textOf(point), " is ",
                                    textOf(away), " outside the start lattice; expected at most ",
-                                   textOf(kReach * edge_)));
+                                   textOf(kMaxOutside * edge_)));
         }
 }
 
@@ -520,10 +519,6 @@ std::vector<Point3> Fit::run() {
         for (int step = 0; step < kSteps; ++step) {
             associate();
             // Early steps are short, because faces then change their nearest points.
-            if(getenv("STEPS")){ auto un=findUncovered(surface_, positions_, groups_, options_.margin); std::map<int,std::pair<int,Point3>> by; for(auto&u:un) if(u.winding>1){ auto&e=by[groups_.groups()[u.group].cell]; e.first++; e.second=groups_.points()[u.point];} fprintf(stderr,"step %d volume %.3f:",step,enclosedVolume()); for(auto&[c,e]:by) fprintf(stderr," cell %d n %d (%.2f %.2f %.2f)",c,e.first,e.second[0],e.second[1],e.second[2]); fprintf(stderr,"\n"); }
-            if(getenv("CELL")){ int c=atoi(getenv("CELL")); Point3 lo{9,9,9},hi{-9,-9,-9}; for(Index v: base_.level(0).complex.relation(3,0)[c]) for(int a=0;a<3;a++){lo[a]=std::min(lo[a],positions_[v][a]);hi[a]=std::max(hi[a],positions_[v][a]);} fprintf(stderr,"step %d cell box %.3f %.3f %.3f - %.3f %.3f %.3f\n",step,lo[0],lo[1],lo[2],hi[0],hi[1],hi[2]);
-             for(auto&t:pulls_) if(surface_.cellOfCoarse(t.row)==c) fprintf(stderr,"   pull %d dir %.2f %.2f %.2f offset %.3f outside %.3g\n",t.row,t.direction[0],t.direction[1],t.direction[2],t.offset,t.outside);
-             for(auto&t:pushes_) if(surface_.fineFaces().cells[t.row]==c) fprintf(stderr,"   push %d dir %.2f %.2f %.2f offset %.3f inside %.3g\n",t.row,t.direction[0],t.direction[1],t.direction[2],t.offset,t.inside);}
             optimise(step < kSteps / 2 ? 8 : 20);
         }
         for (int round = 0; round < options_.maxRounds; ++round) {
@@ -539,7 +534,7 @@ std::vector<Point3> Fit::run() {
         }
     }
     throw FitError(concat("fitting a cage of ", base_.level(0).complex.count(0),
-                       " vertices: ", failure_, "; try more vertices or a larger margin"));
+                          " vertices: ", failure_, "; try more vertices or a larger margin"));
 }
 
 }  // namespace

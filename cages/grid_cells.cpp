@@ -19,7 +19,9 @@ constexpr double kConflictReach = 0.6;
 
 constexpr Index kDirections = 6;  ///< axis · 2 + 1 for the higher side
 
-Index opposite(Index direction) { return direction ^ 1; }
+Index opposite(Index direction) {
+    return direction ^ 1;
+}
 
 /// Bit i of a corner is set on the higher side of axis i.
 bool isOnFace(unsigned corner, Index direction) {
@@ -47,15 +49,14 @@ GridCells::GridCells(const ModelVoxels& voxels, const GridCellOptions& options)
     for (int axis = 0; axis < 3; ++axis) {
         // A layer of cubes on both sides.
         options_.offset[axis] += options_.voxelsPerEdge;
-        counts_[axis] = (voxels.grid().counts[axis] + options_.offset[axis]) /
-                            options_.voxelsPerEdge + 2;
+        counts_[axis] =
+            (voxels.grid().counts[axis] + options_.offset[axis]) / options_.voxelsPerEdge + 2;
     }
     findParts();
     findContacts();
-    int rounds=0; struct R{int&r;const GridCells&g;~R(){if(getenv("ROUNDS")) fprintf(stderr,"rounds %d manifold %d\n",r,g.isManifold());}} rr{rounds,*this};
     constexpr int kMaxRepairs = 100;
     for (int round = 0; round < kMaxRepairs && !isManifold_; ++round) {
-        ++rounds; do leaveOut(options_.reach);
+        do leaveOut(options_.reach);
         while (joinConflicts());
         isManifold_ = !repair();
     }
@@ -160,8 +161,7 @@ bool GridCells::areNear(const Part& a, const Part& b) const {
     for (const Index p : a.voxels) {
         const auto place = placeOf(p);
         for (int axis = 0; axis < 3; ++axis)
-            way[axis] =
-                std::max({low[1][axis] - place[axis], place[axis] - high[1][axis], 0});
+            way[axis] = std::max({low[1][axis] - place[axis], place[axis] - high[1][axis], 0});
         if (away(way) > distance * distance) continue;
         for (const Index q : b.voxels) {
             const auto other = placeOf(q);
@@ -225,7 +225,7 @@ void GridCells::findContacts() {
 Index GridCells::neighbour(Index part, Index direction) const {
     Index found = -1;
     for (const Contact& contact : parts_[part].contacts) {
-        if (contact.direction != direction || contact.isCut) continue;
+        if (contact.direction != direction) continue;
         if (found >= 0) return -2;
         found = contact.to;
     }
@@ -235,8 +235,7 @@ Index GridCells::neighbour(Index part, Index direction) const {
 /// Returns the faces with a part behind them, as bits.
 int GridCells::sharedFaces(Index part) const {
     int faces = 0;
-    for (const Contact& contact : parts_[part].contacts)
-        if (!contact.isCut) faces |= 1 << contact.direction;
+    for (const Contact& contact : parts_[part].contacts) faces |= 1 << contact.direction;
     return faces;
 }
 
@@ -291,8 +290,7 @@ double GridCells::depthOf(Index number) const {
     for (const Index voxel : part.voxels) {
         double least = 1e9;
         for (Index d = 0; d < kDirections; ++d)
-            if ((faces >> d & 1) != 0)
-                least = std::min(least, distanceToFace(part.cube, d, voxel));
+            if ((faces >> d & 1) != 0) least = std::min(least, distanceToFace(part.cube, d, voxel));
         depth = std::max(depth, least + 0.5);
         if (depth > options_.voxelsPerEdge) break;
     }
@@ -347,31 +345,6 @@ void GridCells::leaveOut(double reach) {
     }
 }
 
-/// Separates a part from the one behind a face, if the topology stays the same.
-bool GridCells::cut(Index part, Index direction, Index from) {
-    if (parts_[part].isAdded) return false;
-    const auto faces = static_cast<unsigned>(sharedFaces(part));
-    const unsigned rest = faces & ~(1u << direction);
-    if (!isDisk(faces) || !isDisk(rest) || neighbour(part, direction) != from) return false;
-    for (const Contact& contact : parts_[part].contacts)
-        if (contact.direction == direction && contact.isKept) return false;
-    for (Index e = 0; e < kDirections; ++e) {
-        if ((rest >> e & 1) == 0 || e / 2 == direction / 2) continue;
-        // The ring around the edge, from the part over its neighbour to `from`.
-        const Index beside = neighbour(part, e);
-        if (beside < 0) return false;
-        const Index across = neighbour(beside, direction);
-        if (across < 0 || neighbour(from, e) != across) return false;
-    }
-    const auto cutContact = [&](Index a, Index d, Index b) {
-        for (Contact& contact : parts_[a].contacts)
-            if (contact.direction == d && contact.to == b) contact.isCut = true;
-    };
-    cutContact(part, direction, from);
-    cutContact(from, opposite(direction), part);
-    return true;
-}
-
 /// Joins a part to another one in the same cube.
 void GridCells::joinParts(Index kept, Index other, int joins) {
     Part &a = parts_[kept], &b = parts_[other];
@@ -400,11 +373,9 @@ void GridCells::joinParts(Index kept, Index other, int joins) {
 /// Adds a contact, on both sides, to what the two parts share already.
 void GridCells::addContact(Index part, const Contact& contact) {
     const auto add = [](std::vector<Contact>& contacts, const Contact& more) {
-        for (Contact& contact : contacts) {
-            if (contact.to != more.to || contact.direction != more.direction) continue;
-            contact.count += more.count;
-            contact.isCut = contact.isCut && more.isCut;
-            contact.isKept = contact.isKept || more.isKept;
+        for (Contact& old : contacts) {
+            if (old.to != more.to || old.direction != more.direction) continue;
+            old.count += more.count;
             return;
         }
         contacts.push_back(more);
@@ -432,20 +403,16 @@ bool GridCells::joinConflicts() {
     return isChanged;
 }
 
-/// Leaves out, cuts off or joins one of the parts behind a face.
+/// Leaves out one of the parts behind a face, or joins two of them.
 void GridCells::resolveConflict(Index number, Index direction) {
     std::vector<std::pair<Index, Index>> behind;  // count, part
     for (const Contact& contact : parts_[number].contacts)
-        if (contact.direction == direction && !contact.isCut)
-            behind.emplace_back(contact.count, contact.to);
+        if (contact.direction == direction) behind.emplace_back(contact.count, contact.to);
     // The smallest first.
     std::sort(behind.begin(), behind.end());
     const double reach = kConflictReach * options_.voxelsPerEdge;
     for (const auto& [count, part] : behind)
         if (isRemovable(part) && depthOf(part) <= reach) return leaveOutPart(part);
-    if (getenv("CUT"))
-    for (const auto& [count, part] : behind)
-        if (cut(part, opposite(direction), number)) return;
     joinParts(behind.back().second, behind.front().second, parts_[number].joins + 1);
 }
 
@@ -453,7 +420,7 @@ void GridCells::countVertices() {
     DisjointSets sets(parts_.size() * 8);
     for (std::size_t p = 0; p < parts_.size(); ++p)
         for (const Contact& contact : parts_[p].contacts) {
-            if (contact.isCut || contact.to < static_cast<Index>(p)) continue;
+            if (contact.to < static_cast<Index>(p)) continue;
             for (unsigned corner = 0; corner < 8; ++corner)
                 if (isOnFace(corner, contact.direction))
                     sets.unite(p * 8 + corner, static_cast<std::size_t>(contact.to) * 8 +
@@ -516,7 +483,7 @@ bool GridCells::repair() {
                 joinParts(a.part, b.part, 1);
                 return true;
             }
-            addContact(a.part, {b.part, a.direction, 0, false, true});
+            addContact(a.part, {b.part, a.direction, 0});
             isChanged = true;
             ++i;
         }
@@ -534,8 +501,8 @@ bool GridCells::repair() {
                 corners.push_back({corners_[p][corner], static_cast<Index>(p), corner});
     std::sort(corners.begin(), corners.end());
     std::map<Index, std::vector<std::size_t>> facesOfEdge;  // by the other end
-    std::vector<std::pair<Index, Index>> free;  // part, direction
-    std::vector<Index> members;  // parts at the vertex
+    std::vector<std::pair<Index, Index>> free;              // part, direction
+    std::vector<Index> members;                             // parts at the vertex
     std::vector<char> isTouched(parts_.size(), 0);
     bool isBad = false;
     for (std::size_t first = 0, last = 0; first < corners.size(); first = last) {
@@ -564,7 +531,7 @@ bool GridCells::repair() {
             if (parts_[a].cube == parts_[b].cube)
                 joinParts(std::min(a, b), std::max(a, b), 1);
             else if (directionA == opposite(directionB))
-                addContact(a, {b, directionA, 0, false, true});
+                addContact(a, {b, directionA, 0});
             else
                 continue;
             return true;

@@ -15,7 +15,7 @@
 namespace espalier::cages {
 
 struct GridCellOptions {
-    Index voxelsPerEdge = 8;                ///< of a cell
+    Index voxelsPerEdge = 8;                  ///< of a cell
     std::array<Index, 3> offset = {0, 0, 0};  ///< voxels of the first cell outside the grid
 
     /// Parts of a model in one cell that are at most this far apart are one part, in voxels.
@@ -64,8 +64,6 @@ private:
         Index to = 0;
         Index direction = 0;  ///< axis · 2 + 1 for the higher side
         Index count = 0;      ///< of pairs of voxels
-        bool isCut = false;
-        bool isKept = false;  ///< if it must not be cut
     };
     struct Part {
         Cube cube;
@@ -97,15 +95,14 @@ private:
     double depthOf(Index part) const;
     double distanceToFace(const Cube& cube, Index direction, Index voxel) const;
     void leaveOutPart(Index part);
-    bool cut(Index part, Index direction, Index from);
 
     const ModelVoxels& voxels_;
     GridCellOptions options_;
     std::array<Index, 3> counts_;  ///< of the cubes
     std::vector<Part> parts_;
-    std::vector<Index> partOf_;  ///< per voxel; −1 if it is not used
+    std::vector<Index> partOf_;                  ///< per voxel; −1 if it is not used
     std::vector<std::array<Index, 8>> corners_;  ///< per part: vertices
-    std::vector<Index> order_;       ///< of the parts that are cells
+    std::vector<Index> order_;                   ///< of the parts that are cells
     std::vector<Index> cellOfPart_;
     Index cellCount_ = 0, vertexCount_ = 0;
     bool isManifold_ = false;

@@ -109,8 +109,8 @@ void ModelSurface::join(const SurfaceModel& model) {
         begin = end;
         for (const Index corner : corners) {
             if (corner < 0 || corner >= std::ssize(model.points))
-                throw Error(concat("making a cage: a face names point ", corner,
-                                   "; expected 0 to ", std::ssize(model.points) - 1));
+                throw Error(concat("making a cage: a face names point ", corner, "; expected 0 to ",
+                                   std::ssize(model.points) - 1));
             isUsed[numbers[corner]] = 1;
         }
         for (std::size_t i = 1; i + 1 < std::max<std::size_t>(corners.size(), 3); ++i) {
@@ -130,11 +130,10 @@ void ModelSurface::join(const SurfaceModel& model) {
     const auto key = [](const Triangle& t) { return std::pair(sorted(t), t); };
     std::sort(all.begin(), all.end(),
               [&](const Triangle& a, const Triangle& b) { return key(a) < key(b); });
-    all.erase(std::unique(all.begin(), all.end(),
-                          [](const Triangle& a, const Triangle& b) {
-                              return sorted(a) == sorted(b);
-                          }),
-              all.end());
+    all.erase(
+        std::unique(all.begin(), all.end(),
+                    [](const Triangle& a, const Triangle& b) { return sorted(a) == sorted(b); }),
+        all.end());
     triangles_ = std::move(all);
 }
 
@@ -230,7 +229,8 @@ void ModelSurface::addPiece(std::span<const Triangle> piece, std::span<const cha
     for (const auto& edge : boundary) names.insert(names.end(), edge.begin(), edge.end());
     sortUnique(names);
     DisjointSets groups(names.size());
-    for (const auto& edge : boundary) groups.unite(placeIn(names, edge[0]), placeIn(names, edge[1]));
+    for (const auto& edge : boundary)
+        groups.unite(placeIn(names, edge[0]), placeIn(names, edge[1]));
     std::vector<Index> capOf(names.size(), -1), sizes;
     std::vector<Point3> apexes;
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -248,8 +248,7 @@ void ModelSurface::addPiece(std::span<const Triangle> piece, std::span<const cha
     double capArea = 0;
     for (const auto& [a, b] : boundary) {
         const Point3& apex = apexes[capOf[groups.find(placeIn(names, a))]];
-        capArea +=
-            length(cross(difference(points_[a], apex), difference(points_[b], apex))) / 2;
+        capArea += length(cross(difference(points_[a], apex), difference(points_[b], apex))) / 2;
     }
     if (!(capArea <= kMostOpen * area)) return addOpen();
     closed.capBegin = piece.size();

@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-
 namespace espalier::cages {
 
 using Triangle = std::array<Index, 3>;
@@ -45,7 +44,7 @@ public:
     struct ClosedPiece {
         std::vector<Triangle> triangles;  ///< anticlockwise seen from outside; caps come last
         std::size_t capBegin = 0;         ///< the first cap
-        double volume = 0;        ///< 0 or more
+        double volume = 0;                ///< 0 or more
         /// If the faces of the model are wound against most of the model, as those of a cavity are.
         bool isInward = false;
     };

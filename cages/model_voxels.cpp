@@ -35,8 +35,7 @@ bool meetsCube(const std::array<Point3, 3>& triangle, const Point3& centre, doub
     for (int i = 0; i < 3; ++i) corners[i] = difference(triangle[i], centre);
     for (int i = 0; i < 3; ++i) ways[i] = difference(corners[(i + 1) % 3], corners[i]);
     const auto isApart = [&](const Point3& axis) {
-        const double reach =
-            half * (std::abs(axis[0]) + std::abs(axis[1]) + std::abs(axis[2]));
+        const double reach = half * (std::abs(axis[0]) + std::abs(axis[1]) + std::abs(axis[2]));
         const double a = dot(axis, corners[0]), b = dot(axis, corners[1]),
                      c = dot(axis, corners[2]);
         return std::min({a, b, c}) > reach || std::max({a, b, c}) < -reach;

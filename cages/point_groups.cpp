@@ -43,8 +43,8 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     std::vector<Keyed> keyed;
     keyed.reserve(points.size());
     for (const FitPoint& point : points)
-        keyed.push_back({grid.cubeOf(point.position), point.cell, point.isInner, point.position,
-                         point.normal});
+        keyed.push_back(
+            {grid.cubeOf(point.position), point.cell, point.isInner, point.position, point.normal});
     std::sort(keyed.begin(), keyed.end());
     firstOfCube_.assign(grid.cubeCount(), -1);
     points_.reserve(keyed.size());

@@ -63,9 +63,9 @@ struct FitPoint {
     /// Direction away from the solid, a unit vector; zero: not known.
     std::array<float, 3> normal = {0, 0, 0};
 
-    /// The cell of the lattice that the point belongs to; −1: any. Cells that are far away from this
-    /// cell along the lattice are not fitted to the point, even if they are close to it. So the cells
-    /// of parts that are close to each other may overlap before the fit.
+    /// The cell of the lattice that the point belongs to; −1: any. Cells that are far away from
+    /// this cell along the lattice are not fitted to the point, even if they are close to it. So
+    /// the cells of parts that are close to each other may overlap before the fit.
     Index cell = -1;
 
     /// Whether the point is inside the solid. The boundary is not fitted to the point, but must
@@ -109,8 +109,8 @@ public:
     /// Returns the point of a group that is farthest along `direction`.
     const Point3& farthest(const Group& group, const Point3& direction) const;
 
-    /// Returns the group whose centre is nearest to a point, of those with accept(group); −1 if none
-    /// is within `rings` rings of cubes.
+    /// Returns the group whose centre is nearest to a point, of those with accept(group); −1 if
+    /// none is within `rings` rings of cubes.
     template <class Accept>
     Index nearest(const Point3& point, Index rings, Accept accept) const {
         const auto centre = grid_.coordinatesOf(point);
