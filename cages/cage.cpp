@@ -32,19 +32,24 @@ constexpr double kWantedLeast = 0.94, kWantedMost = 1.04;
 /// The number of vertices grows about as this power of 1 / size.
 constexpr double kPower = 2.4;
 
-/// Lattices that are tried before the model is given up.
-constexpr std::size_t kMaxFits = 5;
+/// Ways to choose cells, from tight to careful. If no lattice of one way can be fitted, the next way
+/// is tried.
+struct Way {
+    /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this, in
+    /// edges.
+    double joinDistance;
+    double reach;  ///< a cell is left out if the model reaches less than this into it, in edges
+    int attempts;  ///< of fitCage()
+};
+constexpr std::array<Way, 3> kWays = {{{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}}};
+constexpr std::array<Way, 2> kWaysApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
+
+/// Lattices of one way that are fitted before the next way is tried.
+constexpr std::size_t kMaxFits = 3;
 
 /// Voxels along the edge of a cell; fewer if there would be too many voxels.
 constexpr Index kVoxelsPerEdge = 8;
 constexpr double kMaxVoxels = 2.5e7;
-
-/// A cell is left out if the model reaches less than this into it, in edges.
-constexpr double kLeastReach = 0.4;
-
-/// Parts of a model in one cell or in two neighbours are joined if they are nearer than this, in
-/// edges.
-constexpr double kJoinDistance = 0.75;
 
 using Axes = std::array<Point3, 3>;
 constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -120,6 +125,7 @@ private:
     CageOptions options_;
     std::vector<Frame> frames_;
     double diagonal_ = 0, margin_ = 0;
+    Way way_;
 };
 
 void requireNumber(double value, const char* name) {
@@ -185,8 +191,8 @@ GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candida
     return {voxels,
             {.voxelsPerEdge = k,
              .offset = offset,
-             .joinDistance = options_.keepApart ? 1 : kJoinDistance * k,
-             .reach = kLeastReach * k}};
+             .joinDistance = std::max(1.0, way_.joinDistance * k),
+             .reach = way_.reach * k}};
 }
 
 double CageMaker::ratioOf(Index vertexCount) const {
@@ -271,7 +277,7 @@ Lattice CageMaker::fit(const Candidate& candidate) const {
     Lattice start = cells.build();
     for (Point3& position : start.positions) position = fromFrame(frame.axes, position);
     return fitCage(std::move(start), samples(frame, candidate.cellSize, voxels, cells),
-                   {.margin = margin_});
+                   {.margin = margin_, .maxAttempts = way_.attempts});
 }
 
 /// Returns points of the model, at most an eighth of a cell apart.
@@ -309,18 +315,20 @@ std::vector<FitPoint> CageMaker::samples(const Frame& frame, double cellSize,
 }
 
 Lattice CageMaker::make() {
-    const std::vector<Candidate> tried = candidates();
-    if (tried.empty())
-        throw Error(concat("making a cage: no lattice of ", options_.vertices,
-                           " vertices has the topology of the model; try more"));
     std::string failure;
-    for (const Candidate& candidate : tried) {
-        try {
-            return fit(candidate);
-        } catch (const FitError& error) {
-            failure = error.what();
+    for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
+        way_ = way;
+        for (const Candidate& candidate : candidates()) {
+            try {
+                return fit(candidate);
+            } catch (const FitError& error) {
+                failure = error.what();
+            }
         }
     }
+    if (failure.empty())
+        throw Error(concat("making a cage: no lattice of ", options_.vertices,
+                           " vertices has the topology of the model; try more"));
     throw Error(concat("making a cage: ", failure));
 }
 

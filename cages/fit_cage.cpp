@@ -514,7 +514,7 @@ std::vector<Point3> Fit::run() {
     // Each attempt starts anew and pulls less. The last one only pushes.
     const double startVolume = enclosedVolume();
     requireNear();
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    for (int attempt = 0; attempt < options_.maxAttempts; ++attempt) {
         begin(attempt);
         for (int step = 0; step < kSteps; ++step) {
             associate();
@@ -551,6 +551,9 @@ Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOption
     if (options.maxRounds < 1)
         throw Error(
             concat("fitting a cage: maxRounds is ", options.maxRounds, "; expected 1 or more"));
+    if (options.maxAttempts < 1 || options.maxAttempts > kAttempts)
+        throw Error(concat("fitting a cage: maxAttempts is ", options.maxAttempts,
+                           "; expected 1 to ", kAttempts));
     if (refinerOptions(start).boundary == far::Boundary::Open)
         throw Error("fitting a cage: the start has an open boundary, which shrinks away");
     for (std::size_t i = 0; i < points.size(); ++i) {

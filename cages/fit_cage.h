@@ -27,6 +27,9 @@ struct FitOptions {
 
     /// Largest number of proofs that may fail before fitting starts anew with less pull.
     int maxRounds = 8;
+
+    /// Largest number of times that fitting starts, 1 to 4. The fourth time does not pull.
+    int maxAttempts = 4;
 };
 
 /// Moves the vertices of a lattice so that its boundary follows a model.
