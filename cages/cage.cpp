@@ -32,11 +32,11 @@ constexpr double kWantedLeast = 0.94, kWantedMost = 1.04;
 /// The number of vertices grows about as this power of 1 / size.
 constexpr double kPower = 2.4;
 
-/// Ways to choose cells, from tight to careful. If no lattice of one way can be fitted, the next way
-/// is tried.
+/// Ways to choose cells, from tight to careful. If no lattice of one way can be fitted, the next
+/// way is tried.
 struct Way {
-    /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this, in
-    /// edges.
+    /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this,
+    /// in edges.
     double joinDistance;
     double reach;  ///< a cell is left out if the model reaches less than this into it, in edges
     int attempts;  ///< of fitCage()
@@ -130,21 +130,20 @@ private:
 
 void requireNumber(double value, const char* name) {
     if (!(value >= 0 && value <= 1e90))
-        throw Error(concat("making a cage: ", name, " is ", textOf(value),
-                           "; expected a finite number, 0 or more"));
+        throw Error(
+            concat("cage: ", name, " is ", textOf(value), "; expected a finite number, 0 or more"));
 }
 
 CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     : surface_(model), options_(options) {
     if (options.vertices < 8)
-        throw Error(
-            concat("making a cage: vertices is ", options.vertices, "; expected 8 or more"));
+        throw Error(concat("cage: vertices is ", options.vertices, "; expected 8 or more"));
     requireNumber(options.cellSize, "cellSize");
     requireNumber(options.margin, "margin");
     requireNumber(options.shell, "shell");
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
     diagonal_ = Box(points).diagonal();
-    if (diagonal_ == 0) throw Error("making a cage: all points of the model are at one place");
+    if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
 }
@@ -326,10 +325,13 @@ Lattice CageMaker::make() {
             }
         }
     }
-    if (failure.empty())
-        throw Error(concat("making a cage: no lattice of ", options_.vertices,
-                           " vertices has the topology of the model; try more"));
-    throw Error(concat("making a cage: ", failure));
+    const std::string wanted = options_.cellSize > 0
+                                   ? concat("with cells of the size ", textOf(options_.cellSize))
+                                   : concat("of about ", options_.vertices, " vertices");
+    throw Error(concat("cage: found no lattice ", wanted, " that follows the model",
+                       failure.empty() ? "" : "; the last one that was tried: ", failure,
+                       options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",
+                       options_.keepApart ? ", or without keeping parts apart" : ""));
 }
 
 }  // namespace

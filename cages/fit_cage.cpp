@@ -159,6 +159,7 @@ private:
     std::vector<double> pull_;  ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
     Weights weights_;
+    std::size_t uncoveredCount_ = 0;  ///< groups without proof at the last certify()
     std::string failure_;
 };
 
@@ -394,6 +395,7 @@ bool Fit::certify() {
     associate();
     bool isProved = true;
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
+    uncoveredCount_ = uncovered.size();
     double deepest = 0;
     raise_.assign(groups_.groups().size(), 0);
     for (const Uncovered& group : uncovered) {
@@ -521,12 +523,16 @@ std::vector<Point3> Fit::run() {
             // Early steps are short, because faces then change their nearest points.
             optimise(step < kSteps / 2 ? 8 : 20);
         }
+        std::size_t least = std::numeric_limits<std::size_t>::max();
         for (int round = 0; round < options_.maxRounds; ++round) {
             if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
             if (certify()) {
                 polish();
                 return std::move(positions_);
             }
+            // Where fitting works, the number falls. It grows where two parts push each other.
+            if (uncoveredCount_ / 2 > least + 10) break;
+            least = std::min(least, uncoveredCount_);
             for (int step = 0; step < 3; ++step) {
                 associate();
                 optimise(25);
@@ -534,7 +540,7 @@ std::vector<Point3> Fit::run() {
         }
     }
     throw FitError(concat("fitting a cage of ", base_.level(0).complex.count(0),
-                          " vertices: ", failure_, "; try more vertices or a larger margin"));
+                          " vertices: ", failure_));
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ void ModelSurface::join(const SurfaceModel& model) {
     std::size_t begin = 0;
     for (std::size_t face = 0; face < model.ends.size(); ++face) {
         if (model.ends[face] < begin || model.ends[face] > model.corners.size())
-            throw Error(concat("making a cage: face ", face, " ends at corner ", model.ends[face],
+            throw Error(concat("cage: face ", face, " ends at corner ", model.ends[face],
                                "; expected ", begin, " to ", model.corners.size()));
         begin = model.ends[face];
     }
@@ -85,9 +85,9 @@ void ModelSurface::join(const SurfaceModel& model) {
         for (const double coordinate : model.points[i])
             if (!(std::abs(coordinate) <= 1e90))
                 throw Error(concat(
-                    "making a cage: point ", i,
+                    "cage: point ", i,
                     std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
-    if (model.ends.empty()) throw Error("making a cage: the model has no faces");
+    if (model.ends.empty()) throw Error("cage: the model has no faces");
     // Points at one place get one number. Adding 0 turns −0 into 0.
     std::vector<std::pair<Point3, Index>> keyed;
     keyed.reserve(model.points.size());
@@ -109,7 +109,7 @@ void ModelSurface::join(const SurfaceModel& model) {
         begin = end;
         for (const Index corner : corners) {
             if (corner < 0 || corner >= std::ssize(model.points))
-                throw Error(concat("making a cage: a face names point ", corner, "; expected 0 to ",
+                throw Error(concat("cage: a face names point ", corner, "; expected 0 to ",
                                    std::ssize(model.points) - 1));
             isUsed[numbers[corner]] = 1;
         }
