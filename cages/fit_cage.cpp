@@ -13,7 +13,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -523,7 +523,7 @@ std::vector<Point3> Fit::run() {
             // Early steps are short, because faces then change their nearest points.
             optimise(step < kSteps / 2 ? 8 : 20);
         }
-        std::size_t least = std::numeric_limits<std::size_t>::max();
+        std::optional<std::size_t> least;
         for (int round = 0; round < options_.maxRounds; ++round) {
             if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
             if (certify()) {
@@ -531,8 +531,8 @@ std::vector<Point3> Fit::run() {
                 return std::move(positions_);
             }
             // Where fitting works, the number falls. It grows where two parts push each other.
-            if (uncoveredCount_ / 2 > least + 10) break;
-            least = std::min(least, uncoveredCount_);
+            if (least && uncoveredCount_ > 2 * *least + 20) break;
+            least = std::min(least.value_or(uncoveredCount_), uncoveredCount_);
             for (int step = 0; step < 3; ++step) {
                 associate();
                 optimise(25);
