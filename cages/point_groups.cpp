@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <tuple>
 #include <utility>
 
 namespace espalier::cages {
@@ -33,21 +35,27 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
 }
 
 PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid) : grid_(grid) {
-    struct Keyed {
+    // Keys are sorted instead of the points, which take four times the memory.
+    struct Key {
         Index cube, cell;
-        bool isInner;
-        Point3 point;
-        std::array<float, 3> normal;
-        auto operator<=>(const Keyed&) const = default;
+        std::uint32_t number;
     };
-    std::vector<Keyed> keyed;
-    keyed.reserve(points.size());
+    std::vector<Key> keys;
+    keys.reserve(points.size());
     for (const FitPoint& point : points)
-        keyed.push_back(
-            {grid.cubeOf(point.position), point.cell, point.isInner, point.position, point.normal});
-    std::sort(keyed.begin(), keyed.end());
+        keys.push_back(
+            {grid.cubeOf(point.position), point.cell, static_cast<std::uint32_t>(keys.size())});
+    const auto rest = [&](const Key& key) {
+        const FitPoint& point = points[key.number];
+        return std::tie(point.isInner, point.position, point.normal);
+    };
+    std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+        if (a.cube != b.cube) return a.cube < b.cube;
+        if (a.cell != b.cell) return a.cell < b.cell;
+        return rest(a) < rest(b);
+    });
     firstOfCube_.assign(grid.cubeCount(), -1);
-    points_.reserve(keyed.size());
+
     Index normalCount = 0;
     const auto endGroup = [&] {
         if (groups_.empty()) return;
@@ -61,15 +69,17 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
                            : Point3{0, 0, 0};
         normalCount = 0;
     };
-    const Keyed* last = nullptr;
-    for (const Keyed& at : keyed) {
+    const FitPoint* last = nullptr;
+    for (const Key& key : keys) {
+        const FitPoint& at = points[key.number];
         const auto number = static_cast<Index>(points_.size());
-        if (last == nullptr || last->cube != at.cube || last->cell != at.cell ||
+        if (last == nullptr || groups_.back().cube != key.cube || last->cell != at.cell ||
             last->isInner != at.isInner) {
             endGroup();
-            if (firstOfCube_[at.cube] < 0)
-                firstOfCube_[at.cube] = static_cast<Index>(groups_.size());
-            groups_.push_back({at.cube, at.cell, at.isInner, number, number, at.point, at.point});
+            if (firstOfCube_[key.cube] < 0)
+                firstOfCube_[key.cube] = static_cast<Index>(groups_.size());
+            groups_.push_back(
+                {key.cube, at.cell, at.isInner, number, number, at.position, at.position});
             last = nullptr;
         }
         Group& group = groups_.back();
@@ -77,16 +87,16 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
             group.normal = sum(group.normal, {at.normal[0], at.normal[1], at.normal[2]});
             ++normalCount;
         }
-        const bool isNew = last == nullptr || last->point != at.point;
+        const bool isNew = last == nullptr || last->position != at.position;
         last = &at;
         if (!isNew) continue;
         ++group.last;
         for (int axis = 0; axis < 3; ++axis) {
-            group.low[axis] = std::min(group.low[axis], at.point[axis]);
-            group.high[axis] = std::max(group.high[axis], at.point[axis]);
+            group.low[axis] = std::min(group.low[axis], at.position[axis]);
+            group.high[axis] = std::max(group.high[axis], at.position[axis]);
         }
-        group.centre = sum(group.centre, at.point);
-        points_.push_back(at.point);
+        group.centre = sum(group.centre, at.position);
+        points_.push_back(at.position);
     }
     endGroup();
 }
