@@ -3,11 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
-// The commands and options of the program, for texts that are made of them: the manual page, the
-// completion of shells, suggestions for misspelt words.
+// The commands and options of the program, and the texts that are made of them: the manual page,
+// the completion of shells, suggestions for misspelt words.
 namespace espalier::cli {
 
 /// Calls `visit` for each command, and each command in it after it, in the order of the help.
@@ -20,5 +21,28 @@ std::vector<const CLI::Option*> optionsOf(const CLI::App& command);
 
 /// Returns the names of an option, {"-n", "--level"}; empty for an argument.
 std::vector<std::string> namesOf(const CLI::Option& option);
+
+/// Returns the command that the words of a command line name: `espalier shape box` for "shape",
+/// "box", "--cells" ..., and the program for none. To be called before the words are parsed, since
+/// the parser reports a missing option before an unknown one.
+/// \throws CLI::ValidationError naming the first word that should be a command or an option and is
+///         none, and the nearest name
+const CLI::App& findCommand(const CLI::App& program, std::span<const std::string> words);
+
+/// Returns a script by which a shell completes commands, options and the words that options take;
+/// names of files everywhere else.
+/// \param shell "bash", for a file that bash sources; or "zsh", for a file _espalier in its $fpath
+/// \throws CLI::ValidationError for another shell
+std::string completionScript(const CLI::App& program, const std::string& shell);
+
+/// Explains the exit codes, in the help and in the manual page.
+inline constexpr const char* kExitCodes =
+    "0 success; 1 bad input; 2 wrong usage; 3 check found inverted cells, or compare found "
+    "differences.";
+
+/// Returns the manual page of the program, for `man`: every command with its options, as the help
+/// of the command states them. Options that many commands share are described once, in a section of
+/// their own.
+std::string manPage(const CLI::App& program, const std::string& version);
 
 }  // namespace espalier::cli

@@ -24,12 +24,10 @@
 #include <tbb/task_scheduler_observer.h>
 #endif
 
+#include "command_tree.h"
 #include "commands.h"
-#include "completion.h"
-#include "man_page.h"
 #include "run.h"
 #include "standard_streams.h"
-#include "unknown_words.h"
 #include "version.h"
 
 namespace {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "unknown_words.h"
 
 #include <fmt/format.h>
 
