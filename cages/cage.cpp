@@ -29,6 +29,9 @@ constexpr double kLeast = 0.8, kMost = 1.2;
 /// Range at which the search for a size of cells stops.
 constexpr double kWantedLeast = 0.94, kWantedMost = 1.04;
 
+/// Largest number of vertices that can be asked for.
+constexpr Index kMaxVertices = 100000;
+
 /// The number of vertices grows about as this power of 1 / size.
 constexpr double kPower = 2.4;
 
@@ -49,6 +52,7 @@ constexpr std::size_t kMaxFits = 3;
 
 /// Voxels along the edge of a cell; fewer if there would be too many voxels.
 constexpr Index kVoxelsPerEdge = 8;
+constexpr Index kVoxelsPerEdgeApart = 24;  ///< to see gaps between parts that stay separate
 constexpr double kMaxVoxels = 2.5e7;
 
 using Axes = std::array<Point3, 3>;
@@ -108,7 +112,9 @@ public:
 
 private:
     void addFrames();
+    double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
     Index voxelsPerEdge(const Frame& frame, double cellSize) const;
+    double smallestSize(const Frame& frame) const;
     ModelVoxels voxelsOf(const Frame& frame, double cellSize) const;
     GridCells cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const;
     std::vector<Candidate> candidates() const;
@@ -125,6 +131,7 @@ private:
     CageOptions options_;
     std::vector<Frame> frames_;
     double diagonal_ = 0, margin_ = 0;
+    double smallestSize_ = 0;  ///< of cells
     Way way_;
 };
 
@@ -136,8 +143,9 @@ void requireNumber(double value, const char* name) {
 
 CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     : surface_(model), options_(options) {
-    if (options.vertices < 8)
-        throw Error(concat("cage: vertices is ", options.vertices, "; expected 8 or more"));
+    if (options.vertices < 8 || options.vertices > kMaxVertices)
+        throw Error(
+            concat("cage: vertices is ", options.vertices, "; expected 8 to ", kMaxVertices));
     requireNumber(options.cellSize, "cellSize");
     requireNumber(options.margin, "margin");
     requireNumber(options.shell, "shell");
@@ -146,6 +154,11 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
+    // At least two voxels along each edge, in memory for kMaxVoxels.
+    for (const Frame& frame : frames_) smallestSize_ = std::max(smallestSize_, smallestSize(frame));
+    if (options.cellSize > 0 && options.cellSize < smallestSize_)
+        throw Error(concat("cage: cellSize is ", textOf(options.cellSize), "; expected at least ",
+                           textOf(smallestSize_), " for this model"));
 }
 
 void CageMaker::addFrames() {
@@ -164,22 +177,37 @@ void CageMaker::addFrames() {
         frames_.push_back(std::move(turned));
 }
 
-Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
+/// Returns the number of voxels in the box around the model.
+double CageMaker::voxelCount(const Frame& frame, double cellSize, Index perEdge) const {
     const Point3 size = Box(frame.points).size();
-    for (Index k = kVoxelsPerEdge; k > 1; --k) {
-        double count = 1;
-        for (int axis = 0; axis < 3; ++axis)
-            count *= (size[axis] + options_.shell) / cellSize * k + k + 4;
-        if (count <= kMaxVoxels) return k;
+    double count = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        count *= (size[axis] + 2 * margin_) / cellSize * perEdge + perEdge + 4;
+    return count;
+}
+
+Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
+    Index perEdge = options_.keepApart ? kVoxelsPerEdgeApart : kVoxelsPerEdge;
+    while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) --perEdge;
+    return perEdge;
+}
+
+/// Returns the least size of cells that two voxels along an edge allow.
+double CageMaker::smallestSize(const Frame& frame) const {
+    double low = 1e-9 * (diagonal_ + margin_), high = 2 * (diagonal_ + margin_);
+    for (int round = 0; round < 60; ++round) {
+        const double middle = std::sqrt(low * high);
+        (voxelCount(frame, middle, 2) > kMaxVoxels ? low : high) = middle;
     }
-    return 1;
+    return high;
 }
 
 ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
     return {surface_,
             frame.points,
             {.size = cellSize / voxelsPerEdge(frame, cellSize),
-             .shellRadius = options_.shell / 2,
+             .isShell = options_.shell > 0,
+             .around = margin_,
              .gap = cellSize / 2}};
 }
 
@@ -220,6 +248,7 @@ double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset,
         size *= std::clamp(std::pow(ratio, 1 / kPower), 0.2, 5.0);
         if (small > 0 && large > 0 && (size <= small || size >= large))
             size = std::sqrt(small * large);
+        size = std::max(size, smallestSize_);
     }
     return best;
 }

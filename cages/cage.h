@@ -27,7 +27,7 @@ struct SurfaceModel {
 };
 
 struct CageOptions {
-    /// Number of vertices of the lattice, 8 or more. The result has between 0.8 and 1.2 times as
+    /// Number of vertices of the lattice, 8 to 100,000. The result has between 0.8 and 1.2 times as
     /// many. Not used if `cellSize` is set.
     Index vertices = 200;
 

@@ -539,8 +539,8 @@ std::vector<Point3> Fit::run() {
             }
         }
     }
-    throw FitError(concat("fitting a cage of ", base_.level(0).complex.count(0),
-                          " vertices: ", failure_));
+    throw FitError(
+        concat("fitting a cage of ", base_.level(0).complex.count(0), " vertices: ", failure_));
 }
 
 }  // namespace

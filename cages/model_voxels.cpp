@@ -188,27 +188,27 @@ void addCrossings(const CubeGrid& grid, const std::array<Point3, 3>& triangle, I
 
 ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> points,
                          const VoxelOptions& options)
-    : grid_(gridAround(points, options.size,
-                       options.shellRadius > 0 ? options.shellRadius : options.gap)),
+    : grid_(gridAround(points, options.size, std::max(options.around, options.gap))),
       isUsed_(grid_.cubeCount(), 0),
       signs_(surface.closedPieces().size(), 1) {
     markTriangles(grid_, surface.triangles(), points, isUsed_);
-    if (options.shellRadius > 0) {
-        isUsed_ = within(options.shellRadius, grid_, isUsed_);
-        return;
+    if (!options.isShell) {
+        markClosed(surface, points);
+        if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
+        isSolid_ = isUsed_;
     }
-    markClosed(surface, points);
-    if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
+    if (options.around > 0) isUsed_ = within(options.around, grid_, isUsed_);
 }
 
 bool ModelVoxels::isInner(const Point3& point) const {
+    if (isSolid_.empty()) return false;
     const auto place = grid_.coordinatesOf(point);
     for (Index z = place[2] - 2; z <= place[2] + 2; ++z)
         for (Index y = place[1] - 2; y <= place[1] + 2; ++y)
             for (Index x = place[0] - 2; x <= place[0] + 2; ++x) {
                 const bool isInGrid = x >= 0 && y >= 0 && z >= 0 && x < grid_.counts[0] &&
                                       y < grid_.counts[1] && z < grid_.counts[2];
-                if (!isInGrid || isUsed_[grid_.cubeAt({x, y, z})] == 0) return false;
+                if (!isInGrid || isSolid_[grid_.cubeAt({x, y, z})] == 0) return false;
             }
     return true;
 }

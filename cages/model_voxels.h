@@ -20,8 +20,11 @@ namespace espalier::cages {
 struct VoxelOptions {
     double size = 1;  ///< edge of a voxel
 
-    /// Above 0: there is no solid, but all voxels within this distance of the surface.
-    double shellRadius = 0;
+    /// Whether the model is its surface only, without a solid.
+    bool isShell = false;
+
+    /// Voxels within this distance of the model are used, too.
+    double around = 0;
 
     double gap = 0;
 };
@@ -34,10 +37,10 @@ public:
 
     const CubeGrid& grid() const { return grid_; }
 
-    /// For each cube of the grid, whether it belongs to the model.
+    /// For each cube of the grid, whether it belongs to the model or its surroundings.
     std::span<const char> isUsed() const { return isUsed_; }
 
-    /// Whether a point is in the model, two voxels or more away from its boundary.
+    /// Whether a point is in the solid, two voxels or more away from its boundary.
     bool isInner(const Point3& point) const;
 
     /// For each closed piece of the surface: 1, or −1 if it is a cavity.
@@ -49,6 +52,7 @@ private:
 
     CubeGrid grid_;
     std::vector<char> isUsed_;
+    std::vector<char> isSolid_;  ///< empty for a shell
     std::vector<int> signs_;
 };
 

@@ -65,10 +65,11 @@ void addCageCommand(CLI::App& shape) {
         ->expected(1, 1000);
     CLI::Option* const vertices =
         command
-            .add_option("--vertices", options.cage.vertices,
-                        "Number of vertices, 8 or more; the result has between 0.8 and 1.2 times "
-                        "as many")
-            ->check(CLI::Range(Index{8}, kMaxIndex))
+            .add_option(
+                "--vertices", options.cage.vertices,
+                "Number of vertices, 8 to 100,000; the result has between 0.8 and 1.2 times "
+                "as many")
+            ->check(CLI::Range(8, 100000))
             ->capture_default_str();
     command
         .add_option("--size", options.cage.cellSize,
