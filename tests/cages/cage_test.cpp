@@ -76,18 +76,21 @@ TEST(Cage, holdsItsModel) {
         }
 }
 
+/// Two rings through each other, 0.6 apart.
+FaceModel linkedRings() {
+    FaceModel turned = test::ringModel(1, 0.2);
+    for (Point3& p : turned.points) p = {p[0] + 1, p[2], -p[1]};
+    return test::joined({test::ringModel(1, 0.2), turned});
+}
+
 TEST(Cage, hasHandlesAndCavitiesOfTheModel) {
     const FaceModel hollow =
         test::joined({test::ballModel(4), test::reversed(test::ballModel(4, {0.6, 0.6, 0.6}))});
     const Lattice made = cage(hollow, {.vertices = 250});
     expectCage(made, hollow, 250);
     EXPECT_EQ(test::topologyOf(made.complex), (SolidTopology{1, 0, 1}));
-    // Two linked rings, which are never nearer to each other than 0.4.
-    FaceModel turned = test::ringModel(1, 0.2);
-    for (Point3& p : turned.points) p = {p[0] + 1, p[2], -p[1]};
-    const FaceModel linked = test::joined({test::ringModel(1, 0.2), turned});
-    const Lattice chain = cage(linked, {.vertices = 250});
-    expectCage(chain, linked, 250);
+    const Lattice chain = cage(linkedRings(), {.vertices = 250});
+    expectCage(chain, linkedRings(), 250);
     EXPECT_EQ(test::topologyOf(chain.complex), (SolidTopology{2, 2, 0}));
 }
 
@@ -257,11 +260,9 @@ TEST(Cage, refusesBadArguments) {
 }
 
 TEST(Cage, saysThatThereIsNoLattice) {
-    // Two balls, which one cell cannot keep apart.
-    const FaceModel near =
-        test::joined({test::ballModel(2), test::ballModel(2, {1, 1, 1}, {2.1, 0, 0})});
-    EXPECT_REFUSED(Error, "cage: found no lattice of about 8 vertices",
-                   cage(near, {.vertices = 8, .keepApart = true}));
+    // Two linked rings, which need more than 8 vertices to stay apart.
+    EXPECT_REFUSED(Error, "cage: found no lattice of about 8 vertices that follows the model",
+                   cage(linkedRings(), {.vertices = 8, .keepApart = true}));
 }
 
 }  // namespace
