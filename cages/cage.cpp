@@ -52,7 +52,12 @@ constexpr std::size_t kMaxFits = 3;
 
 /// Voxels along the edge of a cell; fewer if there would be too many voxels.
 constexpr Index kVoxelsPerEdge = 8;
-constexpr Index kVoxelsPerEdgeApart = 24;  ///< to see gaps between parts that stay separate
+
+/// Least numbers of voxels that show the gaps between parts that stay separate: along the edge of a
+/// cell, and along the diagonal of the box around the model.
+constexpr Index kVoxelsPerEdgeApart = 24;
+constexpr double kVoxelsAcrossApart = 150;
+
 constexpr double kMaxVoxels = 2.5e7;
 
 using Axes = std::array<Point3, 3>;
@@ -187,7 +192,10 @@ double CageMaker::voxelCount(const Frame& frame, double cellSize, Index perEdge)
 }
 
 Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
-    Index perEdge = options_.keepApart ? kVoxelsPerEdgeApart : kVoxelsPerEdge;
+    Index perEdge = kVoxelsPerEdge;
+    if (options_.keepApart)
+        perEdge = static_cast<Index>(std::max<double>(
+            kVoxelsPerEdgeApart, std::ceil(kVoxelsAcrossApart * cellSize / diagonal_)));
     while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) --perEdge;
     return perEdge;
 }
@@ -232,7 +240,7 @@ double CageMaker::ratioOf(Index vertexCount) const {
 /// \param size the first size to try
 double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
                           int rounds) const {
-    double best = size, bestRatio = 0;
+    double best = size, bestRatio = 0, last = size;
     double small = 0, large = 0;  // sizes with too many and with too few vertices
     for (int round = 0; round < rounds; ++round) {
         Candidate candidate{frame, size, offset};
@@ -248,7 +256,10 @@ double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset,
         size *= std::clamp(std::pow(ratio, 1 / kPower), 0.2, 5.0);
         if (small > 0 && large > 0 && (size <= small || size >= large))
             size = std::sqrt(small * large);
-        size = std::max(size, smallestSize_);
+        // One cell of the largest size holds the model.
+        const double next = std::clamp(size, smallestSize_, 1.2 * (diagonal_ + 2 * margin_));
+        if (next == last) break;
+        size = last = next;
     }
     return best;
 }

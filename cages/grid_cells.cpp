@@ -138,6 +138,8 @@ std::array<Index, 3> GridCells::placeOf(Index voxel) const {
 /// Whether a voxel of one part is at most the join distance from a voxel of another part.
 bool GridCells::areNear(const Part& a, const Part& b) const {
     const double distance = options_.joinDistance;
+    // Voxels with a common face are in one part, or in contact.
+    if (distance <= 1) return false;
     // First the boxes around the two.
     std::array<std::array<Index, 3>, 2> low, high;
     for (const int side : {0, 1}) {

@@ -64,6 +64,8 @@ std::vector<NamedModel> models() {
 TEST(Cage, holdsItsModel) {
     for (const auto& [name, model, topology, volume] : models())
         for (const Index vertices : {60, 200}) {
+            // To save time; the slow test cage_models has more models and sizes.
+            if (vertices == 200 && volume == 0) continue;
             SCOPED_TRACE(testing::Message() << name << ", " << vertices);
             const Lattice made = cage(model, {.vertices = vertices});
             expectCage(made, model, vertices);
@@ -118,11 +120,12 @@ TEST(Cage, keepsAMargin) {
 
 TEST(Cage, makesAShell) {
     // A ball as a shell has a cavity, and holds the points on both sides of its surface.
-    const FaceModel ball = test::ballModel(4);
-    const Lattice made = cage(ball, {.vertices = 200, .shell = 0.3});
+    const FaceModel ball = test::ballModel(4, {1, 0.9, 0.8});
+    const Lattice made = cage(ball, {.vertices = 200, .shell = 0.2});
     EXPECT_EQ(test::topologyOf(made.complex), (SolidTopology{1, 0, 1}));
     EXPECT_THAT(test::badCells(made), IsEmpty());
-    for (const double radius : {0.87, 1.0, 1.13}) {
+    // At the thinnest place, 0.1 is an eighth of the radius.
+    for (const double radius : {0.92, 1.0, 1.08}) {
         FaceModel copy = ball;
         for (Point3& p : copy.points) p = scaled(p, radius);
         EXPECT_EQ(test::outsideLimit(made, placesOf(copy, 500)), 0) << radius;
@@ -236,7 +239,7 @@ int failuresOf(unsigned first, unsigned last) {
 }
 
 TEST(Cage, holdsTriangleSoups) {
-    EXPECT_EQ(failuresOf(0, 12), 0);
+    EXPECT_EQ(failuresOf(0, 5), 0);
 }
 
 TEST(Cage, holdsAThousandTriangleSoups) {
