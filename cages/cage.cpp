@@ -60,6 +60,9 @@ constexpr double kVoxelsAcrossApart = 150;
 
 constexpr double kMaxVoxels = 2.5e7;
 
+/// Rounds of a fit with a margin: the start is further away.
+constexpr int kRoundsWithMargin = 14;
+
 using Axes = std::array<Point3, 3>;
 constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
@@ -316,7 +319,9 @@ Lattice CageMaker::fit(const Candidate& candidate) const {
     Lattice start = cells.build();
     for (Point3& position : start.positions) position = fromFrame(frame.axes, position);
     return fitCage(std::move(start), samples(frame, candidate.cellSize, voxels, cells),
-                   {.margin = margin_, .maxAttempts = way_.attempts});
+                   {.margin = margin_,
+                    .maxRounds = margin_ > 0 ? kRoundsWithMargin : FitOptions().maxRounds,
+                    .maxAttempts = way_.attempts});
 }
 
 /// Returns points of the model, at most an eighth of a cell apart.

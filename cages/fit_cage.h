@@ -26,7 +26,7 @@ struct FitOptions {
     int levelOfParts = 2;
 
     /// Largest number of proofs that may fail before fitting starts anew with less pull.
-    int maxRounds = 14;
+    int maxRounds = 8;
 
     /// Largest number of times that fitting starts, 1 to 4. The fourth time does not pull.
     int maxAttempts = 4;

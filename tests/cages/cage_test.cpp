@@ -65,7 +65,7 @@ TEST(Cage, holdsItsModel) {
     for (const auto& [name, model, topology, volume] : models())
         for (const Index vertices : {60, 200}) {
             // To save time; the slow test cage_models has more models and sizes.
-            if (vertices == 200 && volume == 0) continue;
+            if (vertices == 200 && name != std::string_view("ring")) continue;
             SCOPED_TRACE(testing::Message() << name << ", " << vertices);
             const Lattice made = cage(model, {.vertices = vertices});
             expectCage(made, model, vertices);
@@ -239,7 +239,7 @@ int failuresOf(unsigned first, unsigned last) {
 }
 
 TEST(Cage, holdsTriangleSoups) {
-    EXPECT_EQ(failuresOf(0, 5), 0);
+    EXPECT_EQ(failuresOf(0, 4), 0);
 }
 
 TEST(Cage, holdsAThousandTriangleSoups) {
