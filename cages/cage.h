@@ -42,7 +42,7 @@ struct CageOptions {
     /// this distance, in the units of the model. 0: around the solid.
     double shell = 0;
 
-    /// Whether parts of the model that are nearer to each other than a cell stay separate. Parts
+    /// True: parts of the model that are nearer to each other than a cell stay separate. Parts
     /// that are further apart than two cells are separate in any case.
     bool keepApart = false;
 };

@@ -303,7 +303,7 @@ private:
 /// The boxes to use: around the hull of each face, or around its four corners.
 enum class Around { Hull, Corners };
 
-/// Returns those of some groups that have a point in a box, or a point around which the triangles
+/// Returns the groups in `tried` that have a point in a box, or a point around which the triangles
 /// of the faces do not wind once.
 std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
                                 std::span<const Point3> vertices, const PointGroups& points,

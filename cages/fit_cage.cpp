@@ -112,14 +112,14 @@ private:
 
     void findApart();
 
-    /// Whether a group of points belongs to the part of the model that a cell holds.
+    /// Returns true if a group of points belongs to the part of the model that a cell holds.
     bool belongs(Index group, Index cell) const {
         const Index of = groups_.groups()[group].cell;
         return of < 0 || !std::ranges::binary_search(apart_[cell], of);
     }
 
-    /// Whether a face with this normal is fitted to a group of points. It may not face the other
-    /// way, as the far side of a thin part does, or the boundary of another part.
+    /// Returns true if a face with this normal is fitted to a group of points. It may not face the
+    /// other way, as the far side of a thin part does, or the boundary of another part.
     bool suits(Index group, Index cell, const Point3& normal) const {
         return !groups_.groups()[group].isInner &&
                dot(groups_.groups()[group].normal, normal) > kFacing && belongs(group, cell);
@@ -298,8 +298,9 @@ Index Fit::nearestFace(const Point3& point, Index rings, const std::vector<Point
     return best;
 }
 
-/// Pushes the nearest face of level 3 of each group of points outwards. Of the groups at one face,
-/// the one that sticks out most counts. Pushes faces of other parts away from the group.
+/// Pushes the nearest face of level 3 of each group of points outwards. If several groups are
+/// nearest to one face, the one that sticks out most counts. Pushes faces of other parts away from
+/// the group.
 void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals) {
     const double unit = 1 / (edge_ * edge_);
     const auto groups = groups_.groups();

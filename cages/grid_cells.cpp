@@ -28,7 +28,7 @@ bool isOnFace(unsigned corner, Index direction) {
     return (corner >> (direction / 2) & 1) == static_cast<unsigned>(direction & 1);
 }
 
-/// Whether some faces of a cube are connected over edges.
+/// Returns true if some faces of a cube are connected over edges.
 bool areConnected(unsigned faces) {
     unsigned reached = faces & (~faces + 1);
     for (int round = 0; round < 3; ++round)
@@ -37,7 +37,7 @@ bool areConnected(unsigned faces) {
     return reached == faces;
 }
 
-/// Whether some faces of a cube form a disk.
+/// Returns true if some faces of a cube form a disk.
 bool isDisk(unsigned faces) {
     return faces != 0 && faces != 63 && areConnected(faces) && areConnected(63 & ~faces);
 }
@@ -135,7 +135,7 @@ std::array<Index, 3> GridCells::placeOf(Index voxel) const {
     return {voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
 }
 
-/// Whether a voxel of one part is at most the join distance from a voxel of another part.
+/// Returns true if a voxel of one part is at most the join distance from a voxel of another part.
 bool GridCells::areNear(const Part& a, const Part& b) const {
     const double distance = options_.joinDistance;
     // Voxels with a common face are in one part, or in contact.
@@ -241,8 +241,8 @@ int GridCells::sharedFaces(Index part) const {
     return faces;
 }
 
-/// Whether the parts around an edge of a part form a ring. The edge is between two faces with parts
-/// behind them.
+/// Returns true if the parts around an edge of a part form a ring. The edge is between two faces
+/// with parts behind them.
 bool GridCells::isClosedAround(Index part, Index first, Index second) const {
     const Index a = neighbour(part, first), b = neighbour(part, second);
     if (a < 0 || b < 0) return false;
@@ -250,7 +250,7 @@ bool GridCells::isClosedAround(Index part, Index first, Index second) const {
     return across >= 0 && neighbour(b, first) == across;
 }
 
-/// Whether the topology stays the same without a part.
+/// Returns true if the topology stays the same without a part.
 bool GridCells::isRemovable(Index number) const {
     const Part& part = parts_[number];
     if (part.isAdded || !part.isUsed) return false;

@@ -45,7 +45,7 @@ public:
     Index cellCount() const { return cellCount_; }
     Index vertexCount() const { return vertexCount_; }
 
-    /// Whether the boundary is a manifold. False only if adding cells does not help.
+    /// Returns true if the boundary is a manifold. False only if adding cells does not help.
     bool isManifold() const { return isManifold_; }
 
     /// A place where two parts of the model run side by side for more than one cell and are joined

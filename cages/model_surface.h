@@ -45,7 +45,8 @@ public:
         std::vector<Triangle> triangles;  ///< anticlockwise seen from outside; caps come last
         std::size_t capBegin = 0;         ///< the first cap
         double volume = 0;                ///< 0 or more
-        /// If the faces of the model are wound against most of the model, as those of a cavity are.
+        /// If the faces of the model are wound against most of the model, as the faces of a cavity
+        /// are.
         bool isInward = false;
     };
     const std::vector<ClosedPiece>& closedPieces() const { return closedPieces_; }

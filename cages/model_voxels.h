@@ -20,7 +20,7 @@ namespace espalier::cages {
 struct VoxelOptions {
     double size = 1;  ///< edge of a voxel
 
-    /// Whether the model is its surface only, without a solid.
+    /// True: the model is its surface only, without a solid.
     bool isShell = false;
 
     /// Voxels within this distance of the model are used, too.
@@ -40,7 +40,7 @@ public:
     /// For each cube of the grid, whether it belongs to the model or its surroundings.
     std::span<const char> isUsed() const { return isUsed_; }
 
-    /// Whether a point is in the solid, two voxels or more away from its boundary.
+    /// Returns true if a point is in the solid, two voxels or more away from its boundary.
     bool isInner(const Point3& point) const;
 
     /// For each closed piece of the surface: 1, or −1 if it is a cavity.

@@ -68,7 +68,7 @@ struct FitPoint {
     /// the cells of parts that are close to each other may overlap before the fit.
     Index cell = -1;
 
-    /// Whether the point is inside the solid. The boundary is not fitted to the point, but must
+    /// True: the point is inside the solid. The boundary is not fitted to the point, but must
     /// contain it.
     bool isInner = false;
 

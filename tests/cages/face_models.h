@@ -4,9 +4,14 @@
 #include <espalier/base/vector3.h>
 #include <espalier/cages/cage.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
+#include <span>
+#include <utility>
 #include <vector>
 
 // Models of faces to make cages of.

@@ -12,7 +12,11 @@
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 
+#include <algorithm>
 #include <map>
+#include <ostream>
+#include <span>
+#include <utility>
 #include <vector>
 
 // Measures of lattices that do not use the code that makes cages.
