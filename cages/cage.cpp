@@ -56,7 +56,7 @@ constexpr Index kVoxelsPerEdge = 8;
 /// Least numbers of voxels that show the gaps between parts that stay separate: along the edge of a
 /// cell, and along the diagonal of the box around the model.
 constexpr Index kVoxelsPerEdgeApart = 24;
-constexpr double kVoxelsAcrossApart = 150;
+constexpr double kVoxelsAcrossApart = 100;
 
 constexpr double kMaxVoxels = 2.5e7;
 
