@@ -66,8 +66,8 @@ struct CageOptions {
 ///         finite or beyond ±1e90, or all points are at one place; for an option out of range; if
 ///         no lattice of about this size can be fitted, which happens for tangled models and few
 ///         vertices
-/// \cost on one thread about 3 s for 500 vertices and 12 s for 2,000; with a million triangles 10 s
-///       more
+/// \cost on one thread about 5 s for 100,000 triangles and 500 vertices, 14 s and 770 MB for 1.1
+///       million triangles. Grows with the number of vertices; docs/cages.md has times
 ESPALIER_API Lattice cage(const SurfaceModel& model, const CageOptions& options = {});
 
 }  // namespace espalier::cages
