@@ -159,9 +159,8 @@ public:
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
     ///         another name
-    /// \cost if the format is another one, the cost of readSurface() and of splitting faces;
-    /// nothing
-    ///       if the call before was for the same format. The model keeps the result in memory
+    /// \cost if the format is another one, the cost of readSurface() and of splitting faces. The
+    ///       result stays in memory: the same call is free the next time
     std::string checkTarget(const std::filesystem::path& path) const;
 
     /// Writes the model with new positions, one per point, in its own format or in the one that the

@@ -3,7 +3,6 @@
 #include <espalier/base/vector3.h>
 #include <espalier/far/topology_error.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "checks.h"
@@ -21,19 +20,6 @@ const char* complexName(int dimension) {
 }
 
 }  // namespace
-
-std::string textOf(double value) {
-    char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
-    return std::string(buffer, end);
-}
-
-std::string textOf(const Point3& point) {
-    std::string text = "(";
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        text.append(axis == 0 ? "" : ", ").append(textOf(point[axis]));
-    return text.append(")");
-}
 
 void refuseField(const std::string& shape, const std::string& field, const std::string& value,
                  const std::string& allowed) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/index.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
@@ -12,10 +13,6 @@
 // Checks of the arguments of this folder's functions; not installed. Each check throws an Error of
 // one line that names the function, the field, its value, and the allowed values.
 namespace espalier::shapes {
-
-/// Returns the shortest text that reads back as `value`.
-std::string textOf(double value);
-std::string textOf(const Point3& point);
 
 [[noreturn]] void refuseField(const std::string& shape, const std::string& field,
                               const std::string& value, const std::string& allowed);

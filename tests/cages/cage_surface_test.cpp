@@ -97,7 +97,7 @@ TEST(FindUncovered, coversOnlyPointsInsideAndNearlyAllOfThem) {
     const far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     const CageSurface surface(refiner);
     // Cubes are so small that nearly each point is a group of its own.
-    const PointGroups groups(randomPoints(lattice, 2000),
+    const PointGroups groups(test::fitPoints(randomPoints(lattice, 2000)),
                              CubeGrid({-2, -2, -2}, {2.5, 2, 2}, 0.04));
     const auto level = embed::bindPoints({refiner, lattice.positions}, groups.points());
     const auto limit = limit::bindLimit({refiner, lattice.positions}, groups.points());
@@ -122,7 +122,7 @@ TEST(FindUncovered, countsTheMargin) {
     const Lattice lattice = test::gridCage(test::brick(), 0.5);
     const CageSurface surface(far::TopologyRefiner(lattice.complex, refinerOptions(lattice)));
     const std::vector<Point3> centre = {{0, 0, 0}};
-    const PointGroups groups(centre, CubeGrid({-3, -3, -3}, {3, 3, 3}, 0.5));
+    const PointGroups groups(test::fitPoints(centre), CubeGrid({-3, -3, -3}, {3, 3, 3}, 0.5));
     EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 0.1), IsEmpty());
     EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 2), SizeIs(1));
 }
