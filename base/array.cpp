@@ -13,7 +13,7 @@ constexpr std::size_t kPage = std::size_t{2} << 20;
 }  // namespace
 
 void* allocateLargePages(std::size_t bytes) {
-    void* const memory = ::operator new(bytes, std::align_val_t{kPage});
+    void* const memory = ::operator new (bytes, std::align_val_t{kPage});
 #ifdef __linux__
     // Only whole pages, because other arrays may share the last page. If the call fails, the pages
     // are small, which is slower but correct.
@@ -23,7 +23,7 @@ void* allocateLargePages(std::size_t bytes) {
 }
 
 void freeLargePages(void* memory) {
-    ::operator delete(memory, std::align_val_t{kPage});
+    ::operator delete (memory, std::align_val_t{kPage});
 }
 
 }  // namespace espalier

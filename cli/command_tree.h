@@ -46,9 +46,8 @@ inline constexpr const char* kExitCodes =
     "0 success; 1 bad input; 2 wrong usage; 3 check found inverted cells, or compare found "
     "differences.";
 
-/// Returns the manual page of the program, for `man`: every command with its options, as the help
-/// of the command states them. Options that many commands share are described once, in a section of
-/// their own.
+/// Returns the manual page of the program, for `man`. It has the help of each command, and one
+/// section with the options that many commands share.
 std::string manPage(const CLI::App& program, const std::string& version);
 
 }  // namespace espalier::cli

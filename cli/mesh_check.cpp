@@ -93,8 +93,9 @@ MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model, 
 
 bool MeshCheck::isSound(const solve::PoseValidity& validity,
                         const solve::MeshQuality& quality) const {
-    // A polyhedron with bent faces may have no positive volume by OpenFOAM's formula although each
-    // of its tetrahedra is valid, since OpenFOAM computes other centres in the pose.
+    // OpenFOAM computes new centres of faces in the pose. With these centres, a polyhedron with
+    // bent faces may have no positive volume, although each of its tetrahedra in `validity` is
+    // valid.
     return validity.inverted.empty() && quality.nonPositiveVolumes <= before_.nonPositiveVolumes;
 }
 

@@ -46,8 +46,8 @@ public:
     /// relations must have the order that isRefined() states; it is not checked.
     static CellComplex refined(int dimension, Index vertexCount, Boundaries boundaries);
 
-    /// Returns true for a complex that refined() made. Its faces are quadrilaterals. A cell [v, c]
-    /// of a refined lattice, of type n, has 2n faces: first n faces [v, f], then n faces [e, c].
+    /// Returns true for a complex that refined() made. Its faces are quadrilaterals. In a
+    /// lattice, a cell [v, c] of type n has 2n faces: first n faces [v, f], then n faces [e, c].
     /// The first and the last vertex of the cell have n edges in it, all other vertices three.
     bool isRefined() const;
 

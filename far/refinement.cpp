@@ -52,8 +52,7 @@ public:
         }
     }
 
-    /// The positions in cell → vertices of the corners of all faces, in the order of the faces and
-    /// of their loops.
+    /// For each corner of each face, in the order of the loops, its position in cell → vertices.
     const Index* vertices() const { return vertices_.data(); }
 
     /// For each corner, the position in cell → edges of the edge along which the loop leaves it.

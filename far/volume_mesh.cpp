@@ -145,8 +145,8 @@ private:
         return verified(baseSize == 3 ? StandardCell::Wedge : StandardCell::Hexahedron);
     }
 
-    /// Returns the corners if they are different, and the faces of this kind of cell on them are
-    /// those that were added.
+    /// Returns the corners if they are different and a cell of this kind on them has exactly the
+    /// added faces.
     std::span<const Index> verified(StandardCell kind) const {
         const std::size_t size = vertexCount(kind);
         for (std::size_t i = 0; i < size; ++i)

@@ -19,9 +19,9 @@
 #include "../models/coordinates.h"
 #include "cell_visitor.h"
 
-// The meshes of simulations: OpenFOAM, Gmsh, Medit, SU2 and PLOT3D. A format has two functions, one
-// that finds the points and one that reads the cells. Models and lattices of all formats are made
-// of these.
+// The meshes of simulations: OpenFOAM, Gmsh, Medit, SU2 and PLOT3D. Each format has two
+// functions: one finds the points, the other reads the cells. The rest of models and lattices is
+// the same code for all formats.
 
 namespace espalier::io {
 

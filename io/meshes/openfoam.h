@@ -13,8 +13,8 @@
 #include <string_view>
 
 /// \file
-/// Reads meshes of OpenFOAM (polyMesh), ASCII and binary, with labels of 32 or 64 bits and scalars
-/// of single or double precision.
+/// Reads meshes of OpenFOAM (polyMesh), ASCII and binary. Labels have 32 or 64 bits; scalars have
+/// single or double precision.
 ///
 /// The points are in the file "points". The faces and cells are in the files "faces", "owner" and
 /// "neighbour" beside it; or in constant/polyMesh of the case, if "points" is in TIME/polyMesh.

@@ -26,7 +26,7 @@ std::size_t pointCountOf(const Extent& extent) {
     return saturatingProduct(saturatingProduct(extent[0], extent[1]), extent[2]);
 }
 
-/// What the format leaves open.
+/// The properties of a file that are not written in it.
 struct Variant {
     bool hasBlockCount;     ///< the file begins with the number of blocks
     std::size_t dimension;  ///< 2 or 3

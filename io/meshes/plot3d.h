@@ -13,9 +13,10 @@
 #include <string_view>
 
 /// \file
-/// Reads grids of PLOT3D (.xyz, .p3d, .fmt): text, Fortran's unformatted records, or plain binary;
-/// of one block or several, of two or three dimensions, in single or double precision, with iblank
-/// or without, in either byte order. The extent of the file tells which, since the format does not.
+/// Reads grids of PLOT3D (.xyz, .p3d, .fmt): text, Fortran's unformatted records, or plain binary.
+/// A grid has one block or several, two or three dimensions, single or double precision, either
+/// byte order, and may have iblank. The file does not state these properties; its length tells
+/// them.
 ///
 /// The points are those of all blocks, block after block, i fastest. Coordinates that blocks share
 /// are points of each of them.

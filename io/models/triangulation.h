@@ -20,8 +20,8 @@ namespace espalier::io {
 ///
 /// \param polygon corners of the polygon; fewer than three have no triangle
 /// \return corners of polygon.size() − 2 triangles, by their numbers in `polygon`
-/// \cost O(n) if the polygon is convex or its corners are on one line. Otherwise up to O(n · number
-///       of reflex corners); up to O(n² · number of reflex corners) if the polygon crosses itself
+/// \cost with n corners, r of them reflex: O(n) if the polygon is convex or its corners are on one
+///       line; at most O(n² · r) if it crosses itself; at most O(n · r) for all others
 std::vector<std::array<std::size_t, 3>> triangulated(std::span<const Point3> polygon);
 
 }  // namespace espalier::io
