@@ -27,7 +27,7 @@ namespace espalier::c {
 namespace {
 
 espalier_model::Faces readFaces(const io::Model& model) {
-    io::ModelFaces read = model.readFaces();
+    io::ModelFaces read = model.readSurface().faces;
     espalier_model::Faces faces;
     faces.offsets.reserve(read.count() + 1);
     faces.offsets.push_back(0);

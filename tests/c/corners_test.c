@@ -52,6 +52,7 @@ static double positions[MAX_COUNT], values[MAX_COUNT];
 static float singles[MAX_COUNT], single_results[MAX_COUNT];
 static int32_t cells[MAX_COUNT];
 static const double point[MAX_COUNT] = {0.5, 0.5, 0.5};
+static const float single_point[MAX_COUNT] = {0.5f, 0.5f, 0.5f};
 static espalier_lattice* lattice;
 static espalier_refiner* refiner;
 static espalier_binding* binding;
@@ -429,6 +430,56 @@ static void test_inventory(void) {
         }
 }
 
+static void test_poses(void) {
+    const double z[3] = {0, 0, 1}, x[3] = {1, 0, 0};
+    const int32_t zero = 0;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        const espalier_falloff falloff = {n, 1};
+        record(espalier_select_ball(1, point, z, 1, &falloff, values));
+        record(espalier_select_numbers(1, point, 1, &n, NULL, values));
+        if (n != BOX_VERTICES) {
+            REFUSES(espalier_lattice_read_pose(lattice, "none.obj", n, values));
+            REFUSES(espalier_binding_read_pose(binding, "none.obj", n, values));
+        }
+        if (n > 27) continue;
+        record(espalier_select_box(n, point, z, x, NULL, values));
+        record(espalier_select_half_space(n, point, z, x, NULL, values));
+        record(espalier_select_end(n, point, z, NULL, values));
+        record(espalier_pose_move(n, point, z, NULL, values));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        REFUSES(espalier_select_numbers(1, point, lengths[i], &zero, NULL, values));
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double d = doubles[i];
+        const double odd[6] = {0, d, 0, 1, 1, 1}, range[2] = {0, d};
+        const espalier_falloff falloff = {0, d};
+        record(espalier_select_ball(2, odd, z, d, NULL, values));
+        record(espalier_select_ball(1, point, z, 1, &falloff, values));
+        record(espalier_select_box(1, point, odd, z, NULL, values));
+        record(espalier_select_half_space(1, point, z, odd, NULL, values));
+        record(espalier_select_end(1, point, odd, NULL, values));
+        espalier_pose_options options = espalier_default_pose_options();
+        for (int field = 0; field < 4; ++field) {
+            options.center = field == 1 ? odd : NULL;
+            options.weights = field == 2 ? odd : NULL;
+            options.range = field == 3 ? range : NULL;
+            record(espalier_pose_move(2, odd, odd, &options, values));
+            record(espalier_pose_rotate(2, positions, odd, d, &options, values));
+            record(espalier_pose_scale(2, positions, odd, &options, values));
+            record(espalier_pose_twist(2, positions, z, d, &options, values));
+            record(espalier_pose_bend(2, positions, x, d, odd, &options, values));
+            record(espalier_pose_taper(2, positions, odd, d, &options, values));
+        }
+    }
+    const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX};
+    for (size_t i = 0; i < COUNT(sizes); ++i) {
+        espalier_pose_options options = espalier_default_pose_options();
+        options.size = sizes[i];
+        REFUSES(espalier_pose_move(1, point, z, &options, values));
+    }
+}
+
 static void test_nested(void) {
     for (int k = 0; k < 5; ++k)
         for (size_t i = 0; i < COUNT(int32s); ++i) {
@@ -542,6 +593,20 @@ static void evaluate_all(const buffers* b, const buffers* a) {
     record(espalier_evaluator_f64_evaluate(empty_adjoint_f64, positions, a->source_size, a->source,
                                            values, a->destination_size, a->destination, a->first,
                                            a->last, NULL));
+    /* The addend has the layout of the destination. */
+    record(espalier_evaluator_f64_evaluate_and_add(
+        f64, positions, b->source_size, b->source, point, b->destination_size, b->destination,
+        values, b->destination_size, b->destination, b->first, b->last, NULL));
+    record(espalier_evaluator_f32_evaluate_and_add(
+        f32, singles, b->source_size, b->source, single_point, b->destination_size, b->destination,
+        single_results, b->destination_size, b->destination, b->first, b->last, NULL));
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    record(espalier_change_evaluator_f64_evaluate_and_add(changes_f64, positions, 81, xyz, point,
+                                                          b->destination_size, b->destination,
+                                                          values, 3, xyz, 1, &one, NULL));
+    record(espalier_change_evaluator_f32_evaluate_and_add(
+        changes_f32, singles, 81, xyz, single_point, b->destination_size, b->destination,
+        single_results, 3, xyz, 1, &one, NULL));
     record(espalier_binding_put_kept_f64(binding, values, b->destination_size, b->destination));
     record(espalier_binding_put_kept_f32(binding, single_results, b->destination_size,
                                          b->destination));
@@ -655,7 +720,7 @@ static void test_evaluators(void) {
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
     const int before = accepted;
     evaluate_all(&good, &adjoint);
-    CHECK(accepted == before + 11);
+    CHECK(accepted == before + 15);
     for (size_t i = 0; i < COUNT(int64s); ++i) {
         buffers b = good, a = adjoint;
         /* A size beyond the array is wrong, but harmless: only what the layout covers is
@@ -719,6 +784,7 @@ int main(void) {
     test_tensor();
     test_shapes();
     test_inventory();
+    test_poses();
     test_nested();
     test_fit();
     test_limit_stencils();
