@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of C++20 that libc++ 14, the standard library of Debian's emscripten, lacks and that the sources use:
-// algorithms on whole ranges, std::bit_cast() and <=> of vectors. The toolchain includes this file before each
+// algorithms on whole ranges, std::bit_cast() and <=> of vectors and arrays. The toolchain includes this file before each
 // source. Later versions of libc++ have all of it.
 #if !defined(ESPALIER_WASM_STANDARD_LIBRARY_H) && __cplusplus > 201703L
 #define ESPALIER_WASM_STANDARD_LIBRARY_H
 
 #include <algorithm>
+#include <array>
 #include <compare>
 #include <functional>
 #include <iterator>
@@ -25,12 +26,21 @@ constexpr To bit_cast(const From& from) noexcept {
 }
 
 // clang-format off
-template <class T, class Allocator>
-auto operator<=>(const vector<T, Allocator>& a, const vector<T, Allocator>& b)
-    -> decltype(a[0] <=> b[0]) {
+template <class Sequence>
+auto compareInOrder(const Sequence& a, const Sequence& b) -> decltype(a[0] <=> b[0]) {
     for (size_t i = 0; i < min(a.size(), b.size()); ++i)
         if (const auto order = a[i] <=> b[i]; order != 0) return order;
     return a.size() <=> b.size();
+}
+
+template <class T, class Allocator>
+auto operator<=>(const vector<T, Allocator>& a, const vector<T, Allocator>& b) {
+    return compareInOrder(a, b);
+}
+
+template <class T, size_t count>
+auto operator<=>(const array<T, count>& a, const array<T, count>& b) {
+    return compareInOrder(a, b);
 }
 // clang-format on
 

@@ -66,6 +66,7 @@ static espalier_refiner* made_refiner;
 static espalier_binding* made_binding;
 static espalier_table* made_table;
 static espalier_validity* made_validity;
+static espalier_model* made_model;
 
 /* Counts a call, and destroys the object that it made. */
 static int record(espalier_status status) {
@@ -74,6 +75,7 @@ static int record(espalier_status status) {
     espalier_binding_destroy(made_binding), made_binding = NULL;
     espalier_table_destroy(made_table), made_table = NULL;
     espalier_validity_destroy(made_validity), made_validity = NULL;
+    espalier_model_destroy(made_model), made_model = NULL;
     ++tried;
     CHECK(status == ESPALIER_OK || status == ESPALIER_ERROR_INPUT ||
           status == ESPALIER_ERROR_MEMORY);
@@ -480,6 +482,79 @@ static void test_poses(void) {
     }
 }
 
+static void test_models(void) {
+    static const char four[] =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    espalier_model* model = NULL;
+    espalier_polygons faces;
+    const double* points = NULL;
+    int32_t count = 0;
+    OK(espalier_model_read_bytes("four.obj", sizeof four - 1, four, &model));
+    OK(espalier_model_points(model, &count, &points));
+    OK(espalier_model_faces(model, &faces));
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        REFUSES(espalier_model_read_bytes("four.obj", lengths[i], four, &made_model));
+        espalier_polygons odd = faces;
+        odd.face_count = lengths[i];
+        REFUSES(espalier_lattice_create_cage(count, points, &odd, NULL, &made_lattice));
+        int64_t offsets[5] = {0, 3, 6, 9, lengths[i]};
+        odd = faces;
+        odd.offsets = offsets;
+        REFUSES(espalier_lattice_create_cage(count, points, &odd, NULL, &made_lattice));
+        REFUSES(espalier_lattice_marks(lattice, lengths[i], NULL, NULL, 0, NULL, NULL));
+        REFUSES(espalier_lattice_marks(lattice, 0, NULL, NULL, lengths[i], NULL, NULL));
+    }
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        if (n != count) REFUSES(espalier_model_write(model, "none.obj", n, points, NULL));
+        if (n < count)
+            REFUSES(espalier_lattice_create_cage(n, points, &faces, NULL, &made_lattice));
+        int32_t corners[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, n};
+        espalier_polygons odd = faces;
+        odd.corners = corners;
+        espalier_cage_options options = espalier_default_cage_options();
+        options.vertices = 8;
+        record(espalier_lattice_create_cage(count, points, &odd, &options, &made_lattice));
+        options.keep_apart = n;
+        options.vertices = i % 2 == 0 ? n : 8;
+        if (options.vertices < 100)
+            record(espalier_lattice_create_cage(count, points, &faces, &options, &made_lattice));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        double odd[12];
+        memcpy(odd, points, sizeof odd);
+        odd[4] = doubles[i];
+        espalier_cage_options options = espalier_default_cage_options();
+        options.vertices = 8;
+        record(espalier_lattice_create_cage(count, odd, &faces, &options, &made_lattice));
+        options.cell_size = doubles[i];
+        if (options.cell_size == 0 || options.cell_size >= 0.1)
+            record(espalier_lattice_create_cage(count, points, &faces, &options, &made_lattice));
+    }
+    espalier_model_destroy(model);
+}
+
+static void test_editing(void) {
+    int32_t count = 0;
+    const int32_t* ends = NULL;
+    const uint8_t* strata = NULL;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        record(espalier_refiner_edges(refiner, n, &count, &ends));
+        record(espalier_refiner_strata(refiner, n, 0, &count, &strata));
+        record(espalier_refiner_strata(refiner, 0, n, &count, &strata));
+        record(espalier_lattice_create_with_prism(lattice, n, point, &made_lattice));
+        record(espalier_lattice_create_with_pyramid(lattice, n, point, &made_lattice));
+        record(espalier_lattice_create_without_cells(lattice, 1, &n, &made_lattice));
+        if (n <= 8) record(espalier_lattice_create_without_cells(lattice, n, cells, &made_lattice));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0, 0, doubles[i]};
+        record(espalier_lattice_create_with_prism(lattice, 0, odd, &made_lattice));
+        record(espalier_lattice_create_with_pyramid(lattice, 0, odd, &made_lattice));
+    }
+}
+
 static void test_nested(void) {
     for (int k = 0; k < 5; ++k)
         for (size_t i = 0; i < COUNT(int32s); ++i) {
@@ -785,6 +860,8 @@ int main(void) {
     test_shapes();
     test_inventory();
     test_poses();
+    test_models();
+    test_editing();
     test_nested();
     test_fit();
     test_limit_stencils();
