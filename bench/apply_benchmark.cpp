@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "workloads.h"
@@ -20,7 +21,8 @@
 
 // Multiplies a table by xyz values with our evaluators, OpenSubdiv's and Eigen's, on the same
 // arrays. Benchmarks are named apply/WORKLOAD/REAL/COMPONENTS/WHO. Each result is compared with our
-// plain evaluator's before it is timed.
+// plain evaluator's before it is timed. Benchmarks named addend/WORKLOAD/REAL/COMPONENTS/FORM WAY
+// add points to the results.
 namespace espalier {
 namespace {
 
@@ -103,6 +105,42 @@ template <class Real>
 void applyFactors(benchmark::State& state, const Tables<Real>& tables, int components,
                   int threads) {
     applyOurs(state, osd::CompiledChain<Real>(*tables.factors), tables.table, components, threads);
+}
+
+/// How points are added to the results of an evaluation.
+enum class PointsAdded { Never, AsAddend, ByAPass };
+
+/// Times D · source, or x + D · source, with x as the addend of the evaluation or added by a pass
+/// over the results.
+template <class Real, class Compiled>
+void runWithPoints(benchmark::State& state, const Compiled& compiled,
+                   const StencilTable<Real>& table, int components, PointsAdded how) {
+    const ThreadLimit limit(1);
+    const auto layout = BufferDescriptor::packed(components);
+    const osd::RowRange rows{0, table.rowCount()};
+    const std::vector<Real> source = bench::randomValues(table, components);
+    std::vector<Real> sums(table.rowCount() * Offset{components}), result(sums.size());
+    std::vector<Real> points(table.rowCount() * Offset{3});
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = static_cast<Real>(i % 1000) / 1000;
+    const auto addend = osd::Addend<Real>::packed(points, 3);
+    osd::Workspace workspace = compiled.workspace(components);
+    const auto addPoints = [&](std::vector<Real>& values) {
+        for (Offset row = 0; row < table.rowCount(); ++row)
+            for (Offset c = 0; c < components; c += 3)
+                for (Offset axis = 0; axis < 3; ++axis)
+                    values[row * components + c + axis] += points[3 * row + axis];
+    };
+    const auto evaluate = [&] {
+        compiled.evaluate(source, layout, result, layout, rows, workspace,
+                          how == PointsAdded::AsAddend ? addend : osd::Addend<Real>());
+        if (how == PointsAdded::ByAPass) addPoints(result);
+        benchmark::ClobberMemory();
+    };
+    compiled.evaluate(source, layout, sums, layout, rows, workspace);
+    if (how != PointsAdded::Never) addPoints(sums);
+    evaluate();
+    if (result != sums) return state.SkipWithError("the result is wrong");
+    for (auto _ : state) evaluate();
 }
 
 /// Times Dᵀ, from values of the rows to sums over the columns.
@@ -195,17 +233,45 @@ struct Case {
 };
 
 template <class Real>
+std::string nameOf() {
+    return sizeof(Real) == sizeof(float) ? "float" : "double";
+}
+
+template <class Real>
 void add(const Case& chosen, int components, const std::string& who, int threads,
          void (*apply)(benchmark::State&, const Tables<Real>&, int, int)) {
-    const std::string real = sizeof(Real) == sizeof(float) ? "float" : "double";
-    benchmark::RegisterBenchmark(
-        ("apply/" + chosen.key + "/" + real + "/" + std::to_string(components) + "/" + who).c_str(),
-        [=](benchmark::State& state) {
-            const Workload& made = workload(chosen.key, chosen.make);
-            apply(state, tablesOf<Real>(made), components, threads);
-        })
+    benchmark::RegisterBenchmark(("apply/" + chosen.key + "/" + nameOf<Real>() + "/" +
+                                  std::to_string(components) + "/" + who)
+                                     .c_str(),
+                                 [=](benchmark::State& state) {
+                                     const Workload& made = workload(chosen.key, chosen.make);
+                                     apply(state, tablesOf<Real>(made), components, threads);
+                                 })
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
+}
+
+template <class Real>
+void addPointsTo(const Case& chosen, int components, bool isFactored) {
+    const std::pair<PointsAdded, const char*> ways[] = {{PointsAdded::Never, "without"},
+                                                        {PointsAdded::AsAddend, "addend"},
+                                                        {PointsAdded::ByAPass, "pass"}};
+    for (const auto& [how, name] : ways)
+        benchmark::RegisterBenchmark(
+            ("addend/" + chosen.key + "/" + nameOf<Real>() + "/" + std::to_string(components) +
+             (isFactored ? "/factors " : "/table ") + name)
+                .c_str(),
+            [=, how = how](benchmark::State& state) {
+                const auto& tables = tablesOf<Real>(workload(chosen.key, chosen.make));
+                if (isFactored)
+                    runWithPoints(state, osd::CompiledChain<Real>(*tables.factors), tables.table,
+                                  components, how);
+                else
+                    runWithPoints(state, osd::CompiledTable<Real>(tables.table), tables.table,
+                                  components, how);
+            })
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
 }
 
 const bool kRegistered = [] {
@@ -232,6 +298,15 @@ const bool kRegistered = [] {
         add<double>(each, 3, "Espalier factors", 1, applyFactors<double>);
         add<float>(each, 3, "Espalier factors adjoint", 1, applyFactorsAdjoint<float>);
         add<float>(each, 3, "Espalier factors adjoint 2 threads", 2, applyFactorsAdjoint<float>);
+    }
+    for (const Case& each : cases) {
+        if (each.key.find("model") == std::string::npos) continue;
+        for (const int components : {3, 36})
+            for (const bool isFactored : {false, true}) {
+                if (isFactored && !each.hasFactors) continue;
+                addPointsTo<float>(each, components, isFactored);
+                addPointsTo<double>(each, components, isFactored);
+            }
     }
     return true;
 }();

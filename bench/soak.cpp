@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/embed/local_binding.h>
@@ -45,18 +46,13 @@ Lattice latticeOf(int number) {
 }
 
 std::vector<Point3> pointsAround(const Lattice& lattice, int number) {
-    Point3 low = lattice.positions[0], high = low;
-    for (const Point3& position : lattice.positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], position[axis]);
-            high[axis] = std::max(high[axis], position[axis]);
-        }
+    const BoundingBox bounds(lattice.positions);
     std::mt19937_64 random(static_cast<std::uint64_t>(number));
     std::uniform_real_distribution<double> share(-0.1, 1.1);
     std::vector<Point3> points(3000);
     for (Point3& point : points)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            point[axis] = low[axis] + share(random) * (high[axis] - low[axis]);
+            point[axis] = bounds.min[axis] + share(random) * bounds.size()[axis];
     return points;
 }
 

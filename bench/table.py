@@ -73,6 +73,20 @@ def apply_rows(best):
                    *memory_columns(best, run, label[2]))
 
 
+def addend_rows(best):
+    """Yields rows for points that an evaluation adds, compared with the evaluation alone."""
+    for name, run in best.items():
+        kind, *case, way = name.split("/")
+        if kind == "addend" and way.endswith("addend"):
+            workload, real, components = case
+            form = way.split()[0]
+            label = workload + (", in factors" if form == "factors" else "")
+            without, by_pass = (best["/".join([kind, *case, f"{form} {other}"])]["real_time"]
+                                for other in ("without", "pass"))
+            yield (label, real, str(int(components) // 3), milliseconds({"real_time": without}),
+                   f"{run['real_time'] / without:.2f}", f"{by_pass / without:.2f}")
+
+
 def pose_rows(best):
     """Yields rows for several poses in one call, compared with one pose."""
     for key, components, who, label, run in our_applications(best):
@@ -359,6 +373,16 @@ Each row is one matrix in single precision on one thread. *One pose* is the time
 *a pose of 12* is a twelfth of the time of twelve poses in one call; *share* is the second divided by the first
 (lower is better). *Bandwidth* as above.
 
+### Adding the points at rest
+
+x + D · (p′ − p) is exact where nothing moves. [`osd::Addend`](../osd/evaluation.h) lets the kernels add x to each
+result before they write it. The alternative is a pass over the results after the evaluation.
+
+{addend}
+
+Each row is one matrix on one thread. *Without* is the time of D · p′. *Addend* and *pass* are the times of the two ways to
+add x, divided by *without* (lower is better).
+
 ### The transpose: from gradients at points to gradients at lattice vertices
 
 {adjoint}
@@ -485,6 +509,8 @@ def page(best, context):
         mhz=context["mhz_per_cpu"], date=context["date"][:10], summary="{summary}",
         apply=table(["matrix", "precision", *head, "Eigen", "ratio", *memory], apply_rows(best)),
         poses=table(["matrix", "one pose", "a pose of 12", "share", "bandwidth"], pose_rows(best)),
+        addend=table(["matrix", "precision", "poses", "without", "addend", "pass"],
+                     addend_rows(best)),
         adjoint=table(["matrix", "threads", "forward", "transposed", "ratio", *memory],
                       adjoint_rows(best)),
         change=table(["vertices moved", "threads", "rows", "all rows", "these rows", "ratio"],

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/tensor_product.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 
+#include <cstring>
 #include <utility>
 
 #include "handles.h"
@@ -36,9 +39,15 @@ espalier_binding* newBinding(espalier_binding::Data data) {
     return new espalier_binding{std::make_shared<const espalier_binding::Data>(std::move(data))};
 }
 
-espalier_binding* newBinding(embed::BindingResult result) {
-    return newBinding(
-        {{std::move(result.binding), {}, {}}, std::move(result.statuses), result.largestResidual});
+espalier_binding* newBinding(embed::BindingResult result, const far::CellComplex& lattice,
+                             std::vector<Point3> rest, std::vector<Point3> points) {
+    espalier_binding::Data data{{std::move(result.binding), {}, {}}};
+    data.model.rest = std::move(rest);
+    data.model.faces = io::facesOf(lattice);
+    data.points = std::move(points);
+    data.statuses = std::move(result.statuses);
+    data.largestResidual = result.largestResidual;
+    return newBinding(std::move(data));
 }
 
 const espalier_binding::Data& dataOf(const espalier_binding* binding) {
@@ -50,6 +59,11 @@ const espalier_binding::Data& placedDataOf(const espalier_binding* binding) {
     if (!own.largestResidual)
         throw Error("the binding was loaded from a file, which does not say how points were found");
     return own;
+}
+
+/// Returns true if the points and the lattice at rest are known.
+bool knowsRest(const espalier_binding::Data& own) {
+    return own.points && std::ssize(own.model.rest) == own.model.binding.table.columnCount();
 }
 
 template <class Real>
@@ -72,9 +86,11 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
     return c::result(binding, "binding", [&] {
         const auto& own = c::deref(refiner, "refiner");
         c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
-        const auto rest = c::positions(positions, vertex_count, "positions");
-        const auto model = c::positions(points, point_count, "points");
-        return c::newBinding(c::bind(own, rest, model, c::bindOptions(options)));
+        auto rest = c::positions(positions, vertex_count, "positions");
+        auto model = c::positions(points, point_count, "points");
+        auto bound = c::bind(own, rest, model, c::bindOptions(options));
+        return c::newBinding(std::move(bound), own.refiner.level(0).complex, std::move(rest),
+                             std::move(model));
     });
 }
 
@@ -85,14 +101,15 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
     return c::result(binding, "binding", [&] {
         const auto& own = c::deref(lattice, "lattice").lattice;
         const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
-        const auto model = c::positions(points, point_count, "points");
+        auto model = c::positions(points, point_count, "points");
         const auto chosen = c::levelBindOptions(options, "this basis has no levels and no limit");
         if (!own.marks.empty())
             throw Error(
                 "the lattice has marks (sharpness of edges or vertices), which only subdivision "
                 "applies; clear them");
         const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
-        return c::newBinding(embed::bindPoints(tensor, model, c::embeddingOptions(chosen)));
+        auto bound = embed::bindPoints(tensor, model, c::embeddingOptions(chosen));
+        return c::newBinding(std::move(bound), own.complex, own.positions, std::move(model));
     });
 }
 
@@ -101,13 +118,19 @@ void espalier_binding_destroy(espalier_binding* binding) {
 }
 
 espalier_status espalier_binding_save(const espalier_binding* binding, const char* path) {
-    return c::guarded(
-        [&] { io::writeBoundModel(&c::deref(path, "path"), c::dataOf(binding).model); });
+    return c::guarded([&] {
+        const auto& own = c::dataOf(binding);
+        io::writeBoundModel(
+            &c::deref(path, "path"), own.model,
+            own.points ? std::span<const Point3>(*own.points) : std::span<const Point3>());
+    });
 }
 
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
     return c::result(binding, "binding", [&] {
-        return c::newBinding(espalier_binding::Data{io::readBoundModel(&c::deref(path, "path"))});
+        espalier_binding::Data data{io::readBoundModel(&c::deref(path, "path"))};
+        data.points = io::pointsAtRest(data.model, path);
+        return c::newBinding(std::move(data));
     });
 }
 
@@ -152,15 +175,39 @@ espalier_status espalier_binding_kept(const espalier_binding* binding, int32_t* 
     });
 }
 
+espalier_status espalier_binding_rest(const espalier_binding* binding, int32_t* vertex_count,
+                                      const double** vertices, int32_t* point_count,
+                                      const double** points) {
+    return c::guarded([&] {
+        const auto& own = c::dataOf(binding);
+        auto& vertexCount = c::deref(vertex_count, "vertex_count");
+        auto& outVertices = c::deref(vertices, "vertices");
+        auto& pointCount = c::deref(point_count, "point_count");
+        auto& outPoints = c::deref(points, "points");
+        if (!c::knowsRest(own))
+            throw Error(
+                "the binding was loaded from a file that does not have the points and the lattice "
+                "at rest");
+        outVertices = c::numbers(own.model.rest);
+        outPoints = c::numbers(*own.points);
+        vertexCount = static_cast<std::int32_t>(own.model.rest.size());
+        pointCount = static_cast<std::int32_t>(own.points->size());
+    });
+}
+
 espalier_status espalier_binding_apply(const espalier_binding* binding, int32_t vertex_count,
                                        const double* pose, int32_t point_count, double* points) {
     return c::guarded([&] {
-        const auto& own = c::dataOf(binding).model.binding;
-        c::checkCount(vertex_count, own.table.columnCount(), "positions of vertices");
+        const auto& own = c::dataOf(binding);
+        const auto& table = own.model.binding.table;
+        c::checkCount(vertex_count, table.columnCount(), "positions of vertices");
         const auto from = c::positions(pose, vertex_count, "pose");
-        c::checkCount(point_count, own.table.rowCount(), "points in the array for the result");
+        c::checkCount(point_count, table.rowCount(), "points in the array for the result");
         c::array(points, point_count, "points", 3);
-        const auto moved = osd::evaluateBinding(own, std::span<const Point3>(from));
+        const auto moved =
+            c::knowsRest(own)
+                ? osd::evaluateBinding(own.model.binding, {*own.points, own.model.rest}, from)
+                : osd::evaluateBinding(own.model.binding, std::span<const Point3>(from));
         if (!moved.empty()) std::memcpy(points, moved.data(), moved.size() * sizeof(Point3));
     });
 }

@@ -41,8 +41,8 @@
 ///
 /// Some comments name a C++ header, which describes the operation and its cost in more detail.
 ///
-/// This header is the core. espalier_shapes.h makes ready lattices, and espalier_solve.h fits
-/// lattices and checks poses. Both include this header.
+/// This header is the core. espalier_shapes.h makes ready lattices, espalier_pose.h poses them, and
+/// espalier_solve.h fits lattices and checks poses. All three include this header.
 
 #if defined(__GNUC__)
 #define ESPALIER_C_API __attribute__((visibility("default")))
@@ -197,8 +197,10 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
 
-/// Reads a lattice and its marks from a file: .ovm, .vtu or .vtk, by the extension (io/). Vertices
-/// that belong to no cell are dropped, which lowers the numbers of the vertices after them.
+/// Reads a lattice and its marks from a file: .ovm, .vtu or .vtk, by the extension, or the mesh of
+/// a simulation: .msh, .mesh, .su2, .xyz, .p3d, .fmt, or an OpenFOAM case (io/lattice_file.h).
+/// Vertices that belong to no cell are dropped, which lowers the numbers of the vertices after
+/// them.
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
 
 /// Writes a lattice in the format of the extension, so that reading it gives the same lattice. An
@@ -531,8 +533,8 @@ static inline espalier_bind_options espalier_default_bind_options(void) {
     return options;
 }
 
-/// Points that are bound to a lattice: x' = D · p', except for points that are kept in place.
-/// Immutable.
+/// Points that are bound to a lattice: x' = D · p', except for points that are kept in place. Holds
+/// the points and the lattice at rest. Immutable.
 typedef struct espalier_binding espalier_binding;
 
 /// Binds points to a level of a lattice (embed/local_binding.h), or to its limit. The level need
@@ -577,14 +579,27 @@ ESPALIER_C_API espalier_status espalier_binding_create_tensor(const espalier_lat
                                                               espalier_binding** binding);
 ESPALIER_C_API void espalier_binding_destroy(espalier_binding* binding);
 
-/// Writes a binding without loss (.espb, io/binding_file.h). An existing file is replaced only
-/// after everything has been written.
+/// Writes a binding without loss (.espb, io/binding_file.h), for espalier_binding_load() and for
+/// `espalier apply`. If the binding was not loaded with a model, the file stores the points as a
+/// model points.obj. An existing file is replaced only after everything has been written.
+/// \retval ESPALIER_ERROR_INPUT a point is not finite
 ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* binding,
                                                      const char* path);
 
 /// Reads a binding that espalier_binding_save() or `espalier bind` wrote. `espalier bind` also
-/// stores the model, which `espalier apply` needs, and for a binding to the limit the gradients,
-/// which move the normals of the model. A later espalier_binding_save() writes both again.
+/// stores the file of the model, and for a binding to the limit the gradients, which move the
+/// normals of the model. A later espalier_binding_save() writes both again.
+///
+/// Reads the stored model too, for espalier_binding_rest() and espalier_binding_apply(), which move
+/// its points by displacements of the lattice.
+///
+/// \retval ESPALIER_ERROR_FILE the file cannot be read or is damaged (io/binding_file.h); the
+/// stored
+///         model cannot be read, or has another number of points than the binding
+/// \retval ESPALIER_ERROR_MEMORY the model takes more memory than the limit allows
+/// \cost O(size of the file), and one pass over the stored model. Keeps the binding, the file of
+/// the
+///       model and 24 bytes per point
 ESPALIER_C_API espalier_status espalier_binding_load(const char* path, espalier_binding** binding);
 
 /// Gives D: points × vertices of the lattice, which is also the Jacobian of the points by the
@@ -614,8 +629,19 @@ ESPALIER_C_API espalier_status espalier_binding_kept(const espalier_binding* bin
                                                      int32_t* count, const int32_t** points,
                                                      const double** positions);
 
-/// Computes the points for a pose of the lattice: D · p'. Points that are kept in place get their
-/// rest positions. For many poses an evaluator is faster.
+/// Gives the positions of the lattice and of the points at rest: 3 · *vertex_count and 3 ·
+/// *point_count numbers.
+/// \retval ESPALIER_ERROR_INPUT the binding was loaded from a file of version 1 or without a model,
+///         which lacks one of the two
+ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* binding,
+                                                     int32_t* vertex_count, const double** vertices,
+                                                     int32_t* point_count, const double** points);
+
+/// Computes the points for a pose of the lattice: x + D · (p' − p), where x and p are the points
+/// and the lattice at rest. So points that no moved vertex influences, and points that are kept in
+/// place, stay exactly where they were. If espalier_binding_rest() fails, the points are D · p',
+/// and points that are kept in place get their rest positions. For many poses an evaluator is
+/// faster.
 ///
 /// \param vertex_count number of vertices of the lattice
 /// \param pose positions of the vertices, 3 · vertex_count numbers
@@ -726,6 +752,29 @@ ESPALIER_C_API espalier_status espalier_evaluator_f32_evaluate(
     espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
     espalier_workspace* workspace);
 
+/// Evaluates a range of rows as above, and adds `addend` to the results: component c of row i gets
+/// component c mod addend_layout.length of entry i (osd::Addend). With the displacements of the
+/// lattice as the source and the points at rest as the addend, the results are x + D · (p' − p):
+/// see espalier_binding_apply(). Then espalier_binding_put_kept_f64() is not needed, and in float
+/// the error is smaller.
+///
+/// \param addend one entry for each row; its length divides the length of the destination. Must not
+///        overlap the destination
+/// \param addend_size number of elements
+/// \cost one more read of the addend
+ESPALIER_C_API espalier_status espalier_evaluator_f64_evaluate_and_add(
+    const espalier_evaluator_f64* evaluator, const double* source, int64_t source_size,
+    espalier_buffer_layout source_layout, const double* addend, int64_t addend_size,
+    espalier_buffer_layout addend_layout, double* destination, int64_t destination_size,
+    espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
+    espalier_workspace* workspace);
+ESPALIER_C_API espalier_status espalier_evaluator_f32_evaluate_and_add(
+    const espalier_evaluator_f32* evaluator, const float* source, int64_t source_size,
+    espalier_buffer_layout source_layout, const float* addend, int64_t addend_size,
+    espalier_buffer_layout addend_layout, float* destination, int64_t destination_size,
+    espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
+    espalier_workspace* workspace);
+
 /// Evaluates only the rows that depend on a few changed columns of a table, for example while
 /// vertices of a lattice are dragged (osd/change_evaluator.h). Immutable.
 typedef struct espalier_change_evaluator_f64 espalier_change_evaluator_f64;
@@ -757,6 +806,21 @@ ESPALIER_C_API espalier_status espalier_change_evaluator_f64_evaluate(
 ESPALIER_C_API espalier_status espalier_change_evaluator_f32_evaluate(
     const espalier_change_evaluator_f32* changes, const float* source, int64_t source_size,
     espalier_buffer_layout source_layout, float* destination, int64_t destination_size,
+    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
+    espalier_workspace* workspace);
+
+/// Evaluates the changed rows as above, and adds `addend` to their results, as
+/// espalier_evaluator_f64_evaluate_and_add() does.
+ESPALIER_C_API espalier_status espalier_change_evaluator_f64_evaluate_and_add(
+    const espalier_change_evaluator_f64* changes, const double* source, int64_t source_size,
+    espalier_buffer_layout source_layout, const double* addend, int64_t addend_size,
+    espalier_buffer_layout addend_layout, double* destination, int64_t destination_size,
+    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
+    espalier_workspace* workspace);
+ESPALIER_C_API espalier_status espalier_change_evaluator_f32_evaluate_and_add(
+    const espalier_change_evaluator_f32* changes, const float* source, int64_t source_size,
+    espalier_buffer_layout source_layout, const float* addend, int64_t addend_size,
+    espalier_buffer_layout addend_layout, float* destination, int64_t destination_size,
     espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
     espalier_workspace* workspace);
 

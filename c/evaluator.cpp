@@ -67,10 +67,18 @@ Form<Real> compiled(const espalier_table* table) {
         return Form<Real>(stencils::convertTable<Real>(own));
 }
 
+/// \param addend null for none
+template <class Real>
+osd::Addend<Real> addendOf(const Buffer<const Real>* addend) {
+    if (addend == nullptr) return {};
+    osd::checkLength(addend->layout.length);
+    return {addend->array("addend"), addend->descriptor()};
+}
+
 template <class Real>
 espalier_status evaluate(const EvaluatorHandle<Real>* evaluator, const Buffer<const Real>& source,
-                         const Buffer<Real>& destination, osd::RowRange rows,
-                         espalier_workspace* workspace) {
+                         const Buffer<const Real>* addend, const Buffer<Real>& destination,
+                         osd::RowRange rows, espalier_workspace* workspace) {
     return guarded([&] {
         const auto& own = deref(evaluator, "evaluator");
         const auto from = source.array("source");
@@ -79,7 +87,7 @@ espalier_status evaluate(const EvaluatorHandle<Real>* evaluator, const Buffer<co
         std::visit(
             [&](const auto& compiled) {
                 compiled.evaluate(from, source.descriptor(), to, destination.descriptor(), rows,
-                                  memory.get());
+                                  memory.get(), addendOf(addend));
             },
             own.compiled);
     });
@@ -95,9 +103,9 @@ osd::ChangeEvaluator<Real> changesOf(const EvaluatorHandle<Real>* evaluator) {
 
 template <class Real>
 espalier_status evaluateChanged(const ChangeEvaluatorHandle<Real>* changes,
-                                const Buffer<const Real>& source, const Buffer<Real>& destination,
-                                const int32_t* columns, int32_t count,
-                                espalier_workspace* workspace) {
+                                const Buffer<const Real>& source, const Buffer<const Real>* addend,
+                                const Buffer<Real>& destination, const int32_t* columns,
+                                int32_t count, espalier_workspace* workspace) {
     return guarded([&] {
         const auto& own = deref(changes, "changes").changes;
         const auto from = source.array("source");
@@ -105,7 +113,7 @@ espalier_status evaluateChanged(const ChangeEvaluatorHandle<Real>* changes,
         const auto changed = array(columns, count, "changed");
         WorkspaceOrTemporary memory(workspace);
         own.evaluateChanged(from, source.descriptor(), to, destination.descriptor(), changed,
-                            memory.get());
+                            memory.get(), addendOf(addend));
     });
 }
 
@@ -150,7 +158,19 @@ void espalier_workspace_destroy(espalier_workspace* workspace) {
         espalier_buffer_layout source_layout, Real* destination, int64_t destination_size,        \
         espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,           \
         espalier_workspace* workspace) {                                                          \
-        return c::evaluate<Real>(evaluator, {source, source_size, source_layout},                 \
+        return c::evaluate<Real>(evaluator, {source, source_size, source_layout}, nullptr,        \
+                                 {destination, destination_size, destination_layout},             \
+                                 {first_row, last_row}, workspace);                               \
+    }                                                                                             \
+                                                                                                  \
+    espalier_status espalier_evaluator_##precision##_evaluate_and_add(                            \
+        const espalier_evaluator_##precision* evaluator, const Real* source, int64_t source_size, \
+        espalier_buffer_layout source_layout, const Real* addend, int64_t addend_size,            \
+        espalier_buffer_layout addend_layout, Real* destination, int64_t destination_size,        \
+        espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,           \
+        espalier_workspace* workspace) {                                                          \
+        const c::Buffer<const Real> added{addend, addend_size, addend_layout};                    \
+        return c::evaluate<Real>(evaluator, {source, source_size, source_layout}, &added,         \
                                  {destination, destination_size, destination_layout},             \
                                  {first_row, last_row}, workspace);                               \
     }                                                                                             \
@@ -173,7 +193,19 @@ void espalier_workspace_destroy(espalier_workspace* workspace) {
         int64_t source_size, espalier_buffer_layout source_layout, Real* destination,             \
         int64_t destination_size, espalier_buffer_layout destination_layout,                      \
         int32_t changed_count, const int32_t* changed, espalier_workspace* workspace) {           \
-        return c::evaluateChanged<Real>(changes, {source, source_size, source_layout},            \
+        return c::evaluateChanged<Real>(changes, {source, source_size, source_layout}, nullptr,   \
+                                        {destination, destination_size, destination_layout},      \
+                                        changed, changed_count, workspace);                       \
+    }                                                                                             \
+                                                                                                  \
+    espalier_status espalier_change_evaluator_##precision##_evaluate_and_add(                     \
+        const espalier_change_evaluator_##precision* changes, const Real* source,                 \
+        int64_t source_size, espalier_buffer_layout source_layout, const Real* addend,            \
+        int64_t addend_size, espalier_buffer_layout addend_layout, Real* destination,             \
+        int64_t destination_size, espalier_buffer_layout destination_layout,                      \
+        int32_t changed_count, const int32_t* changed, espalier_workspace* workspace) {           \
+        const c::Buffer<const Real> added{addend, addend_size, addend_layout};                    \
+        return c::evaluateChanged<Real>(changes, {source, source_size, source_layout}, &added,    \
                                         {destination, destination_size, destination_layout},      \
                                         changed, changed_count, workspace);                       \
     }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/memory.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/binding_file.h>
+#include <espalier/shapes/field_names.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -44,6 +46,9 @@ struct espalier_binding {
     struct Data {
         espalier::io::BoundModel model;
 
+        std::optional<std::vector<espalier::Point3>> points =
+            {};  ///< at rest; nothing if not known
+
         // How the points were placed; unknown if the binding was read from a file.
         std::vector<espalier::embed::PointStatus> statuses = {};
         std::optional<double> largestResidual = {};
@@ -52,6 +57,25 @@ struct espalier_binding {
 };
 
 namespace espalier::c {
+
+/// Returns a point or a vector of three numbers.
+inline Point3 point(const double* values, const char* name) {
+    const auto given = array(values, 1, name, 3);
+    return {given[0], given[1], given[2]};
+}
+
+/// Calls a function of shapes/.
+/// \throws Error with the names of C (minor_radius)
+template <class Call>
+auto withNamesOfC(const Call& call) {
+    try {
+        return call();
+    } catch (const MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        throw Error(shapes::withUnderscores(error.what()));
+    }
+}
 
 /// Returns the given options, or the defaults.
 /// \throws Error if the struct has a wrong size

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/base/memory.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/attach.h>
-#include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/remove_cells.h>
@@ -23,33 +20,15 @@ static_assert(static_cast<int>(shapes::TorusSection::Disk) == ESPALIER_SECTION_D
 namespace espalier::c {
 namespace {
 
-Point3 point(const double* values, const char* name) {
-    const auto given = array(values, 1, name, 3);
-    return {given[0], given[1], given[2]};
-}
-
 shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
     return {rings, choice(core, shapes::Core::Polygon, "core")};
-}
-
-/// Calls a function that makes a lattice.
-/// \throws Error with the field names of C (minor_radius)
-template <class Make>
-espalier_lattice* makeBy(const Make& makeLattice) {
-    try {
-        return new espalier_lattice{makeLattice()};
-    } catch (const MemoryError&) {
-        throw;
-    } catch (const Error& error) {
-        throw Error(shapes::withUnderscores(error.what()));
-    }
 }
 
 /// Makes a lattice of the inventory.
 /// \throws Error with the field names of C
 template <class Options>
 espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
-    return makeBy([&] { return shape(options); });
+    return new espalier_lattice{withNamesOfC([&] { return shape(options); })};
 }
 
 using RegularSolid = Lattice (*)(const shapes::RegularSolidOptions&);
@@ -79,14 +58,14 @@ espalier_status espalier_lattice_create_around(int64_t point_count, const double
         const auto places = c::positions(points, point_count, "points");
         const auto chosen = c::optionsOrDefaults(options, espalier_default_around_options(),
                                                  "espalier_default_around_options");
-        return c::makeBy([&] {
+        return new espalier_lattice{c::withNamesOfC([&] {
             return shapes::around(places,
                                   {.cells = {chosen.cells[0], chosen.cells[1], chosen.cells[2]},
                                    .cellSize = chosen.cell_size,
                                    .cellsAlongLongest = chosen.cells_along_longest,
                                    .margin = chosen.margin,
                                    .oriented = chosen.oriented != 0});
-        });
+        })};
     });
 }
 

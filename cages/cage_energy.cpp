@@ -15,16 +15,6 @@
 namespace espalier::cages {
 namespace {
 
-/// The corners of a hexahedron, each with its three neighbours in right-handed order.
-constexpr std::array<std::array<int, 4>, 8> kCorners = {{{0, 1, 3, 4},
-                                                         {1, 2, 0, 5},
-                                                         {2, 3, 1, 6},
-                                                         {3, 0, 2, 7},
-                                                         {4, 7, 5, 0},
-                                                         {5, 4, 6, 1},
-                                                         {6, 5, 7, 2},
-                                                         {7, 6, 4, 3}}};
-
 Point3 rowTimes(const stencils::StencilTable<double>& table, Index row,
                 std::span<const Point3> values) {
     Point3 result = {0, 0, 0};
@@ -55,40 +45,51 @@ void addTo(Point3& sum, const Point3& value, double factor) {
     for (int axis = 0; axis < 3; ++axis) sum[axis] += factor * value[axis];
 }
 
+/// Part of the energy that counts the lengths of the edges. The rest counts only their angles, so
+/// that cells around a thin part may be thin.
+constexpr double kLengthPart = 0.25;
+
 /// Returns the energy of a hexahedron, the mean over its corners, less 1. Adds `weight` times its
 /// gradient.
 double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Point3> positions,
                         double weight, std::span<Point3> gradient) {
-    // A determinant below this part of the cubed edge is treated as if it were slowly rising, so
-    // that the energy is finite and has a slope in folded cells too.
+    // A quotient below this is treated as if it were slowly rising, so that the energy is finite
+    // and has a slope in folded cells too.
     constexpr double kFlat = 1e-3;
+    constexpr double kTiny = 1e-300;
     double total = 0;
-    for (const auto& corner : kCorners) {
-        const Index a = vertices[corner[0]], b = vertices[corner[1]], c = vertices[corner[2]],
-                    d = vertices[corner[3]];
-        const Point3 u = difference(positions[b], positions[a]);
-        const Point3 v = difference(positions[c], positions[a]);
-        const Point3 w = difference(positions[d], positions[a]);
-        const double square = (dot(u, u) + dot(v, v) + dot(w, w)) / 3;
-        const double edge = std::sqrt(square);
-        const double cube = square * edge;
-        const Point3 vw = cross(v, w), wu = cross(w, u), uv = cross(u, v);
-        const double q = dot(u, vw) / cube;  // 1 for a cube
-        const double root = std::sqrt(q * q + kFlat * kFlat);
-        const double safe = (q + root) / 2;
-        total += 1 / (safe * safe);
-        // d(1/safe²)/dq = −2 safe'/safe³, with safe' = safe / root
-        const double slope = -weight / 4 / (safe * safe * root);
-        // dq/de = d(det)/de / cube − q · 3/2 · d(square)/de / square, d(square)/du = 2u/3
-        const double byDet = slope / cube, bySquare = -slope * q / square;
-        Point3 gu = scaled(vw, byDet), gv = scaled(wu, byDet), gw = scaled(uv, byDet);
-        addTo(gu, u, bySquare);
-        addTo(gv, v, bySquare);
-        addTo(gw, w, bySquare);
-        addTo(gradient[b], gu, 1);
-        addTo(gradient[c], gv, 1);
-        addTo(gradient[d], gw, 1);
-        addTo(gradient[a], sum(sum(gu, gv), gw), -1);
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const auto& next = far::kHexahedronNeighbours[corner];
+        const Point3& origin = positions[vertices[corner]];
+        std::array<Point3, 3> ways, areas, slopes = {};
+        std::array<double, 3> squares;
+        for (int i = 0; i < 3; ++i) {
+            ways[i] = difference(positions[vertices[next[i]]], origin);
+            squares[i] = dot(ways[i], ways[i]) + kTiny;
+        }
+        for (int i = 0; i < 3; ++i) areas[i] = cross(ways[(i + 1) % 3], ways[(i + 2) % 3]);
+        const double determinant = dot(ways[0], areas[0]);
+        // \param volume q = determinant / volume is 1 for a cube
+        // \param unit of each edge: d(volume)/d(edge) = edge · volume / unit
+        const auto add = [&](double part, double volume, const std::array<double, 3>& units) {
+            const double q = determinant / volume;
+            const double root = std::sqrt(q * q + kFlat * kFlat);
+            const double safe = (q + root) / 2;
+            total += part / (safe * safe);
+            // d(1/safe²)/dq = −2 safe'/safe³, with safe' = safe / root
+            const double slope = -part * weight / 4 / (safe * safe * root);
+            for (int i = 0; i < 3; ++i) {
+                addTo(slopes[i], areas[i], slope / volume);
+                addTo(slopes[i], ways[i], -slope * q / units[i]);
+            }
+        };
+        const double square = (squares[0] + squares[1] + squares[2]) / 3;
+        add(kLengthPart, square * std::sqrt(square), {square, square, square});
+        add(1 - kLengthPart, std::sqrt(squares[0] * squares[1] * squares[2]), squares);
+        for (int i = 0; i < 3; ++i) {
+            addTo(gradient[vertices[next[i]]], slopes[i], 1);
+            addTo(gradient[vertices[corner]], slopes[i], -1);
+        }
     }
     return weight * (total / 8 - 1);
 }
@@ -177,12 +178,13 @@ std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions
         std::vector<Point3> refined(positions.begin(), positions.end());
         if (level.table.rowCount() > 0) refined = stencils::applyLevelTable(level.table, positions);
         for (const Cell& cell : level.cells)
-            for (const auto& corner : kCorners) {
+            for (std::size_t corner = 0; corner < 8; ++corner) {
+                const auto& next = far::kHexahedronNeighbours[corner];
                 std::array<Point3, 3> ways;
                 double lengths = 1;
                 for (int i = 0; i < 3; ++i) {
-                    ways[i] = difference(refined[cell.vertices[corner[i + 1]]],
-                                         refined[cell.vertices[corner[0]]]);
+                    ways[i] =
+                        difference(refined[cell.vertices[next[i]]], refined[cell.vertices[corner]]);
                     lengths *= length(ways[i]);
                 }
                 const double volume = dot(ways[0], cross(ways[1], ways[2]));

@@ -26,9 +26,11 @@ struct PlaneTerm {
 
 /// The shape of the cells of a lattice, as a function of its vertices.
 ///
-/// At each corner of a cell, with edges e₁, e₂, e₃ to the three neighbours: (|e₁|² + |e₂|² + |e₃|²)
-/// / 3 to the power 1.5, over the determinant. The value is 1 for a cube of any size, and grows to
-/// infinity where the corner becomes flat. Corners of the cells of level 0 and of level 1 count.
+/// At each corner of a cell, with edges e₁, e₂, e₃ to the three neighbours and their determinant d,
+/// it is a mean of the squares of two quotients: ((|e₁|² + |e₂|² + |e₃|²) / 3)^1.5 / d, which is
+/// least for a cube, and |e₁| |e₂| |e₃| / d, which is least for any right angles. The value is 1
+/// for a cube of any size, and grows to infinity where the corner becomes flat. Corners of the
+/// cells of level 0 and of level 1 count.
 class CellShapes {
 public:
     static constexpr int kLevel = 2;

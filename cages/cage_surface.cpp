@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cage_surface.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
@@ -13,6 +14,8 @@
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "left_side.h"
 
 namespace espalier::cages {
 namespace {
@@ -66,7 +69,7 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     if (strata.hasSemiSharp())
         throw Error("fitting a cage: the lattice has semi-sharp marks; expected sharp ones only");
     std::vector<std::vector<Index>> loops;
-    std::vector<Index> names;
+    std::vector<Index> names, cells;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
         const auto faces = complex.relation(3, 2)[cell];
         for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -75,7 +78,7 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
             loops.emplace_back(loop.begin(), loop.end());
             if (complex.boundary(3).signs(cell)[i] < 0)
                 std::reverse(loops.back().begin(), loops.back().end());
-            cellOfBase_.push_back(cell);
+            cells.push_back(cell);
             names.insert(names.end(), loop.begin(), loop.end());
         }
     }
@@ -110,18 +113,24 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     for (Index face = 0; face < fine.count(2); ++face) {
         coarseOfFine_.push_back(refiner.refinement(kLevel).parentOf({2, face}).upper.index);
     }
-    for (Index face = 0; face < refiner.level(kLevel - 1).complex.count(2); ++face) {
-        Index base = face;
-        for (int k = kLevel - 1; k > 0; --k)
-            base = refiner.refinement(k).parentOf({2, base}).upper.index;
-        baseOfCoarse_.push_back(base);
-    }
+    const auto cellsOf = [&](int level) {
+        std::vector<Index> result;
+        for (Index face = 0; face < refiner.level(level).complex.count(2); ++face) {
+            Index base = face;
+            for (int k = level; k > 0; --k)
+                base = refiner.refinement(k).parentOf({2, base}).upper.index;
+            result.push_back(cells[base]);
+        }
+        return result;
+    };
+    cellOfCoarse_ = cellsOf(kLevel - 1);
     finestTable_ = stencils::buildLevelTable(refiner, kLevel + 1);
-    fineFaces_.emplace(refiner.level(kLevel));
-    finestFaces_.emplace(refiner.level(kLevel + 1));
+    fineFaces_.emplace(refiner.level(kLevel), cellsOf(kLevel));
+    finestFaces_.emplace(refiner.level(kLevel + 1), cellsOf(kLevel + 1));
 }
 
-CageSurface::Faces::Faces(const far::Level& level) {
+CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFaces)
+    : cells(std::move(cellsOfFaces)) {
     const far::CellComplex& mesh = level.complex;
     const auto& edgesOfFace = mesh.relation(2, 1);
     const auto& facesOfEdge = mesh.relation(1, 2);
@@ -204,17 +213,14 @@ HullBox boxAround(std::span<const Index> hull, const std::array<Index, 4>& face,
     } else {
         box.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     }
-    box.low.fill(std::numeric_limits<double>::infinity());
-    box.high.fill(-std::numeric_limits<double>::infinity());
-    for (const Index vertex : hull)
-        for (int axis = 0; axis < 3; ++axis) {
-            const double value = dot(box.axes[axis], vertices[vertex]);
-            box.low[axis] = std::min(box.low[axis], value);
-            box.high[axis] = std::max(box.high[axis], value);
-        }
+    BoundingBox bounds;
+    for (const Index vertex : hull) {
+        const Point3& at = vertices[vertex];
+        bounds.include({dot(box.axes[0], at), dot(box.axes[1], at), dot(box.axes[2], at)});
+    }
     for (int axis = 0; axis < 3; ++axis) {
-        box.low[axis] -= margin;
-        box.high[axis] += margin;
+        box.low[axis] = bounds.min[axis] - margin;
+        box.high[axis] = bounds.max[axis] + margin;
     }
     return box;
 }
@@ -243,14 +249,6 @@ private:
     std::vector<Index> items_;
 };
 
-/// Returns the sign of the area of a triangle in the xy-plane. Never 0: the point `p` is moved by
-/// an infinitesimal step. Exchanging a and b changes exactly the sign.
-bool isLeft(const Point3& a, const Point3& b, const Point3& p) {
-    if (std::pair(b[0], b[1]) < std::pair(a[0], a[1])) return !isLeft(b, a, p);
-    const double area = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
-    return area >= 0;
-}
-
 /// Counts how often triangles wind around points.
 class Winding {
 public:
@@ -261,13 +259,10 @@ public:
           grid_(grid),
           columns_(grid.counts[0] * grid.counts[1], static_cast<Index>(faces.size()),
                    [&](Index face, auto visit) {
-                       Point3 low = vertices[faces[face][0]], high = low;
-                       for (const Index vertex : faces[face])
-                           for (int axis = 0; axis < 2; ++axis) {
-                               low[axis] = std::min(low[axis], vertices[vertex][axis]);
-                               high[axis] = std::max(high[axis], vertices[vertex][axis]);
-                           }
-                       const auto from = grid.coordinatesOf(low), to = grid.coordinatesOf(high);
+                       BoundingBox bounds;
+                       for (const Index vertex : faces[face]) bounds.include(vertices[vertex]);
+                       const auto from = grid.coordinatesOf(bounds.min);
+                       const auto to = grid.coordinatesOf(bounds.max);
                        for (Index y = from[1]; y <= to[1]; ++y)
                            for (Index x = from[0]; x <= to[0]; ++x) visit(y * grid.counts[0] + x);
                    }) {}
@@ -303,8 +298,8 @@ private:
 /// The boxes to use: around the hull of each face, or around its four corners.
 enum class Around { Hull, Corners };
 
-/// Returns those of some groups that have a point in a box, or that the triangles of the faces do
-/// not wind around.
+/// Returns the groups in `tried` that have a point in a box, or a point around which the triangles
+/// of the faces do not wind once.
 std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
                                 std::span<const Point3> vertices, const PointGroups& points,
                                 std::span<const Index> tried, double margin) {
@@ -346,7 +341,7 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
             const Index g = tried[t];
             const PointGroups::Group& group = groups[g];
             Uncovered& worst = ofGroups[t];
-            worst = {g, group.first, -1, -1};
+            worst = {g, group.first, -1, -1, 1};
             const Point3 middle = scaled(sum(group.low, group.high), 0.5);
             const Point3 half = scaled(difference(group.high, group.low), 0.5);
             near.clear();
@@ -374,8 +369,13 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
                     depth = here;
                     deepest = face;
                 }
-                if (depth < 0 && winding.around(point) <= 0) depth = 0.5 * grid.size;
-                if (depth > worst.depth) worst = {g, i, depth, deepest};
+                int turns = 1;
+                if (depth < 0) {
+                    turns = winding.around(point);
+                    if (turns != 1) depth = 0.5 * grid.size;
+                }
+                if (depth > worst.depth)
+                    worst = {g, i, depth, deepest < 0 ? -1 : surface.cells[deepest], turns};
             }
         }
     });

@@ -32,9 +32,8 @@ public:
     const stencils::StencilTable<double>& coarseCentres() const { return coarseCentres_; }
     /// Returns the face of level 2 that contains a face of level 3.
     Index coarseFaceOf(Index fineFace) const { return coarseOfFine_[fineFace]; }
-    Index baseFaceOf(Index coarseFace) const { return baseOfCoarse_[coarseFace]; }
-    /// The cell of the lattice that a face of the mesh bounds.
-    Index cellOf(Index baseFace) const { return cellOfBase_[baseFace]; }
+    /// Returns the cell of the lattice that a face of level 2 bounds.
+    Index cellOfCoarse(Index coarseFace) const { return cellOfCoarse_[coarseFace]; }
 
     /// The faces of a level, as loops of vertices, and the vertices whose convex hull contains the
     /// limit of a face, and all further levels of the face.
@@ -42,8 +41,9 @@ public:
         std::vector<std::array<Index, 4>> loops;
         std::vector<Offset> hullOffsets = {0};
         std::vector<Index> hulls = {};
+        std::vector<Index> cells = {};  ///< of the lattice, that the faces bound
 
-        explicit Faces(const far::Level& level);
+        Faces(const far::Level& level, std::vector<Index> cells);
         std::span<const Index> hull(Index face) const;
     };
     const Faces& fineFaces() const { return *fineFaces_; }
@@ -54,11 +54,10 @@ public:
     std::vector<Point3> finestVertices(std::span<const Point3> fineVertices) const;
 
 private:
-    std::vector<Index> cellOfBase_;
     stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
     stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
     std::optional<Faces> fineFaces_, finestFaces_;
-    std::vector<Index> coarseOfFine_, baseOfCoarse_;
+    std::vector<Index> coarseOfFine_, cellOfCoarse_;
 };
 
 /// A group of points that is not proved to be inside.
@@ -66,15 +65,18 @@ struct Uncovered {
     Index group = 0;
     Index point = 0;   ///< the worst point
     double depth = 0;  ///< how much further inside the point must be, about
-    Index face = -1;   ///< of level 3, whose box contains the point; −1 if the point is outside
+    Index cell = -1;   ///< of the lattice, if a box around one of its faces contains the point
+    int winding = 1;   ///< how often the surface winds around the point, if no box contains it
 };
 
 /// Proves that points are inside a surface.
 ///
 /// A point is covered if it is outside a box around the hull of every face of level 3, and the
-/// triangles of level 3 wind around it. While a surface changes continuously from the triangles to
-/// the quadrilaterals of level 3 or to the limit, each face stays in its hull. So all of them wind
-/// around the point. A lattice fills what its boundary winds around, because its map is continuous.
+/// triangles of level 3 wind once around it. While a surface changes continuously from the
+/// triangles to the quadrilaterals of level 3 or to the limit, each face stays in its hull. So all
+/// of them wind once around the point. A lattice fills what its boundary winds around, because its
+/// map is continuous. If the Jacobian of the map is positive, exactly one place in the lattice maps
+/// to the point.
 ///
 /// Points that are in a box are tried again: with boxes around the four corners of each face for
 /// level 3, and with the hulls of level 4 for the limit.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fit_cage.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
 #include <espalier/base/parallel.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/solve/validity.h>
@@ -12,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,7 +34,7 @@ constexpr int kAttempts = 4;
 constexpr double kMaxGrowth = 2;
 
 /// How far a point may be outside the start, in edges of the start.
-constexpr double kReach = 1;
+constexpr double kMaxOutside = 1;
 
 /// Rounds after the first proof that try to improve cells with a scaled Jacobian below
 /// kGoodJacobian.
@@ -41,33 +44,30 @@ constexpr double kGoodJacobian = 0.3;
 /// Steps of an attempt before the first proof.
 constexpr int kSteps = 12;
 
+/// Faces that points push are at most this far away, in cubes of the points.
+constexpr Index kPushRings = 3;
+
+/// Least cosine between the normals of a face and of the points that it is fitted to.
+constexpr double kFacing = -0.5;
+
 struct Weights {
     double shape = 0.04;  ///< of a cell
     double pull = 1;      ///< of the squared distance, in edges, of the surface from the points
     double push = 1000;   ///< of the squared distance by which a point sticks out
 };
 
-void checkFinite(std::span<const Point3> points, const char* name) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (const double coordinate : points[i])
-            if (!(std::abs(coordinate) <= 1e90))
-                throw Error(concat(
-                    "fitting a cage: ", name, " ", i,
-                    std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
-}
-
-std::string textOf(double value) {
-    return std::string(NumberText(value).view());
-}
-
-std::string textOf(const Point3& point) {
-    return concat("(", textOf(point[0]), ", ", textOf(point[1]), ", ", textOf(point[2]), ")");
+void checkFinite(const Point3& point, const char* name, std::size_t number) {
+    for (const double coordinate : point)
+        if (!(std::abs(coordinate) <= 1e90))
+            throw Error(concat(
+                "fitting a cage: ", name, " ", number,
+                std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
 /// The state of a fit.
 class Fit {
 public:
-    Fit(const Lattice& start, std::span<const Point3> points, const FitOptions& options)
+    Fit(const Lattice& start, std::span<const FitPoint> points, const FitOptions& options)
         : options_(options),
           base_(start.complex, refinerOptions(start)),
           refiner_(refined()),
@@ -77,7 +77,9 @@ public:
           edge_(meanEdge(start)),
           groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
           shapes_(refiner_),
-          parts_(base_, options.levelOfParts) {}
+          parts_(base_, options.levelOfParts) {
+        findApart();
+    }
 
     std::vector<Point3> run();
 
@@ -95,22 +97,36 @@ private:
                 difference(lattice.positions[ends[edge][0]], lattice.positions[ends[edge][1]]));
         return total / lattice.complex.count(1);
     }
-    static CubeGrid gridAround(const Lattice& lattice, std::span<const Point3> points,
+    static CubeGrid gridAround(const Lattice& lattice, std::span<const FitPoint> points,
                                double size) {
-        Point3 low = lattice.positions.front(), high = low;
-        const auto include = [&](const Point3& point) {
-            for (int axis = 0; axis < 3; ++axis) {
-                low[axis] = std::min(low[axis], point[axis]);
-                high[axis] = std::max(high[axis], point[axis]);
-            }
-        };
-        for (const Point3& point : lattice.positions) include(point);
-        for (const Point3& point : points) include(point);
-        return {low, high, size};
+        BoundingBox bounds(lattice.positions);
+        for (const FitPoint& point : points) bounds.include(point.position);
+        return {bounds.min, bounds.max, size};
     }
+
+    void findApart();
+
+    /// Returns true if a group of points belongs to the part of the model that a cell holds.
+    bool belongs(Index group, Index cell) const {
+        const Index of = groups_.groups()[group].cell;
+        return of < 0 || !std::ranges::binary_search(apart_[cell], of);
+    }
+
+    /// Returns true if a face with this normal is fitted to a group of points. It may not face the
+    /// other way, as the far side of a thin part does, or the boundary of another part.
+    bool suits(Index group, Index cell, const Point3& normal) const {
+        return !groups_.groups()[group].isInner &&
+               dot(groups_.groups()[group].normal, normal) > kFacing && belongs(group, cell);
+    }
+
+    template <class Accept>
+    Index nearestFace(const Point3& point, Index rings, const std::vector<Point3>& centres,
+                      Accept accept) const;
 
     void begin(int attempt);
     void associate();
+    void associatePulls(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
+    void associatePushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
     void optimise(int iterations);
     bool certify();
     void polish();
@@ -125,15 +141,19 @@ private:
     PointGroups groups_;
     CellShapes shapes_;
     limit::LimitParts parts_;
-    std::vector<double> clearance_;  ///< of each group
-    double anchor_ = 0;              ///< weight of the squared way of a vertex from the start
-    std::vector<double> pushOf_;     ///< factor of each group
-    std::vector<double> distance_;   ///< of each group from its plane, when it was last associated
-    std::vector<double> raise_;      ///< of the clearance of each group
+    std::vector<std::vector<Index>> apart_;  ///< of each cell, ascending; if points have cells
+    std::vector<Index> firstOfCube_, nextOfFace_;  ///< lists of the faces of level 3 in each cube
+    std::vector<double> clearance_;                ///< of each group
+    std::vector<double> distanceToOthers_;  ///< of each group, from faces it does not belong to
+    double anchor_ = 0;             ///< weight of the squared way of a vertex from the start
+    std::vector<double> pushOf_;    ///< factor of each group
+    std::vector<double> distance_;  ///< of each group from its plane, when it was last associated
+    std::vector<double> raise_;     ///< of the clearance of each group
     std::vector<char> isRaised_;
     std::vector<double> pull_;  ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
     Weights weights_;
+    std::size_t uncoveredCount_ = 0;  ///< groups without proof at the last certify()
     std::string failure_;
 };
 
@@ -144,32 +164,77 @@ void Fit::begin(int attempt) {
     shapes_.resetWeights();
     pull_.assign(surface_.coarseCentres().rowCount(), pull);
     clearance_.assign(groups_.groups().size(), options_.margin + 0.05 * edge_);
+    distanceToOthers_.assign(clearance_.size(), options_.margin + 0.03 * edge_);
     pushOf_.assign(clearance_.size(), 1.0);
     isRaised_.assign(clearance_.size(), 0);
 }
 
+/// Lists, for each cell, the cells that are close to it in space but not along the lattice: their
+/// parts of the model are apart. In a full grid the number of faces between two cells is at most √3
+/// times their distance in edges.
+void Fit::findApart() {
+    constexpr double kNear = 5;   // edges
+    constexpr int kMaxSteps = 9;  // more than √3 · kNear
+    const far::CellComplex& complex = base_.level(0).complex;
+    std::vector<Point3> centres;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        std::vector<Point3> corners;
+        for (const Index vertex : complex.relation(3, 0)[cell]) corners.push_back(start_[vertex]);
+        centres.push_back(mean(corners));
+    }
+    apart_.resize(centres.size());
+    std::vector<int> steps(centres.size(), -1);
+    std::vector<Index> reached;
+    for (std::size_t a = 0; a < centres.size(); ++a) {
+        reached = {static_cast<Index>(a)};
+        steps[a] = 0;
+        for (std::size_t i = 0; i < reached.size() && steps[reached[i]] < kMaxSteps; ++i)
+            for (const Index face : complex.relation(3, 2)[reached[i]])
+                for (const Index next : complex.relation(2, 3)[face])
+                    if (steps[next] < 0) {
+                        steps[next] = steps[reached[i]] + 1;
+                        reached.push_back(next);
+                    }
+        for (std::size_t b = 0; b < centres.size(); ++b) {
+            const double distance = length(difference(centres[a], centres[b])) / edge_;
+            if (distance > kNear) continue;
+            if (steps[b] < 0 || steps[b] > std::sqrt(3) * distance + 0.5)
+                apart_[a].push_back(static_cast<Index>(b));
+        }
+        for (const Index cell : reached) steps[cell] = -1;
+    }
+}
+
 void Fit::associate() {
-    const double unit = 1 / (edge_ * edge_);
     const std::vector<Point3> fine = surface_.fineVertices(positions_);
     const std::span<const std::array<Index, 4>> faces = surface_.fineFaces().loops;
-    const auto faceCount = static_cast<Index>(faces.size());
-    std::vector<Point3> centres(faceCount), normals(faceCount);
-    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
-        coarseNormals(pull_.size(), {0, 0, 0});
-    for (Index f = 0; f < faceCount; ++f) {
+    std::vector<Point3> centres(faces.size()), normals(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
         const auto& face = faces[f];
         centres[f] =
             scaled(sum(sum(fine[face[0]], fine[face[1]]), sum(fine[face[2]], fine[face[3]])), 0.25);
-        const Point3 normal = cross(difference(fine[face[2]], fine[face[0]]),
-                                    difference(fine[face[3]], fine[face[1]]));
+        normals[f] = cross(difference(fine[face[2]], fine[face[0]]),
+                           difference(fine[face[3]], fine[face[1]]));
+    }
+    associatePulls(centres, normals);
+    for (Point3& normal : normals) {
         const double size = length(normal);
-        normals[f] = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
-        const Index coarse = surface_.coarseFaceOf(f);
-        coarseNormals[coarse] = sum(coarseNormals[coarse], normal);
+        normal = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
+    }
+    associatePushes(centres, normals);
+}
+
+/// Pulls each face of level 2 towards the nearest points.
+void Fit::associatePulls(const std::vector<Point3>& centres, const std::vector<Point3>& normals) {
+    const double unit = 1 / (edge_ * edge_);
+    std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
+        coarseNormals(pull_.size(), {0, 0, 0});
+    for (std::size_t f = 0; f < centres.size(); ++f) {
+        const Index coarse = surface_.coarseFaceOf(static_cast<Index>(f));
+        coarseNormals[coarse] = sum(coarseNormals[coarse], normals[f]);
         coarseCentres[coarse] = sum(coarseCentres[coarse], scaled(centres[f], 0.25));
     }
     const auto groups = groups_.groups();
-    // Pulls: each face of level 2 towards the nearest points.
     pulls_.assign(pull_.size(), {});
     parallelFor(std::ssize(pulls_), 64, [&](Offset first, Offset last) {
         for (Offset c = first; c < last; ++c) {
@@ -178,7 +243,9 @@ void Fit::associate() {
             const double size = length(coarseNormals[c]);
             if (!(size > 0)) continue;
             const Point3 normal = scaled(coarseNormals[c], 1 / size);
-            const Index nearest = groups_.nearest(coarseCentres[c], 24);
+            const Index cell = surface_.cellOfCoarse(term.row);
+            const Index nearest = groups_.nearest(
+                coarseCentres[c], 24, [&](Index group) { return suits(group, cell, normal); });
             if (nearest < 0) continue;
             const auto& group = groups[nearest];
             Point3 way = difference(coarseCentres[c], group.centre);
@@ -198,56 +265,109 @@ void Fit::associate() {
             term.reach = 0.25 * edge_;
         }
     });
-    // Pushes: each group of points against the nearest face of level 3. Of the points at the faces
-    // that are one face of level 2, the one that sticks out most counts.
-    std::vector<Index> firstOfCube(groups_.grid().cubeCount(), -1), nextOfFace(faceCount, -1);
+}
+
+/// Returns the face of level 3 with the nearest centre, of those with accept(face); −1 if none is
+/// within `rings` rings of cubes.
+template <class Accept>
+Index Fit::nearestFace(const Point3& point, Index rings, const std::vector<Point3>& centres,
+                       Accept accept) const {
+    const auto place = groups_.grid().coordinatesOf(point);
+    double least = 0;
+    Index best = -1;
+    for (Index ring = 0; ring <= rings; ++ring) {
+        const double reach = (ring - 1) * groups_.grid().size;
+        if (best >= 0 && reach > 0 && reach * reach > least) break;
+        groups_.grid().forEachInRing(place, ring, [&](Index cube) {
+            for (Index f = firstOfCube_[cube]; f >= 0; f = nextOfFace_[f]) {
+                const Point3 way = difference(centres[f], point);
+                const double distance = dot(way, way);
+                if (best >= 0 && (distance > least || (distance == least && f > best))) continue;
+                if (!accept(f)) continue;
+                best = f;
+                least = distance;
+            }
+        });
+    }
+    return best;
+}
+
+/// Pushes the nearest face of level 3 of each group of points outwards. If several groups are
+/// nearest to one face, the one that sticks out most counts. Pushes faces of other parts away from
+/// the group.
+void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals) {
+    const double unit = 1 / (edge_ * edge_);
+    const auto groups = groups_.groups();
+    const auto faceCount = static_cast<Index>(centres.size());
+    firstOfCube_.assign(groups_.grid().cubeCount(), -1);
+    nextOfFace_.assign(faceCount, -1);
     for (Index f = faceCount; f-- > 0;) {
-        Index& first = firstOfCube[groups_.grid().cubeOf(centres[f])];
-        nextOfFace[f] = first;
+        Index& first = firstOfCube_[groups_.grid().cubeOf(centres[f])];
+        nextOfFace_[f] = first;
         first = f;
     }
-    std::vector<Index> nearestFace(groups.size(), -1);
+    const std::vector<Index>& cells = surface_.fineFaces().cells;
+    // Boxes around the faces of each cell.
+    std::vector<Point3> low(apart_.size(), {1e99, 1e99, 1e99}),
+        high(apart_.size(), {-1e99, -1e99, -1e99});
+    for (Index f = 0; f < faceCount; ++f)
+        for (int axis = 0; axis < 3; ++axis) {
+            low[cells[f]][axis] = std::min(low[cells[f]][axis], centres[f][axis]);
+            high[cells[f]][axis] = std::max(high[cells[f]][axis], centres[f][axis]);
+        }
+    const double reach = kPushRings * groups_.grid().size;
+    const auto isNear = [&](Index group, Index cell) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (low[cell][axis] > groups[group].high[axis] + reach ||
+                high[cell][axis] < groups[group].low[axis] - reach)
+                return false;
+        return true;
+    };
+    std::vector<Index> own(groups.size(), -1), other(groups.size(), -1);
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
-            const Point3& point = groups[g].centre;
-            const auto place = groups_.grid().coordinatesOf(point);
-            double least = 0;
-            Index best = -1;
-            for (Index ring = 0; ring <= 3; ++ring) {
-                const double reach = (ring - 1) * groups_.grid().size;
-                if (best >= 0 && reach > 0 && reach * reach > least) break;
-                groups_.grid().forEachInRing(place, ring, [&](Index cube) {
-                    for (Index f = firstOfCube[cube]; f >= 0; f = nextOfFace[f]) {
-                        const Point3 way = difference(centres[f], point);
-                        const double distance = dot(way, way);
-                        if (best < 0 || distance < least || (distance == least && f < best)) {
-                            best = f;
-                            least = distance;
-                        }
-                    }
-                });
-            }
-            nearestFace[g] = best;
+            const auto group = static_cast<Index>(g);
+            if (groups[g].isInner) continue;
+            own[g] = nearestFace(groups[g].centre, kPushRings, centres,
+                                 [&](Index f) { return suits(group, cells[f], normals[f]); });
+            if (groups[g].cell < 0) continue;
+            const std::vector<Index>& apart = apart_[groups[g].cell];
+            if (std::any_of(apart.begin(), apart.end(),
+                            [&](Index cell) { return isNear(group, cell); }))
+                other[g] = nearestFace(groups[g].centre, kPushRings, centres,
+                                       [&](Index f) { return !belongs(group, cells[f]); });
         }
     });
     distance_.assign(groups.size(), 0);
-    std::vector<double> leastOf(faceCount, 0.25 * edge_);
-    std::vector<PlaneTerm> of(faceCount);
+    std::vector<double> leastOf(faceCount, 0.25 * edge_), leastOfOther = leastOf;
+    std::vector<PlaneTerm> terms(faceCount), termsOfOther(faceCount);
     for (std::size_t g = 0; g < groups.size(); ++g) {
-        const Index f = nearestFace[g];
-        if (f < 0) continue;
-        const Point3& normal = normals[f];
-        const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
-        const double distance = dot(normal, centres[f]) - offset;
-        distance_[g] = distance;
-        if (distance < leastOf[f]) {
-            leastOf[f] = distance;
-            of[f] = {f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
+        if (const Index f = own[g]; f >= 0) {
+            const Point3& normal = normals[f];
+            const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
+            const double distance = dot(normal, centres[f]) - offset;
+            distance_[g] = distance;
+            if (distance < leastOf[f]) {
+                leastOf[f] = distance;
+                terms[f] = {f, normal,      offset, weights_.push * pushOf_[g] * unit / 64,
+                            0, 0.05 * edge_};
+            }
+        }
+        if (const Index f = other[g]; f >= 0) {
+            const Point3 inwards = scaled(normals[f], -1);
+            const double offset =
+                dot(inwards, groups_.farthest(groups[g], inwards)) + distanceToOthers_[g];
+            const double distance = dot(inwards, centres[f]) - offset;
+            if (distance < leastOfOther[f]) {
+                leastOfOther[f] = distance;
+                termsOfOther[f] = {f, inwards, offset, weights_.push * unit / 64, 0, 0.05 * edge_};
+            }
         }
     }
     pushes_.clear();
-    for (const PlaneTerm& term : of)
-        if (term.inside > 0) pushes_.push_back(term);
+    for (const auto* list : {&terms, &termsOfOther})
+        for (const PlaneTerm& term : *list)
+            if (term.inside > 0) pushes_.push_back(term);
 }
 
 void Fit::optimise(int iterations) {
@@ -270,13 +390,22 @@ bool Fit::certify() {
     associate();
     bool isProved = true;
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
+    uncoveredCount_ = uncovered.size();
     double deepest = 0;
     raise_.assign(groups_.groups().size(), 0);
     for (const Uncovered& group : uncovered) {
         if (group.depth > deepest) {
             deepest = group.depth;
             failure_ = concat("the point ", textOf(groups_.points()[group.point]),
-                              " is not proved to be inside");
+                              group.winding > 1 ? " is not proved to be inside only once"
+                                                : " is not proved to be inside");
+        }
+        isProved = false;
+        // A point that another part of the lattice covers, or nearly so.
+        if (group.winding > 1 || (group.cell >= 0 && !belongs(group.group, group.cell))) {
+            double& distance = distanceToOthers_[group.group];
+            distance = std::min(distance + 0.01 * edge_, options_.margin + 0.25 * edge_);
+            continue;
         }
         if (distance_[group.group] < -0.02 * edge_)
             pushOf_[group.group] = std::min(2 * pushOf_[group.group], 64.0);
@@ -284,10 +413,10 @@ bool Fit::certify() {
         const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
         for (Index ring = 0; ring <= 2; ++ring)
             groups_.grid().forEachInRing(place, ring, [&](Index cube) {
-                if (const Index near = groups_.inCube(cube); near >= 0)
+                groups_.forEachInCube(cube, [&](Index near) {
                     raise_[near] = std::max(raise_[near], more * (1 - 0.25 * ring));
+                });
             });
-        isProved = false;
     }
     for (std::size_t g = 0; g < raise_.size(); ++g) {
         // All others rise a little too, so that points do not stick out in turns.
@@ -309,25 +438,22 @@ bool Fit::certify() {
     for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
         if (isBad[cell]) shapes_.scaleWeight(cell, 1.5);
     for (std::size_t c = 0; c < pull_.size(); ++c)
-        if (isBad[surface_.cellOf(surface_.baseFaceOf(static_cast<Index>(c)))]) pull_[c] *= 0.5;
+        if (isBad[surface_.cellOfCoarse(static_cast<Index>(c))]) pull_[c] *= 0.5;
     return isProved;
 }
 
-/// Throws if a point is further than kReach edges from the box around the start.
+/// Throws if a point is further than kMaxOutside edges from the box around the start.
 void Fit::requireNear() const {
-    Point3 low = start_.front(), high = low;
-    for (const Point3& vertex : surface_.fineVertices(start_))
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], vertex[axis]);
-            high[axis] = std::max(high[axis], vertex[axis]);
-        }
+    BoundingBox bounds(surface_.fineVertices(start_));
+    bounds.include(start_.front());
     for (const Point3& point : groups_.points())
         for (int axis = 0; axis < 3; ++axis) {
-            const double away = std::max(low[axis] - point[axis], point[axis] - high[axis]);
-            if (away > kReach * edge_)
+            const double away =
+                std::max(bounds.min[axis] - point[axis], point[axis] - bounds.max[axis]);
+            if (away > kMaxOutside * edge_)
                 throw Error(concat("fitting a cage: the point ", textOf(point), " is ",
                                    textOf(away), " outside the start lattice; expected at most ",
-                                   textOf(kReach * edge_)));
+                                   textOf(kMaxOutside * edge_)));
         }
 }
 
@@ -382,32 +508,36 @@ std::vector<Point3> Fit::run() {
     // Each attempt starts anew and pulls less. The last one only pushes.
     const double startVolume = enclosedVolume();
     requireNear();
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    for (int attempt = 0; attempt < options_.maxAttempts; ++attempt) {
         begin(attempt);
         for (int step = 0; step < kSteps; ++step) {
             associate();
             // Early steps are short, because faces then change their nearest points.
             optimise(step < kSteps / 2 ? 8 : 20);
         }
+        std::optional<std::size_t> least;
         for (int round = 0; round < options_.maxRounds; ++round) {
             if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
             if (certify()) {
                 polish();
                 return std::move(positions_);
             }
+            // Where fitting works, the number falls. It grows where two parts push each other.
+            if (least && uncoveredCount_ > 2 * *least + 20) break;
+            least = std::min(least.value_or(uncoveredCount_), uncoveredCount_);
             for (int step = 0; step < 3; ++step) {
                 associate();
                 optimise(25);
             }
         }
     }
-    throw Error(concat("fitting a cage of ", base_.level(0).complex.count(0),
-                       " vertices: ", failure_, "; try more vertices or a larger margin"));
+    throw FitError(
+        concat("fitting a cage of ", base_.level(0).complex.count(0), " vertices: ", failure_));
 }
 
 }  // namespace
 
-Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options) {
+Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options) {
     if (start.complex.dimension() != 3) throw Error("fitting a cage: the start is not a lattice");
     if (points.empty()) throw Error("fitting a cage: there are no points");
     if (!(options.margin >= 0 && options.margin <= 1e90))
@@ -419,10 +549,19 @@ Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions&
     if (options.maxRounds < 1)
         throw Error(
             concat("fitting a cage: maxRounds is ", options.maxRounds, "; expected 1 or more"));
+    if (options.maxAttempts < 1 || options.maxAttempts > kAttempts)
+        throw Error(concat("fitting a cage: maxAttempts is ", options.maxAttempts,
+                           "; expected 1 to ", kAttempts));
     if (refinerOptions(start).boundary == far::Boundary::Open)
         throw Error("fitting a cage: the start has an open boundary, which shrinks away");
-    checkFinite(points, "point");
-    checkFinite(start.positions, "vertex");
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkFinite(points[i].position, "point", i);
+        if (points[i].cell < -1 || points[i].cell >= start.complex.count(3))
+            throw Error(concat("fitting a cage: point ", i, " belongs to cell ", points[i].cell,
+                               "; expected -1 to ", start.complex.count(3) - 1));
+    }
+    for (std::size_t i = 0; i < start.positions.size(); ++i)
+        checkFinite(start.positions[i], "vertex", i);
     const auto isStart = [&](const Point3& p) { return p == start.positions.front(); };
     if (std::all_of(start.positions.begin(), start.positions.end(), isStart))
         throw Error("fitting a cage: all vertices of the start are at one place");

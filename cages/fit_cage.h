@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/error.h>
 #include <espalier/base/point.h>
 #include <espalier/shapes/lattice.h>
 
 #include <span>
 
+#include "point_groups.h"
+
 namespace espalier::cages {
+
+/// Thrown by fitCage() if no lattice with the cells of the start is found.
+class FitError : public Error {
+public:
+    using Error::Error;
+};
 
 struct FitOptions {
     /// Least distance between the points and the boundary of the limit volume, in units of the
@@ -18,12 +27,17 @@ struct FitOptions {
 
     /// Largest number of proofs that may fail before fitting starts anew with less pull.
     int maxRounds = 8;
+
+    /// Largest number of times that fitting starts, 1 to 4. The fourth time does not pull.
+    int maxAttempts = 4;
 };
 
 /// Moves the vertices of a lattice so that its boundary follows a model.
 ///
 /// The result is proved:
 /// - Every point is inside level 3 and inside the limit volume, `margin` away from the boundary.
+/// The
+///   limit volume contains it only once.
 /// - Every patch of the limit volume has a positive Jacobian (solve::ValidityCheck on
 ///   limit::LimitParts of `levelOfParts`).
 ///
@@ -35,10 +49,10 @@ struct FitOptions {
 /// \param points of the model; their order has no effect
 /// \throws Error if there are no points; for a number that is not finite or out of range; for an
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
-///         box around the start; or if no lattice with these cells is found. Names the point or
-///         the cell
+///         box around the start; FitError if no lattice with these cells is found. Both name the
+///         point or the cell
 /// \cost on one thread about 2 s for 300,000 points and 500 vertices; 6 s and 450 MB for
 ///       5 million points
-Lattice fitCage(Lattice start, std::span<const Point3> points, const FitOptions& options = {});
+Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options = {});
 
 }  // namespace espalier::cages

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <tuple>
 #include <utility>
 
 namespace espalier::cages {
@@ -32,31 +34,71 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     return result;
 }
 
-PointGroups::PointGroups(std::span<const Point3> points, const CubeGrid& grid) : grid_(grid) {
-    std::vector<std::pair<Index, Point3>> keyed;
-    keyed.reserve(points.size());
-    for (const Point3& point : points) keyed.emplace_back(grid.cubeOf(point), point);
-    std::sort(keyed.begin(), keyed.end());
-    keyed.erase(std::unique(keyed.begin(), keyed.end()), keyed.end());
-    groupOfCube_.assign(grid.cubeCount(), -1);
-    points_.reserve(keyed.size());
-    for (const auto& [cube, point] : keyed) {
+PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid) : grid_(grid) {
+    // Keys are sorted instead of the points, which take four times the memory.
+    struct Key {
+        Index cube, cell;
+        std::uint32_t number;
+    };
+    std::vector<Key> keys;
+    keys.reserve(points.size());
+    for (const FitPoint& point : points)
+        keys.push_back(
+            {grid.cubeOf(point.position), point.cell, static_cast<std::uint32_t>(keys.size())});
+    const auto rest = [&](const Key& key) {
+        const FitPoint& point = points[key.number];
+        return std::tie(point.isInner, point.position, point.normal);
+    };
+    std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+        if (a.cube != b.cube) return a.cube < b.cube;
+        if (a.cell != b.cell) return a.cell < b.cell;
+        return rest(a) < rest(b);
+    });
+    firstOfCube_.assign(grid.cubeCount(), -1);
+
+    Index normalCount = 0;
+    const auto endGroup = [&] {
+        if (groups_.empty()) return;
+        Group& group = groups_.back();
+        group.centre = scaled(group.centre, 1.0 / (group.last - group.first));
+        // The mean of unit vectors is short if they differ.
+        constexpr double kShort = 0.5;
+        const double size = length(group.normal);
+        group.normal = normalCount > 0 && size > kShort * normalCount
+                           ? scaled(group.normal, 1 / size)
+                           : Point3{0, 0, 0};
+        normalCount = 0;
+    };
+    const FitPoint* last = nullptr;
+    for (const Key& key : keys) {
+        const FitPoint& at = points[key.number];
         const auto number = static_cast<Index>(points_.size());
-        if (groups_.empty() || groups_.back().cube != cube) {
-            groupOfCube_[cube] = static_cast<Index>(groups_.size());
-            groups_.push_back({cube, number, number, point, point, {0, 0, 0}});
+        if (last == nullptr || groups_.back().cube != key.cube || last->cell != at.cell ||
+            last->isInner != at.isInner) {
+            endGroup();
+            if (firstOfCube_[key.cube] < 0)
+                firstOfCube_[key.cube] = static_cast<Index>(groups_.size());
+            groups_.push_back(
+                {key.cube, at.cell, at.isInner, number, number, at.position, at.position});
+            last = nullptr;
         }
         Group& group = groups_.back();
+        if (at.normal != std::array<float, 3>{0, 0, 0}) {
+            group.normal = sum(group.normal, {at.normal[0], at.normal[1], at.normal[2]});
+            ++normalCount;
+        }
+        const bool isNew = last == nullptr || last->position != at.position;
+        last = &at;
+        if (!isNew) continue;
         ++group.last;
         for (int axis = 0; axis < 3; ++axis) {
-            group.low[axis] = std::min(group.low[axis], point[axis]);
-            group.high[axis] = std::max(group.high[axis], point[axis]);
+            group.low[axis] = std::min(group.low[axis], at.position[axis]);
+            group.high[axis] = std::max(group.high[axis], at.position[axis]);
         }
-        group.centre = sum(group.centre, point);
-        points_.push_back(point);
+        group.centre = sum(group.centre, at.position);
+        points_.push_back(at.position);
     }
-    for (Group& group : groups_)
-        group.centre = scaled(group.centre, 1.0 / (group.last - group.first));
+    endGroup();
 }
 
 const Point3& PointGroups::farthest(const Group& group, const Point3& direction) const {
@@ -70,28 +112,6 @@ const Point3& PointGroups::farthest(const Group& group, const Point3& direction)
         }
     }
     return points_[best];
-}
-
-Index PointGroups::nearest(const Point3& point, Index rings) const {
-    const auto centre = grid_.coordinatesOf(point);
-    Index best = -1;
-    double least = 0;
-    for (Index ring = 0; ring <= rings; ++ring) {
-        // A cube of this ring is at least ring − 1 cubes away.
-        const double reach = (ring - 1) * grid_.size;
-        if (best >= 0 && reach > 0 && reach * reach > least) break;
-        grid_.forEachInRing(centre, ring, [&](Index cube) {
-            const Index group = groupOfCube_[cube];
-            if (group < 0) return;
-            const Point3 way = difference(groups_[group].centre, point);
-            const double distance = dot(way, way);
-            if (best < 0 || distance < least || (distance == least && group < best)) {
-                best = group;
-                least = distance;
-            }
-        });
-    }
-    return best;
 }
 
 }  // namespace espalier::cages

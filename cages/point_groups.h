@@ -3,8 +3,10 @@
 
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/base/vector3.h>
 
 #include <array>
+#include <compare>
 #include <span>
 #include <vector>
 
@@ -54,38 +56,90 @@ struct CubeGrid {
     }
 };
 
-/// Points of a model, grouped by the cubes of a grid.
+/// A point of a model.
+struct FitPoint {
+    Point3 position = {};
+
+    /// Direction away from the solid, a unit vector; zero: not known.
+    std::array<float, 3> normal = {0, 0, 0};
+
+    /// The cell of the lattice that the point belongs to; −1: any. Cells that are far away from
+    /// this cell along the lattice are not fitted to the point, even if they are close to it. So
+    /// the cells of parts that are close to each other may overlap before the fit.
+    Index cell = -1;
+
+    /// True: the point is inside the solid. The boundary is not fitted to the point, but must
+    /// contain it.
+    bool isInner = false;
+
+    auto operator<=>(const FitPoint&) const = default;
+};
+
+/// Points of a model, grouped by the cubes of a grid and by the cells that they belong to. Inner
+/// points form groups of their own.
 class PointGroups {
 public:
     struct Group {
         Index cube = 0;
+        Index cell = -1;
+        bool isInner = false;
         Index first = 0, last = 0;  ///< points first to last − 1
         Point3 low = {}, high = {};
         Point3 centre = {};  ///< mean of the points
+        Point3 normal = {};  ///< a unit vector, or zero if the normals are not known or differ
     };
 
-    /// Sorts and groups points. The order of `points` has no effect.
-    PointGroups(std::span<const Point3> points, const CubeGrid& grid);
+    /// Sorts and groups points. Their order has no effect.
+    PointGroups(std::span<const FitPoint> points, const CubeGrid& grid);
 
     const CubeGrid& grid() const { return grid_; }
     std::span<const Point3> points() const { return points_; }
     std::span<const Group> groups() const { return groups_; }
 
-    /// Returns the group of a cube; −1 if the cube is empty.
-    Index inCube(Index cube) const { return groupOfCube_[cube]; }
+    /// Calls visit(group) for the groups in a cube, by ascending cells.
+    template <class Visit>
+    void forEachInCube(Index cube, Visit visit) const {
+        const Index first = firstOfCube_[cube];
+        for (Index group = first; group >= 0 && group < std::ssize(groups_); ++group) {
+            if (groups_[group].cube != cube) break;
+            visit(group);
+        }
+    }
 
     /// Returns the point of a group that is farthest along `direction`.
     const Point3& farthest(const Group& group, const Point3& direction) const;
 
-    /// Returns the group whose centre is nearest to a point; −1 if none is within `rings` rings of
-    /// cubes.
-    Index nearest(const Point3& point, Index rings) const;
+    /// Returns the group whose centre is nearest to a point, of those with accept(group); −1 if
+    /// none is within `rings` rings of cubes.
+    template <class Accept>
+    Index nearest(const Point3& point, Index rings, Accept accept) const {
+        const auto centre = grid_.coordinatesOf(point);
+        Index best = -1;
+        double least = 0;
+        for (Index ring = 0; ring <= rings; ++ring) {
+            // A cube of this ring is at least ring − 1 cubes away.
+            const double reach = (ring - 1) * grid_.size;
+            if (best >= 0 && reach > 0 && reach * reach > least) break;
+            grid_.forEachInRing(centre, ring, [&](Index cube) {
+                forEachInCube(cube, [&](Index group) {
+                    const Point3 way = difference(groups_[group].centre, point);
+                    const double distance = dot(way, way);
+                    if (best >= 0 && (distance > least || (distance == least && group > best)))
+                        return;
+                    if (!accept(group)) return;
+                    best = group;
+                    least = distance;
+                });
+            });
+        }
+        return best;
+    }
 
 private:
     CubeGrid grid_;
     std::vector<Point3> points_;
     std::vector<Group> groups_;
-    std::vector<Index> groupOfCube_;  ///< −1 for an empty cube
+    std::vector<Index> firstOfCube_;  ///< the first group; −1 for an empty cube
 };
 
 }  // namespace espalier::cages

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/printable.h>
+#include <espalier/base/vector3.h>
+#include <espalier/embed/embedding.h>
+#include <espalier/far/standard_cells.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
-#include <espalier/limit/limit_binding.h>
 #include <espalier/shapes/around.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "bind_model.h"
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -26,17 +29,17 @@ struct AroundCommandOptions {
     std::vector<double> part;  ///< two corners of a box; empty for whole models
     shapes::AroundOptions shape;
     std::string output;
+    const CLI::App* command = nullptr;
 };
 
 /// Reads the points of all models that are in the part.
 std::vector<Point3> readPoints(const AroundCommandOptions& options, Stages& stages) {
     std::vector<Point3> points;
+    BoundingBox part;
+    for (std::size_t i = 0; i < options.part.size(); i += 3)
+        part.include({options.part[i], options.part[i + 1], options.part[i + 2]});
     const auto isInPart = [&](const Point3& point) {
-        for (std::size_t axis = 0; axis < options.part.size() / 2; ++axis) {
-            const auto [low, high] = std::minmax(options.part[axis], options.part[axis + 3]);
-            if (point[axis] < low || point[axis] > high) return false;
-        }
-        return true;
+        return options.part.empty() || part.contains(point);
     };
     for (const std::string& path : options.models) {
         const auto model = stages.read(path, [&] { return io::readModel(path); });
@@ -48,18 +51,34 @@ std::vector<Point3> readPoints(const AroundCommandOptions& options, Stages& stag
     return points;
 }
 
-/// Returns the number of points outside the limit of the lattice, and outside the level that the
-/// program binds to by default. Rounding can put a point on the boundary on either side.
-Index countOutside(const Lattice& lattice, std::span<const Point3> points, Stages& stages) {
-    return stages.run("checking", [&] {
-        const far::TopologyRefiner base(lattice.complex);
-        const embed::RestLattice rest{base, lattice.positions};
-        const auto outside = [&](const auto& bound) {
-            return static_cast<Index>(points.size()) - bound.count(embed::PointStatus::Inside);
-        };
-        return std::max(outside(embed::bindPoints(rest, points, {.level = BindOptions().level})),
-                        outside(limit::bindLimit(rest, points, {})));
-    });
+/// Returns the number of points outside the levels and the limit of a lattice that around() made.
+///
+/// Such a lattice has no marks. Under the default rules, all its levels and its limit fill exactly
+/// its box (shapes/around.h), so each point is compared with the box alone. Rounding puts points
+/// outside only where the box is tiny compared with its distance from the origin. As in binding,
+/// points within the default tolerance count as inside.
+Index countOutside(const Lattice& lattice, std::span<const Point3> points) {
+    // The axes of the box are the edges of its first cell, in VTK's order.
+    const auto corners = *far::hexahedronVertices(lattice.complex, CellId(0));
+    const Point3& origin = lattice.positions[corners[0]];
+    std::array<Point3, 3> axes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Index neighbour = corners[far::kHexahedronNeighbours[0][axis]];
+        axes[axis] = normalised(difference(lattice.positions[neighbour], origin));
+    }
+    const auto along = [&](const Point3& point) {
+        const Point3 from = difference(point, origin);
+        return Point3{dot(from, axes[0]), dot(from, axes[1]), dot(from, axes[2])};
+    };
+    BoundingBox box;
+    for (const Point3& vertex : lattice.positions) box.include(along(vertex));
+    const double tolerance = embed::EmbeddingOptions().tolerance * box.diagonal();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.min[axis] -= tolerance;
+        box.max[axis] += tolerance;
+    }
+    return static_cast<Index>(
+        std::ranges::count_if(points, [&](const Point3& p) { return !box.contains(along(p)); }));
 }
 
 /// Returns the options of the lattice.
@@ -84,14 +103,17 @@ void runAround(const AroundCommandOptions& options) {
     const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const std::vector<Point3> points = readPoints(options, stages);
-    // Each round doubles the margin. Only margins near 0 need a round.
+    // Each round doubles the margin.
     constexpr double kSmallestMargin = 1e-9;
     constexpr int kMaxRounds = 10;
     for (int round = 0;; ++round) {
         const Lattice lattice = stages.run("building", [&] {
-            return ofFile(options.models.front(), [&] { return shapes::around(points, shape); });
+            return ofFile(options.models.front(), [&] {
+                return withNamesOfOptions(*options.command,
+                                          [&] { return shapes::around(points, shape); });
+            });
         });
-        const Index outside = countOutside(lattice, points, stages);
+        const Index outside = stages.run("checking", [&] { return countOutside(lattice, points); });
         if (outside > 0 && round < kMaxRounds) {
             shape.margin = std::max(2 * shape.margin, kSmallestMargin);
             continue;
@@ -116,13 +138,14 @@ void runAround(const AroundCommandOptions& options) {
 void addAroundCommand(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "around", "A box of hexahedra around the points of one or more models", runAround);
-    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
+    options.command = &command;
+    command.add_option("MODEL", options.models, "The models: " + kModelFiles)
         ->required()
         ->expected(1, 1000);
     CLI::Option* const cells =
         addNumbers(command, "--cells", options.cells, "N|I J K",
-                   "One number: cells along the longest side, and as many along the others as make "
-                   "them closest to cubes. Three numbers: cells along x, y and z")
+                   "One number: cells along the longest side; the other sides get the numbers that "
+                   "make the cells closest to cubes. Three numbers: cells along x, y and z")
             ->expected(1, 3)
             ->default_str("4");
     command

@@ -56,11 +56,10 @@ std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
 }  // namespace
 
 void addModelAndRest(CLI::App& command, BindOptions& options) {
-    command.add_option("MODEL", options.model, "The model: .obj, .ply, .stl, .vtu, .vtp or .vtk")
-        ->required();
+    command.add_option("MODEL", options.model, "The model: " + kModelFiles)->required();
     command
         .add_option("--rest", options.rest,
-                    "The lattice at rest, around the model: .ovm, .vtu or .vtk")
+                    "The lattice at rest, around the model: " + kLatticeFiles)
         ->required();
 }
 
@@ -111,13 +110,12 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
 void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
                          const CommonOptions& options) {
     const Offset outside = std::ranges::count(statuses, embed::PointStatus::Outside);
-    if (options.quiet || outside == 0 || options.embedding.outside != embed::OutsidePolicy::Keep)
-        return;
+    if (options.quiet || outside == 0 || options.outside->count() > 0) return;
     const Offset all = std::ssize(statuses);
     printError(
         fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
-                    "--outside nearest to move them with the nearest cell, or make a lattice "
-                    "around the whole model: espalier shape around",
+                    "--outside nearest to move them with the nearest cell, --outside keep if they "
+                    "should stay, or make a lattice around the whole model: espalier shape around",
                     outside, all, outside == 1 ? "is" : "are", outside == 1 ? "stays" : "stay",
                     outside < all ? ", so a pose may tear the model" : "")
             .c_str());

@@ -54,7 +54,8 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
                        const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
-/// the parts of a model that move may come apart from them. Prints nothing if the run is quiet.
+/// the parts of a model that move may come apart from them. Prints nothing if the command
+/// line has --outside or --quiet.
 /// \param statuses of all points
 void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
                          const CommonOptions& options);

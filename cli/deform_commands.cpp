@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
+#include <espalier/io/animations/animation_file.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
@@ -11,12 +13,16 @@
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "bind_model.h"
 #include "commands.h"
 #include "files.h"
+#include "mesh_check.h"
 #include "run_report.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
@@ -24,12 +30,15 @@ namespace {
 using embed::Binding;
 
 struct DeformOptions : BindOptions {
+    MeshOptions mesh;
     std::vector<std::string> poses;
     std::string output;
+    double framesPerSecond = 24;  ///< of an animation
     ReportFormat report = ReportFormat::Text;
 };
 
-/// Returns the output file of each pose. Checks all inputs and outputs before any work is done.
+/// Returns the output file of each pose; of an animation, its only file. Checks all inputs and
+/// outputs before any work is done.
 std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
@@ -38,12 +47,23 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     if (!isBound) inputs.push_back({"--rest", options.rest});
     for (const Input& pose : inputsOf("--to", options.poses)) inputs.push_back(pose);
     checkInputs(inputs);
+    if (io::isAnimationFile(options.output)) {
+        checkOutput(options.output, inputs);
+        return {options.output};
+    }
     for (int i = 0; i < count; ++i) {
-        paths.push_back(io::numberedPath(options.output, i, count));
+        paths.push_back(io::modelTarget(io::numberedPath(options.output, i, count)));
         checkOutput(paths.back(), inputs);
     }
     checkDistinct(paths);
     return paths;
+}
+
+/// Throws if the model cannot be written to the output. Names the data that an output in another
+/// format lacks on standard error. Call this between stages.
+void checkTarget(const io::Model& model, const std::filesystem::path& output) {
+    if (const std::string losses = model.checkTarget(output); !losses.empty())
+        printError(losses.c_str());
 }
 
 /// Returns the deformation gradient of each point for a pose of the lattice.
@@ -67,27 +87,109 @@ std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradi
     return result;
 }
 
-/// Applies a pose and writes the deformed model.
-/// \param rest the lattice at rest; empty if it is not known
-/// \param gradients deform the normals and tangents of the model, if there are any
-void writePose(const io::Model& model, const Binding& binding, const std::vector<Point3>& rest,
-               const std::optional<io::BoundGradients>& gradients, const std::vector<Point3>& pose,
-               const std::filesystem::path& path, Stages& stages) {
-    std::vector<io::DeformationGradient> atPoints;
-    const auto points = stages.run("applying", [&] {
-        auto moved = rest.empty() ? osd::evaluateBinding(binding, pose)
-                                  : osd::evaluateBinding(binding, {model.positions(), rest}, pose);
-        if (gradients) atPoints = gradientsAt(*gradients, rest, pose);
-        stages.addBytes(bytesOf(binding.table) + (pose.size() + moved.size()) * sizeof(Point3));
-        return moved;
-    });
-    stages.run("writing", [&] {
-        if (gradients)
-            model.write(path, points, atPoints);
-        else
-            model.write(path, points);
-        stages.addFile(path);
-    });
+/// A model that is bound to a lattice, and all that is needed to write a pose of it.
+struct Deformation {
+    const io::Model& model;
+    const Binding& binding;
+    const std::vector<Point3>& rest;  ///< the lattice at rest; empty if it is not known
+    const std::optional<io::BoundGradients>& gradients;  ///< deform normals and tangents, if there
+                                                         ///< are any
+
+    std::vector<Point3> pointsAt(const std::vector<Point3>& pose, Stages& stages) const {
+        return stages.run("applying", [&] {
+            auto points = rest.empty()
+                              ? osd::evaluateBinding(binding, pose)
+                              : osd::evaluateBinding(binding, {model.positions(), rest}, pose);
+            stages.addBytes(bytesOf(binding.table) +
+                            (pose.size() + points.size()) * sizeof(Point3));
+            return points;
+        });
+    }
+
+    void write(const std::filesystem::path& path, const std::vector<Point3>& points,
+               const std::vector<Point3>& pose, Stages& stages) const {
+        stages.run("writing", [&] {
+            if (gradients)
+                model.write(path, points, gradientsAt(*gradients, rest, pose));
+            else
+                model.write(path, points);
+            stages.addFile(path);
+        });
+    }
+};
+
+/// The reports on the mesh in each pose.
+struct MeshReports {
+    std::string text;
+    OrderedJson json = OrderedJson::array();
+};
+
+/// Applies all poses and writes the deformed models. Checks the cells of the model, if it has any.
+/// \param check may be null
+MeshReports writePoses(const Deformation& deformation, const DeformOptions& options,
+                       const std::vector<std::vector<Point3>>& poses,
+                       const std::vector<std::filesystem::path>& paths, const MeshCheck* check,
+                       Stages& stages) {
+    // Refuse a pose before the first one is written.
+    for (std::size_t i = 0; check && options.mesh.noInverted && i < poses.size(); ++i) {
+        auto points = deformation.pointsAt(poses[i], stages);
+        check->requireValid(check->check(points, options.mesh, stages), options.poses[i]);
+    }
+    MeshReports reports;
+    const auto pointsOf = [&](std::size_t i) {
+        auto points = deformation.pointsAt(poses[i], stages);
+        if (check) {
+            const MeshVerdict verdict = check->check(points, options.mesh, stages);
+            reports.text += check->text(verdict, options.poses[i]);
+            reports.json.push_back(check->toJson(verdict, options.poses[i]));
+            if (!options.common.quiet) check->warn(verdict, options.poses[i]);
+        }
+        return points;
+    };
+    if (io::isAnimationFile(options.output)) {
+        // Frames are applied while the file is written; the stages cannot be nested.
+        std::vector<std::vector<Point3>> frames;
+        for (std::size_t i = 0; i < poses.size(); ++i) frames.push_back(pointsOf(i));
+        stages.run("writing", [&] {
+            io::writeAnimation(options.output, deformation.model,
+                               {[&](std::size_t i) { return std::move(frames[i]); }, frames.size(),
+                                options.framesPerSecond});
+            stages.addFile(options.output);
+        });
+        return reports;
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        deformation.write(paths[i], pointsOf(i), poses[i], stages);
+    return reports;
+}
+
+/// Returns the check if the model has cells; null if not.
+/// \throws FileError if an option asks for a check of a model without cells
+const MeshCheck* requiredCheck(const std::optional<MeshCheck>& check,
+                               const DeformOptions& options) {
+    if (check && check->hasCells()) return &*check;
+    if (options.mesh.noInverted || options.mesh.largestStep)
+        throw io::FileError(
+            options.model,
+            concat("has no cells of a volume, which ",
+                   options.mesh.noInverted ? "--no-inverted" : "--largest-step", " could check",
+                   options.rest.empty() ? "; the faces of an OpenFOAM mesh are not "
+                                          "in a binding: use espalier deform"
+                                        : ""));
+    return nullptr;
+}
+
+void print(const RunReport& report, const MeshReports& meshes, const DeformOptions& options) {
+    if (options.common.quiet) return;
+    if (options.report == ReportFormat::Json) {
+        OrderedJson json = toJson(report);
+        if (!meshes.json.empty()) json["meshes"] = meshes.json;
+        fmt::print("{}\n", json.dump(2));
+    } else {
+        printText(report);
+        fmt::print("{}", meshes.text);
+    }
+    if (report.points) warnOfPointsOutside(report.points->statuses, options.common);
 }
 
 void runDeform(const DeformOptions& options) {
@@ -96,14 +198,19 @@ void runDeform(const DeformOptions& options) {
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
-    model->checkTarget(paths.front());
+    if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
                                               options.limit && model->hasDirections());
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.binding, rest.positions, gradients, poses[i], paths[i], stages);
-    print({&bound, bound.binding, stages, peakMemory()}, options.report, options.common);
+    const bool isChecked =
+        !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
+    std::optional<MeshCheck> check;
+    if (isChecked) check.emplace(options.model, *model, stages);
+    const MeshReports meshes =
+        writePoses({*model, bound.binding, rest.positions, gradients}, options, poses, paths,
+                   requiredCheck(check, options), stages);
+    print({&bound, bound.binding, stages, peakMemory()}, meshes, options);
 }
 
 void runBind(const DeformOptions& options) {
@@ -114,11 +221,12 @@ void runBind(const DeformOptions& options) {
     checkOutput(options.output, inputs, {".espb"});
     Stages stages(options.common.quiet);
     io::BoundModel file;
-    file.modelName = std::filesystem::path(options.model).filename().string();
+    const std::filesystem::path modelPath = io::modelFile(options.model);
+    file.modelName = modelPath.filename().string();
     const auto model = stages.run("reading", [&] {
-        file.modelBytes = io::readFile(options.model);
+        file.modelBytes = io::readFile(modelPath);
         stages.addBytes(file.modelBytes.size());
-        return io::readModel(options.model, file.modelBytes);
+        return io::readModel(modelPath, file.modelBytes);
     });
     const Lattice rest = readLattice(options.rest, stages);
     auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
@@ -126,6 +234,7 @@ void runBind(const DeformOptions& options) {
     file.binding = std::move(bound.binding);
     file.gradients = std::move(gradients);
     file.rest = rest.positions;
+    file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
@@ -142,18 +251,23 @@ void runApply(const DeformOptions& options) {
         bound = io::readBoundModel(options.model);
         return io::readModel(bound.modelName, bound.modelBytes);
     });
-    model->checkTarget(paths.front());
+    if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const auto& table = bound.binding.table;
     if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model,
                             "is damaged: its model does not have the points that were bound");
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
-        return io::readPose(path, bound.binding, printable(options.model), notes);
+        return io::readPose(path, bound, printable(options.model), notes);
     };
     const auto poses = readPoses(options.poses, read, stages);
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.binding, bound.rest, bound.gradients, poses[i], paths[i], stages);
-    print({nullptr, bound.binding, stages, peakMemory()}, options.report, options.common);
+    // Checking takes much longer than applying, so only on request.
+    std::optional<MeshCheck> check;
+    if (options.mesh.noInverted || options.mesh.largestStep)
+        check.emplace(options.model, *model, stages);
+    const MeshReports meshes =
+        writePoses({*model, bound.binding, bound.rest, bound.gradients}, options, poses, paths,
+                   requiredCheck(check, options), stages);
+    print({nullptr, bound.binding, stages, peakMemory()}, meshes, options);
 }
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
@@ -165,9 +279,15 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         ->required();
     addOutputOption(
         command, options.output,
-        "The deformed model, in the format of MODEL. With several poses, %04d in the name "
-        "stands for the number of the pose, and .0000, .0001 ... is added without it")
+        "The deformed model, in the format of MODEL or, by its extension, in another model format. "
+        "With several poses, %04d in the name stands for the number of the pose, and .0000, .0001 "
+        "... is added without it. Or all poses in one file: a point cache (.pc2, .mdd), or glTF "
+        "with morph targets (.glb)")
         ->required();
+    command
+        .add_option("--frame-rate", options.framesPerSecond, "Poses per second in an .mdd or .glb")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
 }
 
 void addRunAndReport(CLI::App& command, DeformOptions& options) {
@@ -185,6 +305,7 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(deform, deformOptions);
     addPosesAndOutput(deform, deformOptions);
     addBindingOptions(deform, deformOptions);
+    addMeshOptions(deform, deformOptions.mesh);
     addRunAndReport(deform, deformOptions);
 
     const auto [bind, bindOptions] = addCommand(
@@ -199,6 +320,7 @@ void addDeformCommands(CLI::App& program) {
         addCommand(program, "apply", "Deform a bound model by each pose of its lattice", runApply);
     apply.add_option("BINDING", applyOptions.model, "The bound model: .espb")->required();
     addPosesAndOutput(apply, applyOptions);
+    addMeshOptions(apply, applyOptions.mesh);
     addRunAndReport(apply, applyOptions);
 }
 

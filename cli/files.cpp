@@ -4,6 +4,7 @@
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
 #include <espalier/io/pose_file.h>
 #include <espalier/shapes/refiner_options.h>
 #include <fmt/format.h>
@@ -88,7 +89,7 @@ void checkInputs(const std::vector<Input>& inputs) {
     std::vector<std::pair<const Input*, struct ::stat>> special;
     for (const Input& input : inputs) {
         const auto status = statusOf(input.path);
-        if (!status || S_ISREG(status->st_mode)) continue;
+        if (!status || S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) continue;
         const auto same = std::ranges::find_if(
             special, [&](const auto& other) { return isSameFile(other.second, *status); });
         if (same == special.end()) {
@@ -113,7 +114,8 @@ void checkOutput(const std::filesystem::path& output, const std::vector<Input>& 
     // A character device, such as a terminal or /dev/null, may be both input and output.
     if (const auto status = statusOf(output); status && !S_ISCHR(status->st_mode))
         for (const Input& input : inputs)
-            if (const auto other = statusOf(input.path); other && isSameFile(*status, *other))
+            if (const auto other = statusOf(io::modelFile(input.path));
+                other && isSameFile(*status, *other))
                 throw io::FileError(output, "is also an input (" + input.argument +
                                                 "), and would be overwritten; choose another name");
     const std::filesystem::path folder = output.parent_path();

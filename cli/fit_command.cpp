@@ -446,7 +446,7 @@ void addFitCommand(CLI::App& program) {
         ->type_size(6)
         ->expected(1)
         ->delimiter(',')
-        ->check(isNumberOf("X Y Z DX DY DZ"))
+        ->check(isNumberOf("the numbers X Y Z DX DY DZ"))
         ->type_name("X Y Z DX DY DZ")
         ->trigger_on_parse();
     addBindingOptions(command, options);

@@ -11,6 +11,7 @@
 #include <espalier/io/model.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
+#include <espalier/solve/mesh_quality.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -78,21 +79,6 @@ double cellVolume(const CellComplex& complex, const std::vector<Point3>& positio
     return volume;
 }
 
-/// Returns the smallest determinant of the three unit edge vectors at a corner of a hexahedron.
-double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Point3>& positions) {
-    constexpr std::size_t kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-    double smallest = 1;
-    for (std::size_t i = 0; i < 8; ++i) {
-        Vector3d edges[3];
-        for (std::size_t k = 0; k < 3; ++k)
-            edges[k] = (at(positions, corners[kNeighbours[i][k]]) - at(positions, corners[i]))
-                           .normalized();
-        smallest = std::min(smallest, edges[0].dot(edges[1].cross(edges[2])));
-    }
-    return smallest;
-}
-
 /// Counts the types n. On a base lattice, n is the number of edges of a cell at each of its
 /// vertices; on the levels above, all cells are of type n, with 2n faces.
 Histogram cellTypes(const CellComplex& complex, bool isBase) {
@@ -157,7 +143,9 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
         largestVolume = std::max(largestVolume, volume);
         invertedCells += !(volume > 0);
         if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
-            smallestJacobian = std::min(smallestJacobian, scaledJacobian(*corners, positions));
+            smallestJacobian =
+                std::min(smallestJacobian,
+                         solve::scaledJacobian(far::StandardCell::Hexahedron, *corners, positions));
     }
     return {{"counts", counts},
             {"euler_characteristic", complex.eulerCharacteristic()},
@@ -176,7 +164,7 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
 /// refined lattice may leave the convex hull there (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
                          const far::TopologyRefiner& refiner) {
-    const Extent extent = extentOf(lattice.positions);
+    const BoundingBox box(lattice.positions);
     std::vector<std::string> attributes;
     for (const VertexAttribute& attribute : lattice.attributes)
         attributes.push_back(attribute.name);
@@ -188,9 +176,9 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
     return {{"lattice", path},
-            {"bounds", {extent.least, extent.most}},
-            {"size", extent.size()},
-            {"diagonal", extent.diagonal()},
+            {"bounds", {box.min, box.max}},
+            {"size", box.size()},
+            {"diagonal", box.diagonal()},
             {"marks", lattice.marks.edges.size() + lattice.marks.vertices.size()},
             {"attributes", attributes},
             {"interior_edges_of_two_faces", edgesOfTwoFaces},
@@ -343,7 +331,7 @@ void printLevel(std::size_t number, const SortedJson& level) {
 void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("{}\n", printable(options.lattice));
     fmt::print("{}",
-               Extent{report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}.text());
+               boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}));
     fmt::print("marks       {} edges and vertices with a sharpness set by hand\n",
                report["marks"].get<std::size_t>());
     std::string attributes;
@@ -409,7 +397,7 @@ struct Described {
 /// Reads a lattice or a model. A .vtu or .vtk without volume cells is a model, and with --model
 /// every .vtu or .vtk is one.
 Described readDescribed(const InfoOptions& options) {
-    const std::filesystem::path path = options.lattice;
+    const std::filesystem::path path = io::modelFile(options.lattice);
     Described result;
     if (io::lowerCase(path.extension().string()) == ".espb") {
         io::BoundModel bound = io::readBoundModel(path);
@@ -479,10 +467,11 @@ void addInfoCommand(CLI::App& program) {
                    runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     command.get_option("LATTICE")->description(
-        "A lattice (.ovm, .vtu or .vtk), a model (.obj, .ply, .stl, .vtu, .vtp or .vtk) or a bound "
-        "model (.espb). A .vtu or .vtk is a lattice if it has cells of a volume");
+        "A lattice: " + kLatticeFiles + "; a model: " + kModelFiles +
+        "; or a bound model: .espb. A file that may be either is a lattice if it has cells of a "
+        "volume");
     command.add_flag("--model", options.asModel,
-                     "Describe a .vtu or .vtk as a model, whatever cells it has");
+                     "Describe a file that may be either as a model, whatever cells it has");
     command.add_flag("--json", options.json, "Print JSON");
     command.add_flag("--smoothness", options.smoothness,
                      "Also print how smooth the limit is at each irregular vertex and edge: the "

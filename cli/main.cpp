@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#ifdef ESPALIER_WITH_CGNS
+#include <espalier/io/cgns/cgns_model.h>
+#endif
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -21,15 +24,14 @@
 #include <vector>
 
 #ifdef ESPALIER_WITH_TBB
+#include <tbb/task_arena.h>
 #include <tbb/task_scheduler_observer.h>
 #endif
 
+#include "command_tree.h"
 #include "commands.h"
-#include "completion.h"
-#include "man_page.h"
 #include "run.h"
 #include "standard_streams.h"
-#include "unknown_words.h"
 #include "version.h"
 
 namespace {
@@ -43,7 +45,12 @@ using namespace espalier;
 /// signals wait.
 class SignalsToMainThread : public tbb::task_scheduler_observer {
 public:
-    SignalsToMainThread() { observe(true); }
+    SignalsToMainThread() {
+        // This call makes the data of this thread. If observe() had to and memory ran out, the
+        // destructor of oneTBB's class would read data that are not there.
+        tbb::this_task_arena::isolate([] {});
+        observe(true);
+    }
     ~SignalsToMainThread() override { observe(false); }
 
     /// oneTBB calls this when a thread begins to work.
@@ -163,6 +170,7 @@ int run(int argumentCount, char** arguments) {
             printError("expected a command, as listed above");
             return kUsage;
         }
+        endNumbers(command, words);
         std::ranges::reverse(words);  // as the parser takes them
         program.parse(std::move(words));
     } catch (const CLI::Success& helpOrVersion) {
@@ -178,6 +186,9 @@ int run(int argumentCount, char** arguments) {
 
 int main(int argumentCount, char** arguments) {
     using namespace espalier::cli;
+#ifdef ESPALIER_WITH_CGNS
+    espalier::io::addCgnsModels();
+#endif
     holdStandardStreams();
     try {
         const int code = run(argumentCount, arguments);

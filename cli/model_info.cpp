@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model_info.h"
 
+#include <espalier/base/disjoint_sets.h>
 #include <espalier/base/printable.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace espalier::cli {
@@ -21,29 +21,8 @@ struct Surface {
     std::size_t nonmanifoldEdges = 0;
 };
 
-/// Sets of points that faces join.
-class PointSets {
-public:
-    explicit PointSets(std::size_t count) : parents_(count) {
-        std::iota(parents_.begin(), parents_.end(), Index{0});
-    }
-
-    Index rootOf(Index point) {
-        while (parents_[point] != point) {
-            parents_[point] = parents_[parents_[point]];
-            point = parents_[point];
-        }
-        return point;
-    }
-
-    void join(Index a, Index b) { parents_[rootOf(a)] = rootOf(b); }
-
-private:
-    std::vector<Index> parents_;
-};
-
 Surface surfaceOf(const io::ModelFaces& faces, std::size_t pointCount) {
-    PointSets sets(pointCount);
+    DisjointSets sets(pointCount);
     std::vector<bool> isUsed(pointCount);
     std::vector<std::pair<Index, Index>> edges;
     edges.reserve(faces.corners.size());
@@ -57,10 +36,8 @@ Surface surfaceOf(const io::ModelFaces& faces, std::size_t pointCount) {
         }
     }
     Surface surface;
-    for (std::size_t point = 0; point < pointCount; ++point) {
-        const auto index = static_cast<Index>(point);
-        if (isUsed[point] && sets.rootOf(index) == index) ++surface.components;
-    }
+    for (std::size_t point = 0; point < pointCount; ++point)
+        if (isUsed[point] && sets.rootOf(point) == point) ++surface.components;
     surface.pointsInNoFace = std::count(isUsed.begin(), isUsed.end(), false);
     std::sort(edges.begin(), edges.end());
     for (auto first = edges.begin(); first != edges.end();) {
@@ -92,35 +69,16 @@ std::string counted(std::size_t count, const char* singular, const char* plural)
 
 }  // namespace
 
-Point3 Extent::size() const {
-    return {most[0] - least[0], most[1] - least[1], most[2] - least[2]};
-}
-
-double Extent::diagonal() const {
-    const Point3 sides = size();
-    return std::hypot(sides[0], sides[1], sides[2]);
-}
-
-std::string Extent::text() const {
+std::string boundsText(const BoundingBox& box) {
     return fmt::format("bounds      ({:.4g}) to ({:.4g})\nsize        {:.4g}, diagonal {:.4g}\n",
-                       fmt::join(least, ", "), fmt::join(most, ", "), fmt::join(size(), " × "),
-                       diagonal());
-}
-
-Extent extentOf(std::span<const Point3> points) {
-    Extent extent{points.front(), points.front()};
-    for (const Point3& point : points)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            extent.least[axis] = std::min(extent.least[axis], point[axis]);
-            extent.most[axis] = std::max(extent.most[axis], point[axis]);
-        }
-    return extent;
+                       fmt::join(box.min, ", "), fmt::join(box.max, ", "),
+                       fmt::join(box.size(), " × "), box.diagonal());
 }
 
 nlohmann::json reportModel(const std::string& path, const io::Model& model) {
-    const io::ModelFaces faces = model.readFaces();
+    const io::ModelFaces faces = model.readSurface().faces;
     const Surface surface = surfaceOf(faces, model.positions().size());
-    const Extent extent = extentOf(model.positions());
+    const BoundingBox box(model.positions());
     nlohmann::json report = {{"model", path},
                              {"points", model.positions().size()},
                              {"faces", faces.count()},
@@ -130,9 +88,9 @@ nlohmann::json reportModel(const std::string& path, const io::Model& model) {
                                             surface.nonmanifoldEdges == 0},
                              {"boundary_edges", surface.boundaryEdges},
                              {"nonmanifold_edges", surface.nonmanifoldEdges},
-                             {"bounds", {extent.least, extent.most}},
-                             {"size", extent.size()},
-                             {"diagonal", extent.diagonal()},
+                             {"bounds", {box.min, box.max}},
+                             {"size", box.size()},
+                             {"diagonal", box.diagonal()},
                              {"precision", nameOf(model.storage())}};
     if (model.extension() == ".stl") {
         // Each facet has corners of its own; those at one place are one point of the surface.
@@ -160,7 +118,7 @@ std::string modelText(const nlohmann::json& report) {
                                 counted(count("boundary_edges"), "edge", "edges"),
                                 count("nonmanifold_edges"));
     }
-    text += Extent{report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()}.text();
+    text += boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()});
     return text + fmt::format("precision   {}\n", report["precision"].get<std::string>());
 }
 

@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/base/point.h>
+#include <espalier/base/bounding_box.h>
 #include <espalier/io/model.h>
 
-#include <cstddef>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
-#include <utility>
 
 namespace espalier::cli {
 
-/// The box around points, along the axes.
-struct Extent {
-    Point3 least, most;
-
-    /// Returns the lengths of the sides.
-    Point3 size() const;
-    double diagonal() const;
-
-    /// Returns the extent as the lines "bounds" and "size" of a report.
-    std::string text() const;
-};
-
-/// \param points at least one
-Extent extentOf(std::span<const Point3> points);
+/// Returns a box as the lines "bounds" and "size" of a report.
+std::string boundsText(const BoundingBox& box);
 
 /// Returns the report of `info` on a model that was read from `path`:
 ///

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
+#include <algorithm>
+#include <cctype>
+#include <string_view>
 #include <vector>
 
 namespace espalier::cli {
@@ -9,8 +12,8 @@ void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options
     const bool isAny = kind == FileKind::Refinable;
     command
         .add_option(isAny ? "LATTICE|MESH|CURVE" : "LATTICE", options.lattice,
-                    isAny ? "A lattice (.ovm, .vtu or .vtk), or a mesh or a curve (.obj)"
-                          : "The lattice: .ovm, .vtu or .vtk")
+                    isAny ? "A lattice: " + kLatticeFiles + "; or a mesh or a curve: .obj"
+                          : "The lattice: " + kLatticeFiles)
         ->required();
     addLevelOption(command, options.level, 0);
     addRefinementOptions(command, options.common, isAny ? RulesFor::Anything : RulesFor::Lattices);
@@ -56,17 +59,15 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
     // CLI::Range would accept NaN.
     const CLI::Validator isFraction(
         [](std::string& text) {
-            double number = 0;
-            const bool isOne =
-                CLI::detail::lexical_cast(text, number) && number >= 0 && number <= 1;
+            const auto number = numberOf(text);
+            const bool isOne = number && *number >= 0 && *number <= 1;
             return isOne ? std::string() : "expected 0 to 1, got " + text;
         },
         "");
-    addChoice<embed::OutsidePolicy>(command, "--outside", options.embedding.outside,
-                                    embed::kOutsidePolicyWords,
-                                    "Points outside the lattice. keep: they stay where they are; "
-                                    "nearest: they move with the nearest cell; error: they are an "
-                                    "error");
+    options.outside = addChoice<embed::OutsidePolicy>(
+        command, "--outside", options.embedding.outside, embed::kOutsidePolicyWords,
+        "Points outside the lattice. keep: they stay where they are, without a warning if you give "
+        "this word; nearest: they move with the nearest cell; error: they are an error");
     command
         .add_option(
             "--tolerance", options.embedding.tolerance,
@@ -101,16 +102,91 @@ CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::st
     return command.add_option(name, path, help)->check(isNotDash);
 }
 
-CLI::Validator isNumberOf(const std::string& names) {
+std::optional<double> numberOf(const std::string& word) {
+    double number = 0;
+    if (!CLI::detail::lexical_cast(word, number)) return std::nullopt;
+    return number;
+}
+
+CLI::Option* takeNumbers(CLI::Option* option, const std::string& names) {
+    // The parser refuses too many numbers. The word -- ends the numbers: see endNumbers().
+    return option->delimiter(',')
+        ->check(isNumberOf("the numbers " + names))
+        ->type_name(names)
+        ->allow_extra_args();
+}
+
+CLI::Validator isNumberOf(const std::string& words) {
     return CLI::Validator(
-        [names](std::string& text) {
-            double number = 0;
-            return CLI::detail::lexical_cast(text, number)
-                       ? std::string()
-                       : "expected the numbers " + names + ", with spaces or commas between, got " +
-                             (text.empty() ? "nothing" : text);
+        [words](std::string& text) {
+            return numberOf(text) ? std::string()
+                                  : "expected " + words + ", with spaces or commas between, got " +
+                                        (text.empty() ? "nothing" : text);
         },
         "");
+}
+
+namespace {
+
+bool isLetter(char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0;
+}
+bool isCapital(char c) {
+    return std::isupper(static_cast<unsigned char>(c)) != 0;
+}
+
+/// Returns the option of a command that sets a field of a C++ struct: "--minor-radius" for
+/// "minorRadius". The option may have some of the words only: "--grid" for "gridCells", "--size"
+/// for "cellSize", "--joint" for "joints". Empty if there is no such option.
+std::string optionOfField(const CLI::App& command, std::string_view field) {
+    std::vector<std::string> words(1);
+    for (const char c : field) {
+        if (isCapital(c)) words.emplace_back();
+        words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+    const auto option = [&](std::size_t begin, std::size_t end) {
+        std::string name = "-";
+        for (std::size_t i = begin; i < end; ++i) name += "-" + words[i];
+        if (command.get_option_no_throw(name) != nullptr) return name;
+        if (name.back() == 's') name.pop_back();
+        return command.get_option_no_throw(name) != nullptr ? name : std::string();
+    };
+    for (std::size_t end = words.size(); end > 0; --end)
+        if (std::string name = option(0, end); !name.empty()) return name;
+    for (std::size_t begin = 1; begin < words.size(); ++begin)
+        if (std::string name = option(begin, words.size()); !name.empty()) return name;
+    return {};
+}
+
+}  // namespace
+
+std::string withoutFunction(const std::string& message) {
+    const std::size_t end = message.find(": ");
+    const bool isFunction =
+        end != std::string::npos && std::all_of(message.begin(), message.begin() + end, isLetter);
+    return isFunction ? message.substr(end + 2) : message;
+}
+
+void throwWithNamesOfOptions(const CLI::App& command, const Error& error) {
+    const std::string message = withoutFunction(error.what());
+    std::string text;
+    for (std::size_t at = 0; at < message.size();) {
+        const std::size_t begin = at;
+        while (at < message.size() && isLetter(message[at])) ++at;
+        const std::string word = message.substr(begin, at - begin);
+        // "minorRadius is 3": the first word is a field, unless it begins the name of a file
+        // ("output.vtu lacks ..."). Elsewhere, fields have capitals or an index.
+        const std::string_view after = std::string_view(message).substr(at);
+        const bool isField = after.starts_with('[') ||
+                             (begin == 0 ? after.starts_with(" is ")
+                                         : std::any_of(word.begin(), word.end(), isCapital));
+        const std::string option =
+            isField && !word.empty() ? optionOfField(command, word) : std::string();
+        text += option.empty() ? word : option;
+        if (at < message.size()) text += message[at++];
+    }
+    if (text.starts_with("--")) throw CLI::ValidationError(text, CLI::ExitCodes::ValidationError);
+    throw Error(message);
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/base/word.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/strata.h>
@@ -9,11 +11,19 @@
 
 #include <CLI/CLI.hpp>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
 
 namespace espalier::cli {
+
+/// The files that lattices and models are read from, for help texts.
+inline const std::string kLatticeFiles =
+    ".ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, an OpenFOAM case)";
+inline const std::string kModelFiles =
+    ".obj, .ply, .stl, .vtu, .vtp or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, "
+    ".cgns, an OpenFOAM case)";
 
 /// Adds an option that takes one of a few words. The help shows the words and the default.
 ///
@@ -49,6 +59,7 @@ struct CommonOptions {
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
     far::Rules rules = far::Rules::Siggraph96;
     embed::EmbeddingOptions embedding;
+    const CLI::Option* outside = nullptr;  ///< --outside, if the command has it
     bool quiet = false;
     int threads = 0;
 };
@@ -90,9 +101,16 @@ void addRunOptions(CLI::App& command, CommonOptions& options);
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name = "-o,--output");
 
-/// Returns a check that a word is a number. Its message has the names of all numbers of an option:
-/// "X Y Z".
-CLI::Validator isNumberOf(const std::string& names);
+/// Returns the value of a word that is a number; nothing if the word is no number.
+std::optional<double> numberOf(const std::string& word);
+
+/// Returns a check that a word is a number.
+/// \param words all words of the option, for the message: "the numbers X Y Z", "AXIS DEGREES"
+CLI::Validator isNumberOf(const std::string& words);
+
+/// Lets an option take several numbers, with spaces or commas between them.
+/// \param names the numbers in the help: "X Y Z"
+CLI::Option* takeNumbers(CLI::Option* option, const std::string& names);
 
 /// Adds an option that takes several numbers, with spaces or commas between them.
 ///
@@ -101,10 +119,29 @@ CLI::Validator isNumberOf(const std::string& names);
 template <class Value>
 CLI::Option* addNumbers(CLI::App& command, const std::string& name, Value& value,
                         const std::string& names, const std::string& help) {
-    return command.add_option(name, value, help)
-        ->delimiter(',')
-        ->check(isNumberOf(names))
-        ->type_name(names);
+    return takeNumbers(command.add_option(name, value, help), names);
+}
+
+/// Throws the exception that withNamesOfOptions() throws in place of `error`.
+[[noreturn]] void throwWithNamesOfOptions(const CLI::App& command, const Error& error);
+
+/// Returns the message of a library without the name of the function at its start: "angle is nan"
+/// for "twist: angle is nan".
+std::string withoutFunction(const std::string& message);
+
+/// Calls a function of a library whose arguments are the options of a command.
+/// \throws CLI::ValidationError in place of an Error that names such an argument, with the names of
+///         the options: "torus: minorRadius is 3" becomes "--minor-radius is 3"; Error in place of
+///         another Error, with the same message but without the name of the function
+template <class Call>
+auto withNamesOfOptions(const CLI::App& command, const Call& call) {
+    try {
+        return call();
+    } catch (const MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        throwWithNamesOfOptions(command, error);
+    }
 }
 
 /// Adds -n to a command.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
-#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
@@ -9,10 +8,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <iterator>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -24,10 +28,15 @@ namespace {
 
 namespace pose = shapes::pose;
 
-/// An option with its values. The order of these options matters.
+constexpr const char* kSelect = "--select";
+
+class Posing;
+
+/// An option that selects vertices, sets a place or runs an operation, and its effect. Steps run in
+/// the order of the options.
 struct Step {
     std::string option;
-    std::vector<std::string> words;
+    std::function<void(Posing&)> run;
 };
 
 struct PoseOptions {
@@ -36,52 +45,6 @@ struct PoseOptions {
     std::string output;
     std::vector<Step> steps;
 };
-
-[[noreturn]] void refuse(const Step& step, const std::string& expected) {
-    throw CLI::ValidationError(
-        step.option, fmt::format("{}: expected {}", fmt::join(step.words, " "), expected));
-}
-
-double number(const Step& step, std::size_t i, const std::string& expected) {
-    double value = 0;
-    if (i >= step.words.size() || !io::parseNumber(std::string_view(step.words[i]), value))
-        refuse(step, expected);
-    return value;
-}
-
-/// Returns the numbers of a step from word `begin` on.
-template <std::size_t count>
-std::array<double, count> numbers(const Step& step, std::size_t begin,
-                                  const std::string& expected) {
-    if (step.words.size() != begin + count) refuse(step, expected);
-    std::array<double, count> values;
-    for (std::size_t i = 0; i < count; ++i) values[i] = number(step, begin + i, expected);
-    return values;
-}
-
-/// A kind of selection, and the words that follow its name.
-struct SelectionKind {
-    std::string_view name, words;
-    std::size_t count;  ///< number of words; 0: one or more
-};
-constexpr SelectionKind kSelectionKinds[] = {
-    {"box", "X0 Y0 Z0 X1 Y1 Z1", 6},     {"ball", "X Y Z RADIUS", 4},
-    {"half-space", "X Y Z NX NY NZ", 6}, {"end", "AXIS with a sign, such as +z", 1},
-    {"vertices", "NUMBER...", 0},        {"attribute", "NAME", 1}};
-
-/// \throws CLI::ValidationError unless the words of a --select are a kind with its words
-void checkWords(const Step& step) {
-    std::string kinds;
-    for (const SelectionKind& kind : kSelectionKinds) {
-        const std::string form = fmt::format("{} {}", kind.name, kind.words);
-        kinds += (kinds.empty() ? "" : "; ") + form;
-        if (step.words.empty() || step.words[0] != kind.name) continue;
-        const std::size_t count = step.words.size() - 1;
-        if (kind.count == 0 ? count > 0 : count == kind.count) return;
-        refuse(step, form);
-    }
-    refuse({step.option, {step.words.empty() ? "" : step.words[0]}}, kinds);
-}
 
 /// Returns the direction that a word names: x, +y, -z.
 std::optional<Point3> directionOf(std::string_view word) {
@@ -96,11 +59,134 @@ std::optional<Point3> directionOf(std::string_view word) {
     return direction;
 }
 
-Point3 direction(const Step& step, std::size_t i, const std::string& expected) {
-    if (i >= step.words.size()) refuse(step, expected);
-    const auto result = directionOf(step.words[i]);
-    if (!result) refuse(step, expected);
-    return *result;
+/// Returns a check that a word names a direction.
+CLI::Validator isDirection() {
+    return CLI::Validator(
+        [](std::string& word) {
+            return directionOf(word) ? std::string()
+                                     : "expected an axis x, y or z, or with a sign: +x, -z; got " +
+                                           (word.empty() ? "nothing" : word);
+        },
+        "");
+}
+
+std::optional<shapes::Falloff::Profile> falloffOf(std::string_view word) {
+    const auto known =
+        std::ranges::find(shapes::kFalloffWords, word, &Word<shapes::Falloff::Profile>::text);
+    if (known == std::end(shapes::kFalloffWords)) return std::nullopt;
+    return known->choice;
+}
+
+/// A set of vertices that --select names.
+struct Selection {
+    std::string text;  ///< the words
+    std::function<std::vector<double>(const Lattice&, const shapes::Falloff&)> weights;
+    bool takesFalloff = true;
+};
+
+/// Returns the weights that an attribute holds.
+/// \throws CLI::ValidationError if there is no such attribute, or a value is not a weight
+std::vector<double> weightsIn(const Lattice& lattice, const std::string& name) {
+    const auto hasName = [&](const auto& attribute) { return attribute.name == name; };
+    const auto real = std::ranges::find_if(lattice.attributes, hasName);
+    const auto whole = std::ranges::find_if(lattice.integers, hasName);
+    std::vector<double> weights;
+    if (real != lattice.attributes.end() && real->components == 1) {
+        weights = real->values;
+    } else if (whole != lattice.integers.end() && whole->components == 1) {
+        weights.assign(whole->values.begin(), whole->values.end());
+    } else {
+        std::vector<std::string> names;
+        for (const auto& attribute : lattice.attributes) names.push_back(printable(attribute.name));
+        for (const auto& attribute : lattice.integers) names.push_back(printable(attribute.name));
+        throw CLI::ValidationError(
+            kSelect,
+            fmt::format("the lattice has no attribute {} with one value for each vertex; its "
+                        "attributes: {}",
+                        printable(name),
+                        names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+    }
+    for (std::size_t v = 0; v < weights.size(); ++v)
+        if (!(weights[v] >= 0 && weights[v] <= 1))
+            throw CLI::ValidationError(
+                kSelect, fmt::format("attribute {} is {} at vertex {}; expected 0 to 1",
+                                     printable(name), weights[v], v));
+    return weights;
+}
+
+/// The kinds of selections, and the words that follow their names.
+constexpr std::pair<std::string_view, std::string_view> kSelectionKinds[] = {
+    {"box", "X0 Y0 Z0 X1 Y1 Z1"},     {"ball", "X Y Z RADIUS"},
+    {"half-space", "X Y Z NX NY NZ"}, {"end", "AXIS with a sign, such as +z"},
+    {"vertices", "NUMBER..."},        {"attribute", "NAME"}};
+
+/// Returns the selection that the words of a --select name.
+/// \throws CLI::ValidationError with the words that were expected
+Selection selectionOf(const std::vector<std::string>& words) {
+    const std::string kind = words.empty() ? "" : words[0];
+    const auto known = std::ranges::find(kSelectionKinds, kind,
+                                         &std::pair<std::string_view, std::string_view>::first);
+    const auto refuse = [](const std::string& got, const std::string& expected) {
+        throw CLI::ValidationError(kSelect, printable(got) + ": expected " + expected);
+    };
+    if (known == std::end(kSelectionKinds)) {
+        std::vector<std::string> forms;
+        for (const auto& [name, rest] : kSelectionKinds)
+            forms.push_back(fmt::format("{} {}", name, rest));
+        refuse(kind, fmt::format("{}", fmt::join(forms, "; ")));
+    }
+    const std::string text = fmt::format("{}", fmt::join(words, " "));
+    const std::string form = fmt::format("{} {}", known->first, known->second);
+    const auto numbers = [&](std::size_t count) {
+        std::vector<double> values;
+        for (const std::string& word : std::span(words).subspan(1))
+            if (const auto number = numberOf(word)) values.push_back(*number);
+        if (values.size() != words.size() - 1 || values.size() != count) refuse(text, form);
+        return values;
+    };
+    Selection result{text, {}};
+    if (kind == "box") {
+        result.weights = [n = numbers(6)](const Lattice& lattice, const shapes::Falloff& falloff) {
+            return shapes::selectBox(lattice.positions, {n[0], n[1], n[2]}, {n[3], n[4], n[5]},
+                                     falloff);
+        };
+    } else if (kind == "ball") {
+        result.weights = [n = numbers(4)](const Lattice& lattice, const shapes::Falloff& falloff) {
+            return shapes::selectBall(lattice.positions, {n[0], n[1], n[2]}, n[3], falloff);
+        };
+    } else if (kind == "half-space") {
+        result.weights = [n = numbers(6)](const Lattice& lattice, const shapes::Falloff& falloff) {
+            return shapes::selectHalfSpace(lattice.positions, {n[0], n[1], n[2]},
+                                           {n[3], n[4], n[5]}, falloff);
+        };
+    } else if (kind == "end") {
+        const auto direction = words.size() == 2 ? directionOf(words[1]) : std::nullopt;
+        if (!direction) refuse(text, form);
+        result.weights = [d = *direction](const Lattice& lattice, const shapes::Falloff& falloff) {
+            return shapes::selectEnd(lattice.positions, d, falloff);
+        };
+    } else if (kind == "vertices") {
+        if (words.size() < 2) refuse(text, form);
+        result.weights = [n = numbers(words.size() - 1), refuse, text](
+                             const Lattice& lattice, const shapes::Falloff& falloff) {
+            std::vector<Index> vertices;
+            for (const double number : n) {
+                if (!(number >= 0 && number < static_cast<double>(lattice.positions.size())) ||
+                    number != std::floor(number))
+                    refuse(text, fmt::format("numbers of vertices, 0 to {}",
+                                             lattice.positions.size() - 1));
+                vertices.push_back(static_cast<Index>(number));
+            }
+            return shapes::selectNumbers(lattice.positions, vertices, falloff);
+        };
+    } else {
+        if (words.size() != 2) refuse(text, form);
+        result.takesFalloff = false;
+        result.weights = [name = words[1]](const Lattice& lattice, const shapes::Falloff&) {
+            return weightsIn(lattice, name);
+        };
+    }
+    return result;
 }
 
 /// Applies the steps to a lattice, one after the other.
@@ -108,166 +194,59 @@ class Posing {
 public:
     explicit Posing(const Lattice& lattice) : lattice_(lattice), positions_(lattice.positions) {}
 
-    void apply(const Step& step) {
-        const std::string name = step.option.substr(2);
-        if (name == "select" || name == "select-all") {
-            falloff_ = {};
-            center_.reset();
-            range_.reset();
-            toward_.reset();
-            selection_ = name == "select" ? std::optional(step) : std::nullopt;
-            checkSelection();
-        } else if (name == "falloff") {
-            readFalloff(step);
-        } else if (name == "center") {
-            center_ = numbers<3>(step, 0, "X Y Z");
-        } else if (name == "range") {
-            range_ = numbers<2>(step, 0, "FROM TO");
-        } else if (name == "toward") {
-            toward_ = direction(step, 0, kAxis);
-        } else {
-            operate(name, step);
-        }
-    }
-
     const std::vector<Point3>& positions() const { return positions_; }
 
-private:
-    static constexpr const char* kAxis = "x, y or z, or with a sign: +x, -z";
-    static constexpr const char* kAxisAndAngle = "an axis (x, y or z) and degrees";
-
-    void operate(const std::string& name, const Step& step) {
-        const std::vector<double> weights = currentWeights();
-        const pose::Place place{weights, center_, range_};
-        const auto radians = [&] {
-            return number(step, 1, kAxisAndAngle) * (std::numbers::pi / 180);
-        };
-        if (name == "move") {
-            positions_ = pose::move(positions_, numbers<3>(step, 0, "X Y Z"), weights);
-        } else if (name == "scale") {
-            if (step.words.size() == 1) {
-                const double factor = number(step, 0, "one factor or three");
-                positions_ = pose::scale(positions_, {factor, factor, factor}, place);
-            } else {
-                positions_ =
-                    pose::scale(positions_, numbers<3>(step, 0, "one factor or three"), place);
-            }
-        } else if (name == "rotate") {
-            const Point3 axis = direction(step, 0, kAxisAndAngle);
-            positions_ = pose::rotate(positions_, axis, radians(), place);
-        } else if (name == "twist") {
-            const Point3 axis = direction(step, 0, kAxisAndAngle);
-            positions_ = pose::twist(positions_, axis, radians(), place);
-        } else if (name == "bend") {
-            const Point3 axis = direction(step, 0, kAxisAndAngle);
-            // By default the next of x, y, z.
-            const Point3 next = {std::abs(axis[2]), std::abs(axis[0]), std::abs(axis[1])};
-            positions_ = pose::bend(positions_, axis, radians(), toward_.value_or(next), place);
-        } else {
-            const char* const expected = "an axis (x, y or z) and a factor";
-            const Point3 axis = direction(step, 0, expected);
-            positions_ = pose::taper(positions_, axis, number(step, 1, expected), place);
-        }
+    /// Selects the vertices of `selection`; all vertices without one. Clears falloff, centre, range
+    /// and direction.
+    /// \throws CLI::ValidationError if no vertex is selected
+    void select(std::optional<Selection> selection) {
+        selection_ = std::move(selection);
+        falloff_ = {};
+        center.reset();
+        range.reset();
+        toward.reset();
+        if (!selection_) return;
+        const auto selected = weights();
+        if (std::ranges::none_of(selected, [](double weight) { return weight > 0; }))
+            throw CLI::ValidationError(
+                kSelect, printable(selection_->text) +
+                             ": expected at least one vertex there; the lattice has none");
     }
 
-    void readFalloff(const Step& step) {
-        const char* const expected = "linear or smooth, and a radius above 0";
-        if (step.words.size() != 2) refuse(step, expected);
-        const auto word = std::ranges::find(shapes::kFalloffWords, std::string_view(step.words[0]),
-                                            &Word<shapes::Falloff::Profile>::text);
-        falloff_ = {word == std::end(shapes::kFalloffWords) ? shapes::Falloff::Profile::Linear
-                                                            : word->choice,
-                    number(step, 1, expected)};
-        if (word == std::end(shapes::kFalloffWords) || !(falloff_.radius > 0))
-            refuse(step, expected);
+    void setFalloff(const shapes::Falloff& falloff) {
+        constexpr const char* kOption = "--falloff";
+        if (!(falloff.radius > 0)) throw CLI::ValidationError(kOption, "expected a radius above 0");
         if (!selection_)
             throw CLI::ValidationError(
-                step.option, "the whole lattice is selected; give --select before --falloff");
-        if (selection_->words[0] == "attribute")
+                kOption, "the whole lattice is selected; give --select before --falloff");
+        if (!selection_->takesFalloff)
             throw CLI::ValidationError(
-                step.option, "the values of an attribute are the weights already, without falloff");
+                kOption, "the values of an attribute are the weights already, without falloff");
+        falloff_ = falloff;
     }
 
+    /// Replaces the positions by operate(positions, place).
+    template <class Operate>
+    void operate(const Operate& operate) {
+        const std::vector<double> selected = weights();
+        positions_ =
+            operate(std::span<const Point3>(positions_), pose::Place{selected, center, range});
+    }
+
+    std::optional<Point3> center, toward;
+    std::optional<std::array<double, 2>> range;
+
+private:
     /// Returns the weight of each vertex; no weights if all vertices are selected. Selections use
     /// the positions in the file: operations before them do not matter.
-    std::vector<double> currentWeights() const {
-        if (!selection_) return {};
-        const Step& step = *selection_;
-        const std::string& kind = step.words[0];
-        const auto& rest = lattice_.positions;
-        if (kind == "box") {
-            const auto box = numbers<6>(step, 1, "numbers");
-            return shapes::selectBox(rest, {box[0], box[1], box[2]}, {box[3], box[4], box[5]},
-                                     falloff_);
-        }
-        if (kind == "ball") {
-            const auto ball = numbers<4>(step, 1, "numbers");
-            return shapes::selectBall(rest, {ball[0], ball[1], ball[2]}, ball[3], falloff_);
-        }
-        if (kind == "half-space") {
-            const auto side = numbers<6>(step, 1, "numbers");
-            return shapes::selectHalfSpace(rest, {side[0], side[1], side[2]},
-                                           {side[3], side[4], side[5]}, falloff_);
-        }
-        if (kind == "end") return shapes::selectEnd(rest, direction(step, 1, kAxis), falloff_);
-        if (kind == "attribute") return attributeWeights();
-        std::vector<Index> vertices;
-        for (std::size_t i = 1; i < step.words.size(); ++i) {
-            Index vertex = 0;
-            if (!io::parseNumber(std::string_view(step.words[i]), vertex))
-                refuse(step, "numbers of vertices");
-            vertices.push_back(vertex);
-        }
-        return shapes::selectNumbers(rest, vertices, falloff_);
-    }
-
-    /// Returns the values of the attribute that is selected.
-    std::vector<double> attributeWeights() const {
-        const Step& step = *selection_;
-        const std::string& name = step.words[1];
-        const auto hasName = [&](const auto& attribute) { return attribute.name == name; };
-        const auto real = std::ranges::find_if(lattice_.attributes, hasName);
-        const auto whole = std::ranges::find_if(lattice_.integers, hasName);
-        std::vector<double> weights;
-        if (real != lattice_.attributes.end() && real->components == 1)
-            weights = real->values;
-        else if (whole != lattice_.integers.end() && whole->components == 1)
-            weights.assign(whole->values.begin(), whole->values.end());
-        else
-            throw CLI::ValidationError(
-                step.option, fmt::format("the lattice has no attribute {} with one value for each "
-                                         "vertex; its attributes: {}",
-                                         printable(name), namesOfAttributes()));
-        for (std::size_t v = 0; v < weights.size(); ++v)
-            if (!(weights[v] >= 0 && weights[v] <= 1))
-                throw CLI::ValidationError(
-                    step.option, fmt::format("attribute {} is {} at vertex {}; expected 0 to 1",
-                                             printable(name), weights[v], v));
-        return weights;
-    }
-
-    std::string namesOfAttributes() const {
-        std::vector<std::string> names;
-        for (const auto& attribute : lattice_.attributes)
-            names.push_back(printable(attribute.name));
-        for (const auto& attribute : lattice_.integers) names.push_back(printable(attribute.name));
-        return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
-    }
-
-    /// \throws CLI::ValidationError if nothing is selected
-    void checkSelection() const {
-        if (!selection_) return;
-        const auto weights = currentWeights();
-        if (std::ranges::none_of(weights, [](double weight) { return weight > 0; }))
-            refuse(*selection_, "at least one vertex there; the lattice has none");
+    std::vector<double> weights() const {
+        return selection_ ? selection_->weights(lattice_, falloff_) : std::vector<double>();
     }
 
     const Lattice& lattice_;
     std::vector<Point3> positions_;
-    std::optional<Step> selection_;  ///< none: all vertices
+    std::optional<Selection> selection_;  ///< none: all vertices
     shapes::Falloff falloff_;
-    std::optional<Point3> center_, toward_;
-    std::optional<std::array<double, 2>> range_;
 };
 
 void runPose(const PoseOptions& options) {
@@ -282,11 +261,11 @@ void runPose(const PoseOptions& options) {
     stages.run("posing", [&] {
         for (const Step& step : options.steps) {
             try {
-                posing.apply(step);
+                step.run(posing);
             } catch (const MemoryError&) {
                 throw;
             } catch (const Error& error) {
-                throw CLI::ValidationError(step.option, error.what());
+                throw CLI::ValidationError(step.option, withoutFunction(error.what()));
             }
         }
     });
@@ -300,6 +279,161 @@ void runPose(const PoseOptions& options) {
                    lattice.positions.size());
 }
 
+/// Adds an option that may be given several times. run(posing, values) is its effect.
+template <class Values, class Run>
+CLI::Option* addStep(CLI::App& command, std::vector<Step>& steps, const std::string& name,
+                     const std::string& help, Run run) {
+    // CLI11 calls the function while it reads the arguments, so the steps keep their order.
+    return command
+        .add_option_function<Values>(
+            name,
+            [name, &steps, run](const Values& values) {
+                steps.push_back({name, [run, values](Posing& posing) { run(posing, values); }});
+            },
+            help)
+        ->trigger_on_parse();
+}
+
+/// Adds an operation of an axis and a number.
+template <class Operate>
+void addAlongAxis(CLI::App& command, std::vector<Step>& steps, const std::string& name,
+                  const std::string& numberName, const std::string& help, Operate operate) {
+    using AxisAndNumber = std::array<std::string, 2>;
+    const auto run = [operate](Posing& posing, const AxisAndNumber& values) {
+        const auto& [axis, number] = values;
+        posing.operate([&](const auto& positions, const pose::Place& place) {
+            return operate(positions, *directionOf(axis), *numberOf(number), place, posing);
+        });
+    };
+    const std::string names = "AXIS " + numberName;
+    addStep<AxisAndNumber>(command, steps, name, help, run)
+        ->delimiter(',')
+        ->check(isDirection().application_index(0))
+        ->check(isNumberOf(names).application_index(1))
+        ->type_name(names);
+}
+
+double radians(double degrees) {
+    return degrees * (std::numbers::pi / 180);
+}
+
+void addOperations(CLI::App& command, std::vector<Step>& steps) {
+    takeNumbers(addStep<Point3>(command, steps, "--move", "Move by a vector",
+                                [](Posing& posing, const Point3& offset) {
+                                    posing.operate([&](const auto& positions, const auto& place) {
+                                        return pose::move(positions, offset, place.weights);
+                                    });
+                                }),
+                "X Y Z");
+    addAlongAxis(
+        command, steps, "--rotate", "DEGREES",
+        "Rotate about an axis (x, y or z) through the centre, anticlockwise seen from its "
+        "tip",
+        [](const auto& positions, const Point3& axis, double degrees, const auto& place,
+           const Posing&) { return pose::rotate(positions, axis, radians(degrees), place); });
+    takeNumbers(
+        addStep<std::vector<double>>(
+            command, steps, "--scale", "Scale about the centre",
+            [](Posing& posing, const std::vector<double>& factors) {
+                if (factors.size() == 2)
+                    throw CLI::ValidationError("--scale", "expected one factor or three, got two");
+                const double first = factors.front();
+                const Point3 three = factors.size() == 1 ? Point3{first, first, first}
+                                                         : Point3{first, factors[1], factors[2]};
+                posing.operate([&](const auto& positions, const auto& place) {
+                    return pose::scale(positions, three, place);
+                });
+            }),
+        "FACTOR|X Y Z")
+        ->expected(1, 3);
+    addAlongAxis(
+        command, steps, "--twist", "DEGREES",
+        "Rotate about an axis, by an angle that grows from 0 along the axis",
+        [](const auto& positions, const Point3& axis, double degrees, const auto& place,
+           const Posing&) { return pose::twist(positions, axis, radians(degrees), place); });
+    addAlongAxis(command, steps, "--bend", "DEGREES", "Bend the axis into an arc of a circle",
+                 [](const auto& positions, const Point3& axis, double degrees, const auto& place,
+                    const Posing& posing) {
+                     // By default the next of x, y, z.
+                     const Point3 next = {std::abs(axis[2]), std::abs(axis[0]), std::abs(axis[1])};
+                     return pose::bend(positions, axis, radians(degrees),
+                                       posing.toward.value_or(next), place);
+                 });
+    addAlongAxis(command, steps, "--taper", "FACTOR",
+                 "Scale across the axis: by 1 at its start, FACTOR at its end",
+                 [](const auto& positions, const Point3& axis, double factor, const auto& place,
+                    const Posing&) { return pose::taper(positions, axis, factor, place); });
+}
+
+void addSelections(CLI::App& command, std::vector<Step>& steps) {
+    constexpr int kMany = 1000000;
+    command
+        .add_option_function<std::vector<std::string>>(
+            kSelect,
+            [&steps](std::vector<std::string> words) {
+                std::erase(words,
+                           "");  // CLI11 marks an incomplete group of words by an empty word.
+                steps.push_back({kSelect, [selection = selectionOf(words)](Posing& posing) {
+                                     posing.select(selection);
+                                 }});
+            },
+            "Vertices for the operations that follow: box X0 Y0 Z0 X1 Y1 Z1; ball X Y Z RADIUS; "
+            "half-space X Y Z NX NY NZ, a point of its plane and the normal into it; end +z, the "
+            "last layer in a direction; vertices NUMBER...; attribute NAME, whose values from 0 to "
+            "1 are the parts of the operation that the vertices get. Clears the four options below")
+        // Two words at least, so that the second one may begin with a minus. All words that follow
+        // them are numbers, so endNumbers() ends them.
+        ->type_size(2, kMany)
+        ->expected(1)
+        ->allow_extra_args()
+        ->type_name("KIND ...")
+        ->delimiter(',')
+        ->trigger_on_parse();
+    command
+        .add_flag_callback(
+            "--select-all",
+            [&steps] {
+                steps.push_back({"--select-all", [](Posing& posing) { posing.select({}); }});
+            },
+            "The operations that follow are for all vertices again")
+        ->trigger_on_parse();
+    using WordAndNumber = std::array<std::string, 2>;
+    const CLI::Validator isProfile(
+        [](std::string& word) {
+            return falloffOf(word) ? std::string() : "expected linear or smooth, got " + word;
+        },
+        "");
+    addStep<WordAndNumber>(command, steps, "--falloff",
+                           "Vertices outside the selection, up to this distance, move in part",
+                           [](Posing& posing, const WordAndNumber& values) {
+                               const auto& [word, radius] = values;
+                               posing.setFalloff({*falloffOf(word), *numberOf(radius)});
+                           })
+        ->delimiter(',')
+        ->check(CLI::Validator(isProfile).application_index(0))
+        ->check(isNumberOf("linear|smooth RADIUS").application_index(1))
+        ->type_name("linear|smooth RADIUS");
+    takeNumbers(
+        addStep<Point3>(command, steps, "--center",
+                        "A point on the axis of the operations that follow; by default, the "
+                        "middle of the selected vertices",
+                        [](Posing& posing, const Point3& point) { posing.center = point; }),
+        "X Y Z");
+    using Range = std::array<double, 2>;
+    takeNumbers(
+        addStep<Range>(command, steps, "--range",
+                       "Coordinates along the axis between which twist, bend and taper grow "
+                       "from nothing to all; by default, the interval of the selected vertices",
+                       [](Posing& posing, const Range& range) { posing.range = range; }),
+        "FROM TO");
+    addStep<std::string>(
+        command, steps, "--toward",
+        "Direction that --bend bends to: +x, -y ...; by default y for x, z for y, x for z",
+        [](Posing& posing, const std::string& word) { posing.toward = directionOf(word); })
+        ->check(isDirection())
+        ->type_name("DIRECTION");
+}
+
 }  // namespace
 
 void addPoseCommand(CLI::App& program) {
@@ -308,63 +442,9 @@ void addPoseCommand(CLI::App& program) {
         "Pose a lattice: move, rotate, scale, twist, bend or taper its vertices, in the order of "
         "the options",
         runPose);
-    command.add_option("LATTICE", options.lattice, "The lattice: .ovm, .vtu or .vtk")->required();
-    const auto add = [&app = command, &steps = options.steps](const std::string& name, int least,
-                                                              int most, const char* values,
-                                                              const char* help) -> CLI::Option* {
-        // CLI11 calls the function while it reads the arguments, so the steps keep their order.
-        return app
-            .add_option_function<std::vector<std::string>>(
-                name,
-                [name, &steps](const std::vector<std::string>& words) {
-                    Step& step = steps.emplace_back(Step{name, {}});
-                    // CLI11 marks an incomplete group of words by an empty word.
-                    std::ranges::copy_if(words, std::back_inserter(step.words),
-                                         [](const std::string& word) { return !word.empty(); });
-                    if (name == "--select") checkWords(step);
-                },
-                help)
-            ->type_size(least, most)
-            ->expected(1)
-            ->type_name(values)
-            ->trigger_on_parse();
-    };
-    constexpr int kMany = 1000000;
-    // Two words at least, so that the second one may begin with a minus.
-    add("--select", 2, kMany, "KIND ...",
-        "Vertices for the operations that follow: box X0 Y0 Z0 X1 Y1 Z1; ball X Y Z RADIUS; "
-        "half-space X Y Z NX NY NZ, a point of its plane and the normal into it; end +z, the last "
-        "layer in a direction; vertices NUMBER...; attribute NAME, whose values from 0 to 1 are "
-        "the parts of the operation that the vertices get. Clears the four options below")
-        ->delimiter(',');
-    command
-        .add_flag_callback(
-            "--select-all",
-            [&steps = options.steps] {
-                steps.push_back({"--select-all", {}});
-            },
-            "The operations that follow are for all vertices again")
-        ->trigger_on_parse();
-    add("--falloff", 2, 2, "linear|smooth RADIUS",
-        "Vertices outside the selection, up to this distance, move in part");
-    add("--center", 3, 3, "X Y Z",
-        "A point on the axis of the operations that follow; by default, the middle of the selected "
-        "vertices")
-        ->delimiter(',');
-    add("--range", 2, 2, "FROM TO",
-        "Coordinates along the axis between which twist, bend and taper grow from nothing to all; "
-        "by default, those of the selected vertices")
-        ->delimiter(',');
-    add("--toward", 1, 1, "DIRECTION",
-        "Direction that --bend bends to: +x, -y ...; by default y for x, z for y, x for z");
-    add("--move", 3, 3, "X Y Z", "Move by a vector")->delimiter(',');
-    add("--rotate", 2, 2, "AXIS DEGREES",
-        "Rotate about an axis (x, y or z) through the centre, anticlockwise seen from its tip");
-    add("--scale", 1, 3, "FACTOR|X Y Z", "Scale about the centre")->delimiter(',');
-    add("--twist", 2, 2, "AXIS DEGREES", "Rotate about an axis, the more the farther along it");
-    add("--bend", 2, 2, "AXIS DEGREES", "Bend the axis into an arc of a circle");
-    add("--taper", 2, 2, "AXIS FACTOR",
-        "Scale across the axis: by 1 at its start, FACTOR at its end");
+    command.add_option("LATTICE", options.lattice, "The lattice: " + kLatticeFiles)->required();
+    addSelections(command, options.steps);
+    addOperations(command, options.steps);
     addOutputOption(command, options.output, "The pose: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options.common);
 }

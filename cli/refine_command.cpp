@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "commands.h"
 #include "files.h"
@@ -18,7 +19,7 @@ namespace {
 
 struct RefineOptions : LatticeOptions {
     std::string output;
-    far::FaceVaryingLinear faceVarying = far::FaceVaryingLinear::All;
+    std::optional<far::FaceVaryingLinear> faceVarying;
 };
 
 /// Prints a line to standard error for each attribute with values that are not finite: how many
@@ -82,7 +83,8 @@ void addRefineCommand(CLI::App& program) {
         ->required();
     addChoice<far::FaceVaryingLinear>(
         command, "--face-varying", options.faceVarying, far::kFaceVaryingLinearWords,
-        "Where texture coordinates (vt of a mesh) are linear: OpenSubdiv's face-varying modes");
+        "Where texture coordinates (vt of a mesh) are linear: OpenSubdiv's face-varying modes",
+        "all, unless the file says otherwise");
 }
 
 }  // namespace espalier::cli

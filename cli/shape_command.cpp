@@ -35,11 +35,13 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
     addOptions(command, state->shape);
     addOutputOption(command, state->output, "The lattice: .ovm, .vtu or .vtk")->required();
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
-    command.callback([state, make] {
+    command.callback([state, make, &command] {
         checkOutput(state->output, {});
         io::checkLatticeTarget(state->output);
         Stages stages(state->common.quiet);
-        const Lattice lattice = stages.run("building", [&] { return make(state->shape); });
+        const Lattice lattice = stages.run("building", [&] {
+            return withNamesOfOptions(command, [&] { return make(state->shape); });
+        });
         stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
         if (!state->common.quiet)
             fmt::print("{}: {} vertices, {} cells\n", printable(state->output),
@@ -196,6 +198,7 @@ struct MergeCommandOptions {
     shapes::MergeOptions merge;
     bool allowSeparate = false;
     std::string output;
+    const CLI::App* command = nullptr;
 };
 
 /// Throws if a lattice shares no face with the first one, directly or through other lattices:
@@ -224,13 +227,15 @@ void runMerge(const MergeCommandOptions& options) {
         lattices.push_back(readLattice(path, stages));
         merge.names.push_back(io::shownPath(path));
     }
-    const Lattice merged = stages.run("building", [&] { return shapes::merge(lattices, merge); });
+    const Lattice merged = stages.run("building", [&] {
+        return withNamesOfOptions(*options.command, [&] { return shapes::merge(lattices, merge); });
+    });
     const shapes::MergeJoints joints = shapes::findJoints(lattices, merged);
-    const auto numberOf = [](Index count, const char* one, const char* several) {
+    const auto countOf = [](Index count, const char* one, const char* several) {
         return fmt::format("{} {}", count, count == 1 ? one : several);
     };
-    const std::string counts = numberOf(joints.weldedVertices, "vertex", "vertices") + " welded, " +
-                               numberOf(joints.sharedFaces, "face", "faces") + " shared";
+    const std::string counts = countOf(joints.weldedVertices, "vertex", "vertices") + " welded, " +
+                               countOf(joints.sharedFaces, "face", "faces") + " shared";
     if (!options.allowSeparate) requireJoined(options, joints, counts);
     stages.run("writing", [&] { io::writeLattice(options.output, merged); });
     if (!options.common.quiet)
@@ -241,7 +246,8 @@ void runMerge(const MergeCommandOptions& options) {
 void addMerge(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "merge", "Merge lattices into one: vertices at the same place are joined", runMerge);
-    command.add_option("LATTICE", options.lattices, "Two or more lattices: .ovm, .vtu or .vtk")
+    options.command = &command;
+    command.add_option("LATTICE", options.lattices, "Two or more lattices: " + kLatticeFiles)
         ->required()
         ->expected(2, 1000);
     add(command, "--tolerance", options.merge.tolerance,
@@ -270,6 +276,7 @@ void addShapeCommand(CLI::App& program) {
         },
         shapes::box);
     addAroundCommand(shape);
+    addCageCommand(shape);
     addRoundShapes(shape);
     addJointedShapes(shape);
     addSolids(shape);

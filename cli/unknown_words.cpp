@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "unknown_words.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "command_tree.h"
+#include "options.h"
 
 namespace espalier::cli {
 namespace {
@@ -85,29 +84,56 @@ bool isOption(const std::string& word) {
            std::string_view("0123456789.").find(word[1]) == std::string_view::npos;
 }
 
+/// Returns the index of the last word that an option requires. The words after an option are its
+/// values, also if they begin as options do.
+/// \param at the index of the option in the words
+std::size_t lastRequired(const CLI::Option& option, std::span<const std::string> words,
+                         std::size_t at) {
+    const std::string& word = words[at];
+    const bool isValueInWord =
+        word.find('=') != std::string::npos || (word[1] != '-' && word.size() > 2);
+    const auto valuesIn = [&](const std::string& text) {
+        const char delimiter = option.get_delimiter();
+        return 1 + (delimiter == '\0' ? 0 : static_cast<int>(std::ranges::count(text, delimiter)));
+    };
+    int values = option.get_items_expected_min() - (isValueInWord ? valuesIn(word) : 0);
+    while (values > 0 && at + 1 < words.size()) values -= valuesIn(words[++at]);
+    return at;
+}
+
+/// Returns whether a word is numbers with a delimiter between: "1,2,3", or "--cells=1,2,3".
+bool isNumbers(const std::string& word, char delimiter) {
+    const std::string numbers = isOption(word) ? word.substr(word.find('=') + 1) : word;
+    return std::ranges::all_of(CLI::detail::split(numbers, delimiter),
+                               [](const std::string& part) { return numberOf(part).has_value(); });
+}
+
 }  // namespace
 
 const CLI::App& findCommand(const CLI::App& program, std::span<const std::string> words) {
     const CLI::App* command = &program;
     for (std::size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
         if (command->get_allow_extras()) break;
-        if (!isOption(words[i])) {
-            if (!command->get_subcommands({}).empty())
-                command = &findSubcommand(*command, words[i]);
-            continue;
-        }
-        // The values that an option must have follow it, also if they begin as options do.
-        const CLI::Option& option = findOption(*command, words[i]);
-        const bool isValueInWord =
-            words[i].find('=') != std::string::npos || (words[i][1] != '-' && words[i].size() > 2);
-        auto values = option.get_items_expected_min() - (isValueInWord ? 1 : 0);
-        for (; values > 0 && i + 1 < words.size(); --values) {
-            ++i;
-            if (option.get_delimiter() != '\0')
-                values -= static_cast<int>(std::ranges::count(words[i], option.get_delimiter()));
-        }
+        if (isOption(words[i]))
+            i = lastRequired(findOption(*command, words[i]), words, i);
+        else if (!command->get_subcommands({}).empty())
+            command = &findSubcommand(*command, words[i]);
     }
     return *command;
+}
+
+void endNumbers(const CLI::App& command, std::vector<std::string>& words) {
+    for (std::size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+        if (command.get_allow_extras()) break;
+        if (!isOption(words[i])) continue;
+        const CLI::Option& option = findOption(command, words[i]);
+        i = lastRequired(option, words, i);
+        const char delimiter = option.get_delimiter();
+        if (delimiter == '\0' || !option.get_allow_extra_args()) continue;
+        while (i + 1 < words.size() && isNumbers(words[i + 1], delimiter)) ++i;
+        if (i + 1 < words.size() && !isOption(words[i + 1]))
+            words.insert(words.begin() + static_cast<std::ptrdiff_t>(++i), "--");
+    }
 }
 
 }  // namespace espalier::cli

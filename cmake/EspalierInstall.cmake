@@ -10,7 +10,7 @@ get_property(components GLOBAL PROPERTY ESPALIER_COMPONENTS)
 # A relative path, so that the installed tree can be moved.
 file(RELATIVE_PATH prefix_from_here /prefix/${pkg_config_dir} /prefix)
 
-set(ESPALIER_OPTIONAL_COMPONENTS compare petsc cuda)
+set(ESPALIER_OPTIONAL_COMPONENTS compare petsc cuda cgns)
 set(component_facts)
 foreach(name IN LISTS components)
   get_property(depends GLOBAL PROPERTY ESPALIER_${name}_DEPENDS)
@@ -66,5 +66,5 @@ endif()
 write_basic_package_version_file(espalier-config-version.cmake COMPATIBILITY ${compatibility})
 install(FILES ${PROJECT_BINARY_DIR}/espalier-config.cmake
               ${PROJECT_BINARY_DIR}/espalier-config-version.cmake
-              cmake/FindOpenSubdivCpu.cmake cmake/FindPetscReal.cmake
+              cmake/FindCgns.cmake cmake/FindOpenSubdivCpu.cmake cmake/FindPetscReal.cmake
         DESTINATION ${package_dir} COMPONENT development)

@@ -3,7 +3,8 @@
 # Exceptions that go through JavaScript (-fexceptions) make every call that may throw 20 times slower. The
 # vectorizers of clang 14 miscompile loops over doubles for WebAssembly (TricubicPatch.WeightsAndControlPointsAgree
 # fails); the kernels of osd/ use vectors by name, and need none.
-set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions -msimd128")
+set(CMAKE_CXX_FLAGS_INIT
+    "-fwasm-exceptions -msimd128 -include ${CMAKE_CURRENT_LIST_DIR}/wasm-standard-library.h")
 set(CMAKE_C_FLAGS_INIT "-msimd128")
 foreach(language C CXX)  # after -O3, which switches them on
   set(CMAKE_${language}_FLAGS_RELEASE "-O3 -DNDEBUG -fno-vectorize -fno-slp-vectorize" CACHE STRING "")

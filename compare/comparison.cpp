@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/point.h>
@@ -335,21 +336,11 @@ namespace {
 /// A level with more faces is not drawn: its picture would be too fine, and its file large.
 constexpr std::size_t kMaxFaces = 8000;
 
-double sizeOf(std::span<const Point3> positions) {
-    Point3 least = positions.front(), most = positions.front();
-    for (const Point3& position : positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            least[axis] = std::min(least[axis], position[axis]);
-            most[axis] = std::max(most[axis], position[axis]);
-        }
-    return std::hypot(most[0] - least[0], most[1] - least[1], most[2] - least[2]);
-}
-
 SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Surface& region,
                        std::span<const Point3> base, std::vector<Point3> ours,
                        std::span<const Point3> openSubdiv) {
     SurfaceError picture{level, std::move(ours), {}, {}, region.vertices};
-    const double size = sizeOf(base);
+    const double size = BoundingBox(base).diagonal();
     for (std::size_t i = 0; i < openSubdiv.size(); ++i) {
         const Point3 &a = picture.positions[i], &b = openSubdiv[i];
         const double distance = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);

@@ -12,6 +12,7 @@ import pathlib
 import sys
 
 import gallery_bases
+import gallery_cages
 import gallery_cells
 import gallery_curves
 import gallery_lattices
@@ -27,7 +28,8 @@ from palette import write_palette_png
 #: Headings, figures of scripts/demo, and figures to draw.
 SECTIONS = (
     ("Lattices and their cells", [], gallery_lattices.FIGURES + gallery_cells.FIGURES),
-    ("Deformations", demo_entries(), gallery_poses.FIGURES + gallery_bases.FIGURES),
+    ("Deformations", demo_entries(), gallery_poses.FIGURES + gallery_cages.FIGURES +
+     gallery_bases.FIGURES),
     ("Curves and a patch", [], gallery_curves.FIGURES + gallery_patch.FIGURES),
     ("Polyhedra", [], gallery_polyhedra.FIGURES),
     ("RATS splines", [], gallery_rats.FIGURES),

@@ -60,6 +60,14 @@ const CellBounds::Box& CellBounds::boxAround(Index vertex) {
     return *box;
 }
 
+const CellFrame& CellBounds::hexahedron(Index cell) {
+    // Allocated on first use: lattices without regular cells never need it.
+    if (hexahedra_.empty()) hexahedra_.resize(level_.complex.count(3));
+    auto& frame = hexahedra_[cell];
+    if (!frame) frame = frameOf(level_.complex, cell);
+    return *frame;
+}
+
 CellBound CellBounds::ownBox(Index cell, double widening) const {
     CellBound bound;
     for (const Index vertex : level_.complex.relation(3, 0)[cell])
@@ -158,17 +166,17 @@ struct Neighbours {
 /// Returns, for each coordinate, the largest |P₋ − 2P + P₊| over the vertices P of `ring`, which is
 /// a grid of cells. P₋ and P₊ are neighbours of P along one axis: neighbours that no cell has in
 /// common.
-Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) const {
-    std::vector<CellFrame> frames;
+Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) {
     std::vector<Index> vertices;
     for (const Index cell : ring) {
-        const auto& corners = frames.emplace_back(*frameOf(level_.complex, cell)).corners;
+        const auto& corners = hexahedron(cell).corners;
         vertices.insert(vertices.end(), corners.begin(), corners.end());
     }
     sortUnique(vertices);
     std::vector<Neighbours> around(vertices.size());
-    for (const auto& [cell, corners] : frames)
+    for (const Index cell : ring)
         for (std::size_t i = 0; i < 8; ++i) {
+            const auto& corners = hexahedron(cell).corners;
             const auto at = std::lower_bound(vertices.begin(), vertices.end(), corners[i]);
             Neighbours& neighbours = around[at - vertices.begin()];
             std::array<std::size_t, 3> places;

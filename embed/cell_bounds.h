@@ -3,6 +3,7 @@
 
 #include <espalier/base/point.h>
 #include <espalier/embed/affine_hull.h>
+#include <espalier/embed/cell_frame.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <Eigen/Geometry>
@@ -69,8 +70,9 @@ private:
     const Box& boxAround(Index vertex);
     bool staysInHull(Index cell);
     bool isConvexAround(Index vertex) const;
-    Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring) const;
+    Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring);
     std::vector<Index> ringOf(Index cell) const;
+    const CellFrame& hexahedron(Index cell);
 
     Eigen::Vector3d positionOf(Index vertex) const {
         return Eigen::Vector3d(positions_[vertex].data());
@@ -82,7 +84,8 @@ private:
 
     // Each entry is computed when it is first needed. Every cell of a vertex needs the vertex, and
     // every vertex of a cell needs the cell: without these caches, a cell with 40,000 vertices
-    // takes 10 s.
+    // takes 10 s. A hexahedron in a grid is in the surroundings of 27 cells.
+    std::vector<std::optional<CellFrame>> hexahedra_;
     std::vector<std::optional<Box>> ofCell_;        ///< corners of each cell
     std::vector<std::optional<Box>> aroundVertex_;  ///< corners of all cells of each vertex
     std::vector<std::optional<bool>> staysInHull_;

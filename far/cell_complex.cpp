@@ -43,6 +43,7 @@ struct CellComplex::Data {
     int dimension = 0;
     Index vertexCount = 0;
     Boundaries boundaries;
+    bool isRefined = false;
 
     /// derived[from][to].
     mutable std::array<std::array<LazyRelation, kMaxDimension + 1>, kMaxDimension + 1> derived;
@@ -56,6 +57,21 @@ CellComplex::CellComplex(int dimension, Index vertexCount, Boundaries boundaries
     data->vertexCount = vertexCount;
     data->boundaries = std::move(boundaries);
     data_ = std::move(data);
+}
+
+CellComplex CellComplex::refined(int dimension, Index vertexCount, Boundaries boundaries) {
+    CellComplex complex;
+    auto data = std::make_shared<Data>();
+    data->dimension = dimension;
+    data->vertexCount = vertexCount;
+    data->boundaries = std::move(boundaries);
+    data->isRefined = true;
+    complex.data_ = std::move(data);
+    return complex;
+}
+
+bool CellComplex::isRefined() const {
+    return data_->isRefined;
 }
 
 int CellComplex::dimension() const {
@@ -81,12 +97,10 @@ namespace {
 Incidence faceLoops(const CellComplex& complex) {
     const SignedIncidence& edges = complex.boundary(2);
     const SignedIncidence& ends = complex.boundary(1);
-    return Incidence(buildRows<Index>(complex.count(2), [&](Index face, std::vector<Index>& loop) {
-        const auto signs = edges.signs(face);
-        std::size_t position = 0;
-        for (const Index edge : edges[face])
-            loop.push_back(ends[edge][signs[position++] > 0 ? 0 : 1]);
-    }));
+    return fillRows(edges.unsignedRows().starts(), [&](Index face, Index* loop) {
+        const std::int8_t* sign = edges.signs(face).data();
+        for (const Index edge : edges[face]) *loop++ = ends[edge][*sign++ > 0 ? 0 : 1];
+    });
 }
 
 /// Returns cell → vertices or cell → edges: the union over the cell's faces, ascending.
@@ -103,6 +117,61 @@ Incidence cellClosure(const CellComplex& complex, int to) {
         }));
 }
 
+/// Returns the lengths of the rows of cell → vertices or cell → edges of a refined lattice, as
+/// perType · n + more for a cell of type n.
+RowStarts refinedStarts(const Incidence& faces, Index perType, Index more) {
+    if (faces.commonLength() > 0)
+        return {faces.rowCount(), faces.commonLength() / 2 * perType + more};
+    Array<Index> lengths(faces.rowCount());
+    for (Index cell = 0; cell < faces.rowCount(); ++cell)
+        lengths[cell] = static_cast<Index>(faces[cell].size()) / 2 * perType + more;
+    return RowStarts::ofLengths(lengths);
+}
+
+/// Returns cell → vertices of a refined lattice: for the cell [v, c], the vertices v, e, f and c,
+/// with the edges e and the faces f between v and c ascending.
+Incidence refinedCellVertices(const CellComplex& complex) {
+    const Incidence& faces = complex.relation(3, 2);
+    const Incidence& loops = complex.relation(2, 0);
+    return fillRows(refinedStarts(faces, 2, 2), [&](Index cell, Index* vertices) {
+        const std::span<const Index> all = faces[cell];
+        const std::size_t n = all.size() / 2;
+        const auto firsts = all.first(n), seconds = all.last(n);
+        *vertices++ = loops[firsts.front()][0];
+        // The faces [e, c] have the order of their edges.
+        for (const Index face : seconds) *vertices++ = loops[face][0];
+        Index* const inner = vertices;
+        for (const Index face : firsts) *vertices++ = loops[face][2];
+        std::sort(inner, vertices);
+        *vertices = loops[seconds.front()][2];
+    });
+}
+
+/// Returns cell → edges of a refined lattice: for the cell [v, c], the edges [v, e], then [e, f],
+/// then [f, c], ascending.
+///
+/// The faces of the cell with their signs run around v, so each of them leaves v along another
+/// edge; likewise at c.
+Incidence refinedCellEdges(const CellComplex& complex) {
+    const SignedIncidence& faces = complex.boundary(3);
+    const Incidence& faceEdges = complex.relation(2, 1);
+    return fillRows(refinedStarts(faces.unsignedRows(), 4, 0), [&](Index cell, Index* edges) {
+        const std::span<const Index> all = faces[cell];
+        const std::int8_t* signs = faces.signs(cell).data();
+        const std::size_t n = all.size() / 2;
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::span<const Index> loop = faceEdges[all[i]];
+            edges[i] = loop[signs[i] > 0 ? 0 : 3];
+            edges[n + 2 * i] = loop[1];
+            edges[n + 2 * i + 1] = loop[2];
+            edges[3 * n + i] = faceEdges[all[n + i]][signs[n + i] > 0 ? 1 : 2];
+        }
+        std::sort(edges, edges + n);
+        std::sort(edges + n, edges + 3 * n);
+        std::sort(edges + 3 * n, edges + 4 * n);
+    });
+}
+
 Incidence identity(Index count) {
     Array<Index> all(count);
     std::iota(all.begin(), all.end(), Index{0});
@@ -112,7 +181,9 @@ Incidence identity(Index count) {
 Incidence deriveRelation(const CellComplex& complex, int from, int to) {
     if (from == to) return identity(complex.count(from));
     if (from < to) return complex.relation(to, from).transposed(complex.count(from));
-    return from == 2 ? faceLoops(complex) : cellClosure(complex, to);
+    if (from == 2) return faceLoops(complex);
+    if (!complex.isRefined()) return cellClosure(complex, to);
+    return to == 0 ? refinedCellVertices(complex) : refinedCellEdges(complex);
 }
 
 }  // namespace

@@ -41,6 +41,16 @@ public:
     /// \param boundaries entry d − 1 is boundary(d); entries above `dimension` are empty
     CellComplex(int dimension, Index vertexCount, Boundaries boundaries);
 
+    /// Takes the relations of the child that a Refinement makes. The complex equals the complex
+    /// that the constructor makes of the same relations, but derives further relations faster. The
+    /// relations must have the order that isRefined() states; it is not checked.
+    static CellComplex refined(int dimension, Index vertexCount, Boundaries boundaries);
+
+    /// Returns true for a complex that refined() made. Its faces are quadrilaterals. In a
+    /// lattice, a cell [v, c] of type n has 2n faces: first n faces [v, f], then n faces [e, c].
+    /// The first and the last vertex of the cell have n edges in it, all other vertices three.
+    bool isRefined() const;
+
     /// Returns 1 for a curve, 2 for a mesh, 3 for a lattice.
     int dimension() const;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
 
@@ -17,13 +18,9 @@ ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
-        std::string text = "(";
-        for (const Index vertex : loop.first(std::min<std::size_t>(loop.size(), 32)))
-            text += concat(text.size() > 1 ? ", " : "", vertex);
-        text += loop.size() > 32 ? ", ...)" : ")";
-        throw TopologyError(
-            cause, entity,
-            concat(dimensionName(entity.dimension), " ", entity.index, ": loop ", text, why));
+        throw TopologyError(cause, entity,
+                            concat(dimensionName(entity.dimension), " ", entity.index, ": loop (",
+                                   listed(loop, 32), ")", why));
     };
     if (loop.size() < least)
         refuse(TopologyCause::TooFewVertices, concat(" has fewer than ", least, " vertices"));
@@ -32,10 +29,7 @@ void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
             refuse(TopologyCause::VertexOutOfRange,
                    concat(" names vertex ", vertex, "; there are ", vertexCount_));
     if (dimension_ == 2) return;
-    std::vector<Index> sorted(loop.begin(), loop.end());
-    std::sort(sorted.begin(), sorted.end());
-    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-    if (twice != sorted.end())
+    if (const auto twice = repeatedIn(loop))
         refuse(TopologyCause::RepeatedVertex, concat(" names vertex ", *twice, " twice"));
 }
 
@@ -67,10 +61,14 @@ Index ComplexBuilder::addCell(StandardCell cell, std::span<const Index> vertices
                             {3, static_cast<Index>(cellOffsets_.size() - 1)},
                             concat("cell ", cellOffsets_.size() - 1, " has ", vertices.size(),
                                    " vertices; expected ", vertexCount(cell)));
-    std::vector<std::vector<Index>> loops = faceLoops(cell);
-    for (auto& loop : loops)
-        for (Index& vertex : loop) vertex = vertices[vertex];
-    return addCell(loops);
+    std::array<std::vector<Index>, 6> loops;
+    std::size_t count = 0;
+    for (const auto& places : faceLoops(cell)) {
+        loops[count].reserve(places.size());
+        for (const Index place : places) loops[count].push_back(vertices[place]);
+        ++count;
+    }
+    return addCell(std::span(loops).first(count));
 }
 
 Index ComplexBuilder::addFace(std::span<const Index> loop) {
@@ -115,28 +113,40 @@ struct Classes {
     std::vector<Index> representative;  ///< per class: its first item
 };
 
-template <class Less>
-Classes classify(std::size_t count, Less less) {
-    std::vector<Index> order(count);
-    std::iota(order.begin(), order.end(), Index{0});
-    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-        if (less(a, b)) return true;
-        return !less(b, a) && a < b;
-    });
-    std::vector<Index> first(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const bool opens = i == 0 || less(order[i - 1], order[i]);
-        first[order[i]] = opens ? order[i] : first[order[i - 1]];
-    }
+/// Finds the classes of items. Sorts only items with the same smallest vertex, which are few and
+/// near to each other in memory.
+/// \param smallestVertex called with an item; equal for equivalent items
+/// \param less orders items with the same smallest vertex; equivalent items are not less
+template <class SmallestVertex, class Less>
+Classes classify(Index vertexCount, Index count, SmallestVertex smallestVertex, Less less) {
+    std::vector<Index> ends(static_cast<std::size_t>(vertexCount) + 1, 0);
+    for (Index item = 0; item < count; ++item) ++ends[smallestVertex(item) + 1];
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    std::vector<Index> items(count);  // in the order of their smallest vertices
+    for (Index item = 0; item < count; ++item) items[ends[smallestVertex(item)]++] = item;
+
     Classes classes;
-    classes.classOf.resize(count);
-    for (std::size_t item = 0; item < count; ++item) {
-        const std::size_t leader = first[item];
-        if (leader == item) {
+    classes.classOf.resize(count);  // at first the first item of the class, then its number
+    Index begin = 0;
+    for (Index vertex = 0; vertex < vertexCount; ++vertex) {
+        const Index end = ends[vertex];
+        std::sort(items.begin() + begin, items.begin() + end, [&](Index a, Index b) {
+            if (less(a, b)) return true;
+            return !less(b, a) && a < b;
+        });
+        for (Index i = begin; i < end; ++i)
+            classes.classOf[items[i]] = i == begin || less(items[i - 1], items[i])
+                                            ? items[i]
+                                            : classes.classOf[items[i - 1]];
+        begin = end;
+    }
+    for (Index item = 0; item < count; ++item) {
+        const Index first = classes.classOf[item];
+        if (first == item) {
             classes.classOf[item] = static_cast<Index>(classes.representative.size());
-            classes.representative.push_back(static_cast<Index>(item));
+            classes.representative.push_back(item);
         } else {
-            classes.classOf[item] = classes.classOf[leader];
+            classes.classOf[item] = classes.classOf[first];
         }
     }
     return classes;
@@ -155,20 +165,23 @@ struct Steps {
     std::vector<std::array<Index, 2>> ends;  ///< one per position in the values of the loops
     Classes edges;                           ///< steps with the same two ends are the same edge
 
-    explicit Steps(const Incidence& loops) {
+    Steps(Index vertexCount, const Incidence& loops) {
         // 0 for most steps. A step from a vertex to itself, or one that its loop has made before,
         // gets a number of its own, and so becomes a separate edge.
-        std::vector<Index> repeats;
+        std::vector<Index> repeats(loops.values().size(), 0);
         std::vector<std::array<Index, 3>> sorted;  // the two ends, and the position
+        ends.reserve(repeats.size());
         for (Index row = 0; row < loops.rowCount(); ++row) {
             const auto loop = loops[row];
+            const auto first = static_cast<Index>(ends.size());
+            for (std::size_t i = 0; i + 1 < loop.size(); ++i)
+                ends.push_back({loop[i], loop[i + 1]});
+            ends.push_back({loop.back(), loop.front()});
+            if (!repeatedIn(loop)) continue;
             sorted.clear();
-            for (std::size_t i = 0; i < loop.size(); ++i) {
-                const Index from = loop[i], to = loop[(i + 1) % loop.size()];
-                sorted.push_back(
-                    {std::min(from, to), std::max(from, to), static_cast<Index>(ends.size())});
-                ends.push_back({from, to});
-                repeats.push_back(0);
+            for (auto step = first; step < std::ssize(ends); ++step) {
+                const auto [low, high] = std::minmax(ends[step][0], ends[step][1]);
+                sorted.push_back({low, high, step});
             }
             std::sort(sorted.begin(), sorted.end());
             for (std::size_t i = 0; i < sorted.size(); ++i) {
@@ -177,11 +190,12 @@ struct Steps {
                     repeats[step] = step + 1;
             }
         }
+        const auto low = [&](Index step) { return std::min(ends[step][0], ends[step][1]); };
         const auto key = [&](Index step) {
-            const auto [low, high] = std::minmax(ends[step][0], ends[step][1]);
-            return std::array{low, high, repeats[step]};
+            return std::pair(std::max(ends[step][0], ends[step][1]), repeats[step]);
         };
-        edges = classify(ends.size(), [&](Index a, Index b) { return key(a) < key(b); });
+        edges = classify(vertexCount, static_cast<Index>(ends.size()), low,
+                         [&](Index a, Index b) { return key(a) < key(b); });
     }
 
     Index edge(Offset step) const { return edges.classOf[step]; }
@@ -215,95 +229,98 @@ struct Steps {
     }
 };
 
+/// Two loops that both are to be reversed or both not; or exactly one of them, if not `sameTurn`.
+struct Tie {
+    Index a;
+    Index b;
+    bool sameTurn;
+};
+
 /// Finds which loops of a lattice to reverse so that all run anticlockwise seen from outside their
 /// cells. Loops are tied in pairs: two loops of one cell that share an edge must run along it in
 /// opposite directions, and the two loops of one face must also be opposite. In each connected
 /// piece, the smaller number of loops is reversed. Pairs that cannot be satisfied are left to
-/// validate(), which names them.
-class LoopOrientation {
-public:
-    explicit LoopOrientation(std::size_t loopCount) : links_(loopCount) {}
-
-    void tie(Index a, Index b, bool sameTurn) {
-        links_[a].push_back({b, sameTurn});
-        links_[b].push_back({a, sameTurn});
+/// validate(), which names them. Returns −1 for each loop to reverse, +1 for the others.
+std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
+    std::vector<std::vector<Tie>> tiesOf(loopCount);
+    for (const auto& [a, b, sameTurn] : ties) {
+        tiesOf[a].push_back({a, b, sameTurn});
+        tiesOf[b].push_back({b, a, sameTurn});
     }
-
-    /// Returns −1 for each loop to reverse, +1 for the others.
-    std::vector<int> solve() const {
-        std::vector<int> turn(links_.size(), 0);
-        std::vector<std::size_t> piece;
-        for (std::size_t start = 0; start < turn.size(); ++start) {
-            if (turn[start] != 0) continue;
-            turn[start] = 1;
-            piece.assign(1, start);
-            int sum = 0;
-            for (std::size_t next = 0; next < piece.size(); ++next) {
-                sum += turn[piece[next]];
-                for (const Link& link : links_[piece[next]]) {
-                    const std::size_t other = link.loop;
-                    if (turn[other] != 0) continue;
-                    turn[other] = link.sameTurn ? turn[piece[next]] : -turn[piece[next]];
-                    piece.push_back(other);
-                }
+    std::vector<int> turn(loopCount, 0);
+    std::vector<Index> piece;
+    for (Index start = 0; start < loopCount; ++start) {
+        if (turn[start] != 0) continue;
+        turn[start] = 1;
+        piece.assign(1, start);
+        int sum = 0;
+        for (std::size_t next = 0; next < piece.size(); ++next) {
+            sum += turn[piece[next]];
+            for (const auto& [loop, other, sameTurn] : tiesOf[piece[next]]) {
+                if (turn[other] != 0) continue;
+                turn[other] = sameTurn ? turn[loop] : -turn[loop];
+                piece.push_back(other);
             }
-            if (sum < 0)
-                for (const std::size_t loop : piece) turn[loop] = -turn[loop];
         }
-        return turn;
+        if (sum < 0)
+            for (const Index loop : piece) turn[loop] = -turn[loop];
     }
-
-private:
-    struct Link {
-        Index loop;
-        bool sameTurn;
-    };
-    std::vector<std::vector<Link>> links_;
-};
+    return turn;
+}
 
 CellComplex latticeOf(Index vertexCount, const Incidence& loops,
                       const std::vector<Offset>& cellOffsets) {
     const Incidence canonical(buildRows<Index>(
         loops.rowCount(),
         [&](Index row, std::vector<Index>& out) { appendCanonicalLoop(loops[row], out); }));
-    const Classes faces = classify(loops.rowCount(), [&](Index a, Index b) {
+    const auto low = [&](Index loop) { return canonical[loop].front(); };
+    const Classes faces = classify(vertexCount, loops.rowCount(), low, [&](Index a, Index b) {
         return std::lexicographical_compare(canonical[a].begin(), canonical[a].end(),
                                             canonical[b].begin(), canonical[b].end());
     });
-    const Steps steps(loops);
+    const Steps steps(vertexCount, loops);
     const auto faceOf = [&](Offset loop) { return faces.classOf[loop]; };
     const auto directionInFace = [&](Offset loop) {
         const Index leader = faces.representative[faceOf(loop)];
         return relativeDirection(loops[static_cast<Index>(loop)], loops[leader]);
     };
 
-    LoopOrientation orientation(loops.rowCount());
-    struct Side {
-        Index edge;
-        Index loop;
-        int sign;
-    };
-    std::vector<Side> sides;
-    for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
-        sides.clear();
-        for (Offset loop = cellOffsets[cell]; loop < cellOffsets[cell + 1]; ++loop) {
-            const Index row = static_cast<Index>(loop);
-            for (Offset step = loops.offset(row); step < loops.offset(row + 1); ++step)
-                sides.push_back({steps.edge(step), row, steps.sign(step)});
+    const auto forEachTie = [&](auto visit) {
+        // The edge, the loop, and whether the step runs against the edge, in one number for the
+        // speed of sorting.
+        std::vector<std::uint64_t> sides;
+        const auto edgeOf = [](std::uint64_t side) { return side >> 32; };
+        const auto loopOf = [](std::uint64_t side) {
+            return static_cast<Index>(static_cast<std::uint32_t>(side) >> 1);
+        };
+        for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
+            sides.clear();
+            const auto first = static_cast<Index>(cellOffsets[cell]);
+            const auto last = static_cast<Index>(cellOffsets[cell + 1]);
+            for (Index loop = first; loop < last; ++loop)
+                for (Offset step = loops.offset(loop); step < loops.offset(loop + 1); ++step)
+                    sides.push_back(std::uint64_t(steps.edge(step)) << 32 |
+                                    std::uint64_t(loop) << 1 | std::uint64_t(steps.sign(step) < 0));
+            std::sort(sides.begin(), sides.end());
+            for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+                if (edgeOf(sides[i]) == edgeOf(sides[i + 1]))
+                    visit(Tie{loopOf(sides[i]), loopOf(sides[i + 1]),
+                              (sides[i] & 1) != (sides[i + 1] & 1)});
         }
-        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-            return std::pair(a.edge, a.loop) < std::pair(b.edge, b.loop);
-        });
-        for (std::size_t i = 0; i + 1 < sides.size(); ++i)
-            if (sides[i].edge == sides[i + 1].edge)
-                orientation.tie(sides[i].loop, sides[i + 1].loop,
-                                sides[i].sign != sides[i + 1].sign);
+        for (Index loop = 0; loop < loops.rowCount(); ++loop) {
+            const Index leader = faces.representative[faceOf(loop)];
+            if (leader != loop) visit(Tie{leader, loop, directionInFace(loop) < 0});
+        }
+    };
+    // Most lattices are oriented as they are given.
+    bool isOriented = true;
+    forEachTie([&](const Tie& tie) { isOriented = isOriented && tie.sameTurn; });
+    std::vector<int> turn(loops.rowCount(), 1);
+    if (!isOriented) {
+        std::vector<Tie> ties;
+        forEachTie([&](const Tie& tie) { ties.push_back(tie); });
+        turn = turnsOf(loops.rowCount(), ties);
     }
-    for (Index loop = 0; loop < loops.rowCount(); ++loop) {
-        const Index leader = faces.representative[faceOf(loop)];
-        if (leader != loop) orientation.tie(leader, loop, directionInFace(loop) < 0);
-    }
-    const std::vector<int> turn = orientation.solve();
 
     Rows<Signed> cellFaces;
     for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
@@ -318,7 +335,7 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
 }
 
 CellComplex meshOf(Index vertexCount, const Incidence& loops) {
-    const Steps steps(loops);
+    const Steps steps(vertexCount, loops);
     std::vector<Index> faces(loops.rowCount());
     std::iota(faces.begin(), faces.end(), Index{0});
     return CellComplex(2, vertexCount, {steps.edgeEnds(), steps.faceEdges(loops, faces), {}});

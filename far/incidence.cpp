@@ -1,30 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/incidence.h>
 
+#include <algorithm>
+
 namespace espalier::far {
 
-Incidence Incidence::uniform(Index length, Array<Index> values) {
-    Incidence result;
-    result.rowCount_ = static_cast<Index>(values.size() / static_cast<std::size_t>(length));
-    result.length_ = length;
-    result.rows_.values = std::move(values);
-    return result;
+RowStarts RowStarts::ofLengths(std::span<const Index> lengths) {
+    const auto rowCount = static_cast<Index>(lengths.size());
+    const auto isFirst = [&](Index length) { return length == lengths.front(); };
+    if (rowCount > 0 && lengths.front() > 0 && std::all_of(lengths.begin(), lengths.end(), isFirst))
+        return {rowCount, lengths.front()};
+    Array<Offset> offsets(lengths.size() + 1);
+    offsets[0] = 0;
+    for (std::size_t row = 0; row < lengths.size(); ++row)
+        offsets[row + 1] = offsets[row] + lengths[row];
+    return RowStarts(std::move(offsets));
 }
 
-Index Incidence::rowOf(Offset position) const {
+Index RowStarts::rowOf(Offset position) const {
     if (length_ > 0) return static_cast<Index>(position / length_);
-    const auto end = std::upper_bound(rows_.offsets.begin(), rows_.offsets.end(), position);
-    return static_cast<Index>(end - rows_.offsets.begin()) - 1;
+    const auto end = std::upper_bound(offsets_.begin(), offsets_.end(), position);
+    return static_cast<Index>(end - offsets_.begin()) - 1;
+}
+
+Incidence Incidence::uniform(Index length, Array<Index> values) {
+    const auto rowCount = static_cast<Index>(values.size() / static_cast<std::size_t>(length));
+    return {RowStarts(rowCount, length), std::move(values)};
 }
 
 Incidence Incidence::transposed(Index columnCount) const {
     Rows<Index> result;
     result.offsets.assign(static_cast<std::size_t>(columnCount) + 1, 0);
-    for (const Index column : rows_.values) ++result.offsets[column + 1];
+    for (const Index column : values_) ++result.offsets[column + 1];
     for (std::size_t column = 1; column < result.offsets.size(); ++column)
         result.offsets[column] += result.offsets[column - 1];
 
-    result.values.resize(rows_.values.size());
+    result.values.resize(values_.size());
     std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
     for (Index row = 0; row < rowCount(); ++row)
         for (const Index column : (*this)[row]) result.values[next[column]++] = row;

@@ -51,6 +51,53 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     return rows;
 }
 
+/// The starts of rows in the values of compressed rows. They are stored as offsets, or as one
+/// length of all rows.
+class ESPALIER_API RowStarts {
+public:
+    RowStarts() = default;
+
+    /// \param offsets 0, then the end of each row
+    explicit RowStarts(Array<Offset> offsets)
+        : rowCount_(static_cast<Index>(offsets.size() - 1)), offsets_(std::move(offsets)) {}
+
+    /// Makes rows of the same length, without storing offsets.
+    /// \param length 1 or more
+    RowStarts(Index rowCount, Index length) : rowCount_(rowCount), length_(length) {}
+
+    /// Makes rows of these lengths; without offsets if they are all equal and not 0.
+    static RowStarts ofLengths(std::span<const Index> lengths);
+
+    Index rowCount() const { return rowCount_; }
+
+    /// Returns the length of every row; 0 if rows have offsets.
+    Index commonLength() const { return length_; }
+
+    /// \param row 0 to rowCount(), which gives the number of values
+    Offset operator[](Index row) const {
+        return length_ > 0 ? Offset{length_} * row : offsets_[row];
+    }
+
+    /// Returns the row that contains a position of the values. \cost O(log rows)
+    Index rowOf(Offset position) const;
+
+    /// The same starts, to be copied into loops. Must not outlive the object.
+    struct View {
+        Index rowCount;
+        Index length;
+        const Offset* offsets;
+        Offset operator[](Index row) const {
+            return length > 0 ? Offset{length} * row : offsets[row];
+        }
+    };
+    operator View() const { return {rowCount_, length_, offsets_.data()}; }
+
+private:
+    Index rowCount_ = 0;
+    Index length_ = 0;
+    Array<Offset> offsets_ = {0};
+};
+
 /// A relation between entities of two dimensions in compressed sparse rows.
 ///
 /// Row r lists the entities of the second dimension that are incident to entity r of the first.
@@ -59,38 +106,56 @@ class ESPALIER_API Incidence {
 public:
     Incidence() = default;
     explicit Incidence(Rows<Index> rows)
-        : rowCount_(static_cast<Index>(rows.offsets.size() - 1)), rows_(std::move(rows)) {}
+        : Incidence(RowStarts(std::move(rows.offsets)), std::move(rows.values)) {}
+
+    /// \param values starts[starts.rowCount()] values
+    Incidence(RowStarts starts, Array<Index> values)
+        : starts_(std::move(starts)), values_(std::move(values)) {}
 
     /// Makes rows of the same length, without storing offsets.
     /// \param length 1 or more; the number of `values` must be a multiple of it
     static Incidence uniform(Index length, Array<Index> values);
 
-    Index rowCount() const { return rowCount_; }
+    Index rowCount() const { return starts_.rowCount(); }
+
+    const RowStarts& starts() const { return starts_; }
+
+    /// Returns the length of every row; 0 if lengths may differ.
+    Index commonLength() const { return starts_.commonLength(); }
 
     std::span<const Index> operator[](Index row) const {
-        return {rows_.values.data() + offset(row),
-                static_cast<std::size_t>(offset(row + 1) - offset(row))};
+        const Offset first = starts_[row];
+        return {values_.data() + first, static_cast<std::size_t>(starts_[row + 1] - first)};
     }
 
     /// Returns the position of the first entry of `row` in values(); offset(rowCount()) is the
     /// number of entries.
-    Offset offset(Index row) const {
-        return length_ > 0 ? Offset{length_} * row : rows_.offsets[row];
-    }
+    Offset offset(Index row) const { return starts_[row]; }
 
     /// Returns the row that contains a position of values(). \cost O(log rows)
-    Index rowOf(Offset position) const;
+    Index rowOf(Offset position) const { return starts_.rowOf(position); }
 
-    std::span<const Index> values() const { return rows_.values; }
+    std::span<const Index> values() const { return values_; }
 
     /// Returns the transposed relation, with `columnCount` rows, each ascending.
     Incidence transposed(Index columnCount) const;
 
 private:
-    Index rowCount_ = 0;
-    Index length_ = 0;  ///< of every row; 0 if the rows have offsets
-    Rows<Index> rows_;
+    RowStarts starts_;
+    Array<Index> values_;
 };
+
+/// Builds rows of known lengths in parallel: fill(row, first) writes the values of `row` from
+/// `first` on.
+template <class Fill>
+Incidence fillRows(RowStarts starts, Fill fill) {
+    Array<Index> values(starts[starts.rowCount()]);
+    parallelFor(starts.rowCount(), 4096, [&](Offset first, Offset last) {
+        for (Offset row = first; row < last; ++row)
+            fill(static_cast<Index>(row), values.data() + starts[static_cast<Index>(row)]);
+    });
+    return {std::move(starts), std::move(values)};
+}
 
 /// A boundary entity, and whether its direction agrees with the direction of the entity that it
 /// bounds.

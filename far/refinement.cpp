@@ -17,124 +17,111 @@ namespace espalier::far {
 namespace {
 
 /// Returns the position of a value in an ascending row that contains it.
-std::size_t placeInRow(std::span<const Index> row, Index value) {
+Index placeInRow(std::span<const Index> row, Index value) {
     // Short rows are scanned without a branch: a hexahedron has 12 edges and 8 vertices.
     constexpr std::size_t kShort = 16;
-    if (row.size() > kShort) return std::lower_bound(row.begin(), row.end(), value) - row.begin();
-    std::size_t less = 0;
+    if (row.size() > kShort)
+        return static_cast<Index>(std::lower_bound(row.begin(), row.end(), value) - row.begin());
+    Index less = 0;
     for (const Index other : row) less += other < value;
     return less;
 }
 
-/// Collects the faces and edges that meet at the edges and vertices of a cell of a lattice. A pair
-/// of incident entities is identified by its position in the values of a relation.
-class CellCorners {
+/// Finds the corners of the faces of a cell among the vertices and edges of the cell.
+class CornerPlaces {
 public:
     /// \param lattice must outlive this object
-    explicit CellCorners(const CellComplex& lattice)
-        : cellFaces_(lattice.boundary(3)),
-          faceEdges_(lattice.boundary(2)),
+    explicit CornerPlaces(const CellComplex& lattice)
+        : isRefined_(lattice.isRefined()),
+          cellFaces_(lattice.relation(3, 2)),
+          faceEdges_(lattice.relation(2, 1)),
           faceVertices_(lattice.relation(2, 0)),
           cellVertices_(lattice.relation(3, 0)),
           cellEdges_(lattice.relation(3, 1)) {}
 
-    /// One of the two faces at an edge of the cell.
-    struct EdgeFace {
-        Offset edgeInFace;       ///< position of the edge in face → edges
-        Offset inCell;           ///< position of the face in cell → faces
-        std::int8_t edgeSign;    ///< of the edge in the boundary of the face
-        std::int8_t inCellSign;  ///< of the face in the boundary of the cell
-    };
-    struct Edge {
-        Offset inCell;  ///< position in cell → edges
-        std::array<EdgeFace, 2> faces;
-        std::array<std::size_t, 2> ends;  ///< tail and head, as positions among the vertices of the
-                                          ///< cell
-    };
-    struct VertexFace {
-        Offset vertexInFace;  ///< position in face → vertices
-        std::int8_t inCellSign;
-    };
-    struct VertexEdge {
-        Offset inCell;           ///< position in cell → edges
-        std::int8_t vertexSign;  ///< −1 if the vertex is the tail
-    };
-
-    /// Collects the data of a cell. \cost O(n log n) in the faces of the cell
-    void visit(Index cell) {
-        const auto vertices = cellVertices_[cell], edges = cellEdges_[cell],
-                   faces = cellFaces_[cell];
-        const auto faceSigns = cellFaces_.signs(cell);
-        const Offset firstFace = cellFaces_.unsignedRows().offset(cell);
-        const Offset firstEdge = cellEdges_.offset(cell);
-        firstVertex_ = cellVertices_.offset(cell);
-        vertexCount_ = vertices.size();
-        edges_.resize(edges.size());
-        facesSeen_.assign(edges.size(), 0);
-        if (corners_.size() < vertexCount_) corners_.resize(vertexCount_);
-        for (std::size_t v = 0; v < vertexCount_; ++v) {
-            corners_[v].faces.clear();
-            corners_[v].edges.clear();
-        }
-
-        for (std::size_t f = 0; f < faces.size(); ++f) {
-            const auto loopEdges = faceEdges_[faces[f]], loop = faceVertices_[faces[f]];
-            const auto signs = faceEdges_.signs(faces[f]);
-            const Offset first = faceVertices_.offset(faces[f]);
-            loop_.clear();
-            for (const Index vertex : loop) loop_.push_back(placeInRow(vertices, vertex));
-            for (std::size_t i = 0; i < loop.size(); ++i) {
-                const Offset position = first + static_cast<Offset>(i);
-                corners_[loop_[i]].faces.push_back({position, faceSigns[f]});
-                const std::size_t e = placeInRow(edges, loopEdges[i]);
-                Edge& edge = edges_[e];
-                // In a valid lattice, each edge of a cell is in two of its faces.
-                if (facesSeen_[e] == 2) continue;
-                edge.faces[facesSeen_[e]++] = {position, firstFace + static_cast<Offset>(f),
-                                               signs[i], faceSigns[f]};
-                const std::size_t next = loop_[i + 1 < loop.size() ? i + 1 : 0];
-                edge.ends = {signs[i] > 0 ? loop_[i] : next, signs[i] > 0 ? next : loop_[i]};
-            }
-        }
-        for (std::size_t e = 0; e < edges.size(); ++e) {
-            edges_[e].inCell = firstEdge + static_cast<Offset>(e);
-            corners_[edges_[e].ends[0]].edges.push_back({edges_[e].inCell, -1});
-            corners_[edges_[e].ends[1]].edges.push_back({edges_[e].inCell, 1});
+    /// Finds the places for a cell. \cost O(n log n) in the faces of the cell
+    void find(Index cell) {
+        if (isRefined_ && cellFaces_[cell].size() == 6) return findInHexahedron(cellFaces_[cell]);
+        vertices_.clear();
+        edges_.clear();
+        for (const Index face : cellFaces_[cell]) {
+            for (const Index vertex : faceVertices_[face])
+                vertices_.push_back(placeInRow(cellVertices_[cell], vertex));
+            for (const Index edge : faceEdges_[face])
+                edges_.push_back(placeInRow(cellEdges_[cell], edge));
         }
     }
 
-    /// The edges of the cell, in the order of cell → edges.
-    std::span<const Edge> edges() const { return edges_; }
+    /// For each corner of each face, in the order of the loops, its position in cell → vertices.
+    const Index* vertices() const { return vertices_.data(); }
 
-    std::size_t vertexCount() const { return vertexCount_; }
-
-    /// Returns the position of vertex `v` of the cell in cell → vertices.
-    Offset vertexInCell(std::size_t v) const { return firstVertex_ + static_cast<Offset>(v); }
-
-    /// The faces at vertex `v` in the order of cell → faces, and its edges in the order of cell →
-    /// edges.
-    std::span<const VertexFace> facesAt(std::size_t v) const { return corners_[v].faces; }
-    std::span<const VertexEdge> edgesAt(std::size_t v) const { return corners_[v].edges; }
+    /// For each corner, the position in cell → edges of the edge along which the loop leaves it.
+    const Index* edges() const { return edges_.data(); }
 
 private:
-    struct Corner {
-        std::vector<VertexFace> faces;
-        std::vector<VertexEdge> edges;
-    };
+    /// Finds the places in a hexahedron of a refined lattice in a closed form, several times as
+    /// fast. Nearly all cells of a refined lattice are such hexahedra.
+    ///
+    /// The hexahedron is a cell [v, c] with three edges e and three faces f between v and c. Its
+    /// vertices are v, the points of e₀, e₁ and e₂, the points of the faces in ascending order, and
+    /// c. Its faces [v, f_i] have the loops v, e_p, f_i, e_q; its faces [e_j, c] have the loops
+    /// e_j, f_x, c, f_y. Its edges are the edges [v, e_j], then the edges [e, f], in the order of
+    /// the faces and for each face by number, then the edges [f_i, c].
+    void findInHexahedron(std::span<const Index> faces) {
+        vertices_.resize(24);
+        edges_.resize(24);
+        std::array<const Index*, 6> loops;
+        for (std::size_t face = 0; face < 6; ++face)
+            loops[face] = faceVertices_[faces[face]].data();
+        const auto edgeNamed = [&](Index point) {
+            return point == loops[3][0] ? 0 : point == loops[4][0] ? 1 : 2;
+        };
+        const auto faceNamed = [&](Index point) {
+            return point == loops[0][2] ? 0 : point == loops[1][2] ? 1 : 2;
+        };
+        std::array<Index, 3> rank;                   // rank of the point of f_i among the three
+        std::array<std::array<Index, 3>, 3> edgeOf;  // [i][j] is the place of [e_j, f_i]
+        const auto set = [&](std::size_t face, const std::array<Index, 4>& vertices,
+                             const std::array<Index, 4>& edges) {
+            std::copy(vertices.begin(), vertices.end(), vertices_.begin() + 4 * face);
+            std::copy(edges.begin(), edges.end(), edges_.begin() + 4 * face);
+        };
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Index point = loops[i][2];
+            rank[i] = (loops[0][2] < point) + (loops[1][2] < point) + (loops[2][2] < point);
+            const Index p = edgeNamed(loops[i][1]), q = edgeNamed(loops[i][3]);
+            const std::span<const Index> loopEdges = faceEdges_[faces[i]];
+            const Index isSecond = loopEdges[1] > loopEdges[2] ? 1 : 0;
+            edgeOf[i][p] = 3 + 2 * rank[i] + isSecond;
+            edgeOf[i][q] = 3 + 2 * rank[i] + 1 - isSecond;
+            set(i, {0, 1 + p, 4 + rank[i], 1 + q}, {p, edgeOf[i][p], edgeOf[i][q], q});
+        }
+        for (Index j = 0; j < 3; ++j) {
+            const Index x = faceNamed(loops[3 + j][1]), y = faceNamed(loops[3 + j][3]);
+            set(3 + j, {1 + j, 4 + rank[x], 7, 4 + rank[y]},
+                {edgeOf[x][j], 9 + x, 9 + y, edgeOf[y][j]});
+        }
+    }
 
-    const SignedIncidence& cellFaces_;
-    const SignedIncidence& faceEdges_;
+    bool isRefined_;
+    const Incidence& cellFaces_;
+    const Incidence& faceEdges_;
     const Incidence& faceVertices_;
     const Incidence& cellVertices_;
     const Incidence& cellEdges_;
+    std::vector<Index> vertices_, edges_;
+};
 
-    std::vector<Edge> edges_;
-    std::vector<std::uint8_t> facesSeen_;  ///< for each edge
-    std::size_t vertexCount_ = 0;
-    Offset firstVertex_ = 0;
-    std::vector<Corner> corners_;  ///< its size is the largest number of vertices of any cell so
-                                   ///< far
-    std::vector<std::size_t> loop_;
+/// An edge of a cell, and the first of its two faces.
+struct EdgeOfCell {
+    struct Face {
+        Offset edgeInFace = 0;       ///< position of the edge in face → edges
+        Offset inCell = -1;          ///< position of the face in cell → faces; −1: none yet
+        std::int8_t edgeSign = 0;    ///< of the edge in the boundary of the face
+        std::int8_t inCellSign = 0;  ///< of the face in the boundary of the cell
+    };
+    Face first = {};
+    Index tail = 0, head = 0;  ///< positions in cell → vertices
 };
 
 }  // namespace
@@ -169,41 +156,6 @@ std::int8_t opposite(std::int8_t sign) {
     return static_cast<std::int8_t>(-sign);
 }
 
-/// The rows that a range of parents has produced.
-struct SignedRows {
-    Array<Index> values, lengths;
-    Array<std::int8_t> signs;
-};
-
-SignedIncidence join(const std::vector<SignedRows>& chunks) {
-    Rows<Index> rows;
-    Array<std::int8_t> signs;
-    std::size_t rowCount = 0, valueCount = 0;
-    for (const SignedRows& chunk : chunks) {
-        rowCount += chunk.lengths.size();
-        valueCount += chunk.values.size();
-    }
-    rows.values.reserve(valueCount);
-    signs.reserve(valueCount);
-    for (const SignedRows& chunk : chunks) {
-        rows.values.insert(rows.values.end(), chunk.values.begin(), chunk.values.end());
-        signs.insert(signs.end(), chunk.signs.begin(), chunk.signs.end());
-    }
-    const auto first = std::find_if(chunks.begin(), chunks.end(),
-                                    [](const SignedRows& chunk) { return !chunk.lengths.empty(); });
-    const Index length = first->lengths.front();  // There is one: the child is not empty.
-    const auto isUniform = [&](const SignedRows& chunk) {
-        return std::all_of(chunk.lengths.begin(), chunk.lengths.end(),
-                           [&](Index other) { return other == length; });
-    };
-    if (std::all_of(chunks.begin(), chunks.end(), isUniform))
-        return {Incidence::uniform(length, std::move(rows.values)), std::move(signs)};
-    rows.offsets.reserve(rowCount + 1);
-    for (const SignedRows& chunk : chunks)
-        for (const Index next : chunk.lengths) rows.offsets.push_back(rows.offsets.back() + next);
-    return {Incidence(std::move(rows)), std::move(signs)};
-}
-
 }  // namespace
 
 Refinement::Refinement(const CellComplex& parent, const Kept* kept)
@@ -216,17 +168,18 @@ Refinement::Refinement(const CellComplex& parent, const Kept* kept)
                                 " to refine: the complex has no interior vertex");
     requireMemory(leastBytes(), "the refined complex");
     CellComplex::Boundaries boundaries;
-    boundaries[0] = childEdges();
-    if (dimension_ > 1) {
+    withWhole([&](auto isWhole) {
+        boundaries[0] = childEdges<isWhole>();
+        if (dimension_ == 1) return;
         Quadrilaterals faces;
         faces.edges.resize(4 * static_cast<std::size_t>(childCounts_[2]));
         faces.signs.resize(faces.edges.size());
-        addCorners(faces);
-        if (dimension_ > 2) boundaries[2] = addSides(faces);
+        addCorners<isWhole>(faces);
+        if (dimension_ > 2) boundaries[2] = addSides<isWhole>(faces);
         boundaries[1] =
             SignedIncidence(Incidence::uniform(4, std::move(faces.edges)), std::move(faces.signs));
-    }
-    child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
+    });
+    child_ = CellComplex::refined(dimension_, childCounts_[0], std::move(boundaries));
 }
 
 void Refinement::numberChildren(const Kept* kept) {
@@ -236,6 +189,7 @@ void Refinement::numberChildren(const Kept* kept) {
             Family& family = families_[lower][lower + d];
             family.parts = &parent_.relation(lower + d, lower);
             if (kept != nullptr) family.drop(kept->lower[lower], kept->upper[lower + d]);
+            isWhole_ = isWhole_ && family.isWhole;
             const Offset familyCount = family.isWhole ? std::ssize(family.parts->values())
                                                       : std::ssize(family.entryOfChild);
             // Checked before the children are numbered and created.
@@ -266,7 +220,7 @@ void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
     for (Index row = 0; row < parts->rowCount(); ++row) {
         if (upper[row] == 0) continue;
         for (Offset entry = parts->offset(row); entry < parts->offset(row + 1); ++entry) {
-            if (lower[part(entry)] == 0) continue;
+            if (lower[parts->values()[entry]] == 0) continue;
             childOfEntry[entry] = static_cast<Index>(entryOfChild.size());
             entryOfChild.push_back(entry);
         }
@@ -276,24 +230,26 @@ void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
 
 /// Builds the child edges [a,b], with a in the boundary of b. The edge joins the points of a and b;
 /// the point of a is its tail if σ(b,a) is −1.
+template <bool kIsWhole>
 SignedIncidence Refinement::childEdges() const {
     Array<Index> ends(2 * static_cast<std::size_t>(childCounts_[1]));
     Array<std::int8_t> signs(ends.size());
     for (int upper = 1; upper <= dimension_; ++upper) {
-        const Family& f = family(upper - 1, upper);
-        const auto sides = parent_.boundary(upper).signs();
-        parallelFor(f.parts->rowCount(), kGrain, [&](Offset first, Offset last) {
+        parallelFor(parent_.count(upper), kGrain, [&](Offset first, Offset last) {
+            const auto edges = numbers<kIsWhole>(upper - 1, upper);
+            const auto lowerPoints = numbers<kIsWhole>(upper - 1, upper - 1),
+                       upperPoints = numbers<kIsWhole>(upper, upper);
+            const std::int8_t* const sides = parent_.boundary(upper).signs().data();
             for (Offset row = first; row < last; ++row) {
                 const auto whole = static_cast<Index>(row);
-                for (Offset entry = f.parts->offset(whole); entry < f.parts->offset(whole + 1);
-                     ++entry) {
-                    if (!f.isKept(entry)) continue;
-                    Index tail = pointOf({upper - 1, f.part(entry)});
-                    Index head = pointOf({upper, whole});
-                    if (sides[entry] > 0) std::swap(tail, head);
-                    const std::size_t at = 2 * static_cast<std::size_t>(f.child(entry));
-                    ends[at] = tail;
-                    ends[at + 1] = head;
+                const Offset end = edges.offset(whole + 1);
+                for (Offset entry = edges.offset(whole); entry < end; ++entry) {
+                    if (!edges.isKept(entry)) continue;
+                    const Index point = upperPoints.child(row);
+                    const Index side = lowerPoints.child(edges.part(entry));
+                    const Offset at = 2 * Offset{edges.child(entry)};
+                    ends[at] = sides[entry] > 0 ? point : side;
+                    ends[at + 1] = sides[entry] > 0 ? side : point;
                     signs[at] = -1;
                     signs[at + 1] = 1;
                 }
@@ -306,15 +262,15 @@ SignedIncidence Refinement::childEdges() const {
 /// Builds the child faces [v,f], the corners of faces: the loop of f enters the corner along one
 /// edge and leaves it along the next. Corners are identified by position in the loop, since a loop
 /// may pass a vertex more than once (degenerate faces of meshes).
+template <bool kIsWhole>
 void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
-    const Family& corners = family(0, 2);
-    const Family& ends = family(0, 1);
-    const Family& sides = family(1, 2);
-    const auto signs = parent_.boundary(2).signs();
-    parallelFor(corners.parts->rowCount(), kGrain, [&](Offset firstFace, Offset lastFace) {
+    parallelFor(parent_.count(2), kGrain, [&](Offset firstFace, Offset lastFace) {
+        const auto corners = numbers<kIsWhole>(0, 2), ends = numbers<kIsWhole>(0, 1),
+                   sides = numbers<kIsWhole>(1, 2);
+        const std::int8_t* const signs = parent_.boundary(2).signs().data();
         for (Offset f = firstFace; f < lastFace; ++f) {
             const auto face = static_cast<Index>(f);
-            const Offset begin = corners.parts->offset(face), end = corners.parts->offset(face + 1);
+            const Offset begin = corners.offset(face), end = corners.offset(face + 1);
             for (Offset at = begin; at < end; ++at) {
                 if (!corners.isKept(at)) continue;
                 const Offset before = at == begin ? end - 1 : at - 1;
@@ -322,8 +278,8 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
                 const std::int8_t entering = signs[before];
                 // The vertex is the tail of the edge it leaves along, if the edge runs in the
                 // direction of the loop.
-                const Offset tail = ends.parts->offset(sides.part(at)) + (leaving > 0 ? 0 : 1);
-                const Offset head = ends.parts->offset(sides.part(before)) + (entering > 0 ? 1 : 0);
+                const Offset tail = ends.offset(sides.part(at)) + (leaving > 0 ? 0 : 1);
+                const Offset head = ends.offset(sides.part(before)) + (entering > 0 ? 1 : 0);
                 quadrilaterals.set(corners.child(at), {{{ends.child(tail), leaving},
                                                         {sides.child(at), opposite(leaving)},
                                                         {sides.child(before), entering},
@@ -333,74 +289,140 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
     });
 }
 
+/// Returns the starts of the rows of the child cells [v,c]: a row has one face [v,f] and one face
+/// [e,c] for each edge e of c at v.
+template <bool kIsWhole>
+RowStarts Refinement::startsOfCorners() const {
+    const Incidence& cellFaces = parent_.relation(3, 2);
+    if (parent_.isRefined() && cellFaces.commonLength() == 6)  // All cells are hexahedra.
+        return {childCounts_[3], 6};
+    const auto corners = numbers<kIsWhole>(0, 3);
+    const Incidence& cellVertices = parent_.relation(3, 0);
+    const Incidence& cellEdges = parent_.relation(3, 1);
+    const Incidence& ends = parent_.relation(1, 0);
+    Array<Index> lengths(childCounts_[3]);
+    parallelFor(parent_.count(3), kGrain, [&](Offset first, Offset last) {
+        std::vector<Index> valences;
+        for (Offset c = first; c < last; ++c) {
+            const auto cell = static_cast<Index>(c);
+            const std::span<const Index> vertices = cellVertices[cell];
+            if (parent_.isRefined()) {
+                valences.assign(vertices.size(), 3);
+                valences.front() = valences.back() = static_cast<Index>(cellFaces[cell].size() / 2);
+            } else {
+                valences.assign(vertices.size(), 0);
+                for (const Index edge : cellEdges[cell])
+                    for (const Index end : ends[edge]) ++valences[placeInRow(vertices, end)];
+            }
+            const Offset begin = corners.offset(cell);
+            for (Offset v = 0; v < std::ssize(valences); ++v)
+                if (corners.isKept(begin + v)) lengths[corners.child(begin + v)] = 2 * valences[v];
+        }
+    });
+    return RowStarts::ofLengths(lengths);
+}
+
 /// Builds the child faces [e,c], from an edge of a cell and the two faces x and y at the edge.
 /// Returns the rows of the child cells [v,c], the corners of cells, with their faces [v,f] and
 /// [e,c].
+template <bool kIsWhole>
 SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
-    const Family& vertexFaces = family(0, 2);
-    const Family& edgeFaces = family(1, 2);
-    const Family& edgeCells = family(1, 3);
-    const Family& faceCells = family(2, 3);
-    const Family& corners = family(0, 3);
+    RowStarts starts = startsOfCorners<kIsWhole>();
+    Array<Index> values(starts[childCounts_[3]]);
+    Array<std::int8_t> signs(values.size());
 
-    // Rows of [v,c] are ordered by cell; each range of cells collects its own rows.
-    const Index cellCount = parent_.count(3);
-    std::vector<SignedRows> chunks((cellCount + kGrain - 1) / kGrain);
-    parallelFor(cellCount, kGrain, [&](Offset firstCell, Offset lastCell) {
-        SignedRows& chunk = chunks[firstCell / kGrain];
-        CellCorners cell(parent_);
-        for (Offset index = firstCell; index < lastCell; ++index) {
-            cell.visit(static_cast<Index>(index));
-            for (const CellCorners::Edge& edge : cell.edges()) {
-                if (!edgeCells.isKept(edge.inCell)) continue;
-                // Since ∂∂ = 0, the product of a face's sign in c and the edge's sign in the face
-                // is 1 for one of the two faces and −1 for the other. Here x is the face whose
-                // product is −1; the loop leaves [e,e] towards x.
-                auto x = edge.faces[0], y = edge.faces[1];
-                if (x.inCellSign == x.edgeSign) std::swap(x, y);
-                quadrilaterals.set(edgeCells.child(edge.inCell),
-                                   {{{edgeFaces.child(x.edgeInFace), x.inCellSign},
-                                     {faceCells.child(x.inCell), x.edgeSign},
-                                     {faceCells.child(y.inCell), y.edgeSign},
-                                     {edgeFaces.child(y.edgeInFace), y.inCellSign}}});
-            }
-            for (std::size_t v = 0; v < cell.vertexCount(); ++v) {
-                if (!corners.isKept(cell.vertexInCell(v))) continue;
-                for (const CellCorners::VertexFace& face : cell.facesAt(v)) {
-                    chunk.values.push_back(vertexFaces.child(face.vertexInFace));
-                    chunk.signs.push_back(face.inCellSign);
+    parallelFor(parent_.count(3), kGrain, [&](Offset firstCell, Offset lastCell) {
+        const auto vertexFaces = numbers<kIsWhole>(0, 2), edgeFaces = numbers<kIsWhole>(1, 2),
+                   edgeCells = numbers<kIsWhole>(1, 3), faceCells = numbers<kIsWhole>(2, 3),
+                   corners = numbers<kIsWhole>(0, 3);
+        const std::int8_t* const cellFaceSigns = parent_.boundary(3).signs().data();
+        const std::int8_t* const faceEdgeSigns = parent_.boundary(2).signs().data();
+        const RowStarts::View rowStarts = starts;
+        CornerPlaces places(parent_);
+        std::vector<Offset> next;  // place of the next value of each row [v,c]; −1 if not kept
+        std::vector<EdgeOfCell> edges;
+        for (Offset c = firstCell; c < lastCell; ++c) {
+            const auto cell = static_cast<Index>(c);
+            places.find(cell);
+            next.clear();
+            for (Offset at = corners.offset(cell); at < corners.offset(cell + 1); ++at)
+                next.push_back(corners.isKept(at) ? rowStarts[corners.child(at)] : -1);
+            const Offset firstEdge = edgeCells.offset(cell);
+            edges.assign(edgeCells.offset(cell + 1) - firstEdge, {});
+
+            const Index *vertexOf = places.vertices(), *edgeOf = places.edges();
+            for (Offset inCell = faceCells.offset(cell); inCell < faceCells.offset(cell + 1);
+                 ++inCell) {
+                const Index face = faceCells.part(inCell);
+                const std::int8_t inCellSign = cellFaceSigns[inCell];
+                const Offset begin = vertexFaces.offset(face);
+                const auto length = static_cast<Index>(vertexFaces.offset(face + 1) - begin);
+                for (Index i = 0; i < length; ++i) {
+                    const Offset inFace = begin + i;
+                    if (Offset& at = next[vertexOf[i]]; at >= 0) {
+                        values[at] = vertexFaces.child(inFace);
+                        signs[at++] = inCellSign;
+                    }
+                    const std::int8_t edgeSign = faceEdgeSigns[inFace];
+                    EdgeOfCell& edge = edges[edgeOf[i]];
+                    EdgeOfCell::Face x{inFace, inCell, edgeSign, inCellSign};
+                    if (edge.first.inCell < 0) {
+                        const Index end = vertexOf[i + 1 < length ? i + 1 : 0];
+                        edge = {x, edgeSign > 0 ? vertexOf[i] : end,
+                                edgeSign > 0 ? end : vertexOf[i]};
+                    } else if (edgeCells.isKept(firstEdge + edgeOf[i])) {
+                        // Since ∂∂ = 0, the product of a face's sign in c and the edge's sign in
+                        // the face is 1 for one of the two faces and −1 for the other. Here x is
+                        // the face whose product is −1; the loop leaves [e,e] towards x.
+                        EdgeOfCell::Face y = edge.first;
+                        if (x.inCellSign == x.edgeSign) std::swap(x, y);
+                        quadrilaterals.set(edgeCells.child(firstEdge + edgeOf[i]),
+                                           {{{edgeFaces.child(x.edgeInFace), x.inCellSign},
+                                             {faceCells.child(x.inCell), x.edgeSign},
+                                             {faceCells.child(y.inCell), y.edgeSign},
+                                             {edgeFaces.child(y.edgeInFace), y.inCellSign}}});
+                    }
                 }
-                for (const CellCorners::VertexEdge& edge : cell.edgesAt(v)) {
-                    chunk.values.push_back(edgeCells.child(edge.inCell));
-                    chunk.signs.push_back(opposite(edge.vertexSign));
-                }
-                chunk.lengths.push_back(
-                    static_cast<Index>(cell.facesAt(v).size() + cell.edgesAt(v).size()));
+                vertexOf += length;
+                edgeOf += length;
             }
+            for (std::size_t e = 0; e < edges.size(); ++e)
+                for (const auto& [end, sign] :
+                     {std::pair(edges[e].tail, 1), std::pair(edges[e].head, -1)})
+                    if (Offset& at = next[end]; at >= 0) {
+                        values[at] = edgeCells.child(firstEdge + static_cast<Offset>(e));
+                        signs[at++] = static_cast<std::int8_t>(sign);
+                    }
         }
     });
-    return join(chunks);
+    return {Incidence(std::move(starts), std::move(values)), std::move(signs)};
 }
 
 Interval Refinement::parentOf(Entity child) const {
     int lower = 0;
     const auto isIn = [&](const Family& f) { return child.index - f.firstChild < f.childCount; };
-    while (!isIn(family(lower, lower + child.dimension))) ++lower;
-    const Family& f = family(lower, lower + child.dimension);
-    const auto at = child.index - f.firstChild;
-    const Offset entry = f.isWhole ? Offset{at} : f.entryOfChild[at];
-    return {{lower, f.part(entry)}, {lower + child.dimension, f.parts->rowOf(entry)}};
+    while (!isIn(families_[lower][lower + child.dimension])) ++lower;
+    const Family& family = families_[lower][lower + child.dimension];
+    const auto at = child.index - family.firstChild;
+    const Offset entry = family.isWhole ? Offset{at} : family.entryOfChild[at];
+    return {{lower, family.parts->values()[entry]},
+            {lower + child.dimension, family.parts->rowOf(entry)}};
 }
 
 std::optional<Entity> Refinement::childOf(const Interval& interval) const {
-    const auto& [lower, upper] = interval;
+    const Entity lower = interval.lower;
+    const Entity upper = interval.upper;
     if (lower.dimension > upper.dimension || upper.dimension > dimension_) return std::nullopt;
-    const Family& f = family(lower.dimension, upper.dimension);
-    const auto row = (*f.parts)[upper.index];
+    const Family& family = families_[lower.dimension][upper.dimension];
+    const auto row = parent_.relation(upper.dimension, lower.dimension)[upper.index];
     const auto at = std::find(row.begin(), row.end(), lower.index) - row.begin();
-    const Offset entry = f.parts->offset(upper.index) + at;
-    if (at == std::ssize(row) || !f.isKept(entry)) return std::nullopt;
-    return Entity{upper.dimension - lower.dimension, f.child(entry)};
+    if (at == std::ssize(row)) return std::nullopt;
+    const Offset entry = family.parts->offset(upper.index) + at;
+    return withWhole([&](auto isWhole) -> std::optional<Entity> {
+        const Numbers<isWhole> numbers(family);
+        if (!numbers.isKept(entry)) return std::nullopt;
+        return Entity{upper.dimension - lower.dimension, numbers.child(entry)};
+    });
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 namespace espalier::far {
@@ -69,13 +70,14 @@ public:
     /// the children's numbers. \cost O(children)
     template <class Visit>
     void forEachChild(int lower, int upper, Visit visit) const {
-        const Family& f = family(lower, upper);
-        Index child = f.firstChild;
-        for (Index row = 0; row < f.parts->rowCount(); ++row)
-            for (Offset entry = f.parts->offset(row); entry < f.parts->offset(row + 1); ++entry)
-                if (f.isKept(entry))
-                    visit(Entity{upper - lower, child++},
-                          Interval{{lower, f.part(entry)}, {upper, row}});
+        withWhole([&](auto isWhole) {
+            const auto family = numbers<isWhole>(lower, upper);
+            for (Index row = 0; row < family.rowCount(); ++row)
+                for (Offset entry = family.offset(row); entry < family.offset(row + 1); ++entry)
+                    if (family.isKept(entry))
+                        visit(Entity{upper - lower, family.child(entry)},
+                              Interval{{lower, family.part(entry)}, {upper, row}});
+        });
     }
 
     /// The same for every child, in the order of dimensions and numbers.
@@ -96,7 +98,9 @@ public:
             auto& ofChildren = result[d];
             ofChildren.resize(child_.count(d));
             for (int lower = 0; lower + d <= dimension_; ++lower)
-                family(lower, lower + d).spread(values[lower + d], ofChildren);
+                withWhole([&](auto isWhole) {
+                    spread(numbers<isWhole>(lower, lower + d), values[lower + d], ofChildren);
+                });
         }
         return result;
     }
@@ -113,41 +117,79 @@ private:
         std::vector<Offset> entryOfChild;  ///< ascending
 
         void drop(const std::vector<std::uint8_t>& lower, const std::vector<std::uint8_t>& upper);
-
-        Index part(Offset entry) const { return parts->values()[entry]; }
-        bool isKept(Offset entry) const { return isWhole || childOfEntry[entry] != kMaxIndex; }
-        Index child(Offset entry) const {
-            return firstChild + (isWhole ? static_cast<Index>(entry) : childOfEntry[entry]);
-        }
-
-        template <class T>
-        void spread(const std::vector<T>& ofRows, std::vector<T>& ofChildren) const {
-            parallelFor(parts->rowCount(), 1 << 14, [&](Offset first, Offset last) {
-                for (Offset row = first; row < last; ++row) {
-                    const auto r = static_cast<Index>(row);
-                    for (Offset entry = parts->offset(r); entry < parts->offset(r + 1); ++entry)
-                        if (isKept(entry)) ofChildren[child(entry)] = ofRows[row];
-                }
-            });
-        }
     };
-    const Family& family(int lower, int upper) const { return families_[lower][upper]; }
-    /// Returns the child vertex of an entity.
-    Index pointOf(Entity entity) const {
-        return family(entity.dimension, entity.dimension).child(entity.index);
+
+    /// The numbers of a family, to be copied into loops. The compiler can keep a local copy in
+    /// registers; it would read a Family again after each write of an index.
+    /// \tparam kIsWhole true if every interval of every family is kept
+    template <bool kIsWhole>
+    class Numbers {
+    public:
+        explicit Numbers(const Family& family)
+            : parts_(family.parts->values().data()),
+              starts_(family.parts->starts()),
+              firstChild_(family.firstChild),
+              childOfEntry_(family.childOfEntry.data()) {}
+
+        Index rowCount() const { return starts_.rowCount; }
+        Offset offset(Index row) const { return starts_[row]; }
+        Index part(Offset entry) const { return parts_[entry]; }
+        bool isKept(Offset entry) const { return kIsWhole || childOfEntry_[entry] != kMaxIndex; }
+        Index child(Offset entry) const {
+            return firstChild_ + (kIsWhole ? static_cast<Index>(entry) : childOfEntry_[entry]);
+        }
+
+    private:
+        const Index* parts_;
+        RowStarts::View starts_;
+        Index firstChild_;
+        const Index* childOfEntry_;
+    };
+
+    template <bool kIsWhole>
+    Numbers<kIsWhole> numbers(int lower, int upper) const {
+        return Numbers<kIsWhole>(families_[lower][upper]);
+    }
+
+    /// Calls use(std::true_type()) if every interval is kept, else use(std::false_type()).
+    template <class Use>
+    decltype(auto) withWhole(Use use) const {
+        return isWhole_ ? use(std::true_type()) : use(std::false_type());
+    }
+
+    template <class T, bool kIsWhole>
+    static void spread(const Numbers<kIsWhole>& family, const std::vector<T>& ofRows,
+                       std::vector<T>& ofChildren) {
+        parallelFor(family.rowCount(), 1 << 14, [&](Offset first, Offset last) {
+            const Numbers<kIsWhole> numbers = family;
+            T* const children = ofChildren.data();
+            for (Offset row = first; row < last; ++row) {
+                const auto r = static_cast<Index>(row);
+                const T value = ofRows[row];
+                const Offset end = numbers.offset(r + 1);
+                for (Offset entry = numbers.offset(r); entry < end; ++entry)
+                    if (numbers.isKept(entry)) children[numbers.child(entry)] = value;
+            }
+        });
     }
 
     void numberChildren(const Kept* kept);
     std::uint64_t leastBytes() const;
-    SignedIncidence childEdges() const;
     struct Quadrilaterals;
+    template <bool kIsWhole>
+    SignedIncidence childEdges() const;
+    template <bool kIsWhole>
     void addCorners(Quadrilaterals& quadrilaterals) const;
+    template <bool kIsWhole>
+    RowStarts startsOfCorners() const;
+    template <bool kIsWhole>
     SignedIncidence addSides(Quadrilaterals& quadrilaterals) const;
 
     CellComplex parent_;
     int dimension_ = 0;
     std::array<std::array<Family, kMaxDimension + 1>, kMaxDimension + 1> families_;
     std::array<Index, kMaxDimension + 1> childCounts_ = {};
+    bool isWhole_ = true;  ///< every interval is kept
     CellComplex child_;
 };
 

@@ -5,6 +5,7 @@
 #include <espalier/far/cell_complex.h>
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,11 @@ enum class StandardCell {
     Hexahedron    ///< 8 vertices: a quadrilateral, anticlockwise seen from the opposite one; then
                   ///< the opposite one in the same order
 };
+
+/// The three neighbours of each vertex of a hexahedron in VTK's order. In a cell of positive
+/// volume, the edges to them are a right-handed frame.
+inline constexpr std::array<std::array<std::size_t, 3>, 8> kHexahedronNeighbours = {
+    {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}}};
 
 /// Returns the number of vertices of a standard cell.
 ESPALIER_API Index vertexCount(StandardCell cell);

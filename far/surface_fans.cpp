@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface_fans.h"
 
+#include <espalier/base/disjoint_sets.h>
+
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace espalier::far {
@@ -93,17 +94,10 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
     }
     std::sort(sides.begin(), sides.end());
 
-    // A forest of corners with one tree per fan: each corner points to another corner of its fan,
-    // the root to itself.
-    std::vector<std::size_t> parents(count);
-    std::iota(parents.begin(), parents.end(), std::size_t{0});
-    const auto rootOf = [&](std::size_t corner) {
-        while (parents[corner] != corner) corner = parents[corner] = parents[parents[corner]];
-        return corner;
-    };
+    DisjointSets fans(count);  // of corners
     for (std::size_t i = 0; i + 1 < sides.size(); ++i)
         if (sides[i].first == sides[i + 1].first && edge(sides[i].first) == EdgeKind::Manifold)
-            parents[rootOf(sides[i].second)] = rootOf(sides[i + 1].second);
+            fans.join(sides[i].second, sides[i + 1].second);
 
     // The edges at the ends of each fan, ascending, because the sides are ascending: an end is an
     // edge that joins the fan to no other corner.
@@ -111,20 +105,18 @@ SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
     bool hasBoundary = false, hasNonManifold = false;
     for (const auto& [side, corner] : sides) {
         if (edge(side) == EdgeKind::Manifold) continue;
-        ends[rootOf(corner)].push_back(side);
+        ends[fans.rootOf(corner)].push_back(side);
         hasBoundary |= edge(side) == EdgeKind::Boundary;
         hasNonManifold |= edge(side) == EdgeKind::NonManifold;
     }
-    std::size_t fanCount = 0;
     bool haveSameEnds = true;
     for (std::size_t corner = 0; corner < count; ++corner) {
-        if (rootOf(corner) != corner) continue;
-        ++fanCount;
+        if (fans.rootOf(corner) != corner) continue;
         const std::vector<Index>& own = ends[corner];
-        haveSameEnds &= own.size() == 2 && own[0] != own[1] && own == ends[rootOf(0)];
+        haveSameEnds &= own.size() == 2 && own[0] != own[1] && own == ends[fans.rootOf(0)];
     }
-    if (fanCount == 1 && !hasNonManifold) return VertexKind::Fan;
-    if (fanCount > 2 && haveSameEnds && !hasBoundary) return VertexKind::Crease;
+    if (fans.setCount() == 1 && !hasNonManifold) return VertexKind::Fan;
+    if (fans.setCount() > 2 && haveSameEnds && !hasBoundary) return VertexKind::Crease;
     return VertexKind::NonManifold;
 }
 

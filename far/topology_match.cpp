@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <tuple>
 
 #include "canonical_loop.h"
 
@@ -30,9 +29,7 @@ std::vector<Index> canonicalCell(const CellComplex& complex, Index cell) {
 struct NumberedCell {
     std::vector<Index> key;
     Index cell;
-    friend bool operator<(const NumberedCell& a, const NumberedCell& b) {
-        return std::tie(a.key, a.cell) < std::tie(b.key, b.cell);
-    }
+    friend auto operator<=>(const NumberedCell&, const NumberedCell&) = default;
 };
 
 std::vector<NumberedCell> sortedCells(const CellComplex& complex) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/disjoint_sets.h>
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/topology_error.h>
 
-#include <numeric>
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -19,30 +21,6 @@ std::string edgeName(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
     return concat("edge (", ends[0], ", ", ends[1], ")");
 }
-
-/// Disjoint sets of the numbers 0 to n − 1.
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t count) : parents_(count), setCount_(count) {
-        std::iota(parents_.begin(), parents_.end(), std::size_t{0});
-    }
-    std::size_t find(std::size_t item) {
-        while (parents_[item] != item) item = parents_[item] = parents_[parents_[item]];
-        return item;
-    }
-    void unite(std::size_t a, std::size_t b) {
-        a = find(a);
-        b = find(b);
-        if (a == b) return;
-        parents_[a] = b;
-        --setCount_;
-    }
-    std::size_t setCount() const { return setCount_; }
-
-private:
-    std::vector<std::size_t> parents_;
-    std::size_t setCount_;
-};
 
 void checkEdge(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
@@ -66,10 +44,7 @@ void checkFace(const CellComplex& complex, Index face) {
             refuse(TopologyCause::NotOrientable, {2, face}, " has edges that do not form a loop");
     }
     if (complex.dimension() == 2) return;
-    std::vector<Index> sorted(loop.begin(), loop.end());
-    std::sort(sorted.begin(), sorted.end());
-    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-    if (twice != sorted.end())
+    if (const auto twice = repeatedIn(loop))
         refuse(TopologyCause::RepeatedVertex, {2, face},
                concat(" names vertex ", *twice, " twice"));
 }
@@ -88,10 +63,7 @@ void checkCell(const CellComplex& complex, Index cell) {
     const auto faces = complex.relation(3, 2)[cell];
     const auto cellSigns = complex.boundary(3).signs(cell);
 
-    std::vector<Index> sortedFaces(faces.begin(), faces.end());
-    std::sort(sortedFaces.begin(), sortedFaces.end());
-    const auto twice = std::adjacent_find(sortedFaces.begin(), sortedFaces.end());
-    if (twice != sortedFaces.end())
+    if (const auto twice = repeatedIn(faces))
         refuse(TopologyCause::RepeatedFace, entity, concat(" lists face ", *twice, " twice"));
 
     // The corners of all faces are numbered consecutively; firstCorner[f] is the first of face f.
@@ -131,9 +103,9 @@ void checkCell(const CellComplex& complex, Index cell) {
         if (sides[i].sign == sides[i + 1].sign)
             refuse(TopologyCause::NotOrientable, entity,
                    " has faces whose directions disagree at its " + name());
-        pieces.unite(sides[i].face, sides[i + 1].face);
+        pieces.join(sides[i].face, sides[i + 1].face);
         for (const Index vertex : complex.relation(1, 0)[sides[i].edge])
-            fans.unite(cornerAt(sides[i], vertex), cornerAt(sides[i + 1], vertex));
+            fans.join(cornerAt(sides[i], vertex), cornerAt(sides[i + 1], vertex));
         i = end;
     }
     if (pieces.setCount() != 1)
@@ -147,7 +119,7 @@ void checkCell(const CellComplex& complex, Index cell) {
         for (std::size_t f = 0; f < faces.size(); ++f) {
             const auto loop = complex.relation(2, 0)[faces[f]];
             for (std::size_t i = 0; i < loop.size(); ++i)
-                fanOf.emplace_back(loop[i], fans.find(firstCorner[f] + i));
+                fanOf.emplace_back(loop[i], fans.rootOf(firstCorner[f] + i));
         }
         std::sort(fanOf.begin(), fanOf.end());
         const auto pinch =
@@ -171,9 +143,9 @@ void checkCell(const CellComplex& complex, Index cell) {
 void checkCellsOfFace(const CellComplex& complex, Index face) {
     const auto cells = complex.relation(2, 3)[face];
     if (cells.size() > 2)
-        refuse(TopologyCause::CrowdedFace, {2, face},
-               concat(" bounds ", cells.size(), " cells (", cells[0], ", ", cells[1], ", ",
-                      cells[2], cells.size() > 3 ? ", ...)" : ")", "; expected 1 or 2"));
+        refuse(
+            TopologyCause::CrowdedFace, {2, face},
+            concat(" bounds ", cells.size(), " cells (", listed(cells, 3), "); expected 1 or 2"));
     if (cells.size() < 2) return;
     const auto signIn = [&](Index cell) {
         const auto faces = complex.relation(3, 2)[cell];

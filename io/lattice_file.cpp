@@ -3,6 +3,11 @@
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/lattices/ovm.h>
+#include <espalier/io/meshes/gmsh.h>
+#include <espalier/io/meshes/medit.h>
+#include <espalier/io/meshes/openfoam.h>
+#include <espalier/io/meshes/plot3d.h>
+#include <espalier/io/meshes/su2.h>
 #include <espalier/io/models/obj_mesh.h>
 #include <espalier/io/read_notes.h>
 #include <espalier/io/vtk/vtk_legacy.h>
@@ -41,14 +46,11 @@ std::string droppedText(Index textureCoordinates) {
 
 /// Returns the note on vertices; empty if none were dropped.
 std::string droppedText(const std::vector<Index>& dropped) {
-    constexpr std::size_t kMaxNamed = 5;
     if (dropped.empty()) return "";
     const bool isOne = dropped.size() == 1;
-    std::string text = concat("dropped ", dropped.size(),
-                              isOne ? " unused vertex (vertex " : " unused vertices (vertices ");
-    for (std::size_t i = 0; i < std::min(dropped.size(), kMaxNamed); ++i)
-        text += concat(i == 0 ? "" : ", ", dropped[i]);
-    return text + (dropped.size() > kMaxNamed ? ", ...)" : ")");
+    return concat("dropped ", dropped.size(),
+                  isOne ? " unused vertex (vertex " : " unused vertices (vertices ",
+                  listed(dropped), ")");
 }
 
 }  // namespace
@@ -69,9 +71,9 @@ using Path = std::filesystem::path;
 using LatticeReader = Lattice (*)(const Path&, std::string_view bytes, ReadNotes*);
 
 struct LatticeFormat {
-    std::string_view extension;
+    std::string_view extension;  ///< or the name of the file
     LatticeReader read;
-    void (*write)(const Path&, const Lattice&, const WriteLatticeOptions&);
+    void (*write)(const Path&, const Lattice&, const WriteLatticeOptions&) = nullptr;
 };
 
 constexpr LatticeFormat kFormats[] = {
@@ -86,7 +88,14 @@ constexpr LatticeFormat kFormats[] = {
     {".vtk", readVtkLegacy,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
          writeVtkLegacy(path, lattice);
-     }}};
+     }},
+    {".msh", readGmsh},
+    {".mesh", readMedit},
+    {".su2", readSu2},
+    {".xyz", readPlot3d},
+    {".p3d", readPlot3d},
+    {".fmt", readPlot3d},
+    {kFoamPoints, readFoam}};
 
 constexpr std::string_view kMeshExtension = ".obj";
 
@@ -94,18 +103,21 @@ std::string extensionOf(const Path& path) {
     return lowerCase(path.extension().string());
 }
 
-std::string latticeExtensions() {
+/// Returns ".ovm, .vtu, .vtk" for writing; for reading more.
+std::string latticeExtensions(bool areWritten = false) {
     std::string names;
     for (const LatticeFormat& format : kFormats)
-        names += (names.empty() ? "" : ", ") + std::string(format.extension);
-    return names;
+        if (format.write || (!areWritten && format.read != readFoam))
+            names += (names.empty() ? "" : ", ") + std::string(format.extension);
+    return areWritten ? names : names + " or an OpenFOAM case";
 }
 
 /// The format that a path names; null if it names none.
 const LatticeFormat* findFormat(const Path& path) {
     const std::string extension = extensionOf(path);
     for (const LatticeFormat& format : kFormats)
-        if (format.extension == extension) return &format;
+        if (format.extension == extension || (format.read == readFoam && isFoamPath(path)))
+            return &format;
     return nullptr;
 }
 
@@ -113,11 +125,21 @@ bool isMeshFile(const Path& path) {
     return extensionOf(path) == kMeshExtension;
 }
 
-const LatticeFormat& formatOf(const Path& path) {
+const LatticeFormat& formatOf(const Path& path, bool isWritten = false) {
     if (const LatticeFormat* format = findFormat(path)) return *format;
     throw FileError(path, (isMeshFile(path) ? "an OBJ file holds a mesh or a curve, not a lattice"
                                             : "is not of a known lattice format") +
-                              ("; expected " + latticeExtensions()));
+                              ("; expected " + latticeExtensions(isWritten)));
+}
+
+const LatticeFormat& writableFormatOf(const Path& path) {
+    const LatticeFormat& format = formatOf(path, true);
+    if (!format.write)
+        throw FileError(path,
+                        concat("a lattice cannot be written in this format, which is only read; "
+                               "expected ",
+                               latticeExtensions(true)));
+    return format;
 }
 
 LatticeReader refinableReaderOf(const Path& path) {
@@ -135,7 +157,8 @@ bool isLatticeFile(const Path& path) {
 
 Lattice readLattice(const Path& path, ReadNotes* notes) {
     const LatticeFormat& format = formatOf(path);
-    return format.read(path, readFile(path), notes);
+    const Path file = foamPointsOf(path);
+    return format.read(file, readFile(file), notes);
 }
 
 Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
@@ -143,16 +166,17 @@ Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) 
 }
 
 void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
-    formatOf(path).write(path, lattice, options);
+    writableFormatOf(path).write(path, lattice, options);
 }
 
 void checkLatticeTarget(const Path& path) {
-    formatOf(path);
+    writableFormatOf(path);
 }
 
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
     const LatticeReader read = refinableReaderOf(path);
-    return read(path, readFile(path), notes);
+    const Path file = foamPointsOf(path);
+    return read(file, readFile(file), notes);
 }
 
 Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes) {
@@ -172,9 +196,10 @@ void checkRefinableTarget(const Path& path, int dimension) {
         throw FileError(path, std::string(dimension == 1 ? "a curve" : "a mesh") +
                                   " cannot be written in this format; expected " +
                                   std::string(kMeshExtension));
-    if (dimension == 3 && findFormat(path) == nullptr)
-        throw FileError(
-            path, "a lattice cannot be written in this format; expected " + latticeExtensions());
+    const LatticeFormat* format = findFormat(path);
+    if (dimension == 3 && (!format || !format->write))
+        throw FileError(path, "a lattice cannot be written in this format; expected " +
+                                  latticeExtensions(true));
     if (dimension < 1 || dimension > 3)
         throw FileError(path, concat("a complex of dimension ", dimension,
                                      " cannot be written; expected a curve (1), a mesh (2) or a "

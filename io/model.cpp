@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
+#include <espalier/io/meshes/gmsh.h>
+#include <espalier/io/meshes/medit.h>
+#include <espalier/io/meshes/openfoam.h>
+#include <espalier/io/meshes/plot3d.h>
+#include <espalier/io/meshes/su2.h>
 #include <espalier/io/model.h>
 #include <espalier/io/models/obj.h>
 #include <espalier/io/models/ply.h>
@@ -9,35 +15,114 @@
 #include <espalier/io/vtk/vtk_legacy.h>
 #include <espalier/io/vtk/vtu.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "models/model_conversion.h"
+#include "models/surface_writers.h"
+#include "vtk/vtk_surface_writers.h"
+
 namespace espalier::io {
 namespace {
 
+using Normals = SurfaceFormat::Normals;
+
 struct ModelFormat {
-    std::string_view extension;
-    std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
+    SurfaceFormat surfaces;  ///< has no function write for the meshes of volumes
+    ModelReader read;
+
+    std::string_view extension() const { return surfaces.extension; }
 };
 
-constexpr ModelFormat kModelFormats[] = {{".obj", readObj},      {".ply", readPly},
-                                         {".stl", readStl},      {".vtu", readVtuModel},
-                                         {".vtp", readVtpModel}, {".vtk", readVtkLegacyModel}};
+/// Returns all formats, with the formats of optional components.
+std::vector<ModelFormat>& modelFormats() {
+    static std::vector<ModelFormat> formats = {
+        {{".obj", Normals::Corners, writeObjSurface}, readObj},
+        {{".ply", Normals::Points, writePlySurface}, readPly},
+        {{".stl", Normals::Facets, writeStlSurface}, readStl},
+        {{".vtu", Normals::Points, writeVtuSurface}, readVtuModel},
+        {{".vtp", Normals::Points, writeVtpSurface}, readVtpModel},
+        {{".vtk", Normals::Points, writeVtkLegacySurface}, readVtkLegacyModel},
+        {{".su2", Normals::Points, nullptr}, readSu2Model},
+        {{".msh", Normals::Points, nullptr}, readGmshModel},
+        {{".mesh", Normals::Points, nullptr}, readMeditModel},
+        {{".xyz", Normals::Points, nullptr}, readPlot3dModel},
+        {{".p3d", Normals::Points, nullptr}, readPlot3dModel},
+        {{".fmt", Normals::Points, nullptr}, readPlot3dModel},
+        {{kFoamPoints, Normals::Points, nullptr}, readFoamModel}};
+    return formats;
+}
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
-    for (const ModelFormat& format : kModelFormats)
-        if (format.extension == extension) return &format;
+    for (const ModelFormat& format : modelFormats())
+        if (format.extension() == extension || (format.read == readFoamModel && isFoamPath(path)))
+            return &format;
     return nullptr;
+}
+
+/// Returns the extensions of the formats to which models can be converted, or of all others but
+/// OpenFOAM's.
+std::string extensionsOf(bool areTargets) {
+    std::string known;
+    for (const ModelFormat& format : modelFormats())
+        if ((format.surfaces.write != nullptr) == areTargets && format.read != readFoamModel)
+            known.append(known.empty() ? "" : ", ").append(format.extension());
+    return known;
+}
+
+/// Throws unless points of OpenFOAM may be written to a path.
+void checkFoamName(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const bool isDevice = std::filesystem::exists(path, ignored) &&
+                          !std::filesystem::is_regular_file(path, ignored) &&
+                          !std::filesystem::is_directory(path, ignored);
+    // A new name without an extension may be meant as the folder of a case.
+    if (path.filename() != kFoamPoints && !isDevice)
+        throw FileError(
+            path,
+            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
+            "or into a folder with a copy of the case (cp -r CASE COPY)");
+}
+
+/// Returns the format to which a model is converted if it is written to `path`; null if it is
+/// written in its own.
+/// \throws FileError if the model, or any model, cannot be written under this name
+const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::path& path) {
+    if (model.extension() == kFoamPoints) {
+        checkFoamName(path);
+        return nullptr;
+    }
+    const ModelFormat* format = findModelFormat(path);
+    if (!format || format->extension() == model.extension()) return nullptr;
+    if (!format->surfaces.write)
+        throw FileError(
+            path,
+            concat("a model that was read as ", model.extension(), " cannot be written as ",
+                   format->extension(),
+                   ", because this is a format of meshes with cells, and only ",
+                   "the coordinates of such a mesh can be replaced; name the output ",
+                   shownPath(std::filesystem::path(path).replace_extension(model.extension()))));
+    return &format->surfaces;
 }
 
 const ModelFormat& requireFormat(const std::filesystem::path& path) {
     if (const ModelFormat* format = findModelFormat(path)) return *format;
-    std::string known;
-    for (const ModelFormat& format : kModelFormats)
-        known.append(known.empty() ? "" : ", ").append(format.extension);
-    throw FileError(path, "is not of a known model format; expected " + known);
+    constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
+    if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
+        throw FileError(path,
+                        "lists other files; name one of these files (" + extensionsOf(true) + ")");
+    throw FileError(path, "is not of a known model format; expected " + extensionsOf(true) +
+                              ", or the mesh of a simulation: " + extensionsOf(false) +
+                              " or an OpenFOAM case");
+}
+
+/// Returns true for the number of a pose: ".0001".
+bool isNumber(const std::string& extension) {
+    return extension.size() > 1 &&
+           extension.find_first_not_of("0123456789", 1) == std::string::npos;
 }
 
 /// Throws unless there is one set of finite numbers per point.
@@ -55,33 +140,71 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
 
 }  // namespace
 
-void Model::checkTarget(const std::filesystem::path& path) const {
-    const ModelFormat* format = findModelFormat(path);
-    if (format && format->extension != extension())
-        throw FileError(
-            path, concat("a model that was read as ", extension(), " can only be written as ",
-                         extension(),
-                         ", because everything but its coordinates is copied from "
-                         "its file; name the output ",
-                         shownPath(std::filesystem::path(path).replace_extension(extension())),
-                         ", or convert the model to ", format->extension, " first"));
+std::filesystem::path modelFile(const std::filesystem::path& path) {
+    return foamPointsOf(path);
+}
+
+std::filesystem::path modelTarget(const std::filesystem::path& path) {
+    return foamTargetOf(path);
+}
+
+void ModelSurface::addOther(const std::string& kind, const std::string& name) {
+    auto other = std::ranges::find(others, kind, &OtherData::kind);
+    if (other == others.end()) other = others.insert(others.end(), {kind, {}});
+    if (!name.empty() && std::ranges::count(other->names, name) == 0) other->names.push_back(name);
+}
+
+std::string Model::checkTarget(const std::filesystem::path& name) const {
+    const std::filesystem::path path = modelTarget(name);
+    if (const SurfaceFormat* surfaces = conversionFor(*this, path))
+        return conversionTo(*surfaces, path)->losses(path);
+    const std::string word = path.extension().string();
+    if (extension() != kFoamPoints && !findModelFormat(path) && !word.empty() && !isNumber(word))
+        return concat(shownPath(path), ": is written as ", extension(),
+                      ", the format of the model, because ", printable(word),
+                      " is no known model format; known are ", extensionsOf(true));
+    return {};
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
-    check(path, moved);
-    writeChecked(path, moved, {});
+    const std::filesystem::path target = modelTarget(path);
+    checkAll(moved, positions().size(), "positions", "new position");
+    writeInFormat(target, moved, {});
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved,
                   std::span<const DeformationGradient> gradients) const {
-    check(path, moved);
+    const std::filesystem::path target = modelTarget(path);
+    checkAll(moved, positions().size(), "positions", "new position");
     checkAll(gradients, positions().size(), "gradients", "gradient");
-    writeChecked(path, moved, gradients);
+    writeInFormat(target, moved, gradients);
 }
 
-void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
-    checkTarget(path);
-    checkAll(moved, positions().size(), "positions", "new position");
+void Model::writeInFormat(const std::filesystem::path& path, std::span<const Point3> moved,
+                          std::span<const DeformationGradient> gradients) const {
+    if (const SurfaceFormat* surfaces = conversionFor(*this, path))
+        conversionTo(*surfaces, path)->write(path, moved, gradients);
+    else
+        writeChecked(path, moved, gradients);
+}
+
+std::shared_ptr<const ModelConversion> Model::conversionTo(
+    const SurfaceFormat& format, const std::filesystem::path& path) const {
+    {
+        const std::lock_guard lock(conversionMutex_);
+        if (conversion_ && conversion_->extension() == format.extension) return conversion_;
+    }
+    // Made without the lock, so that no thread waits. Several threads may make equal conversions.
+    auto made = std::make_shared<const ModelConversion>(*this, format, path);
+    const std::lock_guard lock(conversionMutex_);
+    conversion_ = made;
+    return made;
+}
+
+void addModelFormat(std::string_view extension, ModelReader read) {
+    for (const ModelFormat& format : modelFormats())
+        if (format.extension() == extension) return;
+    modelFormats().push_back({{extension, Normals::Points, nullptr}, read});
 }
 
 bool isModelFile(const std::filesystem::path& path) {
@@ -89,8 +212,9 @@ bool isModelFile(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
-    requireFormat(path);
-    return readModel(path, readFile(path));
+    const std::filesystem::path file = modelFile(path);
+    requireFormat(file);
+    return readModel(file, readFile(file));
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {

@@ -4,11 +4,13 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
 
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,15 +36,74 @@ struct ModelFaces {
     friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
 };
 
+/// The cells of a model, if it is a mesh of a volume.
+struct ModelVolume {
+    /// The tetrahedra, pyramids, wedges, hexahedra and polyhedra, right-handed, in the order of the
+    /// file. Its points are positions().
+    far::VolumeMesh mesh;
+
+    /// Number of cells with curved edges, such as quadratic ones. They are not in `mesh`.
+    Index curvedCells = 0;
+};
+
+/// The surface of a model without its points, and the names of all other data in its file.
+struct ModelSurface {
+    /// Data that are neither points, faces nor normals.
+    struct OtherData {
+        std::string kind;                ///< plural: "texture coordinates", "point data"
+        std::vector<std::string> names;  ///< names of its parts, if the file has names for them
+    };
+
+    ModelFaces faces;
+
+    /// Normals. Empty if the file has none, or if some corner of a face has none.
+    std::vector<Point3> normals;
+
+    /// Per corner of the faces: the number of its normal. Empty if the normals are one per point.
+    std::vector<Index> normalCorners;
+
+    /// True if each point that is in no face repeats a point of a face, as in an STL.
+    bool repeatsPoints = false;
+
+    std::vector<OtherData> others;
+
+    /// Names of shapes in the file that faces cannot describe: "27 cells of VTK's type 12
+    /// (hexahedron)".
+    std::vector<std::string> otherShapes;
+
+    /// Adds a kind of data, and the name of a part of it, if it is not empty. Each kind is listed
+    /// once.
+    void addOther(const std::string& kind, const std::string& name = {});
+};
+
+class ModelConversion;
+struct SurfaceFormat;
+
 /// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
 enum class CoordinateStorage { Text, Float, Double, Integer };
 
 /// A file with points that a lattice deforms. write() copies the file with new coordinates and
 /// keeps all other bytes as they were read. If no point has moved, the copy is identical.
 ///
+/// write() to a file with the extension of another model format converts the model: it writes the
+/// points, the faces and, where both formats have them, the normals of the points or corners.
+/// checkTarget() names the data that the new file lacks.
+///
+///     .obj               faces of any size; normals per corner
+///     .ply               ASCII, coordinates of type double; normals per point
+///     .vtp, .vtu, .vtk   polygons, coordinates of type double; normals per point
+///     .stl               binary, coordinates rounded to floats; faces are split into triangles,
+///                        the same for all positions
+///
+/// The points keep their numbers, except that equal corners of an STL become one point. A model
+/// with shapes that faces cannot describe, such as the cells of a volume, is not converted.
+///
 /// Directions at the points, that is normals and tangents, are kept as well, unless write() is
-/// given a deformation gradient per point. The headers obj.h, ply.h and vtu.h (readVtuModel) say
-/// which numbers of a file are directions.
+/// given a deformation gradient per point. The headers obj.h, ply.h, vtu.h (readVtuModel) and
+/// vtk_legacy.h (readVtkLegacyModel) say which numbers of a file are directions.
+///
+/// The model keeps its converted surface, so that several poses in one other format convert it
+/// once.
 ///
 /// Models are immutable, and so safe to share between threads.
 class ESPALIER_API Model {
@@ -54,21 +115,32 @@ public:
     /// The points in the order of the file; all are finite.
     virtual std::span<const Point3> positions() const = 0;
 
-    /// Reads the faces from the file, which the model keeps; the result is not stored, so that a
-    /// model whose faces nobody asks for costs no memory for them.
+    /// Reads the surface from the file, which the model keeps; the result is not stored, so that a
+    /// model whose surface nobody asks for costs no memory for it.
     ///
     /// The headers of the formats say what a face is. In an STL, corners at equal places are one
     /// point: the first of them.
     ///
     /// \throws FileError if a face is malformed, or names a point that does not exist
     /// \cost one pass over the file; O(n log n) for an STL
-    virtual ModelFaces readFaces() const = 0;
+    virtual ModelSurface readSurface() const = 0;
+
+    /// Reads the cells of the volume from the file, or from the files beside it. The result is not
+    /// stored. It has no cells if the format or the file has none.
+    ///
+    /// Cells are right-handed: if most cells of a kind have a negative volume, all cells of this
+    /// kind are turned, and each polyhedron is turned so that its volume is positive. (In
+    /// OpenFOAM's format nothing is turned, since owners and neighbours determine the outside.)
+    ///
+    /// \throws FileError if a cell is malformed, or names a point that does not exist
+    /// \cost one pass over the file, and far::VolumeMeshBuilder::build()
+    virtual ModelVolume readVolume() const { return {}; }
 
     /// How the file stores the coordinates. If parts of a file differ, the least precise of them.
     virtual CoordinateStorage storage() const = 0;
 
-    /// Extension of the format, in lower case: ".obj". A model is written in the format from which
-    /// it was read.
+    /// Extension of the format, in lower case: ".obj"; "points" for OpenFOAM, whose file has this
+    /// name.
     virtual std::string_view extension() const = 0;
 
     /// Returns true if the file has directions that write() can carry by gradients. The normals of
@@ -76,21 +148,34 @@ public:
     virtual bool hasDirections() const = 0;
 
     /// Checks a name for write() without touching the file, so that a wrong name is refused before
-    /// long work. An extension that belongs to no model format is accepted ("/dev/stdout").
-    /// \throws FileError if `path` has the extension of another model format
-    void checkTarget(const std::filesystem::path& path) const;
+    /// long work.
+    ///
+    /// \return one line for the user, or nothing. It names the data of the model that a file in
+    ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
+    ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
+    ///         that the model is written in its own format. For a name without extension
+    ///         ("/dev/stdout"), or with the number of a pose instead ("a.0001"), the model is
+    ///         written in its own format too, and there is no line
+    /// \throws FileError if `path` has the extension of another model format to which this model
+    ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
+    ///         another name
+    /// \cost if the format is another one, the cost of readSurface() and of splitting faces. The
+    ///       result stays in memory: the same call is free the next time
+    std::string checkTarget(const std::filesystem::path& path) const;
 
-    /// Writes the model with new positions, one per point.
+    /// Writes the model with new positions, one per point, in its own format or in the one that the
+    /// extension of `path` names.
     ///
     /// A format with single-precision numbers rounds them. An existing file is replaced when all is
     /// written (see writeFile).
     ///
     /// \throws Error unless there is one position for each of positions(), finite and not too large
     ///         for the format; FileError as checkTarget(), or if the file cannot be written
+    /// \cost one pass over the file; for another format also the cost of checkTarget()
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
-    /// The same, and carries the directions at each point by its gradient: normals by
-    /// carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
+    /// Writes the model as above, and carries the directions at each point by its gradient: normals
+    /// by carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
     /// rounding of the format. If all gradients are the identity and no point has moved, the copy
     /// is identical. Three numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
     ///
@@ -103,14 +188,45 @@ protected:
     Model() = default;
 
 private:
-    void check(const std::filesystem::path& path, std::span<const Point3> positions) const;
+    void writeInFormat(const std::filesystem::path& path, std::span<const Point3> positions,
+                       std::span<const DeformationGradient> gradients) const;
 
+    /// Returns the conversion to another format. Keeps the last one for later calls.
+    std::shared_ptr<const ModelConversion> conversionTo(const SurfaceFormat& format,
+                                                        const std::filesystem::path& path) const;
+
+    /// Writes the model in its own format.
     /// \param gradients one per point; or empty, and the directions stay
     virtual void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                               std::span<const DeformationGradient> gradients) const = 0;
+
+    mutable std::mutex conversionMutex_;
+    mutable std::shared_ptr<const ModelConversion> conversion_;
 };
 
-/// Returns true if the extension names a format of models, in upper or lower case.
+/// Returns the file that a path of a model means: the points of OpenFOAM for a folder
+/// (meshes/openfoam.h), and the path itself otherwise. readModel() does this, too.
+/// \throws FileError if a folder has no mesh of OpenFOAM
+ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
+
+/// Returns the file that Model::write() writes for a path: likewise the points for a folder.
+/// \throws FileError if a folder has no mesh of OpenFOAM
+ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
+
+/// The function that reads a model of a format.
+/// \param path for messages
+/// \param bytes the whole file
+using ModelReader = std::unique_ptr<Model> (*)(const std::filesystem::path& path,
+                                               std::string bytes);
+
+/// Makes readModel() know another format, for optional components. To be called before other
+/// threads read models.
+///
+/// \param extension in lower case: ".cgns"; must live for ever
+ESPALIER_API void addModelFormat(std::string_view extension, ModelReader read);
+
+/// Returns true if the extension names a format of models, in upper or lower case, or if the path
+/// is one of OpenFOAM (isFoamPath()).
 ESPALIER_API bool isModelFile(const std::filesystem::path& path);
 
 /// Reads a model in the format that its extension names, in upper or lower case.

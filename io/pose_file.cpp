@@ -11,8 +11,8 @@
 #include <ostream>
 #include <span>
 
-#include "files/text_output.h"
 #include "lattices/lattice_parts.h"
+#include "models/surface_writers.h"
 
 namespace espalier::io {
 namespace {
@@ -28,32 +28,49 @@ bool isPly(const Path& path) {
     throw FileError(path, "is not a pose of " + name + cause);
 }
 
-/// Returns true if the loops are equal from some vertex on, in one of the directions.
-bool isSameLoop(LoopView a, LoopView b) {
-    if (a.empty() || a.size() != b.size()) return false;
-    const std::size_t size = a.size();
-    const std::size_t start = std::find(b.begin(), b.end(), a[0]) - b.begin();
-    if (start == size) return false;
-    bool isForward = true, isBackward = true;
-    for (std::size_t i = 0; i < size; ++i) {
-        isForward = isForward && a[i] == b[(start + i) % size];
-        isBackward = isBackward && a[i] == b[(start + size - i) % size];
+/// Returns the rotation of a loop that is lowest in lexicographic order.
+///
+/// Compares the rotations that begin at `one` and at `other`. If they differ first at their
+/// vertices number `same`, then the higher one, and the `same` rotations after it, are not the
+/// lowest.
+///
+/// \cost O(n)
+std::vector<Index> lowestRotation(LoopView loop) {
+    const std::size_t size = loop.size();
+    std::size_t one = 0, other = 1, same = 0;
+    while (one < size && other < size && same < size) {
+        const Index a = loop[(one + same) % size], b = loop[(other + same) % size];
+        if (a == b) {
+            ++same;
+            continue;
+        }
+        (a > b ? one : other) += same + 1;
+        if (one == other) ++other;
+        same = 0;
     }
-    return isForward || isBackward;
+    std::vector<Index> rotation(loop.begin(), loop.end());
+    if (size > 0)
+        std::rotate(rotation.begin(),
+                    rotation.begin() + static_cast<std::ptrdiff_t>(std::min(one, other)),
+                    rotation.end());
+    return rotation;
+}
+
+/// Returns the same loop, begun and directed so that equal loops become equal lists.
+std::vector<Index> canonical(LoopView loop) {
+    const std::vector<Index> reversed(loop.rbegin(), loop.rend());
+    return std::min(lowestRotation(loop), lowestRotation(reversed));
+}
+
+/// Returns the vertices of a face for a message: all, unless there are many.
+std::string verticesOf(LoopView loop) {
+    constexpr std::size_t kMaxListed = 8;
+    return listed(loop, kMaxListed);
 }
 
 bool isPartOf(LoopView part, LoopView whole) {
-    return std::all_of(part.begin(), part.end(), [&](Index vertex) {
-        return std::find(whole.begin(), whole.end(), vertex) != whole.end();
-    });
-}
-
-std::string listOf(LoopView vertices) {
-    constexpr std::size_t kMaxNamed = 6;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(vertices.size(), kMaxNamed); ++i)
-        text += concat(i == 0 ? "" : ", ", vertices[i]);
-    return text + (vertices.size() > kMaxNamed ? ", ..." : "");
+    return std::ranges::all_of(part,
+                               [&](Index vertex) { return std::ranges::count(whole, vertex) > 0; });
 }
 
 void checkPointCount(const Path& path, const std::string& name, std::size_t got, Index expected) {
@@ -65,25 +82,29 @@ void checkPointCount(const Path& path, const std::string& name, std::size_t got,
 }
 
 /// Throws unless each face of a cage is a face of the lattice.
-void checkFaces(const Path& path, const std::string& name, const ModelFaces& faces,
-                const far::CellComplex& lattice) {
-    for (std::size_t face = 0; face < faces.count(); ++face) {
-        const LoopView loop = faces[face];
-        const LoopView candidates = loop.empty() ? LoopView() : lattice.relation(0, 2)[loop[0]];
-        const auto loopOf = [&](Index candidate) { return lattice.relation(2, 0)[candidate]; };
-        if (std::any_of(candidates.begin(), candidates.end(),
-                        [&](Index candidate) { return isSameLoop(loop, loopOf(candidate)); }))
-            continue;
-        const auto split = std::find_if(candidates.begin(), candidates.end(), [&](Index candidate) {
-            return loop.size() < loopOf(candidate).size() && isPartOf(loop, loopOf(candidate));
-        });
-        const std::string what =
-            concat(": face ", face, " of the file, of vertices ", listOf(loop), ", ");
-        if (split != candidates.end())
+void checkFaces(const Path& path, const std::string& name, const ModelFaces& cage,
+                const ModelFaces& lattice) {
+    std::vector<std::vector<Index>> known;
+    known.reserve(lattice.count());
+    for (std::size_t face = 0; face < lattice.count(); ++face)
+        known.push_back(canonical(lattice[face]));
+    std::ranges::sort(known);
+    for (std::size_t face = 0; face < cage.count(); ++face) {
+        const LoopView loop = cage[face];
+        if (loop.empty())
             refuse(path, name,
-                   concat(what, "is a part of face ", *split, " of the lattice, of vertices ",
-                          listOf(loopOf(*split)),
-                          ". Export the mesh without splitting faces into triangles"));
+                   concat(": face ", face,
+                          " of the file has no vertices. Export the mesh with the faces of the "
+                          "lattice"));
+        if (std::ranges::binary_search(known, canonical(loop))) continue;
+        const std::string what =
+            concat(": face ", face, " of the file, of vertices ", verticesOf(loop), ", ");
+        for (std::size_t whole = 0; whole < lattice.count(); ++whole)
+            if (loop.size() < lattice[whole].size() && isPartOf(loop, lattice[whole]))
+                refuse(path, name,
+                       concat(what, "is a part of face ", whole, " of the lattice, of vertices ",
+                              verticesOf(lattice[whole]),
+                              ". Export the mesh without splitting faces into triangles"));
         refuse(path, name,
                what +
                    "is not a face of the lattice. The vertices may have another order: begin "
@@ -99,12 +120,8 @@ std::vector<Point3> readCage(const Path& path, const std::string& name, Index ve
                              Check check) {
     const auto model = readModel(path);
     checkPointCount(path, name, model->positions().size(), vertexCount);
-    check(model->readFaces());
+    check(model->readSurface().faces);
     return {model->positions().begin(), model->positions().end()};
-}
-
-void put(TextOutput& out, const Point3& position) {
-    out.put(position[0], " ", position[1], " ", position[2], "\n");
 }
 
 }  // namespace
@@ -116,7 +133,7 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
         throw Error("a pose needs a lattice or a mesh at rest, got a curve or nothing");
     if (isCageFile(path))
         return readCage(path, restName, complex.count(0), [&](const ModelFaces& faces) {
-            checkFaces(path, restName, faces, complex);
+            checkFaces(path, restName, faces, facesOf(complex));
         });
     Lattice pose = readLattice(path, notes);
     if (const auto difference = far::topologyDifference(complex, pose.complex))
@@ -124,17 +141,30 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
     return std::move(pose.positions);
 }
 
-std::vector<Point3> readPose(const Path& path, const embed::Binding& binding,
+std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
                              const std::string& bindingName, ReadNotes* notes) {
-    const std::string name = "the lattice that " + bindingName + " was bound to";
-    const Index vertexCount = binding.table.columnCount();
-    if (isCageFile(path)) return readCage(path, name, vertexCount, [](const ModelFaces&) {});
+    const std::string name = "the lattice of " + bindingName;
+    const Index vertexCount = bound.binding.table.columnCount();
+    if (isCageFile(path))
+        return readCage(path, name, vertexCount, [&](const ModelFaces& faces) {
+            if (bound.faces.count() > 0) checkFaces(path, name, faces, bound.faces);
+        });
     Lattice pose = readLattice(path, notes);
-    if (far::topologyHash(pose.complex) != binding.topologyHash)
+    if (far::topologyHash(pose.complex) != bound.binding.topologyHash)
         refuse(path, name,
                concat(": the bound lattice has ", vertexCount, " vertices, the pose ",
                       pose.complex.count(0), "; or their cells differ"));
     return std::move(pose.positions);
+}
+
+ModelFaces facesOf(const far::CellComplex& complex) {
+    ModelFaces faces;
+    if (complex.count(2) == 0) return faces;
+    const far::Incidence& loops = complex.relation(2, 0);
+    faces.corners.assign(loops.values().begin(), loops.values().end());
+    for (Index face = 0; face < complex.count(2); ++face)
+        faces.ends.push_back(loops.offset(face + 1));
+    return faces;
 }
 
 bool isCageFile(const Path& path) {
@@ -145,27 +175,10 @@ void writeCage(const Path& path, const Lattice& lattice) {
     if (!isCageFile(path))
         throw FileError(path, "a cage cannot be written in this format; expected .obj or .ply");
     checkedForWriting(path, lattice);
-    const far::CellComplex& complex = lattice.complex;
-    writeFile(path, [&](std::ostream& stream) {
-        TextOutput out(stream);
-        const bool ply = isPly(path);
-        if (ply)
-            out.put("ply\nformat ascii 1.0\nelement vertex ", complex.count(0),
-                    "\nproperty double x\nproperty double y\nproperty double z\nelement face ",
-                    complex.count(2), "\nproperty list int int vertex_indices\nend_header\n");
-        for (const Point3& position : lattice.positions) {
-            if (!ply) out.put("v ");
-            put(out, position);
-        }
-        for (Index face = 0; face < complex.count(2); ++face) {
-            const LoopView loop = complex.relation(2, 0)[face];
-            if (ply)
-                out.put(loop.size());
-            else
-                out.put("f");
-            for (const Index vertex : loop) out.put(" ", ply ? vertex : vertex + 1);
-            out.put("\n");
-        }
+    const ModelFaces faces = facesOf(lattice.complex);
+    const SurfaceView surface{lattice.positions, faces};
+    writeFile(path, [&](std::ostream& out) {
+        isPly(path) ? writePlySurface(out, surface) : writeObjSurface(out, surface);
     });
 }
 

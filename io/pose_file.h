@@ -3,7 +3,8 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
-#include <espalier/embed/binding.h>
+#include <espalier/far/cell_complex.h>
+#include <espalier/io/binding_file.h>
 #include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
@@ -29,19 +30,22 @@ namespace espalier::io {
 /// \param notes receives the notes of the reader; may be null
 /// \throws FileError if the file cannot be read, or is not a pose of this lattice, with the first
 ///         difference; the errors of readLattice() and readModel()
-/// \cost that of readLattice() or readModel(), and O(number of faces)
+/// \cost that of readLattice() or readModel(), and O(faces · log faces)
 ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
                                           const std::string& restName = "the lattice",
                                           ReadNotes* notes = nullptr);
 
-/// The same for the lattice that points were bound to, of which a binding holds the number of
-/// vertices and the hash of the topology: the faces of a cage are not compared.
+/// Reads a pose of the lattice to which the points of a bound model were bound. If the bound model
+/// does not have the faces of its lattice, as in files of versions 1 to 3, the faces of a cage are
+/// not compared.
 ///
-/// \param bindingName name of the binding in messages
+/// \param bindingName name of the bound model in messages
 ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path,
-                                          const embed::Binding& binding,
-                                          const std::string& bindingName,
+                                          const BoundModel& bound, const std::string& bindingName,
                                           ReadNotes* notes = nullptr);
+
+/// Returns the faces of a lattice or a mesh as loops of its vertices, for BoundModel::faces.
+ESPALIER_API ModelFaces facesOf(const far::CellComplex& complex);
 
 /// Returns true if the extension is .obj or .ply, in upper or lower case.
 ESPALIER_API bool isCageFile(const std::filesystem::path& path);

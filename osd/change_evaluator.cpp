@@ -221,10 +221,11 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
                                             const BufferDescriptor& sourceLayout,
                                             MutableValues<Real> destination,
                                             const BufferDescriptor& destinationLayout,
-                                            std::span<const Index> changed,
-                                            Workspace& workspace) const {
+                                            std::span<const Index> changed, Workspace& workspace,
+                                            const Addend<Real>& addend) const {
     checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
                     destinationLayout, {0, rowCount()});
+    checkAddend(addend.values.size(), addend.layout, destinationLayout, {0, rowCount()});
     data_->checkColumns(changed);
     const Offset length = sourceLayout.length, stride = paddedLength(length);
     Scratch scratch(workspace.reserve(data_->workspaceBytes(length)));
@@ -238,12 +239,8 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
             copyPadded(source.data() + sourceLayout.offset + columns[k] * sourceLayout.stride,
                        length, stride, to + static_cast<Offset>(k) * stride);
     };
-    const kernels::Destination<Real> all = {destination.data() + destinationLayout.offset,
-                                            destinationLayout.stride,
-                                            length,
-                                            0,
-                                            rowCount(),
-                                            true};
+    const auto all =
+        destinationOf<Real>(destination, destinationLayout, {0, rowCount()}, rowCount(), addend);
     auto some = all;
     some.isWhole = false;  // Kernels must check the range, which excludes rows with number −1.
     parallelFor(std::ssize(changes.groups), kGroupsPerTask, [&](Offset first, Offset last) {

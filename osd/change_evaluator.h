@@ -51,15 +51,16 @@ public:
     /// \cost O(entries of these rows × components), in parallel, and O(rows / 64)
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,
                          MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                         std::span<const Index> changed) const {
+                         std::span<const Index> changed, const Addend<Real>& addend = {}) const {
         Workspace own;
-        evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, own);
+        evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, own, addend);
     }
 
     /// Does the same with temporary memory from `workspace`: for real time.
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,
                          MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                         std::span<const Index> changed, Workspace& workspace) const;
+                         std::span<const Index> changed, Workspace& workspace,
+                         const Addend<Real>& addend = {}) const;
 
     /// Returns a workspace that is large enough for entries of `length` components, in any layout,
     /// and for any changed columns.

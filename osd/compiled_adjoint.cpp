@@ -106,8 +106,8 @@ template <class Real>
 void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                        const BufferDescriptor& sourceLayout,
                                        MutableValues<Real> destination,
-                                       const BufferDescriptor& destinationLayout,
-                                       RowRange rows) const {
+                                       const BufferDescriptor& destinationLayout, RowRange rows,
+                                       const Addend<Real>& addend) const {
     const Offset length = sourceLayout.length;
     const kernels::RowValues<Real> values = {source.data() + sourceLayout.offset,
                                              sourceLayout.stride, length};
@@ -130,6 +130,7 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
             for (std::size_t k = 0; k < columns.size(); ++k)
                 for (Offset c = 0; c < length; ++c)
                     result[c] += weights[k] * values.values[columns[k] * values.stride + c];
+            addTo(result, length, row, addend);
         }
     });
 }

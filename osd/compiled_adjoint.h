@@ -45,7 +45,7 @@ public:
     std::size_t workspaceBytes(Offset length, bool) const;
     void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
                     MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                    RowRange rows) const;
+                    RowRange rows, const Addend<Real>& addend) const;
 
 private:
     struct Data;

@@ -100,8 +100,8 @@ template <class Step, class Real>
 void StepChain<Step, Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                        const BufferDescriptor& sourceLayout,
                                        MutableValues<Real> destination,
-                                       const BufferDescriptor& destinationLayout,
-                                       RowRange rows) const {
+                                       const BufferDescriptor& destinationLayout, RowRange rows,
+                                       const Addend<Real>& addend) const {
     const ChainScratch<Real> needed(steps_, sourceLayout.length);
     Scratch scratch(memory);
     const std::span<Real> buffers[] = {scratch.take<Real>(needed.sizes[0]),
@@ -116,11 +116,13 @@ void StepChain<Step, Real>::evaluateIn(std::byte* memory, Values<Real> source,
         const auto next = buffers[i % 2].first(steps_[i].rowCount() * between.stride);
         // Clears the padding: denormal numbers in it would slow the kernels down.
         if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
-        steps_[i].evaluateIn(stepMemory, values, layout, next, between, {0, steps_[i].rowCount()});
+        steps_[i].evaluateIn(stepMemory, values, layout, next, between, {0, steps_[i].rowCount()},
+                             {});
         values = next;
         layout = between;
     }
-    steps_.back().evaluateIn(stepMemory, values, layout, destination, destinationLayout, rows);
+    steps_.back().evaluateIn(stepMemory, values, layout, destination, destinationLayout, rows,
+                             addend);
 }
 
 #define ESPALIER_INSTANTIATE(Step, Real)                            \

@@ -12,14 +12,15 @@ template <class Form, class Real>
 void CompiledForm<Form, Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                                         MutableValues<Real> destination,
                                         const BufferDescriptor& destinationLayout, RowRange rows,
-                                        Workspace& workspace) const {
+                                        Workspace& workspace, const Addend<Real>& addend) const {
     const Index columnCount = form().columnCount();
     checkEvaluation(form().rowCount(), columnCount, source.size(), sourceLayout, destination.size(),
                     destinationLayout, rows);
+    checkAddend(addend.values.size(), addend.layout, destinationLayout, rows);
     const bool hasPaddedSource = isPadded<Real>(columnCount, source, sourceLayout);
     form().evaluateIn(
         workspace.reserve(form().workspaceBytes(sourceLayout.length, hasPaddedSource)), source,
-        sourceLayout, destination, destinationLayout, rows);
+        sourceLayout, destination, destinationLayout, rows, addend);
 }
 
 template <class Form, class Real>

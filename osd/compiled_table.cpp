@@ -69,8 +69,8 @@ template <class Real>
 void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                      const BufferDescriptor& sourceLayout,
                                      MutableValues<Real> destination,
-                                     const BufferDescriptor& destinationLayout,
-                                     RowRange rows) const {
+                                     const BufferDescriptor& destinationLayout, RowRange rows,
+                                     const Addend<Real>& addend) const {
     Scratch scratch(memory);
     const Offset length = sourceLayout.length, stride = paddedLength(length);
     auto numbers = taskBuffers(*data_, stride);
@@ -86,12 +86,7 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
         });
         entries = copy.data();
     }
-    const kernels::Destination<Real> to = {destination.data() + destinationLayout.offset,
-                                           destinationLayout.stride,
-                                           length,
-                                           rows.first,
-                                           rows.last,
-                                           rows.first == 0 && rows.last == rowCount()};
+    const auto to = destinationOf<Real>(destination, destinationLayout, rows, rowCount(), addend);
     const auto& starts = data_->rows.taskStarts;
     parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
         typename TaskBuffers<Real>::Local own(numbers, task);

@@ -24,15 +24,15 @@ public:
     /// number of threads or on the range, bit for bit.
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows) const {
+                  RowRange rows, const Addend<Real>& addend = {}) const {
         Workspace own;
-        evaluate(source, sourceLayout, destination, destinationLayout, rows, own);
+        evaluate(source, sourceLayout, destination, destinationLayout, rows, own, addend);
     }
 
     /// Does the same with temporary memory from `workspace`: for real time.
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows, Workspace& workspace) const;
+                  RowRange rows, Workspace& workspace, const Addend<Real>& addend = {}) const;
 
     /// Returns a workspace that is large enough for entries of `length` components, in any layout.
     /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
@@ -97,7 +97,7 @@ public:
     /// Evaluates without checks, in memory of the caller that is aligned to 64 bytes.
     void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
                     MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                    RowRange rows) const;
+                    RowRange rows, const Addend<Real>& addend) const;
 
 private:
     struct Data;

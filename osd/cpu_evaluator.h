@@ -14,7 +14,8 @@ struct ESPALIER_API CpuEvaluator {
     template <class Real>
     static void evaluate(const stencils::StencilTable<Real>& table, Values<Real> source,
                          const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
-                         const BufferDescriptor& destinationLayout, RowRange rows);
+                         const BufferDescriptor& destinationLayout, RowRange rows,
+                         const Addend<std::type_identity_t<Real>>& addend = {});
 };
 
 /// Evaluates a table in the simplest way, on one thread. All other evaluators are tested against
@@ -25,7 +26,8 @@ struct ESPALIER_API ReferenceEvaluator {
     template <class Real>
     static void evaluate(const stencils::StencilTable<Real>& table, Values<Real> source,
                          const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
-                         const BufferDescriptor& destinationLayout, RowRange rows);
+                         const BufferDescriptor& destinationLayout, RowRange rows,
+                         const Addend<std::type_identity_t<Real>>& addend = {});
 };
 
 }  // namespace espalier::osd

@@ -59,4 +59,14 @@ void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
                            " components, destination entries ", destinationLayout.length));
 }
 
+void checkAddend(std::size_t size, const BufferDescriptor& layout,
+                 const BufferDescriptor& destinationLayout, RowRange rows) {
+    if (layout.length == 0) return;
+    checkLayout(layout, size, rows.last, "addend");
+    if (destinationLayout.length % layout.length != 0)
+        throw Error(concat("destination entries have ", destinationLayout.length,
+                           " components; expected a multiple of the ", layout.length,
+                           " of the addend"));
+}
+
 }  // namespace espalier::osd

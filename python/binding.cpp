@@ -6,6 +6,7 @@
 #include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <pybind11/stl.h>
@@ -56,6 +57,7 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
     }
     result.bound.binding = std::move(found.binding);
     result.bound.rest = lattice.positions;
+    result.bound.faces = io::facesOf(lattice.complex);
     result.statuses = std::move(found.statuses);
     result.largestResidual = found.largestResidual;
 }
@@ -88,43 +90,31 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
 BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
-    try {
-        result->points = pointsIn(result->bound);
-    } catch (const Error& error) {
-        throw io::FileError(path, error.what());
-    }
+    result->points = io::pointsAtRest(result->bound, path);
     return result;
 }
 
 void save(const BoundPoints& self, const std::filesystem::path& path) {
-    // If the binding has a model already, or has no points, it is stored as it is: a model file
-    // needs at least one point.
-    if (!self.bound.modelName.empty() || !self.points || self.points->empty()) {
-        io::writeBoundModel(path, self.bound);
-        return;
-    }
-    // Stores the points as a model, so that `espalier apply` can use the binding.
-    auto file = modelOfPoints(*self.points);
-    io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes),
-                               self.bound.gradients, self.bound.rest});
+    // Points without a model become a model, so that `espalier apply` can use the binding.
+    io::writeBoundModel(
+        path, self.bound,
+        self.points ? std::span<const Point3>(*self.points) : std::span<const Point3>());
 }
 
 /// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array
-/// of float32, otherwise in double. \param finish called with the result and its layout
-template <template <class> class Form, class Finish>
+/// of float32, otherwise in double. \param run called with the form, the source and the result
+template <template <class> class Form, class Run>
 py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
-                       const ArrayLike& values, const std::optional<ArrayLike>& out,
-                       Finish finish) {
+                       const ArrayLike& values, const std::optional<ArrayLike>& out, Run run) {
     const auto inPrecision = [&]<class Real>(Real) {
-        const auto run = [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
-                             std::span<Real> result) {
+        const auto runForm = [&](std::span<const Real> source, const osd::BufferDescriptor&,
+                                 std::span<Real> result) {
             const auto& form = std::get<Lazy<Form<Real>>>(self.forms).get([&] {
                 return compile<Form, Real>(self.bound.binding.table);
             });
-            form.evaluate(source, layout, result, layout, {0, to});
-            finish(result, layout);
+            run(form, source, result);
         };
-        return evaluate<Real>({name, from, to, 3, run}, values, out);
+        return evaluate<Real>({name, from, to, 3, runForm}, values, out);
     };
     const bool isSingle = py::isinstance<py::array>(values) &&
                           isFloat32(py::reinterpret_borrow<py::array>(values).dtype());
@@ -141,23 +131,59 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     return viewOf(lattice.positions, pose);
 }
 
+/// Returns the coordinates of positions as numbers of type Real.
+template <class Real>
+std::vector<Real> coordinatesOf(const std::vector<Point3>& positions) {
+    std::vector<Real> numbers;
+    numbers.reserve(3 * positions.size());
+    for (const Point3& position : positions)
+        for (const double coordinate : position) numbers.push_back(static_cast<Real>(coordinate));
+    return numbers;
+}
+
+constexpr osd::BufferDescriptor kXyz{0, 3, 3};
+
+/// Computes x + D · (p' − p), or D · p' if the points or the lattice at rest are not known. Rounds
+/// p to Real before it subtracts, so that the lattice at rest in Real moves no point.
+template <class Real>
+void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::span<const Real> pose,
+              std::span<Real> result) {
+    const osd::RowRange rows{0, table.rowCount()};
+    const std::vector<Point3>& rest = self.bound.rest;
+    if (!self.points || std::ssize(rest) != table.columnCount()) {
+        table.evaluate(pose, kXyz, result, kXyz, rows);
+        osd::writeKept<Real>(self.bound.binding, result, kXyz);
+        return;
+    }
+    std::vector<Real> displacements(pose.size());
+    for (std::size_t v = 0; v < rest.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c)
+            displacements[3 * v + c] = pose[3 * v + c] - static_cast<Real>(rest[v][c]);
+    const auto& points = std::get<Lazy<std::vector<Real>>>(self.atRest).get([&] {
+        return coordinatesOf<Real>(*self.points);
+    });
+    table.evaluate(displacements, kXyz, result, kXyz, rows, osd::Addend<Real>::packed(points, 3));
+}
+
 py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
-    const auto& binding = self.bound.binding;
-    const auto writeKept = [&]<class Real>(std::span<Real> result,
-                                           const osd::BufferDescriptor& layout) {
-        osd::writeKept<Real>(binding, result, layout);
+    const auto& table = self.bound.binding.table;
+    const auto run = [&]<class Real>(const osd::CompiledTable<Real>& compiled,
+                                     std::span<const Real> source, std::span<Real> result) {
+        deformBy(self, compiled, source, result);
     };
-    return evaluateForm<osd::CompiledTable>(self, "pose", binding.table.columnCount(),
-                                            binding.table.rowCount(), positionsOf(self, pose), out,
-                                            writeKept);
+    return evaluateForm<osd::CompiledTable>(self, "pose", table.columnCount(), table.rowCount(),
+                                            positionsOf(self, pose), out, run);
 }
 
 py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
                   const std::optional<ArrayLike>& out) {
     const auto& table = self.bound.binding.table;
+    const auto run = []<class Real>(const osd::CompiledAdjoint<Real>& compiled,
+                                    std::span<const Real> source, std::span<Real> result) {
+        compiled.evaluate(source, kXyz, result, kXyz, {0, compiled.rowCount()});
+    };
     return evaluateForm<osd::CompiledAdjoint>(self, "gradients", table.rowCount(),
-                                              table.columnCount(), gradients, out,
-                                              [](const auto&, const auto&) {});
+                                              table.columnCount(), gradients, out, run);
 }
 
 py::object statusesOf(const py::object& self) {
@@ -208,16 +234,6 @@ std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& sta
     return {reinterpret_cast<const std::uint8_t*>(statuses.data()), statuses.size()};
 }
 
-std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
-    const Index count = bound.binding.table.rowCount();
-    if (count == 0) return std::vector<Point3>();
-    if (bound.modelName.empty()) return std::nullopt;
-    auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
-    if (std::ssize(points) != count)
-        throw Error(concat("binds ", count, " points, but its model has ", points.size()));
-    return points;
-}
-
 void addBinding(py::module_& module) {
     py::class_<BoundPoints, BoundPointer> type(module, "Binding", R"(
 Points that are bound to a lattice. The sparse matrix D deforms them: x' = D @ p' for a pose p' of
@@ -238,11 +254,14 @@ the lattice. Made by bind() and load_binding(). Any number of threads may use it
             "D as a scipy.sparse.csr_matrix (N, V) over the same memory: see StencilTable.csr(). "
             "Each access makes a new object.")
         .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
-Returns the positions of the points for a pose of the lattice.
+Returns the positions of the points for a pose of the lattice: x + D @ (p' - p), where x and p are the
+points and the lattice at rest. So points that no moved vertex influences, and points in `kept`, stay
+exactly where they were. A binding that was loaded from a file without a model or without the lattice
+at rest (version 1) gives D @ p'.
 
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
-An array of float32 is evaluated in float32, any other in float64.
+An array of float32 is evaluated in float32, with x and p rounded to float32; any other in float64.
 
 The first call compiles D (see CompiledTable); the compiled form is kept for later calls.
 )")

@@ -31,9 +31,6 @@ struct ModelFile {
 /// Returns a copy of the points of a model.
 std::vector<Point3> pointsOf(const ModelFile& file);
 
-/// Returns a model that consists of points only, as a file points.obj.
-ModelFile modelOfPoints(std::span<const Point3> points);
-
 /// Reads a model from the bytes of a file.
 /// \param name of the file; its extension tells the format
 ModelFile modelOfBytes(std::string name, std::string bytes);
@@ -53,14 +50,13 @@ struct BoundPoints {
     std::tuple<Lazy<osd::CompiledTable<float>>, Lazy<osd::CompiledTable<double>>,
                Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
         forms = {};
+
+    /// The coordinates of `points` in float and in double, for deform().
+    std::tuple<Lazy<std::vector<float>>, Lazy<std::vector<double>>> atRest = {};
 };
 
 /// Returns statuses as bytes for NumPy, with the values of PointStatus in espalier/__init__.py.
 std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& statuses);
-
-/// Returns the points of a bound model; nothing if the file has no model.
-/// \throws Error if the model cannot be read, or has another number of points
-std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound);
 
 /// Returns D. The pointer keeps the binding alive.
 inline std::shared_ptr<Table> tableIn(const std::shared_ptr<BoundPoints>& bound) {

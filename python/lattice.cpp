@@ -263,14 +263,53 @@ LatticePointer ofCells(const ArrayLike& positions, const py::object& cells,
     return makeLattice(std::move(complex), std::move(points), {edges, vertices, {}, attributes});
 }
 
+/// Returns texture coordinates that fit a mesh.
+/// \param corners an array (F, k), or a list with the values at the corners of each face
+FaceVaryingAttribute texturesOf(const far::CellComplex& mesh, const ArrayLike& coordinates,
+                                const py::object& corners) {
+    const auto values = realArray<double>(coordinates, "texture_coordinates");
+    if (values.ndim() != 2 || values.shape(1) != 2)
+        throw Error("texture_coordinates: expected an array of shape (T, 2), got " +
+                    shapeText(values));
+    FaceVaryingAttribute result{2, {values.data(), values.data() + values.size()}, {}};
+    const auto rows = rowsOf(corners, "texture_corners", "(F, k)");
+    const auto list =
+        rows ? py::sequence() : sequenceOf(corners, "texture_corners", "an array or a list");
+    const std::size_t count = rows ? rows->count() : list.size();
+    const far::Incidence& loops = *withoutGil([&] { return &mesh.relation(2, 0); });
+    if (count != static_cast<std::size_t>(mesh.count(2)))
+        throw Error(concat("texture_corners: expected one entry for each of the ", mesh.count(2),
+                           " faces, got ", count));
+    for (Index face = 0; face < mesh.count(2); ++face) {
+        const std::string name = concat("texture_corners[", face, "]");
+        const auto ofFace = rows ? std::vector<Index>((*rows)[face].begin(), (*rows)[face].end())
+                                 : toIndices(list[face], name);
+        const std::size_t cornerCount = loops[face].size();
+        if (ofFace.size() != cornerCount)
+            throw Error(concat(name, ": expected ", cornerCount,
+                               " values, one for each corner, got ", ofFace.size()));
+        for (const Index value : ofFace)
+            if (value < 0 || value >= values.shape(0))
+                throw Error(concat(name, ": names ", value, "; there are ", values.shape(0),
+                                   " texture coordinates"));
+        result.corners.insert(result.corners.end(), ofFace.begin(), ofFace.end());
+    }
+    return result;
+}
+
 LatticePointer ofFaces(const ArrayLike& positions, const py::object& faces,
                        const EdgeSharpness& edges, const VertexSharpness& vertices,
-                       const std::optional<ArrayLike>& holes, const py::dict& attributes) {
+                       const std::optional<ArrayLike>& holes, const py::dict& attributes,
+                       const std::optional<ArrayLike>& textures, const py::object& textureCorners) {
     auto points = toPoints(positions, "positions");
     auto complex = complexOfFaces(vertexCountOf(points), faces);
-    return makeLattice(
+    auto mesh = makeLattice(
         std::move(complex), std::move(points),
         {edges, vertices, holes ? toIndices(*holes, "holes") : std::vector<Index>(), attributes});
+    if (textures.has_value() == textureCorners.is_none())
+        throw Error("texture_coordinates and texture_corners: expected both or neither");
+    if (textures) mesh->textureCoordinates = texturesOf(mesh->complex, *textures, textureCorners);
+    return mesh;
 }
 
 LatticePointer curve(const ArrayLike& positions, bool closed, const VertexSharpness& vertices,
@@ -408,7 +447,24 @@ py::dict tagsOf(const Lattice& lattice) {
     if (set.boundary) tags["boundary"] = wordOf(far::kBoundaryWords, set.boundary);
     if (set.creasing) tags["creasing"] = wordOf(far::kCreasingWords, set.creasing);
     if (set.triangles) tags["triangles"] = wordOf(far::kTriangleSubdivisionWords, set.triangles);
+    if (set.faceVarying)
+        tags["face_varying"] = wordOf(far::kFaceVaryingLinearWords, set.faceVarying);
     return tags;
+}
+
+std::vector<std::vector<Index>> textureCornersOf(const Lattice& lattice) {
+    const auto& corners = lattice.textureCoordinates.corners;
+    std::vector<std::vector<Index>> faces;
+    if (corners.empty()) return faces;
+    return withoutGil([&] {
+        auto corner = corners.begin();
+        for (Index face = 0; face < lattice.complex.count(2); ++face) {
+            const auto size = std::ssize(lattice.complex.relation(2, 0)[face]);
+            faces.emplace_back(corner, corner + size);
+            corner += size;
+        }
+        return faces;
+    });
 }
 
 std::string summaryOf(const Lattice& lattice) {
@@ -475,15 +531,20 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
             "the child of a vertex has -1, or the largest number of an unsigned "
             "type.")
         .def_property_readonly("tags", &tagsOf,
-                               "How the file asks to be refined: dict with those of boundary, "
-                               "creasing and triangles that the file sets.");
-}
-
-/// Issues a UserWarning with the notes on a file, if there are any.
-void warnOf(const std::filesystem::path& path, const io::ReadNotes& notes) {
-    const std::string text = io::describe(path, notes);
-    if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
-        throw py::error_already_set();
+                               "How the file asks to be refined: dict with boundary, creasing, "
+                               "triangles and face_varying, each only if the file sets it.")
+        .def_property_readonly(
+            "texture_coordinates",
+            [](const py::object& self) {
+                const auto& values = self.cast<const Lattice&>().textureCoordinates.values;
+                return viewOf(std::span(values), {std::ssize(values) / 2, 2}, self);
+            },
+            "Texture coordinates of a mesh, which `texture_corners` refers to: array (T, 2) of "
+            "float64, read-only, not a copy. Of shape (0, 2) if there are none.")
+        .def_property_readonly("texture_corners", &textureCornersOf,
+                               "For each face of a mesh, the row of `texture_coordinates` at each "
+                               "of its corners, in the order of `faces`: list of lists of int. "
+                               "Empty if there are none.");
 }
 
 }  // namespace
@@ -510,12 +571,17 @@ Meshes and curves are lattices of dimension 2 and 1: mesh() and curve() make the
              "attributes"_a = py::dict())
         .def_static("mesh", &ofFaces, "positions"_a, "faces"_a, py::kw_only(),
                     "edge_sharpness"_a = EdgeSharpness(), "vertex_sharpness"_a = VertexSharpness(),
-                    "holes"_a = py::none(), "attributes"_a = py::dict(), R"(
+                    "holes"_a = py::none(), "attributes"_a = py::dict(),
+                    "texture_coordinates"_a = py::none(), "texture_corners"_a = py::none(), R"(
 A mesh: a lattice of dimension 2.
 
 positions : array (V, 3) of float64
 faces     : array (F, k) of int, or a list of loops of vertices
 holes     : array (H,) of int, faces that are not part of the surface
+texture_coordinates : array (T, 2) of float64
+texture_corners     : array (F, k) of int, or a list of lists like `faces`: the row of
+                      texture_coordinates at each corner of each face. Corners of one vertex with
+                      different rows make a seam
 )")
         .def_static("curve", &curve, "positions"_a, py::kw_only(), "closed"_a = false,
                     "vertex_sharpness"_a = VertexSharpness(), "attributes"_a = py::dict(), R"(
@@ -569,11 +635,13 @@ linear : array (3, 3); translation : 3 float
         [](const std::filesystem::path& path) {
             io::ReadNotes notes;
             auto lattice = sharedWithoutGil([&] { return io::readRefinable(path, &notes); });
-            warnOf(path, notes);
+            warn(io::describe(path, notes));
             return lattice;
         },
         "path"_a,
-        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices in no "
+        "Reads a Lattice from .ovm, .vtu or .vtk, or from the mesh of a simulation (.msh, .mesh, "
+        ".su2, "
+        ".xyz, an OpenFOAM case), or a mesh or a curve from .obj. Vertices in no "
         "cell of a lattice, or no line of a curve, are dropped with a UserWarning; the vertices "
         "after them get lower numbers.");
     module.def(
@@ -582,7 +650,7 @@ linear : array (3, 3); translation : 3 float
             io::ReadNotes notes;
             auto points =
                 withoutGil([&] { return io::readPose(path, rest, "the lattice", &notes); });
-            warnOf(path, notes);
+            warn(io::describe(path, notes));
             return toArray(std::move(points));
         },
         "path"_a, "rest"_a,

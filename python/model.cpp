@@ -24,19 +24,6 @@ std::vector<Point3> pointsOf(const ModelFile& file) {
     return {points.begin(), points.end()};
 }
 
-ModelFile modelOfPoints(std::span<const Point3> points) {
-    std::string bytes;
-    for (const Point3& point : points) {
-        bytes += 'v';
-        for (const double coordinate : point) {
-            bytes += ' ';
-            bytes += NumberText(coordinate).view();
-        }
-        bytes += '\n';
-    }
-    return modelOfBytes("points.obj", std::move(bytes));
-}
-
 namespace {
 
 /// Converts the name as os.fsdecode() does: bytes that are not UTF-8 become surrogates.
@@ -52,7 +39,7 @@ py::str nameOf(const ModelFile& file) {
 void addModel(py::module_& module) {
     py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
 A model to deform: a file that contains points. Writing it with other points keeps everything else
-byte for byte. Made by read_model().
+byte for byte, unless it is written in another format. Made by read_model().
 )")
         .def_property_readonly(
             "positions",
@@ -69,10 +56,14 @@ byte for byte. Made by read_model().
                const ArrayLike& positions) {
                 const auto points =
                     toPoints(positions, "positions", self.model->positions().size());
+                warn(withoutGil([&] { return self.model->checkTarget(path); }));
                 withoutGil([&] { self.model->write(path, points); });
             },
-            "path"_a, "positions"_a,
-            "Writes the model with these points, array (N, 3), in the format that it was read in.")
+            "path"_a, "positions"_a, R"(
+Writes the model with these points, array (N, 3). The extension of the path names the format. In the
+model's own format, everything but the points is kept. A file in another model format gets the points,
+the faces and the normals, and a UserWarning names the data that are not written.
+)")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")
                 .format(printable(self.name), self.model->positions().size());
@@ -81,13 +72,17 @@ byte for byte. Made by read_model().
         "read_model",
         [](const std::filesystem::path& path) {
             return withoutGil([&] {
-                auto bytes = io::readFile(path);
-                auto model = io::readModel(path, bytes);
+                const std::filesystem::path file = io::modelFile(path);
+                auto bytes = io::readFile(file);
+                auto model = io::readModel(file, bytes);
                 return std::make_shared<ModelFile>(
-                    ModelFile{path.filename().string(), std::move(bytes), std::move(model)});
+                    ModelFile{file.filename().string(), std::move(bytes), std::move(model)});
             });
         },
-        "path"_a, "Reads a Model from .obj, .ply, .stl, .vtu, .vtp or .vtk.");
+        "path"_a, R"(
+Reads a Model from .obj, .ply, .stl, .vtu, .vtp or .vtk, or from the mesh of a simulation: .msh, .mesh,
+.su2, .xyz, .p3d, .fmt, .cgns (if built with CGNS), or the folder of an OpenFOAM case.
+)");
 }
 
 }  // namespace espalier::python

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "module.h"
 
+#ifdef ESPALIER_WITH_CGNS
+#include <espalier/io/cgns/cgns_model.h>
+#endif
+
 namespace py = pybind11;
 using namespace espalier::python;
 
@@ -9,6 +13,9 @@ PYBIND11_MODULE(_core, module) {
     module.attr("__version__") = ESPALIER_VERSION;
     // Types and functions take the name of their module from here.
     module.attr("__module__") = "espalier";
+#ifdef ESPALIER_WITH_CGNS
+    espalier::io::addCgnsModels();
+#endif
     translateErrors();
     protectBaseClass();
     addLattice(module);
@@ -22,6 +29,7 @@ PYBIND11_MODULE(_core, module) {
     addFit(module);
     addDesignVariables(module);
     addValidity(module);
+    addMeshCheck(module);
     addHolding(module);
     addLimits(module);
     protectClasses(module);

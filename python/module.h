@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace espalier::python {
@@ -24,6 +25,7 @@ void addBinding(py::module_& module);
 void addFit(py::module_& module);
 void addDesignVariables(py::module_& module);
 void addValidity(py::module_& module);
+void addMeshCheck(py::module_& module);
 void addHolding(py::module_& module);
 void addLimits(py::module_& module);
 
@@ -64,6 +66,12 @@ template <class Function>
 auto sharedWithoutGil(Function&& function) {
     return withoutGil(
         [&] { return std::make_shared<decltype(function())>(std::forward<Function>(function)()); });
+}
+
+/// Issues a UserWarning, unless the text is empty.
+inline void warn(const std::string& text) {
+    if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
+        throw py::error_already_set();
 }
 
 }  // namespace espalier::python

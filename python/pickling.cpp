@@ -3,6 +3,7 @@
 
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
+#include <espalier/io/binding_file.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -148,16 +149,19 @@ py::tuple stateOfLattice(const py::object& self) {
                                        static_cast<int>(each.type),
                                        viewOf(std::span<const std::int64_t>(each.values), self)));
     const RefinementTags& tags = lattice.tags;
+    const FaceVaryingAttribute& textures = lattice.textureCoordinates;
     return py::make_tuple(viewOf(lattice.positions, self), boundariesOf(lattice.complex, self),
                           stateOfMarks(lattice.marks), attributes,
                           py::make_tuple(wordOf(far::kBoundaryWords, tags.boundary),
                                          wordOf(far::kCreasingWords, tags.creasing),
-                                         wordOf(far::kTriangleSubdivisionWords, tags.triangles)),
-                          integers);
+                                         wordOf(far::kTriangleSubdivisionWords, tags.triangles),
+                                         wordOf(far::kFaceVaryingLinearWords, tags.faceVarying)),
+                          integers, viewOf(std::span<const double>(textures.values), self),
+                          viewOf(std::span<const Index>(textures.corners), self));
 }
 
 std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
-    requireState(state.size() == 6);
+    requireState(state.size() == 8);
     Lattice lattice;
     lattice.positions = toPoints(state[0], "positions");
     const std::size_t count = lattice.positions.size();
@@ -181,10 +185,11 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
     }
     using Word = std::optional<std::string>;
     const py::tuple tags = state[4];
-    requireState(tags.size() == 3);
+    requireState(tags.size() == 4);
     lattice.tags = {chosen(far::kBoundaryWords, "state", tags[0].cast<Word>()),
                     chosen(far::kCreasingWords, "state", tags[1].cast<Word>()),
-                    chosen(far::kTriangleSubdivisionWords, "state", tags[2].cast<Word>())};
+                    chosen(far::kTriangleSubdivisionWords, "state", tags[2].cast<Word>()),
+                    chosen(far::kFaceVaryingLinearWords, "state", tags[3].cast<Word>())};
     for (const py::handle each : py::list(state[5])) {
         const auto parts = partsOf(each, 4);
         const int type = parts[2].cast<int>();
@@ -194,6 +199,17 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
             VertexIntegers{nameIn(parts[0]), parts[1].cast<int>(), static_cast<IntegerType>(type),
                            numbersOf<std::vector<std::int64_t>>(parts[3])});
     }
+    FaceVaryingAttribute& textures = lattice.textureCoordinates;
+    textures.values = numbersOf<std::vector<double>>(state[6]);
+    textures.corners = numbersOf<std::vector<Index>>(state[7]);
+    const auto isTexture = [&](Index corner) {
+        return corner >= 0 && static_cast<std::size_t>(corner) < textures.values.size() / 2;
+    };
+    requireState(textures.values.size() % 2 == 0 &&
+                 std::ranges::all_of(textures.corners, isTexture) &&
+                 (textures.corners.empty() ||
+                  (lattice.complex.dimension() == 2 &&
+                   textures.corners.size() == lattice.complex.relation(2, 0).values().size())));
     return std::make_shared<Lattice>(std::move(lattice));
 }
 
@@ -226,16 +242,13 @@ py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
     return tables;
 }
 
-std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, const Table& table) {
+std::optional<io::BoundGradients> gradientsOfState(const py::handle& state) {
     if (state.is_none()) return std::nullopt;
     const auto tables = state.cast<py::tuple>();
     io::BoundGradients gradients;
     requireState(tables.size() == gradients.tables.size());
-    for (std::size_t axis = 0; axis < tables.size(); ++axis) {
+    for (std::size_t axis = 0; axis < tables.size(); ++axis)
         gradients.tables[axis] = std::move(*tableOfState(tables[axis]));
-        requireState(gradients.tables[axis].rowCount() == table.rowCount() &&
-                     gradients.tables[axis].columnCount() == table.columnCount());
-    }
     return gradients;
 }
 
@@ -256,11 +269,13 @@ py::tuple stateOfBinding(const py::object& self) {
         stateOfTable(py::cast(tableIn(shared))), viewOf(std::span<const Index>(binding.kept), self),
         viewOf(binding.keptAt, self), binding.topologyHash, py::bytes(bound.modelName),
         py::bytes(bound.modelBytes), at, statuses, residual, stateOfGradients(shared),
-        bound.rest.empty() ? py::object(py::none()) : viewOf(bound.rest, self));
+        bound.rest.empty() ? py::object(py::none()) : viewOf(bound.rest, self),
+        viewOf(std::span<const std::size_t>(bound.faces.ends), self),
+        viewOf(std::span<const Index>(bound.faces.corners), self));
 }
 
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
-    requireState(state.size() == 11);
+    requireState(state.size() == 13);
     auto result = std::make_shared<BoundPoints>();
     auto& binding = result->bound.binding;
     binding.table = std::move(*tableOfState(state[0]));
@@ -271,8 +286,9 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     binding.topologyHash = state[3].cast<std::uint64_t>();
     result->bound.modelName = state[4].cast<std::string>();
     result->bound.modelBytes = state[5].cast<std::string>();
-    result->points = state[6].is_none() ? withoutGil([&] { return pointsIn(result->bound); })
-                                        : std::optional(toPoints(state[6], "points", rows));
+    result->points = state[6].is_none()
+                         ? withoutGil([&] { return io::pointsAtRest(result->bound); })
+                         : std::optional(toPoints(state[6], "points", rows));
     if (!state[7].is_none()) {
         result->largestResidual = state[8].cast<double>();
         for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
@@ -281,10 +297,15 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
         }
         requireState(std::ssize(result->statuses) == rows);
     }
-    result->bound.gradients = gradientsOfState(state[9], binding.table);
+    result->bound.gradients = gradientsOfState(state[9]);
     if (!state[10].is_none())
         result->bound.rest = toPoints(state[10], "rest", binding.table.columnCount());
-    requireState(!result->bound.gradients || !result->bound.rest.empty());
+    auto& faces = result->bound.faces;
+    faces.ends = numbersOf<std::vector<std::size_t>>(state[11]);
+    faces.corners = numbersOf<std::vector<Index>>(state[12]);
+    requireState(std::ranges::is_sorted(faces.ends) &&
+                 faces.corners.size() == (faces.ends.empty() ? 0 : faces.ends.back()));
+    io::checkBoundModel(result->bound);
     return result;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>

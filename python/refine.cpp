@@ -25,19 +25,23 @@ using Word = std::optional<std::string>;
 
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
-                                     const Word& creasing, const Word& triangles) {
+                                     const Word& creasing, const Word& triangles,
+                                     const Word& faceVarying) {
     auto options = refinerOptions(*lattice,
                                   {chosen(far::kBoundaryWords, "boundary", boundary),
                                    chosen(far::kCreasingWords, "creasing", creasing),
                                    chosen(far::kTriangleSubdivisionWords, "triangles", triangles)},
                                   chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges));
     options.rules = chosen(far::kRulesWords, "rules", rules);
-    return withoutGil([&] { return std::make_shared<Refiner>(lattice, options); });
+    const auto linear = chosen(far::kFaceVaryingLinearWords, "face_varying", faceVarying);
+    return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, linear); });
 }
 
 std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
-    return sharedWithoutGil(
-        [&] { return stencils::refinedLattice(*refiner.upTo(level), level, *refiner.lattice()); });
+    return sharedWithoutGil([&] {
+        return stencils::refinedLattice(*refiner.upTo(level), level, *refiner.lattice(),
+                                        refiner.faceVarying());
+    });
 }
 
 py::array_t<double> refinedPositions(const Refiner& refiner, int level,
@@ -102,11 +106,14 @@ sharp_edges : which boundary edges of a lattice are sharp: "single-cell", those 
               "literal", those between vertices that lie in at most two cells
 creasing    : how semi-sharp edges lose sharpness: "uniform" or "chaikin"
 triangles   : how triangles of a surface are weighted: "catmark" or "smooth"
-None for boundary, creasing or triangles means the lattice's tags, or else the first of the words.
+face_varying : where texture coordinates are linear, OpenSubdiv's modes: "all", "none", "corners-only",
+              "corners-plus1", "corners-plus2" or "boundaries"
+None for boundary, creasing, triangles or face_varying means the lattice's tags, or else the first of
+the words.
 )")
         .def(py::init(&makeRefiner), "lattice"_a, py::kw_only(), "rules"_a = "siggraph96",
              "boundary"_a = py::none(), "sharp_edges"_a = "single-cell", "creasing"_a = py::none(),
-             "triangles"_a = py::none())
+             "triangles"_a = py::none(), "face_varying"_a = py::none())
         .def_property_readonly("lattice", getter(&Refiner::lattice), "The Lattice at level 0.")
         .def_property_readonly(
             "rules",
@@ -125,9 +132,8 @@ Returns the positions of the vertices of a level: array (V_level, 3) of float64.
 pose : array (V, 3), the positions of the vertices of level 0; by default those of the lattice
 )")
         .def("refine", &refined, "level"_a = 1,
-             "Returns a level as a Lattice, with its attributes, and with the sharpness values "
-             "that keep "
-             "its features when it is refined further.")
+             "Returns a level as a Lattice, with its attributes and texture coordinates, and with "
+             "the sharpness values that keep its features when it is refined further.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
 Returns S_level, a StencilTable of shape (V_level, V). Row i holds the weights of the vertices of
 level 0 in vertex i of the level; rows sum to 1.
@@ -142,7 +148,8 @@ next.
         "refine",
         [](const RefinerLike& lattice, int level) { return refined(*refinerOf(lattice), level); },
         "lattice"_a, "level"_a = 1, R"(
-Refines a Lattice, or the lattice of a Refiner, `level` times. Returns a Lattice.
+Refines a Lattice, or the lattice of a Refiner, `level` times. Returns a Lattice, with refined
+attributes and texture coordinates.
 
 Each level has about 8 times (lattice), 4 times (mesh) or twice (curve) the cells, faces or edges of
 the level before.

@@ -9,8 +9,10 @@
 
 namespace espalier::python {
 
-Refiner::Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options)
+Refiner::Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options,
+                 std::optional<far::FaceVaryingLinear> faceVarying)
     : lattice_(std::move(lattice)),
+      faceVarying_(faceVarying),
       base_(lattice_->complex, options),
       deepest_(std::make_shared<far::TopologyRefiner>(base_)) {}
 

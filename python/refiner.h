@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/face_varying.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
 
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "arguments.h"
 
@@ -15,9 +17,13 @@ namespace espalier::python {
 /// it, without the GIL.
 class Refiner {
 public:
-    Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options);
+    /// \param faceVarying mode for texture coordinates; nothing for the tag of the lattice
+    Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options,
+            std::optional<far::FaceVaryingLinear> faceVarying = {});
 
     const std::shared_ptr<Lattice>& lattice() const { return lattice_; }
+
+    std::optional<far::FaceVaryingLinear> faceVarying() const { return faceVarying_; }
 
     /// Returns the refiner with level 0 only.
     const far::TopologyRefiner& base() const { return base_; }
@@ -28,6 +34,7 @@ public:
 
 private:
     std::shared_ptr<Lattice> lattice_;
+    std::optional<far::FaceVaryingLinear> faceVarying_;
     far::TopologyRefiner base_;
     mutable std::mutex mutex_;
     mutable std::shared_ptr<const far::TopologyRefiner> deepest_;

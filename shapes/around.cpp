@@ -30,22 +30,17 @@ void check(std::span<const Point3> points, const AroundOptions& options) {
         refuseField("around", "margin", textOf(options.margin), "a fraction of 0 or more");
 }
 
-double diagonalOf(const Extents& extents) {
-    return std::hypot(extents.size(0), extents.size(1), extents.size(2));
-}
-
-/// Returns the numbers of cells of a box with sides of these lengths.
-std::array<int, 3> countsOf(const Extents& extents, const AroundOptions& options) {
+/// Returns the numbers of cells of a box whose sides have the lengths `size`.
+std::array<int, 3> countsOf(const Point3& size, const AroundOptions& options) {
     if (options.cells != std::array<int, 3>{}) return options.cells;
-    const double longest = std::max({extents.size(0), extents.size(1), extents.size(2)});
+    const double longest = std::ranges::max(size);
     std::array<int, 3> counts;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         // A length that is a multiple of the size but for rounding gets no extra cell.
         constexpr double kRounding = 1e-9;
-        const double count =
-            options.cellSize > 0
-                ? std::ceil(extents.size(axis) / options.cellSize * (1 - kRounding))
-                : std::round(extents.size(axis) / longest * options.cellsAlongLongest);
+        const double count = options.cellSize > 0
+                                 ? std::ceil(size[axis] / options.cellSize * (1 - kRounding))
+                                 : std::round(size[axis] / longest * options.cellsAlongLongest);
         if (count > std::numeric_limits<int>::max())
             refuseField("around", "cellSize", textOf(options.cellSize),
                         "lengths for which the number of cells fits into 31 bits");
@@ -59,8 +54,8 @@ std::array<int, 3> countsOf(const Extents& extents, const AroundOptions& options
 Lattice around(std::span<const Point3> points, const AroundOptions& options) {
     check(points, options);
     Axes axes = kCoordinateAxes;
-    Extents extents = extentsAlong(axes, points);
-    const double diagonal = diagonalOf(extents);
+    BoundingBox bounds = boxAlong(axes, points);
+    const double diagonal = bounds.diagonal();
     if (!std::isfinite(diagonal))
         throw Error("around: the points are so far apart that the size of their box is infinite");
     if (!(diagonal > 0))
@@ -68,21 +63,21 @@ Lattice around(std::span<const Point3> points, const AroundOptions& options) {
                     "; a box needs points at different places");
     if (options.oriented) {
         axes = smallestBox(points, 2 * options.margin * diagonal);
-        extents = extentsAlong(axes, points);
+        bounds = boxAlong(axes, points);
     }
-    const double margin = options.margin * diagonalOf(extents);
+    const double margin = options.margin * bounds.diagonal();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        extents.min[axis] -= margin;
-        extents.max[axis] += margin;
-        if (!std::isfinite(extents.size(axis)))
+        bounds.min[axis] -= margin;
+        bounds.max[axis] += margin;
+        if (!std::isfinite(bounds.size()[axis]))
             refuseField("around", "margin", textOf(options.margin),
                         "fractions for which the box is finite");
-        if (!(extents.size(axis) > 0))
+        if (!(bounds.size()[axis] > 0))
             throw Error(
                 "around: the points lie in a plane, so that the box would be flat; give a margin "
                 "above 0");
     }
-    const Lattice result = box({countsOf(extents, options), extents.min, extents.max});
+    const Lattice result = box({countsOf(bounds.size(), options), bounds.min, bounds.max});
     if (!options.oriented) return result;
     // The columns of the matrix are the axes: coordinates along the axes become positions.
     Affine placement;

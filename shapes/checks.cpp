@@ -22,17 +22,6 @@ const char* complexName(int dimension) {
 
 }  // namespace
 
-std::string textOf(double value) {
-    return std::string(NumberText(value).view());
-}
-
-std::string textOf(const Point3& point) {
-    std::string text = "(";
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        text.append(axis == 0 ? "" : ", ").append(textOf(point[axis]));
-    return text.append(")");
-}
-
 void refuseField(const std::string& shape, const std::string& field, const std::string& value,
                  const std::string& allowed) {
     throw Error(shape + ": " + field + " is " + value + "; allowed: " + allowed);
@@ -69,12 +58,13 @@ std::string indexed(const std::string& field, std::size_t index) {
     return name;
 }
 
-void requireInterval(const std::string& shape, std::size_t index, double min, double max) {
-    requireFinite(shape, indexed("min", index), min);
-    requireFinite(shape, indexed("max", index), max);
+void requireInterval(const std::string& shape, const std::string& minField, double min,
+                     const std::string& maxField, double max) {
+    requireFinite(shape, minField, min);
+    requireFinite(shape, maxField, max);
     if (!(max > min))
-        refuseField(shape, indexed("max", index), textOf(max),
-                    "numbers above " + indexed("min", index) + ", which is " + textOf(min));
+        refuseField(shape, maxField, textOf(max),
+                    "numbers above " + minField + ", which is " + textOf(min));
 }
 
 void requireCountable(const std::string& shape, std::initializer_list<Offset> factors) {

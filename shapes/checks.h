@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/index.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
@@ -12,10 +13,6 @@
 // Checks of the arguments of this folder's functions; not installed. Each check throws an Error of
 // one line that names the function, the field, its value, and the allowed values.
 namespace espalier::shapes {
-
-/// Returns the shortest text that reads back as `value`.
-std::string textOf(double value);
-std::string textOf(const Point3& point);
 
 [[noreturn]] void refuseField(const std::string& shape, const std::string& field,
                               const std::string& value, const std::string& allowed);
@@ -32,8 +29,9 @@ Point3 unitVector(const std::string& shape, const std::string& field, const Poin
 /// Returns "field[index]", the name of a list entry in messages.
 std::string indexed(const std::string& field, std::size_t index);
 
-/// Throws unless min[index] and max[index] are finite and in this order.
-void requireInterval(const std::string& shape, std::size_t index, double min, double max);
+/// Throws unless the two ends of an interval are finite and in this order.
+void requireInterval(const std::string& shape, const std::string& minField, double min,
+                     const std::string& maxField, double max);
 
 /// Throws if the product of the factors (each above 0) is too large for an Index. It is the number
 /// of entities, or of entries in their loops; call this before allocating memory for them.

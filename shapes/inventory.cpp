@@ -14,7 +14,8 @@ namespace espalier::shapes {
 Lattice box(const BoxOptions& options) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         requireAtLeast("box", indexed("cells", axis), options.cells[axis], 1);
-        requireInterval("box", axis, options.min[axis], options.max[axis]);
+        requireInterval("box", indexed("min", axis), options.min[axis], indexed("max", axis),
+                        options.max[axis]);
     }
     const auto& [cells, min, max] = options;
     requireCountable("box", {cells[0], cells[1], cells[2], 24});

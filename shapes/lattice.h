@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/face_varying.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <cstdint>
@@ -71,6 +72,7 @@ struct RefinementTags {
     std::optional<far::Boundary> boundary = {};
     std::optional<far::Creasing> creasing = {};
     std::optional<far::TriangleSubdivision> triangles = {};
+    std::optional<far::FaceVaryingLinear> faceVarying = {};  ///< for texture coordinates
     friend bool operator==(const RefinementTags&, const RefinementTags&) = default;
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
@@ -229,7 +230,7 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
     for (const Lattice& lattice : lattices)
         points.insert(points.end(), lattice.positions.begin(), lattice.positions.end());
     requireCountable("merge", {static_cast<Offset>(points.size())});
-    const double distance = options.tolerance * diagonal(points);
+    const double distance = options.tolerance * BoundingBox(points).diagonal();
     Welding welding = weld(points, distance);
 
     Lattice result;
@@ -271,7 +272,7 @@ MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged)
                             lattice.complex.count(dimension));
     }
     const auto latticeOf = [&](Index cell) {
-        return std::upper_bound(lastCells.begin(), lastCells.end(), cell) - lastCells.begin();
+        return std::ranges::upper_bound(lastCells, cell) - lastCells.begin();
     };
     for (Index face = 0; face < merged.complex.count(dimension - 1); ++face) {
         const auto cells = merged.complex.relation(dimension - 1, dimension)[face];
@@ -281,8 +282,7 @@ MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged)
             const auto other = latticeOf(cell);
             isShared |= other != first;
             const auto [low, high] = std::minmax(joints.groups[first], joints.groups[other]);
-            if (low != high)
-                std::replace(joints.groups.begin(), joints.groups.end(), std::size_t{high}, low);
+            if (low != high) std::ranges::replace(joints.groups, std::size_t{high}, low);
         }
         joints.sharedFaces += isShared;
     }

@@ -2,7 +2,6 @@
 #include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/pose.h>
-#include <espalier/shapes/transform.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,13 +35,13 @@ struct Weighted {
 
     double weight(std::size_t i) const { return weights.empty() ? 1 : weights[i]; }
 
-    /// Returns the extents of the positions whose weight is above 0.
-    Extents extents(const Axes& axes) const {
+    /// Returns the box, along some axes, around the positions whose weight is above 0.
+    BoundingBox bounds(const Axes& axes) const {
         std::vector<Point3> moved;
         for (std::size_t i = 0; i < positions.size(); ++i)
             if (weight(i) > 0) moved.push_back(positions[i]);
         if (moved.empty()) throw Error(operation + ": no position has a weight above 0");
-        return extentsAlong(axes, moved);
+        return boxAlong(axes, moved);
     }
 
     /// Returns the centre of a place.
@@ -51,7 +50,7 @@ struct Weighted {
             requireFinite(operation, "center", *place.center);
             return *place.center;
         }
-        const Extents box = extents(kCoordinateAxes);
+        const BoundingBox box = bounds(kCoordinateAxes);
         return between(box.min, box.max, 0.5);
     }
 
@@ -83,14 +82,15 @@ Along along(const Weighted& moved, const Point3& axis, const Place& place) {
     const Point3 direction = unitVector(moved.operation, "axis", axis);
     Along result{direction, moved.center(place), 0, 0};
     if (place.range) {
-        requireInterval(moved.operation, 0, (*place.range)[0], (*place.range)[1]);
+        requireInterval(moved.operation, "range[0]", (*place.range)[0], "range[1]",
+                        (*place.range)[1]);
         result.low = (*place.range)[0];
         result.high = (*place.range)[1];
         return result;
     }
-    const Extents extents = moved.extents(axesAlong(direction));
-    result.low = extents.min[2];
-    result.high = extents.max[2];
+    const BoundingBox bounds = moved.bounds(axesAlong(direction));
+    result.low = bounds.min[2];
+    result.high = bounds.max[2];
     // Less is the rounding of equal coordinates.
     constexpr double kRounding = 1e-12;
     const double size = std::max(std::abs(result.low), std::abs(result.high));
@@ -100,8 +100,13 @@ Along along(const Weighted& moved, const Point3& axis, const Place& place) {
     return result;
 }
 
+/// Adds the displacement by Rodrigues' formula, so that an angle of 0 changes no bit.
+/// \param axis a unit vector
 Point3 rotated(const Point3& position, const Point3& axis, const Point3& center, double angle) {
-    return sum(center, rotation(axis, angle)(difference(position, center)));
+    const Point3 across = cross(axis, difference(position, center));
+    const double half = std::sin(angle / 2);
+    return sum(position,
+               sum(scaled(across, std::sin(angle)), scaled(cross(axis, across), 2 * half * half)));
 }
 
 /// Returns sin(x) / x.
@@ -169,10 +174,12 @@ std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, 
         const double theta = w * angle * inside / (line.high - line.low);
         // sin(θ) / k and (1 − cos(θ)) / k, for k = θ / inside that may be 0.
         const double arc = inside * sinc(theta);
-        const double rise = inside * std::sin(theta / 2) * sinc(theta / 2);
-        const double newS = line.low + arc - std::sin(theta) * r + std::cos(theta) * beyond;
-        const double newR = rise + std::cos(theta) * r + std::sin(theta) * beyond;
-        return sum(p, sum(scaled(line.axis, newS - s), scaled(normal, newR - r)));
+        const double half = std::sin(theta / 2), rise = inside * half * sinc(theta / 2);
+        // The changes of s and r, so that an angle of 0 changes no bit. cos(θ) − 1 is −2 sin²(θ/2).
+        const double sine = std::sin(theta), cosineLess1 = -2 * half * half;
+        const double alongAxis = arc - inside - sine * r + cosineLess1 * beyond;
+        const double acrossAxis = rise + cosineLess1 * r + sine * beyond;
+        return sum(p, sum(scaled(line.axis, alongAxis), scaled(normal, acrossAxis)));
     });
 }
 

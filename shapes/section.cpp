@@ -58,7 +58,8 @@ std::vector<Point3> regularPolygon(int sides, double radius) {
 Lattice gridMesh(const GridOptions& options) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
         requireAtLeast("grid", indexed("cells", axis), options.cells[axis], 1);
-        requireInterval("grid", axis, options.min[axis], options.max[axis]);
+        requireInterval("grid", indexed("min", axis), options.min[axis], indexed("max", axis),
+                        options.max[axis]);
     }
     const auto [columns, rows] = options.cells;
     requireCountable("grid", {columns + Offset{1}, rows + Offset{1}, 4});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/selection.h>
@@ -9,7 +10,6 @@
 #include <string>
 
 #include "checks.h"
-#include "smallest_box.h"
 
 namespace espalier::shapes {
 namespace {
@@ -32,8 +32,7 @@ std::vector<double> weightsFor(const std::string& function, std::span<const Poin
     for (std::size_t i = 0; i < positions.size(); ++i)
         requireFinite(function, indexed("positions", i), positions[i]);
     constexpr double kRounding = 1e-9;
-    const Extents extents = extentsAlong(kCoordinateAxes, positions);
-    const double tolerance = kRounding * length(difference(extents.max, extents.min));
+    const double tolerance = kRounding * BoundingBox(positions).diagonal();
     weights.reserve(positions.size());
     for (const Point3& position : positions) {
         const double outside = distance(position);

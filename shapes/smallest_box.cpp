@@ -32,7 +32,7 @@ double turn(const Point2& a, const Point2& b, const Point2& c) {
 
 /// Returns the corners of the convex hull, anticlockwise (Andrew's monotone chain).
 std::vector<Point2> convexHull(std::vector<Point2> points) {
-    std::sort(points.begin(), points.end());
+    std::ranges::sort(points);
     points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     std::vector<Point2> hull;
@@ -47,7 +47,7 @@ std::vector<Point2> convexHull(std::vector<Point2> points) {
         hull.pop_back();  // The other chain begins with it.
     };
     addChain(points);
-    std::reverse(points.begin(), points.end());
+    std::ranges::reverse(points);
     addChain(points);
     return hull;
 }
@@ -92,8 +92,9 @@ Point2 smallestRectangle(const std::vector<Point2>& hull, double padding) {
     return best;
 }
 
-double paddedVolume(const Extents& extents, double padding) {
-    return (extents.size(0) + padding) * (extents.size(1) + padding) * (extents.size(2) + padding);
+double paddedVolume(const BoundingBox& box, double padding) {
+    const Point3 size = box.size();
+    return (size[0] + padding) * (size[1] + padding) * (size[2] + padding);
 }
 
 /// Turns a box about its axes, by the smallest rectangles, until its volume no longer decreases.
@@ -105,14 +106,14 @@ struct Search {
 
     void start(const Axes& from) {
         Axes current = from;
-        double smallest = paddedVolume(extentsAlong(current, points), padding);
+        double smallest = paddedVolume(boxAlong(current, points), padding);
         take(current, smallest);
         // Each turn makes the box smaller; the limit is for turns that gain almost nothing.
         constexpr int kMaxTurns = 60;
         int withoutGain = 0;
         for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
             turnAbout(current, static_cast<std::size_t>(turns % 3));
-            const double next = paddedVolume(extentsAlong(current, points), padding);
+            const double next = paddedVolume(boxAlong(current, points), padding);
             withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
             smallest = next;
             take(current, next);
@@ -153,14 +154,12 @@ std::vector<Point3> extremePoints(std::span<const Point3> points) {
     constexpr int kDirections = 400;
     std::vector<Point3> result;
     for (const Point3& direction : directions(kDirections)) {
-        const auto [low, high] = std::minmax_element(
-            points.begin(), points.end(), [&](const Point3& a, const Point3& b) {
-                return dot(a, direction) < dot(b, direction);
-            });
+        const auto [low, high] = std::ranges::minmax_element(
+            points, {}, [&](const Point3& point) { return dot(point, direction); });
         result.push_back(*low);
         result.push_back(*high);
     }
-    std::sort(result.begin(), result.end());
+    std::ranges::sort(result);
     result.erase(std::unique(result.begin(), result.end()), result.end());
     return result;
 }
@@ -190,7 +189,7 @@ Axes named(const Axes& axes) {
             most = sum;
             best = candidate;
         }
-    } while (std::next_permutation(order.begin(), order.end()));
+    } while (std::ranges::next_permutation(order).found);
     return best;
 }
 
@@ -205,16 +204,11 @@ Axes axesAlong(const Point3& direction) {
     return {first, cross(direction, first), direction};
 }
 
-Extents extentsAlong(const Axes& axes, std::span<const Point3> points) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Extents extents = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+BoundingBox boxAlong(const Axes& axes, std::span<const Point3> points) {
+    BoundingBox box;
     for (const Point3& point : points)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double place = dot(point, axes[axis]);
-            extents.min[axis] = std::min(extents.min[axis], place);
-            extents.max[axis] = std::max(extents.max[axis], place);
-        }
-    return extents;
+        box.include({dot(point, axes[0]), dot(point, axes[1]), dot(point, axes[2])});
+    return box;
 }
 
 Axes smallestBox(std::span<const Point3> points, double padding) {

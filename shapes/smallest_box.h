@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/point.h>
 
 #include <array>
@@ -17,15 +18,8 @@ inline constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 /// Returns axes whose third is `direction`, a unit vector.
 Axes axesAlong(const Point3& direction);
 
-/// The intervals that the coordinates of points along some axes fill.
-struct Extents {
-    Point3 min, max;
-
-    double size(std::size_t axis) const { return max[axis] - min[axis]; }
-};
-
-/// Returns the extents of points along axes. There must be points.
-Extents extentsAlong(const Axes& axes, std::span<const Point3> points);
+/// Returns the smallest box around points with sides along `axes`, in coordinates along them.
+BoundingBox boxAlong(const Axes& axes, std::span<const Point3> points);
 
 /// Returns the axes for which the box around the points is smallest, as far as a search finds them.
 /// There are 24 ways to name the axes of a box; this returns the one nearest to x, y and z.
@@ -34,7 +28,7 @@ Extents extentsAlong(const Axes& axes, std::span<const Point3> points);
 /// until the volume no longer decreases. Each turn is exact: one side of the smallest rectangle
 /// around a convex polygon lies on a side of the polygon (Freeman & Shapira 1975).
 ///
-/// \param padding added to each extent before volumes are compared: of the boxes around points in a
+/// \param padding added to each side before volumes are compared: of the boxes around points in a
 ///        plane, all of volume 0, a positive padding chooses one with a small area
 Axes smallestBox(std::span<const Point3> points, double padding);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -14,17 +15,6 @@
 
 namespace espalier::shapes {
 namespace {
-
-std::pair<Point3, Point3> bounds(std::span<const Point3> points) {
-    Point3 low = points.front();
-    Point3 high = points.front();
-    for (const Point3& point : points)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], point[axis]);
-            high[axis] = std::max(high[axis], point[axis]);
-        }
-    return {low, high};
-}
 
 /// Stores the welded points by the boxes of a grid, in a hash table.
 class PointGrid {
@@ -88,12 +78,6 @@ private:
 
 }  // namespace
 
-double diagonal(std::span<const Point3> points) {
-    if (points.empty()) return 0;
-    const auto [low, high] = bounds(points);
-    return length(difference(high, low));
-}
-
 Welding weld(std::span<const Point3> points, double distance) {
     Welding welding;
     if (points.empty()) return welding;
@@ -101,9 +85,10 @@ Welding weld(std::span<const Point3> points, double distance) {
     // only. A box is also at least kFinest times the size of the whole, so that the numbers of
     // boxes do not overflow.
     constexpr double kFinest = 1.0 / (1 << 20);
-    const double extent = diagonal(points);
-    const double boxSize = extent > 0 ? std::max(4 * distance, extent * kFinest) : 1;
-    PointGrid grid(bounds(points).first, boxSize);
+    const BoundingBox bounds(points);
+    const double diagonal = bounds.diagonal();
+    const double boxSize = diagonal > 0 ? std::max(4 * distance, diagonal * kFinest) : 1;
+    PointGrid grid(bounds.min, boxSize);
     for (const Point3& point : points) {
         std::optional<Index> same = grid.nearest(point, distance);
         if (!same) {

@@ -24,7 +24,4 @@ struct Welding {
 /// \cost O(n) with a hash table of boxes, if few points share a box
 Welding weld(std::span<const Point3> points, double distance);
 
-/// Returns the diagonal of the box around points; 0 if there are none.
-double diagonal(std::span<const Point3> points);
-
 }  // namespace espalier::shapes

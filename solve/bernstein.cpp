@@ -130,6 +130,24 @@ std::pair<std::array<double, Count>, std::array<double, Count>> cut(
 
 }  // namespace
 
+template <>
+Trivariate<0, 1> determinant(const Derivatives<0>& derivatives) {
+    Trivariate<0, 1> result;
+    result[0][0] = dot(derivatives[0][0], cross(derivatives[1][0], derivatives[2][0]));
+    return result;
+}
+
+template <>
+Trivariate<0, 4> determinant(const Derivatives<0>& first, const Derivatives<0>& last) {
+    const Point3 &u = first[0][0], &v = first[1][0], &w = first[2][0];
+    const Point3 &x = last[0][0], &y = last[1][0], &z = last[2][0];
+    const Point3 vw = cross(v, w), yz = cross(y, z), mixed = sum(cross(y, w), cross(v, z));
+    Trivariate<0, 4> result;
+    result[0] = {dot(u, vw), (dot(x, vw) + dot(u, mixed)) / 3, (dot(u, yz) + dot(x, mixed)) / 3,
+                 dot(x, yz)};
+    return result;
+}
+
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>& derivatives) {
     return determinantOf<Degree, 1>({&derivatives});
@@ -329,6 +347,7 @@ template <std::size_t Degree>
 bool isPositive(const Trivariate<Degree, 1>& polynomial) {
     constexpr int kMaxHalvings = 500;
     if (isProvedPositive(polynomial)) return true;
+    if (Degree == 0) return false;
     std::vector<Part<Degree, 1>> open = {{polynomial, 0}};
     for (int halvings = 0; !open.empty(); ++halvings) {
         const Part<Degree, 1> part = open.back();
@@ -345,6 +364,10 @@ bool isPositive(const Trivariate<Degree, 1>& polynomial) {
 
 template <std::size_t Degree>
 double leastQuotient(const Trivariate<Degree, 2>& quotient) {
+    if constexpr (Degree == 0) {
+        const auto& [upper, lower] = quotient[0];
+        return lower > 0 ? upper / lower : -kInfinity;
+    }
     // This is more than isPositive() may need, so that the second polynomial is proved positive
     // here, too.
     constexpr int kMaxHalvings = 2000;
@@ -374,8 +397,36 @@ double leastQuotient(const Trivariate<Degree, 2>& quotient) {
     return lowest.low;
 }
 
+double firstRoot(const std::array<double, 4>& coefficients, double upTo) {
+    constexpr double kUnit = std::numeric_limits<double>::epsilon();
+    struct Interval {
+        std::array<double, 4> coefficients;
+        double first, last;
+    };
+    std::vector<Interval> open;  // The earliest at the end.
+    const auto keepUnlessPositive = [&](const Interval& interval) {
+        if (!std::all_of(interval.coefficients.begin(), interval.coefficients.end(), isAboveZero))
+            open.push_back(interval);
+    };
+    keepUnlessPositive({upTo < 1 ? cut(coefficients, upTo).first : coefficients, 0, upTo});
+    while (!open.empty()) {
+        const Interval interval = open.back();
+        open.pop_back();
+        const auto& [values, first, last] = interval;
+        if (!isAboveZero(values[0]) || last - first <= kUnit * last) return first;
+        const auto [before, after] = cut(values, 0.5);
+        const double middle = (first + last) / 2;
+        keepUnlessPositive({after, middle, last});
+        keepUnlessPositive({before, first, middle});
+    }
+    return upTo;
+}
+
+namespace {
+
+/// Finds the time up to which a polynomial is proved to be positive, within a millionth of it.
 template <std::size_t Degree>
-ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
+ProvedTime searchUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
     using Moving = MovingPart<Degree>;
     constexpr int kMaxHalvings = 2000;
     constexpr double kPrecision = 1e-6, kNone = 1e-12;
@@ -407,10 +458,30 @@ ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
     return {upTo, true};
 }
 
+}  // namespace
+
+template <std::size_t Degree>
+ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
+    if constexpr (Degree == 0) return {firstRoot(polynomial[0], upTo), true};
+    if (upTo == 1 && isProvedPositive(polynomial)) return {upTo, true};
+    // First the corners, whose cubics are solved exactly. The search is precise to a millionth
+    // only, but rarely has to find an earlier time. At the root itself rounding would hide the
+    // proof.
+    constexpr double kBeforeRoot = 1 - 1e-12;
+    double root = upTo;
+    for (const std::size_t at : kCornerCoefficients<Degree>)
+        root = std::min(root, firstRoot(polynomial[at], root));
+    if (!(root > 0)) return {0, true};
+    return searchUpTo(polynomial, root < upTo ? root * kBeforeRoot : upTo);
+}
+
+template bool isPositive(const Trivariate<0, 1>&);
 template bool isPositive(const Trivariate<2, 1>&);
 template bool isPositive(const Trivariate<8, 1>&);
+template double leastQuotient(const Trivariate<0, 2>&);
 template double leastQuotient(const Trivariate<2, 2>&);
 template double leastQuotient(const Trivariate<8, 2>&);
+template ProvedTime positiveUpTo(const Trivariate<0, 4>&, double);
 template ProvedTime positiveUpTo(const Trivariate<2, 4>&, double);
 template ProvedTime positiveUpTo(const Trivariate<8, 4>&, double);
 

@@ -9,8 +9,9 @@
 
 // Jacobian determinants as Bernstein polynomials, and proofs that they are positive.
 //
-// The determinant of a trilinear map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; the
-// determinant of a tricubic map has degree (8, 8, 8) and 729 coefficients. All values in the cube
+// The determinant of a linear map, of a tetrahedron, is constant. The determinant of a trilinear
+// map has degree (2, 2, 2) in (u, v, w) and 27 coefficients; the determinant of a tricubic map has
+// degree (8, 8, 8) and 729 coefficients. All values in the cube
 // are between the smallest and the largest coefficient, and the coefficients at the corners are
 // values. Each halving of the cube reduces the gap between coefficients and values to a fourth. So
 // the coefficients can prove that a determinant is positive in the whole cell, which samples can
@@ -44,15 +45,18 @@ inline constexpr std::array<std::size_t, 8> kCornerCoefficients = [] {
 
 /// Bernstein coefficients of the derivatives by u, v and w of a map with one degree along each
 /// axis. A derivative has one coefficient fewer along its own axis. Coefficients are ordered by
-/// their index along u, then v, then w.
+/// their index along u, then v, then w. Degree 0 stands for linear maps, whose derivatives are
+/// constant.
 template <std::size_t Degree>
 struct Derivatives : std::array<std::array<Point3, Degree*(Degree + 1) * (Degree + 1)>, 3> {};
+template <>
+struct Derivatives<0> : std::array<std::array<Point3, 1>, 3> {};
 
 /// Degree of the determinant: it has one factor from each derivative.
 template <std::size_t Degree>
-inline constexpr std::size_t kDeterminantDegree = 3 * Degree - 1;
+inline constexpr std::size_t kDeterminantDegree = Degree == 0 ? 0 : 3 * Degree - 1;
 
-/// Returns the determinant of the Jacobian, for maps of degree 1 and 3.
+/// Returns the determinant of the Jacobian, for maps of degree 0, 1 and 3.
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>& derivatives);
 
@@ -100,7 +104,17 @@ struct ProvedTime {
     bool isTight = true;
 };
 
-/// Finds the time up to which a polynomial is proved to be positive.
+/// Returns the first root in time of a cubic that is positive before it, or a time at most two
+/// roundings before the root; `upTo` if the cubic is positive up to there; 0 if it is not positive
+/// at 0.
+///
+/// \param coefficients Bernstein coefficients of degree 3 over the times 0 to 1
+/// \param upTo above 0, at most 1
+double firstRoot(const std::array<double, 4>& coefficients, double upTo);
+
+/// Finds the time up to which a polynomial is proved to be positive. Where a corner of the cube
+/// ends this time, as it usually does, the time is the firstRoot() there within 1e-12.
+///
 /// \param upTo above 0, at most 1
 /// \cost usually one pass over the coefficients; at most 4,000 passes: 4 ms for degree 2
 template <std::size_t Degree>

@@ -65,9 +65,7 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
         // Halved, since the distance itself may overflow.
         return std::hypot(miss[0] / 2, miss[1] / 2, miss[2] / 2);
     };
-    const auto farthest =
-        std::max_element(misses.begin(), misses.end(),
-                         [&](const Point3& a, const Point3& b) { return size(a) < size(b); });
+    const auto farthest = std::ranges::max_element(misses, {}, size);
     const auto row = static_cast<Index>(farthest - misses.begin());
     throw TargetError(row,
                       concat("the target of point ", row,

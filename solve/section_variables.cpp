@@ -60,8 +60,7 @@ SectionVariables::SectionVariables(std::span<const Point3> positions, const Sect
         vertex.foot = sum(options.center, scaled(axis_, dot(arm, axis_)));
         vertex.chord = dot(arm, chord_);
         vertex.normal = dot(arm, normal_);
-        const auto above =
-            std::upper_bound(stations_.begin(), stations_.end(), s) - stations_.begin();
+        const auto above = std::ranges::upper_bound(stations_, s) - stations_.begin();
         const auto below = std::max<std::ptrdiff_t>(above - 1, 0);
         vertex.section = static_cast<Index>(below);
         const bool isBetween = above > 0 && above < std::ssize(stations_);

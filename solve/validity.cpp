@@ -18,12 +18,11 @@ using far::CellComplex;
 using limit::LimitPositions;
 
 /// \param name name of the positions in messages
-void checkPositions(const CellComplex& complex, std::span<const Point3> positions,
-                    const char* name) {
+void checkPositions(Index vertexCount, std::span<const Point3> positions, const char* name) {
     constexpr double kMaxCoordinate = 1e90;
-    if (std::ssize(positions) != complex.count(0))
+    if (std::ssize(positions) != vertexCount)
         throw Error(concat("got ", positions.size(), " positions of the ", name, " for ",
-                           complex.count(0), " vertices"));
+                           vertexCount, " vertices"));
     for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
         for (const double coordinate : positions[vertex])
             if (!(std::abs(coordinate) <= kMaxCoordinate))
@@ -67,35 +66,26 @@ void join(std::vector<std::optional<std::int8_t>>& ofCells, Index cell, std::int
     common = common.value_or(ofPart) == ofPart ? ofPart : 0;
 }
 
-/// Sets the orientation to 0 for cells that are oriented against most cells in their connected
-/// component. If both orientations are equally frequent, the lowest-numbered cell that has one
-/// decides.
-void clearMinorityOrientations(const CellComplex& complex, std::vector<std::int8_t>& orientation) {
-    const far::Incidence& faces = complex.relation(3, 2);
-    const far::Incidence& cells = complex.relation(2, 3);
-    std::vector<char> isSeen(orientation.size(), 0);
-    std::vector<Index> joined;
-    for (Index start = 0; start < complex.count(3); ++start) {
-        if (isSeen[start]) continue;
-        joined = {start};
-        isSeen[start] = 1;
+/// Sets the orientation to 0 for cells that are oriented against most cells of their group. If both
+/// orientations are equally frequent, the lowest-numbered cell that has one decides.
+void clearMinorityOrientations(const std::vector<Index>& groups,
+                               std::vector<std::int8_t>& orientation) {
+    struct Group {
         Index sum = 0;
         std::int8_t first = 0;
-        for (std::size_t i = 0; i < joined.size(); ++i) {
-            sum += orientation[joined[i]];
-            for (const Index face : faces[joined[i]])
-                for (const Index cell : cells[face]) {
-                    if (isSeen[cell]) continue;
-                    isSeen[cell] = 1;
-                    joined.push_back(cell);
-                }
-        }
-        std::sort(joined.begin(), joined.end());
-        for (const Index cell : joined)
-            if (first == 0) first = orientation[cell];
-        const std::int8_t usual = sum > 0 ? 1 : sum < 0 ? -1 : first;
-        for (const Index cell : joined)
-            if (orientation[cell] != usual) orientation[cell] = 0;
+    };
+    std::vector<Group> ofGroups;
+    for (std::size_t cell = 0; cell < groups.size(); ++cell) {
+        const std::size_t number = groups[cell];
+        if (number >= ofGroups.size()) ofGroups.resize(number + 1);
+        Group& group = ofGroups[number];
+        group.sum += orientation[cell];
+        if (group.first == 0) group.first = orientation[cell];
+    }
+    for (std::size_t cell = 0; cell < groups.size(); ++cell) {
+        const Group& group = ofGroups[groups[cell]];
+        const std::int8_t usual = group.sum > 0 ? 1 : group.sum < 0 ? -1 : group.first;
+        if (orientation[cell] != usual) orientation[cell] = 0;
     }
 }
 
@@ -167,27 +157,35 @@ ValidityCheck::ValidityCheck(const CellComplex& complex, std::span<const Point3>
 ValidityCheck::ValidityCheck(const limit::LimitParts& limit, std::span<const Point3> rest)
     : ValidityCheck(CheckedVolume(limit), rest) {}
 
+ValidityCheck::ValidityCheck(const far::VolumeMesh& mesh, std::span<const Point3> rest)
+    : ValidityCheck(
+          [&] {
+              checkPositions(mesh.pointCount(), rest, "rest");
+              return CheckedVolume(mesh, rest);
+          }(),
+          rest) {}
+
 ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest)
     : volume_(std::make_shared<const CheckedVolume>(std::move(checked))) {
     const CheckedVolume& volume = *volume_;
-    checkPositions(volume.cells(), rest, "rest");
+    checkPositions(volume.vertexCount(), rest, "rest");
     rest_ = volume.place(rest);
     std::vector<std::int8_t> ofParts(volume.partCount());
     forEachPart(volume, [&](std::size_t, Index part) {
         ofParts[part] = orientationOf(volume, part, rest_);
     });
-    std::vector<std::optional<std::int8_t>> ofCells(volume.cells().count(3));
+    std::vector<std::optional<std::int8_t>> ofCells(volume.cellCount());
     for (Index part = 0; part < volume.partCount(); ++part)
         join(ofCells, volume.cellOf(part), ofParts[part]);
     for (const auto& orientation : ofCells) orientation_.push_back(orientation.value_or(0));
-    clearMinorityOrientations(volume.cells(), orientation_);
-    for (Index cell = 0; cell < volume.cells().count(3); ++cell)
+    clearMinorityOrientations(volume.orientationGroups(), orientation_);
+    for (Index cell = 0; cell < volume.cellCount(); ++cell)
         if (ofCells[cell] && orientation_[cell] == 0) badAtRest_.push_back(cell);
 }
 
 PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
     const CheckedVolume& volume = *volume_;
-    checkPositions(volume.cells(), pose, "pose");
+    checkPositions(volume.vertexCount(), pose, "pose");
     const LimitPositions posed = volume.place(pose);
     std::vector<double> ofParts(volume.partCount());
     forEachPart(volume, [&](std::size_t, Index part) {
@@ -202,7 +200,7 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
         auto& ratio = result.ratios[cell];
         ratio = std::min(ratio.value_or(ofParts[part]), ofParts[part]);
     }
-    for (Index cell = 0; cell < volume.cells().count(3); ++cell) {
+    for (Index cell = 0; cell < volume.cellCount(); ++cell) {
         const auto& ratio = result.ratios[cell];
         if (!ratio) continue;
         if (!(*ratio > 0)) result.inverted.push_back(cell);
@@ -217,8 +215,9 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxL
         throw Error(concat("the largest step to look for is ", maxLength,
                            "; expected a number above 0, up to a million"));
     const CheckedVolume& volume = *volume_;
-    checkPositions(volume.cells(), pose, "pose");
+    checkPositions(volume.vertexCount(), pose, "pose");
     std::vector<Point3> ends = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
+    ends.resize(volume.vertexCount());  // Without the centres of a mesh.
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
             ends[vertex][c] += maxLength * (pose[vertex][c] - ends[vertex][c]);

@@ -5,6 +5,7 @@
 #include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/topology_refiner.h>
+#include <espalier/far/volume_mesh.h>
 #include <espalier/limit/limit_parts.h>
 
 #include <cstdint>
@@ -106,9 +107,24 @@ public:
     /// \cost O(parts), in parallel: 30 µs per patch, 1 µs per blended cell
     ValidityCheck(const limit::LimitParts& limit, std::span<const Point3> rest);
 
+    /// Prepares to check the cells of a volume mesh. All straight-edged maps are checked all over:
+    /// a pyramid is the trilinear map whose top shrinks to the apex (without the apex), a wedge is
+    /// linear over its triangle and along its axis, and a polyhedron consists of tetrahedra that
+    /// join its centre, the centre of a face and an edge of that face. The centres are those that
+    /// OpenFOAM computes at rest (its decomposition FACE_CENTRE_TRIS), as means of the points of
+    /// the cell with fixed weights: so they move linearly with the points, and each determinant is
+    /// a cubic polynomial on the way to a pose.
+    ///
+    /// \param mesh kept (a cheap copy)
+    /// \param rest positions of its points at rest; copied
+    /// \throws Error if `rest` does not fit, or a coordinate is not finite or beyond ±1e90
+    /// \cost O(points of cells), in parallel
+    ValidityCheck(const far::VolumeMesh& mesh, std::span<const Point3> rest);
+
     /// The cells that are flat, folded or inside out at rest, ascending. A cell is inside out if
     /// its orientation differs from that of most cells in its connected component (joined by
-    /// faces). These cells are left out of all further results.
+    /// faces), or in a volume mesh of most cells of its kind. These cells are left out of all
+    /// further results.
     const std::vector<Index>& badAtRest() const { return badAtRest_; }
 
     /// Computes the volume ratios of a pose.

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "mesh_centres.h"
 #include "validity_pieces.h"
 
 namespace espalier::solve {
@@ -56,6 +57,28 @@ std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, dou
     return floor;
 }
 
+using Positions = std::span<const Point3>;
+
+/// Returns the length of a derivative, below 1e91. Unlike length() it need not avoid overflow,
+/// which takes four times as long.
+double sizeOf(const Point3& derivative) {
+    return std::sqrt(dot(derivative, derivative));
+}
+
+double largestCoordinate(std::span<const Index> vertices, Positions positions) {
+    double largest = 0;
+    for (const Index vertex : vertices)
+        for (const double coordinate : positions[vertex])
+            largest = std::max(largest, std::abs(coordinate));
+    return largest;
+}
+
+/// Returns the rounding error of the points of a mesh. They are given exactly, but the points on
+/// the way to a pose are rounded: a product, and a sum.
+double meshUncertainty(std::span<const Index> points, Positions positions) {
+    return 2 * kUnit * largestCoordinate(points, positions);
+}
+
 /// Returns a map from its Bézier points: point (i, j, k) is at index i + n (j + n k).
 template <std::size_t Degree>
 Piece<Degree> pieceOf(
@@ -69,9 +92,30 @@ Piece<Degree> pieceOf(
             const Point3 derivative =
                 scaled(difference(points[i + stride], points[i]), static_cast<double>(Degree));
             piece.derivatives[axis][count++] = derivative;
-            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], length(derivative));
+            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], sizeOf(derivative));
         }
     }
+    return piece;
+}
+
+/// Returns the map of a hexahedron, without its uncertainty.
+/// \param corners in VTK's order
+Piece<1> trilinear(std::span<const Index> corners, Positions positions) {
+    std::array<Point3, 8> points;
+    for (std::size_t i = 0; i < 8; ++i)
+        points[i] = positions[corners[cornerAt({i % 2, i / 2 % 2, i / 4})]];
+    return pieceOf<1>(points);
+}
+
+/// Returns the tetrahedron of four points of a mesh.
+Piece<0> tetrahedronOf(Positions positions, const std::array<Index, 4>& points) {
+    Piece<0> piece;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Point3 edge = difference(positions[points[axis + 1]], positions[points[0]]);
+        piece.derivatives[axis][0] = edge;
+        piece.size.lengths[axis] = sizeOf(edge);
+    }
+    piece.size.uncertainty = meshUncertainty(points, positions);
     return piece;
 }
 
@@ -86,27 +130,21 @@ Piece<3> pieceOf(const limit::BezierPatch& patch) {
 CellPieces::CellPieces(const far::CellComplex& complex, Index cell)
     : complex_(complex), cell_(cell), corners_(far::hexahedronVertices(complex, cell_)) {}
 
-Index CellPieces::count() const {
-    return corners_ ? 1 : embed::tetrahedronCount(complex_, cell_);
+Index CellPieces::tetrahedronCount() const {
+    return embed::tetrahedronCount(complex_, cell_);
 }
 
-Piece<1> CellPieces::piece(Index number, std::span<const Point3> positions) const {
-    Piece<1> piece = corners_ ? hexahedron(positions) : tetrahedron(number, positions);
-    for (const Index vertex : complex_.relation(3, 0)[cell_.value])
-        for (const double coordinate : positions[vertex])
-            piece.size.uncertainty =
-                std::max(piece.size.uncertainty, 16 * kUnit * std::abs(coordinate));
+double CellPieces::uncertainty(Positions positions) const {
+    return 16 * kUnit * largestCoordinate(complex_.relation(3, 0)[cell_.value], positions);
+}
+
+Piece<1> CellPieces::hexahedron(Positions positions) const {
+    Piece<1> piece = trilinear(*corners_, positions);
+    piece.size.uncertainty = uncertainty(positions);
     return piece;
 }
 
-Piece<1> CellPieces::hexahedron(std::span<const Point3> positions) const {
-    std::array<Point3, 8> points;
-    for (std::size_t i = 0; i < 8; ++i)
-        points[i] = positions[(*corners_)[cornerAt({i % 2, i / 2 % 2, i / 4})]];
-    return pieceOf<1>(points);
-}
-
-Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions) const {
+Piece<0> CellPieces::tetrahedron(Index number, Positions positions) const {
     // Measure from one of the vertices, so that a cell far from the origin loses no digits.
     const auto vertices = complex_.relation(3, 0)[cell_.value];
     const Point3& origin = positions[vertices.front()];
@@ -121,11 +159,116 @@ Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions
     auto base = embed::tetrahedronBase(complex_, cell_, number);
     const std::size_t face = number / 2;
     if (complex_.boundary(3).signs(cell_.value)[face] < 0) std::swap(base[1], base[2]);
-    Piece<1> piece;
+    Piece<0> piece;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        piece.derivatives[axis].fill(difference(difference(positions[base[axis]], origin), apex));
+        piece.derivatives[axis][0] = difference(difference(positions[base[axis]], origin), apex);
         piece.size.lengths[axis] = size;
     }
+    piece.size.uncertainty = uncertainty(positions);
+    return piece;
+}
+
+MeshPieces::MeshPieces(const far::VolumeMesh& mesh, Positions rest) : mesh_(mesh) {
+    std::vector<Index> polyhedra;
+    for (Index cell = 0; cell < mesh.cellCount(); ++cell)
+        if (!mesh.kind(cell)) polyhedra.push_back(cell);
+    if (polyhedra.empty()) return;
+
+    Index next = mesh.pointCount();
+    std::vector<Point3> faceCentres(mesh.faceCount()), faceAreas(mesh.faceCount());
+    centreOfFace_.assign(mesh.faceCount(), 0);
+    std::vector<double> weights;
+    for (const Index cell : polyhedra)
+        for (const Index face : mesh.faces(cell)) {
+            if (centreOfFace_[face] != 0) continue;
+            centreOfFace_[face] = next++;
+            const auto loop = mesh.face(face);
+            const FaceCentre centre = faceCentre(loop, rest, &weights);
+            faceCentres[face] = centre.centre;
+            faceAreas[face] = centre.area;
+            for (std::size_t i = 0; i < loop.size(); ++i)
+                centres_.values.push_back({loop[i], weights[i]});
+            centres_.offsets.push_back(std::ssize(centres_.values));
+        }
+    centreOfCell_.assign(mesh.cellCount(), 0);
+    for (const Index cell : polyhedra) {
+        centreOfCell_[cell] = next++;
+        cellCentre(mesh, cell, faceCentres, faceAreas, &weights);
+        const auto faces = mesh.faces(cell);
+        for (std::size_t i = 0; i < faces.size(); ++i)
+            centres_.values.push_back({centreOfFace_[faces[i]], weights[i]});
+        centres_.offsets.push_back(std::ssize(centres_.values));
+    }
+}
+
+std::vector<Point3> MeshPieces::withCentres(Positions positions) const {
+    std::vector<Point3> result(positions.begin(), positions.end());
+    result.reserve(positions.size() + centres_.offsets.size() - 1);
+    for (std::size_t row = 0; row + 1 < centres_.offsets.size(); ++row) {
+        const auto begin = centres_.offsets[row], end = centres_.offsets[row + 1];
+        if (begin == end) {  // A cell without faces.
+            result.push_back({});
+            continue;
+        }
+        // Measured from the first of them, so that a cell far from the origin loses no digits.
+        const Point3 origin = result[centres_.values[begin].position];
+        Point3 offset{};
+        for (auto i = begin; i < end; ++i)
+            offset = sum(offset, scaled(difference(result[centres_.values[i].position], origin),
+                                        centres_.values[i].weight));
+        result.push_back(sum(origin, offset));
+    }
+    return result;
+}
+
+Piece<0> MeshPieces::tetrahedron(Index cell, Positions positions) const {
+    const auto corners = mesh_.corners(cell);
+    return tetrahedronOf(positions, {corners[0], corners[1], corners[2], corners[3]});
+}
+
+Piece<0> MeshPieces::pyramid(Index cell, std::size_t corner, Positions positions) const {
+    const auto corners = mesh_.corners(cell);
+    return tetrahedronOf(positions, {corners[corner], corners[(corner + 1) % 4],
+                                     corners[(corner + 3) % 4], corners[4]});
+}
+
+Piece<1> MeshPieces::wedge(Index cell, std::size_t edge, Positions positions) const {
+    // VTK's first triangle is clockwise seen from the other one.
+    constexpr std::array<std::size_t, 3> kOrder = {0, 2, 1};
+    const auto corners = mesh_.corners(cell);
+    const auto at = [&](std::size_t corner, std::size_t end) -> const Point3& {
+        return positions[corners[kOrder[corner] + 3 * end]];
+    };
+    Piece<1> piece;
+    // Coefficient i of the derivatives by u and v is at the end i / 2 of w.
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            piece.derivatives[axis][i] = difference(at(axis + 1, i / 2), at(0, i / 2));
+        piece.derivatives[2][i] = difference(at(edge, 1), at(edge, 0));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const Point3& derivative : piece.derivatives[axis])
+            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], sizeOf(derivative));
+    piece.size.uncertainty = meshUncertainty(corners, positions);
+    return piece;
+}
+
+Piece<1> MeshPieces::hexahedron(Index cell, Positions positions) const {
+    const auto corners = mesh_.corners(cell);
+    Piece<1> piece = trilinear(corners, positions);
+    piece.size.uncertainty = meshUncertainty(corners, positions);
+    return piece;
+}
+
+Piece<0> MeshPieces::centreTetrahedron(Index cell, Index face, std::size_t edge,
+                                       Positions positions) const {
+    const auto loop = mesh_.face(face);
+    Index from = loop[edge], to = loop[(edge + 1) % loop.size()];
+    if (mesh_.owner(face) != cell) std::swap(from, to);
+    Piece<0> piece = tetrahedronOf(positions, {centreOfCell_[cell], centreOfFace_[face], from, to});
+    // The centres are sums over the points of a face and the faces of a cell.
+    const double terms = static_cast<double>(loop.size() + mesh_.faces(cell).size()) + 8;
+    piece.size.uncertainty += terms * kUnit * std::ranges::max(piece.size.lengths);
     return piece;
 }
 
@@ -152,16 +295,49 @@ CheckedVolume::CheckedVolume(const far::CellComplex& level) : cells_(level) {
 CheckedVolume::CheckedVolume(const limit::LimitParts& limit)
     : cells_(limit.base()), limit_(limit) {}
 
+CheckedVolume::CheckedVolume(const far::VolumeMesh& mesh, Positions rest)
+    : mesh_(std::make_shared<MeshPieces>(mesh, rest)) {}
+
 Index CheckedVolume::partCount() const {
-    return limit_ ? static_cast<Index>(limit_->parts().size()) : cells_.count(3);
+    return limit_ ? static_cast<Index>(limit_->parts().size()) : cellCount();
 }
 
 Index CheckedVolume::cellOf(Index part) const {
     return limit_ ? limit_->parts()[part].baseCell : part;
 }
 
-limit::LimitPositions CheckedVolume::place(std::span<const Point3> positions) const {
+std::vector<Index> CheckedVolume::orientationGroups() const {
+    std::vector<Index> groups(cellCount(), -1);
+    if (mesh_) {
+        for (Index cell = 0; cell < cellCount(); ++cell) {
+            const auto kind = mesh_->mesh().kind(cell);
+            groups[cell] = kind ? 1 + static_cast<Index>(*kind) : 0;
+        }
+        return groups;
+    }
+    const far::Incidence& faces = cells_.relation(3, 2);
+    const far::Incidence& cells = cells_.relation(2, 3);
+    std::vector<Index> joined;
+    Index count = 0;
+    for (Index start = 0; start < cellCount(); ++start) {
+        if (groups[start] >= 0) continue;
+        joined = {start};
+        groups[start] = count;
+        for (std::size_t i = 0; i < joined.size(); ++i)
+            for (const Index face : faces[joined[i]])
+                for (const Index cell : cells[face]) {
+                    if (groups[cell] >= 0) continue;
+                    groups[cell] = count;
+                    joined.push_back(cell);
+                }
+        ++count;
+    }
+    return groups;
+}
+
+limit::LimitPositions CheckedVolume::place(Positions positions) const {
     if (limit_) return limit_->place(positions);
+    if (mesh_) return {{}, mesh_->withCentres(positions)};
     return {{}, {positions.begin(), positions.end()}};
 }
 

@@ -3,11 +3,14 @@
 
 #include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/volume_mesh.h>
 #include <espalier/limit/limit_parts.h>
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "bernstein.h"
 
@@ -27,8 +30,8 @@ struct PieceSize {
     double uncertainty = 0;
 };
 
-/// A map from the unit cube. Degree 1: a hexahedron, or one of the tetrahedra of a type-n cell,
-/// whose derivatives are constant. Degree 3: a patch of the limit.
+/// A map from the unit cube. Degree 0: a tetrahedron. Degree 1: a hexahedron. Degree 3: a patch of
+/// the limit.
 template <std::size_t Degree>
 struct Piece {
     Derivatives<Degree> derivatives;
@@ -47,19 +50,97 @@ public:
     /// \param complex a lattice of quadrilaterals; must outlive this
     CellPieces(const far::CellComplex& complex, Index cell);
 
-    Index count() const;
-
+    /// Calls visit(piece…) for each piece, with the piece once for each of `positions`.
     /// \param positions one for each vertex of the complex
-    /// \cost O(vertices of the cell)
-    Piece<1> piece(Index number, std::span<const Point3> positions) const;
+    /// \cost O(vertices of the cell) for each piece
+    template <class Visit, class... Positions>
+    void forEach(Visit visit, const Positions&... positions) const {
+        if (corners_) {
+            visit(hexahedron(positions)...);
+            return;
+        }
+        for (Index i = 0; i < tetrahedronCount(); ++i) visit(tetrahedron(i, positions)...);
+    }
+
+    /// Returns the only piece of a type-3 cell.
+    Piece<1> hexahedron(std::span<const Point3> positions) const;
 
 private:
-    Piece<1> hexahedron(std::span<const Point3> positions) const;
-    Piece<1> tetrahedron(Index number, std::span<const Point3> positions) const;
+    Index tetrahedronCount() const;
+    Piece<0> tetrahedron(Index number, std::span<const Point3> positions) const;
+    double uncertainty(std::span<const Point3> positions) const;
 
     const far::CellComplex& complex_;
     CellId cell_;
     std::optional<std::array<Index, 8>> corners_;  ///< of the hexahedron; empty for other cells
+};
+
+/// Splits the cells of a volume mesh into pieces whose determinants are positive exactly where the
+/// map of the cell does not fold. In a right-handed mesh that is not folded, all are positive.
+///
+/// - A tetrahedron is one piece, and a hexahedron is one trilinear map.
+/// - A pyramid is the trilinear map whose top shrinks to the apex, at height w = 1. Its determinant
+///   is (1 − w)² times a bilinear function of the base, which is smallest at a corner of the base:
+///   four tetrahedra.
+/// - A wedge is linear over the triangle and linear along the other axis. Its determinant is linear
+///   over the triangle, and so smallest on one of the three edges along the axis: three pieces,
+///   whose determinants are quadratic along the axis. (They are no maps of their own: only the
+///   derivatives are given.)
+/// - A polyhedron is split into tetrahedra as OpenFOAM does (FACE_CENTRE_TRIS): they join
+///   the centre of the cell, the centre of a face, and an edge of the face. The centres are
+///   OpenFOAM's at rest, written as weighted means of the points of the cell. The weights stay in
+///   all poses.
+class MeshPieces {
+public:
+    /// \param rest positions of the points at rest, which determine the weights of the centres
+    MeshPieces(const far::VolumeMesh& mesh, std::span<const Point3> rest);
+
+    const far::VolumeMesh& mesh() const { return mesh_; }
+
+    /// Returns positions of the points, and after them of the centres.
+    std::vector<Point3> withCentres(std::span<const Point3> positions) const;
+
+    /// Calls visit(piece…) for each piece of a cell, with the piece once for each of `positions`,
+    /// which withCentres() returned.
+    template <class Visit, class... Positions>
+    void forEach(Index cell, Visit visit, const Positions&... positions) const {
+        const auto kind = mesh_.kind(cell);
+        if (kind == far::StandardCell::Hexahedron) {
+            visit(hexahedron(cell, positions)...);
+        } else if (kind == far::StandardCell::Wedge) {
+            for (std::size_t edge = 0; edge < 3; ++edge) visit(wedge(cell, edge, positions)...);
+        } else if (kind == far::StandardCell::Pyramid) {
+            for (std::size_t corner = 0; corner < 4; ++corner)
+                visit(pyramid(cell, corner, positions)...);
+        } else if (kind == far::StandardCell::Tetrahedron) {
+            visit(tetrahedron(cell, positions)...);
+        } else {
+            for (const Index face : mesh_.faces(cell)) {
+                const std::size_t size = mesh_.face(face).size();
+                for (std::size_t edge = 0; edge < size; ++edge)
+                    visit(centreTetrahedron(cell, face, edge, positions)...);
+            }
+        }
+    }
+
+private:
+    using Positions = std::span<const Point3>;
+    Piece<0> tetrahedron(Index cell, Positions positions) const;
+    Piece<0> pyramid(Index cell, std::size_t corner, Positions positions) const;
+    Piece<1> wedge(Index cell, std::size_t edge, Positions positions) const;
+    Piece<1> hexahedron(Index cell, Positions positions) const;
+    Piece<0> centreTetrahedron(Index cell, Index face, std::size_t edge, Positions positions) const;
+
+    /// A centre is the sum of weights times positions.
+    struct Weight {
+        Index position;
+        double weight;
+    };
+
+    far::VolumeMesh mesh_;
+    far::Rows<Weight> centres_;        ///< of faces of polyhedra, then of polyhedra
+    std::vector<Index> centreOfFace_;  ///< number in withCentres(), for faces of polyhedra
+    std::vector<Index> centreOfCell_;  ///< for polyhedra; both are empty if there are none
 };
 
 /// Returns the value that a determinant must exceed to count as positive: its change when edges
@@ -75,18 +156,20 @@ double determinantFloor(const PieceSize& size);
 /// sums have twice as many terms and time is halved up to 60 times, by 3 units each.
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last);
 
-/// The volume of a lattice that is checked: either the cells of a level, or the limit of the base
-/// cells. A cell consists of parts, and a part of one or more pieces.
+/// The volume that is checked: the cells of a level, the limit of the base cells, or the cells of a
+/// volume mesh. A cell consists of parts, and a part of one or more pieces.
 class CheckedVolume {
 public:
     /// The volume of a level. Each cell is its own single part.
     /// \throws Error unless the level is a lattice of quadrilaterals
     explicit CheckedVolume(const far::CellComplex& level);
     explicit CheckedVolume(const limit::LimitParts& limit);
+    /// The volume of a mesh. Each cell is its own single part.
+    /// \param rest positions of its points, finite
+    CheckedVolume(const far::VolumeMesh& mesh, std::span<const Point3> rest);
 
-    /// The cells that results are about.
-    const far::CellComplex& cells() const { return cells_; }
-
+    Index cellCount() const { return mesh_ ? mesh_->mesh().cellCount() : cells_.count(3); }
+    Index vertexCount() const { return mesh_ ? mesh_->mesh().pointCount() : cells_.count(0); }
     Index partCount() const;
 
     /// Number of parts that one thread takes at a time. A patch takes a hundred times as long as a
@@ -95,27 +178,38 @@ public:
 
     Index cellOf(Index part) const;
 
-    /// \param positions positions of the vertices of cells(). For a level, the result has them as
-    ///        `limits` and no `levels`
+    /// Returns the group of each cell, as numbers from 0. Most cells of a group are taken to be
+    /// oriented as they should be. The groups of a lattice are its connected
+    /// components, joined by faces; those of a mesh are the kinds of cells, since programs disagree
+    /// on the order of the points of a wedge.
+    std::vector<Index> orientationGroups() const;
+
+    /// \param positions positions of the vertices. For a level or a mesh, the result has them as
+    ///        `limits` and no `levels`; the centres of a mesh follow
     limit::LimitPositions place(std::span<const Point3> positions) const;
 
     /// Calls visit(piece…) for each piece of a part. The piece is passed once for each of
-    /// `positions`: all are Piece<1>, or all Piece<3>.
+    /// `positions`: all are Piece<0>, all Piece<1>, or all Piece<3>.
     template <class Visit, class... Positions>
     void forEachPiece(Index part, Visit visit, const Positions&... positions) const {
         const std::size_t number = part;
+        if (mesh_) {
+            mesh_->forEach(part, visit, std::span<const Point3>(positions.limits)...);
+            return;
+        }
         if (limit_ && number < limit_->patchCount()) {
             visit(pieceOf(limit_->bezierPatch(number, positions))...);
             return;
         }
         const Index cell = limit_ ? limit_->parts()[number].cell : part;
-        const CellPieces pieces(limit_ ? limit_->lastLevel() : cells_, cell);
-        for (Index i = 0; i < pieces.count(); ++i) visit(pieces.piece(i, positions.limits)...);
+        CellPieces(limit_ ? limit_->lastLevel() : cells_, cell)
+            .forEach(visit, std::span<const Point3>(positions.limits)...);
     }
 
 private:
-    far::CellComplex cells_;
+    far::CellComplex cells_;  ///< of a level, or the base cells
     std::optional<limit::LimitParts> limit_;
+    std::shared_ptr<const MeshPieces> mesh_;
 };
 
 }  // namespace espalier::solve

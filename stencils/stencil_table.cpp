@@ -119,10 +119,8 @@ StencilTable<Real> copyRows(Index rowCount, Index columnCount, SourceOf sourceOf
     parallelFor(rowCount, 4096, [&](Offset first, Offset last) {
         for (auto i = static_cast<Index>(first); i < last; ++i) {
             const auto& [table, row] = sourceOf(i);
-            const auto from = table->columns(row);
-            const auto fromWeights = table->weights(row);
-            std::copy(from.begin(), from.end(), columns.begin() + offsets[i]);
-            std::copy(fromWeights.begin(), fromWeights.end(), weights.begin() + offsets[i]);
+            std::ranges::copy(table->columns(row), columns.begin() + offsets[i]);
+            std::ranges::copy(table->weights(row), weights.begin() + offsets[i]);
         }
     });
     return {Trusted{}, columnCount, std::move(offsets), std::move(columns), std::move(weights)};

@@ -83,7 +83,7 @@ const char* xmlName(NumberType type) {
 }
 
 std::optional<NumberType> numberOfXmlName(std::string_view name) {
-    const auto at = std::find(std::begin(kXmlNames), std::end(kXmlNames), name);
+    const auto at = std::ranges::find(kXmlNames, name);
     if (at == std::end(kXmlNames)) return std::nullopt;
     return static_cast<NumberType>(at - std::begin(kXmlNames));
 }

@@ -24,9 +24,11 @@ bool isTooLarge(Precision precision, double value) {
 }
 
 /// Returns the text of the number at `place`. It was read as a number before, so white space, a
-/// comment or a backslash ends it.
+/// comment, a backslash, a bracket or a comma ends it.
 std::string_view numberAt(std::string_view text, std::size_t place) {
-    const auto ends = [](char c) { return c <= ' ' || c == '#' || c == '\\'; };
+    const auto ends = [](char c) {
+        return c <= ' ' || c == '#' || c == '\\' || c == ')' || c == ',';
+    };
     const auto begin = text.begin() + static_cast<std::ptrdiff_t>(place);
     return text.substr(place, std::find_if(begin, text.end(), ends) - begin);
 }
@@ -127,19 +129,44 @@ void TextChanges::apply(TextPatch& patch, std::size_t point) const {
     }
 }
 
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes) {
-    const TextChanges points(text, changes);
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
+                  VectorOrder order) {
     TextPatch patch(out, text);
-    for (std::size_t point = 0; point < changes.front().places.size(); ++point)
-        points.apply(patch, point);
+    const auto apply = [&](std::span<const VectorChange> together) {
+        const TextChanges points(text, together);
+        for (std::size_t point = 0; point < together.front().places.size(); ++point)
+            points.apply(patch, point);
+    };
+    if (order == VectorOrder::PointAfterPoint)
+        apply(changes);
+    else
+        for (const VectorChange& change : changes) apply({&change, 1});
+    patch.finish();
+}
+
+void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const VectorChange& change,
+                            std::size_t dimension) {
+    struct Number {
+        std::size_t place, point, axis;
+        bool operator<(const Number& other) const { return place < other.place; }
+    };
+    std::vector<Number> numbers;
+    for (std::size_t point = 0; point < change.places.size(); ++point)
+        for (std::size_t axis = 0; axis < dimension; ++axis)
+            if (change.at(point, axis))
+                numbers.push_back({change.places[point][axis], point, axis});
+    if (!std::is_sorted(numbers.begin(), numbers.end())) std::sort(numbers.begin(), numbers.end());
+    TextPatch patch(out, text);
+    for (const auto& [place, point, axis] : numbers)
+        patch.replace(numberAt(text, place), *change.at(point, axis));
     patch.finish();
 }
 
 void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
-                        std::endian order) {
+                        std::endian order, std::size_t dimension) {
     for (const VectorChange& change : changes)
         for (std::size_t point = 0; point < change.places.size(); ++point)
-            for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t axis = 0; axis < dimension; ++axis)
                 if (const auto value = change.at(point, axis))
                     storeCoordinate(bytes, change.places[point][axis], *value,
                                     change.precisions[axis], order);

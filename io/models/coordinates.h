@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/model.h>
@@ -35,12 +36,12 @@ inline CoordinateStorage storageOf(Precision precision) {
 using CoordinatePlaces = std::array<std::size_t, 3>;
 
 /// Returns the name of an axis in messages: "x", "y" or "z".
-const char* axisName(std::size_t axis);
+ESPALIER_API const char* axisName(std::size_t axis);
 
 /// Rounds a value to the precision of a file.
 /// \param point for messages
 /// \throws Error naming the point, if the value exceeds the largest float
-double roundTo(Precision precision, double value, std::size_t point);
+ESPALIER_API double roundTo(Precision precision, double value, std::size_t point);
 
 /// Reads the number at offset `place` of binary data; it may be infinite or NaN.
 double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order);
@@ -102,13 +103,27 @@ private:
     std::vector<Number> numbers_;  ///< the numbers of one point, in the order of the file
 };
 
+/// The order in which a text has the vectors of several changes.
+enum class VectorOrder {
+    PointAfterPoint,  ///< all vectors of a point before those of the next, as for TextChanges
+    OneAfterTheOther  ///< the vectors of the first change at all points, then of the second, ...
+};
+
 /// Writes `text` with all changes.
-/// \param changes at least one, as for TextChanges
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
+/// \param changes at least one
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
+                  VectorOrder order = VectorOrder::PointAfterPoint);
+
+/// Writes `text` with the changes of one vector per point, whose numbers may be in any order in the
+/// text.
+/// \param dimension number of axes that the text has
+void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const VectorChange& change,
+                            std::size_t dimension);
 
 /// Writes binary data with all changes, in this byte order.
+/// \param dimension number of axes that the data has
 void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
-                        std::endian order);
+                        std::endian order, std::size_t dimension = 3);
 
 /// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);

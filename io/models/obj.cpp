@@ -123,6 +123,13 @@ void walk(const std::filesystem::path& path, std::string_view text, OnPoint onPo
 
 constexpr auto kPassOver = [](auto&&...) {};
 
+/// Reads the words after a `vn`. A word that is no number is NaN.
+Point3 readObjNormal(ObjWords& words) {
+    Point3 normal{};
+    for (double& component : normal) component = parseReal(words.next(), Precision::Double);
+    return normal;
+}
+
 struct Normal {
     Point3 value;
     double scale;                   ///< decimalScale(), by which its versions are rounded
@@ -191,8 +198,7 @@ public:
 private:
     static Normal readNormal(ObjWords& words) {
         Normal normal{};
-        for (double& component : normal.value)
-            component = parseReal(words.next(), Precision::Double);
+        normal.value = readObjNormal(words);
         normal.scale = decimalScale(length(normal.value));
         return normal;
     }
@@ -316,29 +322,93 @@ public:
     bool hasDirections() const override { return hasNormals_; }
     CoordinateStorage storage() const override { return CoordinateStorage::Text; }
 
-    ModelFaces readFaces() const override {
-        ModelFaces faces;
-        std::size_t before = 0;
+    ModelSurface readSurface() const override {
+        ModelSurface surface;
+        bool haveAllNormals = hasNormals_;
+        CountsBefore before;
         forEachObjStatement(path_, text_, [&](ObjWords& words, std::size_t line) {
             const std::string_view keyword = words.next();
-            if (keyword == "v") ++before;
-            if (keyword != "f" && keyword != "fo") return;
-            for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-                const auto point =
-                    referenceOf(word.substr(0, word.find('/')), before, positions_.size());
-                if (!point)
-                    throw FileError(path_, line,
-                                    concat("a face has the corner ", inQuotes(word),
-                                           ", which names no point; there are ", before,
-                                           " before it and ", positions_.size(), " in the file"));
-                faces.corners.push_back(static_cast<Index>(point->index));
+            if (keyword == "v") {
+                ++before.points;
+                if (hasMoreThan(3, words)) surface.addOther("weights or colours of points");
+            } else if (keyword == "vn") {
+                ++before.normals;
+                surface.normals.push_back(readObjNormal(words));
+            } else if (keyword == "f" || keyword == "fo") {
+                haveAllNormals = addFace(words, line, before, surface) && haveAllNormals;
+            } else if (!keyword.empty()) {
+                nameOtherData(keyword, surface);
             }
-            faces.endFace();
         });
-        return faces;
+        // A corner may name a normal that follows it, so the numbers are checked at the end.
+        const auto isNormal = [&](Index normal) {
+            return 0 <= normal && static_cast<std::size_t>(normal) < surface.normals.size();
+        };
+        if (haveAllNormals && !surface.normalCorners.empty() &&
+            std::ranges::all_of(surface.normalCorners, isNormal))
+            return surface;
+        if (hasNormals_)
+            surface.addOther(surface.faces.count() == 0 ? "normals (the model has no faces)"
+                                                        : "normals (some corners have none)");
+        surface.normals.clear();
+        surface.normalCorners.clear();
+        return surface;
     }
 
 private:
+    /// Returns true if the statement has more than `count` words.
+    static bool hasMoreThan(std::size_t count, ObjWords& words) {
+        while (!words.next().empty())
+            if (count-- == 0) return true;
+        return false;
+    }
+
+    /// Adds a face, and the normals of its corners. Returns false if a corner names no normal.
+    bool addFace(ObjWords& words, std::size_t line, const CountsBefore& before,
+                 ModelSurface& surface) const {
+        bool haveNormals = true;
+        for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+            const auto point =
+                referenceOf(word.substr(0, word.find('/')), before.points, positions_.size());
+            if (!point)
+                throw FileError(path_, line,
+                                concat("a face has the corner ", inQuotes(word),
+                                       ", which names no point; there are ", before.points,
+                                       " before it and ", positions_.size(), " in the file"));
+            surface.faces.corners.push_back(static_cast<Index>(point->index));
+            const auto corner = cornerOf(word);
+            const auto normal =
+                corner ? referenceOf(corner->normal, before.normals, kMaxIndex) : std::nullopt;
+            haveNormals = haveNormals && normal;
+            if (haveNormals) surface.normalCorners.push_back(static_cast<Index>(normal->index));
+        }
+        surface.faces.endFace();
+        return haveNormals;
+    }
+
+    static void nameOtherData(std::string_view keyword, ModelSurface& surface) {
+        constexpr std::pair<std::string_view, const char*> kKinds[] = {
+            {"vt", "texture coordinates"},
+            {"g", "groups"},
+            {"o", "names of objects"},
+            {"s", "smoothing groups"},
+            {"usemtl", "materials"},
+            {"mtllib", "materials"},
+            {"l", "lines"},
+            {"p", "point elements"},
+            {"t", "tags of subdivision"}};
+        constexpr std::string_view kFreeForm[] = {"curv", "curv2", "surf"};
+        if (std::ranges::count(kFreeForm, keyword) > 0) {
+            const std::string name = "free-form curves and surfaces";
+            if (std::ranges::count(surface.otherShapes, name) == 0)
+                surface.otherShapes.push_back(name);
+            return;
+        }
+        for (const auto& [known, kind] : kKinds)
+            if (known == keyword) return surface.addOther(kind);
+        surface.addOther("statements", std::string(keyword));
+    }
+
     void addPoint(const ObjPoint& point) {
         positions_.push_back(point.position);
         CoordinatePlaces& place = places_.emplace_back();

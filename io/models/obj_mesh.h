@@ -27,6 +27,8 @@
 ///     t interpolateboundary 1/0/0 m  0 Boundary::Open, 1 Sharp, 2 EdgeOnly
 ///     t creasemethod 0/0/1 m         normal (Creasing::Uniform) or chaikin
 ///     t smoothtriangles 0/0/1 m      catmark or smooth (TriangleSubdivision)
+///     t facevaryinginterpolateboundary 1/0/0 m
+///                                    0 to 5, the modes of far::FaceVaryingLinear in their order
 ///
 /// The three counts of a tag are its numbers of integers, of real numbers and of strings. Unlike f,
 /// tags number vertices and faces from 0. A tag may precede the vertices or faces that it names. If
@@ -34,9 +36,8 @@
 /// edges of a curve are sharp.
 ///
 /// A sharpness is held in single precision, as in OpenSubdiv and in refinement (far/marks.h): 10
-/// and more is infinite, 0 and less is no mark. Tags with other names are ignored, including
-/// face-varying data, which has no effect on vertices. All other statements of the format are
-/// ignored too.
+/// and more is infinite, 0 and less is no mark. Tags with other names are ignored. All other
+/// statements of the format are ignored too.
 
 namespace espalier::io {
 
@@ -71,8 +72,9 @@ ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, std::string_
 /// 10.
 ///
 /// \throws FileError if the mesh is not of dimension 2 or 1, its parts do not fit together, it has
-///         attributes, which an OBJ cannot hold, or a position that is not finite, or if the file
-///         cannot be written; TopologyError if a mark names an entity that does not exist
+///         attributes, which an OBJ cannot hold, or a position or texture coordinate that is not
+///         finite, or if the file cannot be written; TopologyError if a mark names an entity that
+///         does not exist
 ESPALIER_API void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh);
 
 }  // namespace espalier::io

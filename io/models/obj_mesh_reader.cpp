@@ -65,6 +65,7 @@ private:
     void setBoundary(const Tag& tag);
     void setCreasing(const Tag& tag);
     void setTriangles(const Tag& tag);
+    void setFaceVarying(const Tag& tag);
 
     Index checkedNumber(std::int64_t number, Index count, const char* what, std::size_t line) const;
 
@@ -154,7 +155,8 @@ void ObjTags::add(ObjWords& words, std::size_t line) {
         {"hole", "k/0/0 for k faces", areFaceCounts, &ObjTags::addHoles},
         {"interpolateboundary", "1/0/0", areOneInt, &ObjTags::setBoundary},
         {"creasemethod", "0/0/1", areOneString, &ObjTags::setCreasing},
-        {"smoothtriangles", "0/0/1", areOneString, &ObjTags::setTriangles}};
+        {"smoothtriangles", "0/0/1", areOneString, &ObjTags::setTriangles},
+        {"facevaryinginterpolateboundary", "1/0/0", areOneInt, &ObjTags::setFaceVarying}};
     const std::string_view name = words.next();
     if (name.empty()) throw FileError(path_, line, "the line ends; expected the name of a tag");
     for (const Kind& kind : kKinds)
@@ -244,6 +246,16 @@ void ObjTags::setTriangles(const Tag& tag) {
         throw FileError(path_, tag.line,
                         "the tag smoothtriangles is " + inQuotes(tag.strings[0]) +
                             "; expected catmark or smooth");
+}
+
+void ObjTags::setFaceVarying(const Tag& tag) {
+    // OpenSubdiv numbers its modes in the order of the words.
+    const std::int64_t mode = tag.ints[0];
+    if (mode < 0 || mode >= std::ssize(far::kFaceVaryingLinearWords))
+        throw FileError(path_, tag.line,
+                        concat("the tag facevaryinginterpolateboundary is ", mode,
+                               "; expected 0 to ", std::ssize(far::kFaceVaryingLinearWords) - 1));
+    refinement_.faceVarying = static_cast<far::FaceVaryingLinear>(mode);
 }
 
 Index ObjTags::checkedNumber(std::int64_t number, Index count, const char* what,

@@ -4,6 +4,7 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj_mesh.h>
 
+#include <cmath>
 #include <initializer_list>
 #include <ostream>
 #include <span>
@@ -14,6 +15,7 @@
 #include "../files/text_output.h"
 #include "../lattices/lattice_parts.h"
 #include "../vtk/vtk_xml.h"
+#include "surface_writers.h"
 
 namespace espalier::io {
 
@@ -49,16 +51,12 @@ public:
     explicit ObjMeshWriter(std::ostream& out) : out_(out) {}
 
     void write(const Lattice& mesh, const far::Marks& marks) {
-        for (const Point3& position : mesh.positions) {
-            out_.put("v");
-            for (const double coordinate : position) out_.put(" ", coordinate);
-            out_.put("\n");
-        }
+        putObjPoints(out_, mesh.positions);
         const FaceVaryingAttribute& textures = mesh.textureCoordinates;
         for (std::size_t i = 0; i < textures.values.size(); ++i)
             out_.put(i % 2 == 0 ? "vt " : " ", textures.values[i], i % 2 == 0 ? "" : "\n");
         if (mesh.complex.dimension() == 1)
-            for (const std::vector<Index>& line : linesOf(mesh.complex)) writePath("l", line);
+            for (const std::vector<Index>& line : linesOf(mesh.complex)) writeLine(line);
         else
             for (Index face = 0; face < mesh.complex.count(2); ++face) writeFace(mesh, face);
         writeTags(mesh.tags);
@@ -70,19 +68,17 @@ public:
     }
 
 private:
-    void writePath(const char* keyword, std::span<const Index> vertices) {
-        out_.put(keyword);
+    void writeLine(std::span<const Index> vertices) {
+        out_.put("l");
         for (const Index vertex : vertices) out_.put(" ", vertex + 1);
         out_.put("\n");
     }
 
     void writeFace(const Lattice& mesh, Index face) {
         const far::Incidence& loops = mesh.complex.relation(2, 0);
-        if (mesh.textureCoordinates.empty()) return writePath("f", loops[face]);
-        out_.put("f");
-        for (Offset i = loops.offset(face); i < loops.offset(face + 1); ++i)
-            out_.put(" ", loops.values()[i] + 1, "/", mesh.textureCoordinates.corners[i] + 1);
-        out_.put("\n");
+        std::span<const Index> textures = mesh.textureCoordinates.corners;
+        if (!textures.empty()) textures = textures.subspan(loops.offset(face), loops[face].size());
+        putObjFace(out_, loops[face], textures);
     }
 
     static int numberOf(far::Boundary boundary) {
@@ -107,6 +103,9 @@ private:
             const bool isSmooth = tags.triangles == far::TriangleSubdivision::Smooth;
             out_.put("t smoothtriangles 0/0/1 ", isSmooth ? "smooth\n" : "catmark\n");
         }
+        if (tags.faceVarying)
+            out_.put("t facevaryinginterpolateboundary 1/0/0 ", static_cast<int>(*tags.faceVarying),
+                     "\n");
     }
 
     void writeMark(const char* tag, std::initializer_list<Index> vertices, double sharpness) {
@@ -120,6 +119,25 @@ private:
     TextOutput out_;
 };
 
+void checkTextureCoordinates(const std::filesystem::path& path, const Lattice& mesh) {
+    const auto& [components, values, corners] = mesh.textureCoordinates;
+    if (values.empty() && corners.empty()) return;
+    const auto fail = [&](const std::string& cause) {
+        throw FileError(path, "cannot be written: the texture coordinates " + cause);
+    };
+    if (components != 2) fail(concat("have ", components, " components; an OBJ has 2"));
+    if (values.size() % 2 != 0) fail(concat("have ", values.size(), " numbers; expected pairs"));
+    for (const double value : values)
+        if (!std::isfinite(value)) fail("are not finite");
+    if (corners.empty()) return;
+    if (mesh.complex.dimension() != 2 ||
+        corners.size() != mesh.complex.relation(2, 0).values().size())
+        fail("are not one for each corner of each face");
+    for (const Index corner : corners)
+        if (corner < 0 || static_cast<std::size_t>(corner) >= values.size() / 2)
+            fail(concat("have no number ", corner, ", which a corner names"));
+}
+
 }  // namespace
 
 void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
@@ -130,6 +148,7 @@ void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
                                   inQuotes(mesh.attributes.empty() ? mesh.integers[0].name
                                                                    : mesh.attributes[0].name) +
                                   ", and an OBJ has no place for attributes");
+    checkTextureCoordinates(path, mesh);
     writeFile(path, [&](std::ostream& out) { ObjMeshWriter(out).write(mesh, marks); });
 }
 

@@ -50,8 +50,7 @@ std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& pa
         "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech",
         "maplib", "usemap", "call", "csh"};
     const std::string_view word = words.next();
-    if (!word.empty() &&
-        std::find(std::begin(kKeywords), std::end(kKeywords), word) == std::end(kKeywords))
+    if (!word.empty() && std::ranges::find(kKeywords, word) == std::end(kKeywords))
         throw FileError(path, line,
                         inQuotes(word) +
                             " is not a keyword of OBJ files; expected v, f, vn or "

@@ -35,6 +35,12 @@ struct PlyPoints {
     std::vector<PlyVectors> directions;
 };
 
+/// Returns true if a list of the element `face` has the corners of the faces.
+bool isCornerList(const PlyProperty& property) {
+    return property.lengthType && isInteger(property.type) &&
+           (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
 /// Reads the rows of all elements, and collects the points and directions.
 class RowReader {
 public:
@@ -106,8 +112,7 @@ protected:
 
     /// Returns true if a list of the current element has the corners of a face that is wanted.
     bool isFaceList(const PlyProperty& property) const {
-        return faces_ && isFace_ && isInteger(property.type) &&
-               (property.name == "vertex_indices" || property.name == "vertex_index");
+        return faces_ && isFace_ && isCornerList(property);
     }
 
     /// Returns true if a corner of a face names a point, and adds it then.
@@ -346,13 +351,41 @@ public:
         return storageOf(narrowest(points_.positions.precisions));
     }
 
-    ModelFaces readFaces() const override {
-        ModelFaces faces;
-        readPlyRows(path_, bytes_, header_, &faces);
-        return faces;
+    ModelSurface readSurface() const override {
+        ModelSurface surface;
+        readPlyRows(path_, bytes_, header_, &surface.faces);
+        const auto normals =
+            std::ranges::find(header_.directions, Carry{carryNormal}, &PlyDirection::carry);
+        std::vector<std::size_t> used(header_.axes.begin(), header_.axes.end());
+        if (normals != header_.directions.end()) {
+            surface.normals = points_.directions[normals - header_.directions.begin()].values;
+            used.insert(used.end(), normals->columns.begin(), normals->columns.end());
+        }
+        for (const PlyElement& element : header_.elements) nameOtherData(element, used, surface);
+        return surface;
     }
 
 private:
+    /// \param used numbers of the properties of vertices that are points or normals
+    void nameOtherData(const PlyElement& element, const std::vector<std::size_t>& used,
+                       ModelSurface& surface) const {
+        if (element.count == 0) return;
+        if (element.name == "tristrips")
+            surface.otherShapes.push_back("strips of triangles");
+        else if (&element != &header_.vertices() && element.name != "face")
+            surface.addOther("elements", element.name);
+        else
+            for (std::size_t column = 0; column < element.properties.size(); ++column) {
+                const PlyProperty& property = element.properties[column];
+                if (&element == &header_.vertices()) {
+                    if (std::ranges::count(used, column) == 0)
+                        surface.addOther("properties of points", property.name);
+                } else if (!isCornerList(property)) {
+                    surface.addOther("properties of faces", property.name);
+                }
+            }
+    }
+
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
                       std::span<const DeformationGradient> gradients) const override {
         std::vector<VectorChange> changes = {changeOf(points_.positions, moved)};

@@ -19,6 +19,7 @@
 #include "../files/bytes.h"
 #include "../files/text_output.h"
 #include "coordinates.h"
+#include "surface_writers.h"
 
 namespace espalier::io {
 namespace {
@@ -56,6 +57,12 @@ Point3 facetNormal(std::span<const Point3, 3> corners) {
     return {normal[0] / length + 0.0, normal[1] / length + 0.0, normal[2] / length + 0.0};
 }
 
+void storeVector(std::string& bytes, std::size_t place, const Point3& vector) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        storeCoordinate(bytes, place + axis * sizeof(float), vector[axis], Precision::Float,
+                        std::endian::little);
+}
+
 /// The base of both kinds of STL: holds the corners, and tells which facets move.
 class StlModel : public Model {
 public:
@@ -63,7 +70,31 @@ public:
     std::string_view extension() const override { return ".stl"; }
     bool hasDirections() const override { return false; }
 
-    ModelFaces readFaces() const override {
+    ModelSurface readSurface() const override {
+        ModelSurface surface;
+        surface.repeatsPoints = true;
+        surface.faces = weldedFacets();
+        nameOtherData(surface);
+        return surface;
+    }
+
+protected:
+    explicit StlModel(std::string bytes) : bytes_(std::move(bytes)) {}
+
+    std::size_t facetCount() const { return positions_.size() / 3; }
+
+    bool isMoved(std::size_t facet, std::span<const Point3, 3> corners) const {
+        return !std::equal(corners.begin(), corners.end(), positions_.data() + 3 * facet);
+    }
+
+    std::string bytes_;
+    std::vector<Point3> positions_;
+
+private:
+    virtual void nameOtherData(ModelSurface& surface) const = 0;
+
+    /// Returns the facets. Corners at one place are the first corner there.
+    ModelFaces weldedFacets() const {
         std::vector<std::size_t> order(positions_.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -79,18 +110,6 @@ public:
         for (std::size_t facet = 1; facet <= facetCount(); ++facet) faces.ends.push_back(3 * facet);
         return faces;
     }
-
-protected:
-    explicit StlModel(std::string bytes) : bytes_(std::move(bytes)) {}
-
-    std::size_t facetCount() const { return positions_.size() / 3; }
-
-    bool isMoved(std::size_t facet, std::span<const Point3, 3> corners) const {
-        return !std::equal(corners.begin(), corners.end(), positions_.data() + 3 * facet);
-    }
-
-    std::string bytes_;
-    std::vector<Point3> positions_;
 };
 
 class BinaryStl final : public StlModel {
@@ -135,10 +154,11 @@ private:
         });
     }
 
-    static void storeVector(std::string& bytes, std::size_t place, const Point3& vector) {
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            storeCoordinate(bytes, place + axis * sizeof(float), vector[axis], Precision::Float,
-                            std::endian::little);
+    void nameOtherData(ModelSurface& surface) const override {
+        for (std::size_t facet = 0; facet < facetCount(); ++facet)
+            if (const std::size_t end = normalPlace(facet + 1);
+                bytes_[end - 2] != 0 || bytes_[end - 1] != 0)
+                return surface.addOther("attribute bytes");
     }
 };
 
@@ -147,7 +167,10 @@ class AsciiStl final : public StlModel {
 public:
     AsciiStl(const std::filesystem::path& path, std::string bytes) : StlModel(std::move(bytes)) {
         TextReader reader(path, bytes_);
-        while (!reader.atEnd()) readSolid(reader, path);
+        while (!reader.atEnd()) {
+            readSolid(reader, path);
+            ++solidCount_;
+        }
     }
 
     CoordinateStorage storage() const override { return CoordinateStorage::Text; }
@@ -207,6 +230,10 @@ private:
         });
     }
 
+    void nameOtherData(ModelSurface& surface) const override {
+        if (solidCount_ > 1) surface.addOther("solids");
+    }
+
     void replaceFacet(TextPatch& patch, std::size_t facet,
                       std::span<const Point3, 3> corners) const {
         const Point3 normal = facetNormal(corners);
@@ -220,6 +247,7 @@ private:
         }
     }
 
+    std::size_t solidCount_ = 0;
     // Views of bytes_. They stay valid because a model is never copied or moved.
     std::vector<Place> places_;   ///< one per point
     std::vector<Place> normals_;  ///< one per facet
@@ -231,6 +259,28 @@ bool beginsWithSolid(std::string_view bytes) {
 }
 
 }  // namespace
+
+void writeStlSurface(std::ostream& out, const SurfaceView& surface) {
+    std::string bytes = "Espalier";
+    bytes.resize(kFirstFacet, ' ');
+    storeNumber(bytes.data() + kHeaderSize, static_cast<std::uint32_t>(surface.faces.count()),
+                std::endian::little);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.assign(kFacetSize, '\0');
+    for (std::size_t facet = 0; facet < surface.faces.count(); ++facet) {
+        std::array<Point3, 3> corners;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            const Index point = surface.faces[facet][corner];
+            corners[corner] = surface.points[point];
+            Point3 rounded;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                rounded[axis] = roundTo(Precision::Float, corners[corner][axis], point);
+            storeVector(bytes, (corner + 1) * kVectorSize, rounded);
+        }
+        storeVector(bytes, 0, facetNormal(corners));
+        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    }
+}
 
 std::unique_ptr<Model> readStl(const std::filesystem::path& path, std::string bytes) {
     std::uint64_t binarySize = kFirstFacet;

@@ -4,8 +4,6 @@
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
-#include <iterator>
-#include <numeric>
 #include <optional>
 #include <string>
 
@@ -47,17 +45,41 @@ std::int64_t typeOf(StandardCell kind) {
     return at->number;
 }
 
+/// Returns true for volume cells of higher order: quadratic, Lagrange and Bézier.
+bool isCurved(std::int64_t type) {
+    constexpr std::int64_t kCurved[] = {24, 25, 26, 27, 29, 31, 32, 33, 37,
+                                        71, 72, 73, 74, 78, 79, 80, 81};
+    return std::ranges::count(kCurved, type) > 0;
+}
+
+/// Returns " (tetrahedron)" and the like for cells of a volume that are not curved; else nothing.
+const char* nameOfType(std::int64_t type) {
+    switch (type) {
+        case 10:
+            return " (tetrahedron)";
+        case kVtkVoxel:
+            return " (voxel)";
+        case 12:
+            return " (hexahedron)";
+        case 13:
+            return " (wedge)";
+        case 14:
+            return " (pyramid)";
+        case kVtkPolyhedron:
+            return " (polyhedron)";
+        default:
+            return "";
+    }
+}
+
 }  // namespace
 
 std::optional<int> lowDimensionOf(std::int64_t type) {
     constexpr std::int64_t kLines[] = {3, 4, 21, 35, 68, 75};
     constexpr std::int64_t kSurfaces[] = {5, 6, 7, 8, 9, 22, 23, 28, 30, 34, 36, 69, 70, 76, 77};
     if (type == 1 || type == 2) return 0;
-    const auto contains = [type](const auto& types) {
-        return std::find(std::begin(types), std::end(types), type) != std::end(types);
-    };
-    if (contains(kLines)) return 1;
-    if (contains(kSurfaces)) return 2;
+    if (std::ranges::count(kLines, type) > 0) return 1;
+    if (std::ranges::count(kSurfaces, type) > 0) return 2;
     return std::nullopt;
 }
 
@@ -68,7 +90,10 @@ void VtkFaceReader::beginPiece(std::size_t firstPoint, std::size_t pointCount) {
 
 void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points) {
     constexpr std::int64_t kPixel = 8;
-    if (type < 5 || type > 9) return;
+    if (type < 5 || type > 9) {
+        ++otherCells_[type];
+        return;
+    }
     std::vector<Index> corners;
     for (const std::int64_t point : points) {
         if (point < 0 || static_cast<std::uint64_t>(point) >= pointCount_)
@@ -92,6 +117,19 @@ void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points)
     faces_.endFace();
 }
 
+void VtkFaceReader::giveTo(ModelSurface& surface) {
+    constexpr std::int64_t kEmptyCell = 0;
+    surface.faces = std::move(faces_);
+    for (const auto& [type, count] : otherCells_) {
+        const auto dimension = lowDimensionOf(type);
+        if (dimension == 0 || dimension == 1)
+            surface.addOther(dimension == 0 ? "vertex cells" : "lines");
+        else if (type != kEmptyCell)
+            surface.otherShapes.push_back(concat(count, count == 1 ? " cell" : " cells",
+                                                 " of VTK's type ", type, nameOfType(type)));
+    }
+}
+
 void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
     firstVertex_ = firstVertex;
     pieceVertexCount_ = vertexCount;
@@ -99,10 +137,14 @@ void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
 
 void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertices) {
     if (const auto dimension = lowDimensionOf(type)) {
-        ++skippedCells_[*dimension];
-        return;
+        ++cellInFile_;
+        return *dimension == 2 ? visitor_.face({}) : visitor_.smallCell(*dimension);
     }
     const std::optional<StandardCell> kind = kindOf(type);
+    if (!kind && acceptsCurved_ && isCurved(type)) {
+        ++cellInFile_;
+        return visitor_.curvedCell(3);
+    }
     if (!kind)
         fail(concat("is of VTK's type ", type,
                     "; only the types 10, 11, 12, 13, 14 and 42 can be read"));
@@ -113,8 +155,9 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
         std::swap(checked[2], checked[3]);
         std::swap(checked[6], checked[7]);
     }
-    withPathInErrors(path_, [&] { return builder_.addCell(*kind, checked); });
+    visitor_.cell(*kind, checked);
     ++cellCount_;
+    ++cellInFile_;
     maxEdges_ += kMaxEdges;
 }
 
@@ -122,8 +165,9 @@ void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t
     std::vector<std::vector<Index>> checked(loops.size());
     for (std::size_t i = 0; i < loops.size(); ++i)
         for (const std::int64_t vertex : loops[i]) checked[i].push_back(checkedVertex(vertex));
-    withPathInErrors(path_, [&] { return builder_.addCell(checked); });
+    visitor_.polyhedron(checked);
     ++cellCount_;
+    ++cellInFile_;
     for (const auto& loop : loops) maxEdges_ += loop.size();
 }
 
@@ -152,27 +196,13 @@ void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
 Index VtkCellReader::checkedVertex(std::int64_t vertex) const {
     if (vertex < 0 || vertex >= pieceVertexCount_)
         throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {3, cellCount_},
-                                 concat(shownPath(path_), ": cell ", cellInFile(), " names vertex ",
+                                 concat(shownPath(path_), ": cell ", cellInFile_, " names vertex ",
                                         vertex, "; there are ", pieceVertexCount_));
     return firstVertex_ + static_cast<Index>(vertex);
 }
 
 void VtkCellReader::fail(const std::string& cause) const {
-    throw FileError(path_, concat("cell ", cellInFile(), " ", cause));
-}
-
-Index VtkCellReader::cellInFile() const {
-    return std::accumulate(skippedCells_.begin(), skippedCells_.end(), cellCount_);
-}
-
-far::ComplexBuilder VtkCellReader::takeBuilder() {
-    if (cellCount_ == 0 && cellInFile() > 0)
-        throw far::TopologyError(
-            far::TopologyCause::EmptyComplex, {3, 0},
-            concat(shownPath(path_), ": there is no cell of a volume; the file has ",
-                   skippedCells_[0], " vertex cells, ", skippedCells_[1], " lines and ",
-                   skippedCells_[2], " surface cells, which are not cells of a lattice"));
-    return std::move(builder_);
+    throw FileError(path_, concat("cell ", cellInFile_, " ", cause));
 }
 
 VtkCells vtkCells(const far::CellComplex& complex) {

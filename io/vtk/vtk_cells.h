@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/complex_builder.h>
+#include <espalier/far/cell_complex.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/model.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "../meshes/cell_visitor.h"
 
 // The cells of an unstructured grid, which VTK's XML and legacy formats write alike.
 
@@ -24,11 +26,13 @@ inline constexpr std::int64_t kVtkPolyhedron = 42;
 /// all other types.
 std::optional<int> lowDimensionOf(std::int64_t type);
 
+inline constexpr std::int64_t kVtkVertices = 2;
+inline constexpr std::int64_t kVtkLine = 4;
 inline constexpr std::int64_t kVtkStrip = 6;
 inline constexpr std::int64_t kVtkPolygon = 7;
 
 /// Collects the faces of a model from cells of the types 5 (triangle), 6 (strip of triangles), 7
-/// (polygon), 8 (pixel) and 9 (quadrilateral). Cells of other types have no faces.
+/// (polygon), 8 (pixel) and 9 (quadrilateral). Counts the cells of each other type.
 class VtkFaceReader {
 public:
     explicit VtkFaceReader(std::filesystem::path path) : path_(std::move(path)) {}
@@ -39,29 +43,39 @@ public:
     /// \throws FileError if the cell is a face and names a point that the piece does not have
     void add(std::int64_t type, std::span<const std::int64_t> points);
 
-    ModelFaces take() { return std::move(faces_); }
+    /// Moves the faces to a surface, and names the other cells there.
+    void giveTo(ModelSurface& surface);
 
 private:
     std::filesystem::path path_;
     std::size_t firstPoint_ = 0;
     std::size_t pointCount_ = 0;
     ModelFaces faces_;
+    std::map<std::int64_t, std::size_t> otherCells_;  ///< number of other cells of each type
 };
 
-/// Builds a complex from the cells of a VTK file: types 10 (tetrahedron), 11 (voxel), 12
-/// (hexahedron), 13 (wedge), 14 (pyramid) and 42 (polyhedron).
+/// Reads cells of the types 10 (tetrahedron), 11 (voxel), 12 (hexahedron), 13 (wedge), 14 (pyramid)
+/// and 42 (polyhedron).
 ///
 /// All functions throw FileError, or TopologyError with the path in its message.
 class VtkCellReader {
 public:
-    /// \param vertexCount number of vertices of the whole lattice
-    VtkCellReader(std::filesystem::path path, Index vertexCount)
-        : path_(std::move(path)), builder_(3, vertexCount), pieceVertexCount_(vertexCount) {}
+    /// \param vertexCount number of vertices of all pieces
+    /// \param visitor receives the cells
+    /// \param acceptsCurved whether quadratic cells and cells of higher order are passed to the
+    ///        visitor; otherwise they are errors
+    VtkCellReader(std::filesystem::path path, Index vertexCount, CellVisitor& visitor,
+                  bool acceptsCurved = false)
+        : path_(std::move(path)),
+          visitor_(visitor),
+          acceptsCurved_(acceptsCurved),
+          pieceVertexCount_(vertexCount) {}
 
-    /// Begins a piece of the lattice. Cells added from now on number its vertices from 0.
+    /// Begins a piece. Cells added from now on number its vertices from 0.
     void beginPiece(Index firstVertex, Index vertexCount);
 
-    /// Adds a cell of any type but 42. Skips and counts vertices, lines and surface cells.
+    /// Adds a cell of any type but 42. Counts vertices, lines and surface cells, and tells the
+    /// visitor of them by their dimension.
     void add(std::int64_t type, std::span<const std::int64_t> vertices);
 
     /// Adds a polyhedron by its loops.
@@ -71,30 +85,21 @@ public:
     /// its vertices and the vertices.
     void addPolyhedron(std::span<const std::int64_t> faceStream);
 
-    /// Returns the numbers of skipped cells, by dimension.
-    const std::array<Index, 3>& skippedCells() const { return skippedCells_; }
-
     /// Returns an upper bound of the number of edges of the cells so far.
     std::size_t maxEdges() const { return maxEdges_; }
-
-    /// Returns the builder with the cells. The reader must not be used afterwards.
-    /// \throws TopologyError (EmptyComplex) if all cells were skipped
-    far::ComplexBuilder takeBuilder();
 
 private:
     Index checkedVertex(std::int64_t vertex) const;
     [[noreturn]] void fail(const std::string& cause) const;
 
-    /// Returns the number of the next cell in the file, which counts skipped cells.
-    Index cellInFile() const;
-
     std::filesystem::path path_;
-    far::ComplexBuilder builder_;
+    CellVisitor& visitor_;
+    bool acceptsCurved_;
     Index firstVertex_ = 0;
     Index pieceVertexCount_ = 0;
-    Index cellCount_ = 0;  ///< without skipped cells
+    Index cellCount_ = 0;   ///< of the cells of a volume
+    Index cellInFile_ = 0;  ///< number of the next cell in the file
     std::size_t maxEdges_ = 0;
-    std::array<Index, 3> skippedCells_ = {};
 };
 
 /// The cells of a lattice as arrays of a VTK file. Standard cells have their own types; all other

@@ -9,6 +9,7 @@
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "../files/number_types.h"
+#include "vtk_cells.h"
 
 namespace espalier::io {
 
@@ -32,6 +34,21 @@ struct LegacyRows {
     }
 };
 
+/// Passes the cells of CELLS and CELL_TYPES to a reader.
+/// \throws FileError if the numbers of cells and types differ; as VtkCellReader
+inline void addLegacyCells(const std::filesystem::path& path, const LegacyRows& rows,
+                           const std::vector<std::int64_t>& types, VtkCellReader& cells) {
+    if (types.size() != rows.count())
+        throw FileError(path,
+                        concat("has ", rows.count(), " cells and ", types.size(), " cell types"));
+    for (std::size_t cell = 0; cell < types.size(); ++cell) {
+        if (types[cell] == kVtkPolyhedron)
+            cells.addPolyhedron(rows[cell]);
+        else
+            cells.add(types[cell], rows[cell]);
+    }
+}
+
 /// Reads words and arrays of numbers from a legacy VTK file; the numbers are text or big-endian
 /// binary data. Every error is a FileError with path and line.
 class LegacyData {
@@ -40,6 +57,7 @@ public:
     LegacyData(const std::filesystem::path& path, std::string_view text) : text_(path, text) {}
 
     TextReader& text() { return text_; }
+    const TextReader& text() const { return text_; }
     bool isBinary() const { return isBinary_; }
 
     /// Reads the head of the file, and returns the kind of data set: "unstructured_grid" or
@@ -99,34 +117,42 @@ public:
     /// \throws FileError if the type is unknown or not of this kind, or if fewer numbers are left
     template <class Value>
     std::vector<Value> numbers(const std::string& type, std::size_t count, const char* what) {
-        const std::optional<NumberType> number = numberOfLegacyName(type);
-        if (!number) text_.fail(inQuotes(type) + " is not a type of numbers");
-        if (std::is_integral_v<Value> && !isInteger(*number))
+        const NumberType number = numberTypeOf(type);
+        if (std::is_integral_v<Value> && !isInteger(number))
             text_.fail(inQuotes(type) + " is not a type of integers");
         if (isBinary_) {
             beginBinary();
             return decodeNumbers<Value>(
-                text_.bytes(saturatingProduct(count, byteSize(*number)), what), *number,
+                text_.bytes(saturatingProduct(count, byteSize(number)), what), number,
                 std::endian::big);
         }
-        text_.checkRoom(count, 2, what);
+        checkRoom(count, what);
         std::vector<Value> values;
         values.reserve(count);
         for (std::size_t i = 0; i < count; ++i)
-            values.push_back(readNumber<Value>(text_, *number, what));
+            values.push_back(readNumber<Value>(text_, number, what));
         return values;
     }
 
     /// Reads `count` numbers of any type. Skips bits and strings, and returns nothing for them.
+    /// \param what name of a number in messages
     std::optional<std::vector<double>> values(const std::string& type, std::size_t count,
                                               const char* what) {
-        if (type == "bit")
-            skipBits(count);
-        else if (type == "string" || type == "utf8_string")
-            skipStrings(count);
-        else
-            return numbers<double>(type, count, what);
-        return std::nullopt;
+        if (skipNonNumbers(type, count)) return std::nullopt;
+        return numbers<double>(type, count, what);
+    }
+
+    /// Skips `count` numbers, bits or strings, without memory for them.
+    void skipValues(const std::string& type, std::size_t count, const char* what) {
+        if (skipNonNumbers(type, count)) return;
+        const NumberType number = numberTypeOf(type);
+        if (isBinary_) {
+            beginBinary();
+            text_.bytes(saturatingProduct(count, byteSize(number)), what);
+            return;
+        }
+        checkRoom(count, what);
+        for (std::size_t i = 0; i < count; ++i) text_.token(what);
     }
 
     /// Reads CELLS, POLYGONS or the like after their keyword. In the layout before version 5, each
@@ -135,6 +161,17 @@ public:
     /// \param name name of the section for messages
     LegacyRows rows(const std::string& name) {
         return version_ >= 5 ? rowsByOffsets() : rowsBySizes(name);
+    }
+
+    /// Skips CELLS, POLYGONS or the like after their keyword, without memory for them.
+    void skipRows() {
+        const std::size_t count = text_.count("the number of cells", 1);
+        const std::size_t size = text_.count("the number of their vertices", 1);
+        if (version_ < 5) return skipValues("int", size, "a number of a cell");
+        expect("OFFSETS");
+        skipValues(keyword("the type of OFFSETS"), count, "an offset");
+        expect("CONNECTIVITY");
+        skipValues(keyword("the type of CONNECTIVITY"), size, "a vertex of a cell");
     }
 
     /// Reads a FIELD after its keyword. Calls readArray(name, type, components, tuples) for each
@@ -157,6 +194,14 @@ public:
         }
     }
 
+    /// Throws if the rest of the text is too short for `count` numbers.
+    void checkRoom(std::size_t count, const char* what) const {
+        // A number and its separator have at least two bytes.
+        if (count > (text_.remaining() + 1) / 2)
+            text_.fail(concat("the file ends; expected ", count, " times ", what, ", got ",
+                              text_.remaining(), " bytes"));
+    }
+
     /// Goes on to the first byte of binary numbers.
     void beginBinary() { text_.restOfLine(); }
 
@@ -174,6 +219,23 @@ public:
     }
 
 private:
+    NumberType numberTypeOf(const std::string& type) const {
+        const std::optional<NumberType> number = numberOfLegacyName(type);
+        if (!number) text_.fail(inQuotes(type) + " is not a type of numbers");
+        return *number;
+    }
+
+    /// Skips bits or strings. Returns false if `type` is neither.
+    bool skipNonNumbers(const std::string& type, std::size_t count) {
+        if (type == "bit")
+            skipBits(count);
+        else if (type == "string" || type == "utf8_string")
+            skipStrings(count);
+        else
+            return false;
+        return true;
+    }
+
     void skipBits(std::size_t count) {
         if (!isBinary_) {
             numbers<double>("int", count, "a bit");

@@ -126,6 +126,13 @@ std::string decodePayload(std::string_view text, PayloadForm form, const VtkCodi
     return reader.read(reader.readWord());
 }
 
+std::string decodePayloadOfSize(std::string_view text, std::uint64_t size, PayloadForm form,
+                                const VtkCoding& coding) {
+    PayloadReader reader(text, form, coding);
+    reader.readWord();
+    return reader.read(size);
+}
+
 std::string encodePayload(std::string_view bytes, const VtkCoding& coding) {
     if (coding.isCompressed) return encodeCompressed(bytes, coding);
     std::string payload;

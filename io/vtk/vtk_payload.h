@@ -38,6 +38,11 @@ std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCodi
 /// \cost at most the memory that zlib can inflate from `text`
 std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding);
 
+/// Returns `size` bytes of one array that is not compressed, whatever its header claims.
+/// \throws CodingError if the array is malformed, or `text` has fewer bytes
+std::string decodePayloadOfSize(std::string_view text, std::uint64_t size, PayloadForm form,
+                                const VtkCoding& coding);
+
 /// Encodes the bytes of one array in base64: the inverse of decodePayload().
 /// \throws CodingError if there are too many bytes for a 32-bit header
 std::string encodePayload(std::string_view bytes, const VtkCoding& coding);

@@ -132,6 +132,7 @@ private:
     template <class Value>
     std::vector<Value> inlineText(const VtkDataArray& array) const;
     std::string payload(const VtkDataArray& array, const Expected& expected) const;
+    bool isWholePayload(std::string_view text, std::size_t size) const;
     void checkCount(const VtkDataArray& array, std::size_t got, const Expected& expected) const;
     std::string nameOf(const VtkDataArray& array) const;
     [[noreturn]] void failIn(const VtkDataArray& array, const std::string& cause) const;

@@ -46,6 +46,21 @@ std::size_t endOfTag(std::string_view text, std::size_t begin) {
     return text.size();
 }
 
+/// Returns the place of a closing tag, "</DataArray", outside other tags and comments; the end of
+/// the text if there is none.
+std::size_t placeOfClosingTag(std::string_view text, std::size_t from, std::string_view tag) {
+    while (true) {
+        const std::size_t at = text.find('<', from);
+        if (at == std::string_view::npos) return text.size();
+        const std::string_view rest = text.substr(at);
+        if (rest.starts_with(tag)) return at;
+        const std::string_view end = rest.starts_with("<!--")  ? "-->"
+                                     : rest.starts_with("<![") ? "]]>"
+                                                               : "";
+        from = end.empty() ? endOfTag(text, at) : std::min(text.find(end, at), text.size());
+    }
+}
+
 }  // namespace
 
 /// Fills a VtkXmlFile from its bytes.
@@ -204,8 +219,8 @@ private:
         array.contentBegin = array.contentEnd = array.end = endOfTag(bytes, begin);
         if (bytes[array.end - 2] == '/') return;
         array.contentEnd = std::min(bytes.find('<', array.contentBegin), bytes.size());
-        const std::string close = std::string("</") + element;
-        array.end = endOfTag(bytes, std::min(bytes.find(close, array.contentEnd), bytes.size()));
+        array.end = endOfTag(
+            bytes, placeOfClosingTag(bytes, array.contentEnd, std::string("</") + element));
     }
 
     std::size_t readCount(pugi::xml_node node, pugi::xml_attribute attribute) {

@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "../files/bytes.h"
+#include "../lattices/lattice_parts.h"
+#include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "vtk_cells.h"
 #include "vtk_xml.h"
+#include "vtu_cells.h"
 
 namespace espalier::io {
 namespace {
@@ -96,7 +99,8 @@ public:
                            [](const PlacedArray& a) { return a.carry != nullptr; });
     }
 
-    ModelFaces readFaces() const override {
+    ModelSurface readSurface() const override {
+        ModelSurface surface;
         VtkFaceReader faces(file_.path());
         std::size_t firstPoint = 0;
         for (const VtkPiece& piece : file_.pieces()) {
@@ -106,11 +110,24 @@ public:
                 addCells(piece, faces);
             else
                 for (const auto& [section, type] :
-                     {std::pair{"Polys", kVtkPolygon}, std::pair{"Strips", kVtkStrip}})
+                     {std::pair{"Verts", kVtkVertices}, std::pair{"Lines", kVtkLine},
+                      std::pair{"Polys", kVtkPolygon}, std::pair{"Strips", kVtkStrip}})
                     addRows(piece, section, type, faces);
             firstPoint += pointCount;
         }
-        return faces.take();
+        faces.giveTo(surface);
+        surface.normals = normals();
+        nameOtherArrays(surface);
+        return surface;
+    }
+
+    ModelVolume readVolume() const override {
+        VolumeCells volume;
+        if (!isGrid()) return {};
+        VtkCellReader reader(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"),
+                             volume, true);
+        readVtuCells(file_, reader);
+        return withPathInErrors(file_.path(), [&] { return volume.finish(positions_); });
     }
 
     CoordinateStorage storage() const override {
@@ -135,6 +152,40 @@ private:
     };
 
     bool isGrid() const { return extension_ == ".vtu"; }
+
+    /// Returns the first normals of each piece, if each piece with points has some.
+    std::vector<Point3> normals() const {
+        std::vector<Point3> normals(positions_.size());
+        std::vector<bool> haveNormals(positions_.size());
+        for (const PlacedArray& placed : arrays_) {
+            if (placed.carry != carryNormal || haveNormals[placed.firstPoint]) continue;
+            std::ranges::copy(placed.directions,
+                              normals.begin() + std::ptrdiff_t(placed.firstPoint));
+            std::fill_n(haveNormals.begin() + std::ptrdiff_t(placed.firstPoint), placed.pointCount,
+                        true);
+        }
+        if (std::ranges::count(haveNormals, false) > 0) normals.clear();
+        return normals;
+    }
+
+    /// Names all arrays but the points and the first normals.
+    void nameOtherArrays(ModelSurface& surface) const {
+        for (const VtkDataArray& array : file_.fieldData().arrays)
+            surface.addOther("field data", array.name);
+        for (const VtkPiece& piece : file_.pieces())
+            for (const auto& [name, kind] :
+                 {std::pair{"PointData", "point data"}, std::pair{"CellData", "cell data"}}) {
+                const auto section = piece.sections.find(name);
+                if (section == piece.sections.end()) continue;
+                bool isFirst = !surface.normals.empty();
+                for (const VtkDataArray& array : section->second.arrays) {
+                    const bool isNormals = std::string_view(name) == "PointData" &&
+                                           carryOf(section->second, array) == carryNormal;
+                    if (!isNormals || !isFirst) surface.addOther(kind, array.name);
+                    isFirst = isFirst && !isNormals;
+                }
+            }
+    }
 
     void addCells(const VtkPiece& piece, VtkFaceReader& faces) const {
         const std::size_t count = file_.count(piece, "NumberOfCells");

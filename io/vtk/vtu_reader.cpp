@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtu.h>
 
@@ -9,8 +8,10 @@
 #include <utility>
 
 #include "../lattices/lattice_parts.h"
+#include "../meshes/lattice_cells.h"
 #include "vtk_cells.h"
 #include "vtk_xml.h"
+#include "vtu_cells.h"
 
 namespace espalier::io {
 namespace {
@@ -26,17 +27,12 @@ public:
             lattice_.positions.insert(lattice_.positions.end(), points.begin(), points.end());
             readPointData(piece);
         }
-        VtkCellReader cells(file_.path(),
-                            checkedIndex(file_.path(), lattice_.positions.size(), "points"));
-        Index firstVertex = 0;
-        for (const VtkPiece& piece : file_.pieces()) {
-            const auto count = static_cast<Index>(file_.count(piece, "NumberOfPoints"));
-            cells.beginPiece(firstVertex, count);
-            readCells(piece, cells);
-            firstVertex += count;
-        }
-        if (notes) notes->skippedCells = cells.skippedCells();
-        readEdgeMarks(cells.maxEdges());
+        const Index count = checkedIndex(file_.path(), lattice_.positions.size(), "points");
+        LatticeCells cells(file_.path(), count);
+        VtkCellReader reader(file_.path(), count, cells);
+        readVtuCells(file_, reader);
+        if (notes) notes->skippedCells = cells.skipped();
+        readEdgeMarks(reader.maxEdges());
         lattice_.marks.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
         return finishLattice(file_.path(), cells.takeBuilder(), std::move(lattice_), notes);
     }
@@ -108,83 +104,6 @@ private:
     template <class Value>
     static void append(std::vector<Value>& values, const std::vector<Value>& more) {
         values.insert(values.end(), more.begin(), more.end());
-    }
-
-    void readCells(const VtkPiece& piece, VtkCellReader& cells) {
-        const std::size_t count = file_.count(piece, "NumberOfCells");
-        if (count == 0) return;
-        const VtkSection& section = file_.section(piece, "Cells");
-        const auto types = file_.list(file_.array(section, "types"), count, kOneACell);
-        const VtkRows vertices(file_, section, "connectivity", "offsets", count, kOneACell);
-        const bool havePolyhedra =
-            std::find(types.begin(), types.end(), kVtkPolyhedron) != types.end();
-        const auto addStandard = [&](std::size_t cell) { cells.add(types[cell], vertices[cell]); };
-        if (!havePolyhedra)
-            for (std::size_t cell = 0; cell < count; ++cell) addStandard(cell);
-        else if (section.find("polyhedron_offsets"))
-            addWithFaceLists(section, types, addStandard, cells);
-        else
-            addWithFaceStreams(section, types, addStandard, cells);
-    }
-
-    /// Reads cells in the layout since VTK 9.4: faces are listed once, and polyhedra list faces.
-    template <class AddStandard>
-    void addWithFaceLists(const VtkSection& section, const std::vector<std::int64_t>& types,
-                          AddStandard addStandard, VtkCellReader& cells) {
-        const VtkRows faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets",
-                            types.size(), kOneACell);
-        std::int64_t lastFace = -1;
-        for (std::size_t cell = 0; cell < types.size(); ++cell)
-            for (const std::int64_t face : faces[cell]) {
-                if (face < 0)
-                    file_.fail(section.line, concat("cell ", cell, " of the piece names face ",
-                                                    face, "; expected 0 or more"));
-                lastFace = std::max(lastFace, face);
-            }
-        const VtkRows loops(file_, section, "face_connectivity", "face_offsets",
-                            sizeInMemory(static_cast<std::uint64_t>(lastFace) + 1),
-                            concat("as the last face that a polyhedron names is ", lastFace));
-        std::vector<std::span<const std::int64_t>> cellLoops;
-        for (std::size_t cell = 0; cell < types.size(); ++cell) {
-            if (types[cell] != kVtkPolyhedron) {
-                addStandard(cell);
-                continue;
-            }
-            cellLoops.clear();
-            for (const std::int64_t face : faces[cell]) cellLoops.push_back(loops[face]);
-            cells.addPolyhedron(cellLoops);
-        }
-    }
-
-    /// Reads cells in the older layout: each polyhedron has a face stream; the offset of any other
-    /// cell is −1.
-    template <class AddStandard>
-    void addWithFaceStreams(const VtkSection& section, const std::vector<std::int64_t>& types,
-                            AddStandard addStandard, VtkCellReader& cells) {
-        const VtkDataArray& offsets = file_.array(section, "faceoffsets");
-        const auto ends = file_.list(offsets, types.size(), kOneACell);
-        std::int64_t before = 0;
-        for (std::size_t cell = 0; cell < types.size(); ++cell) {
-            if (types[cell] != kVtkPolyhedron) continue;
-            if (ends[cell] < before)
-                file_.fail(offsets.line,
-                           concat("the faces of cell ", cell, " of the piece run from ", before,
-                                  " to ", ends[cell]));
-            before = ends[cell];
-        }
-        const auto faces = file_.list(file_.array(section, "faces"),
-                                      sizeInMemory(static_cast<std::uint64_t>(before)),
-                                      "the last of 'faceoffsets'");
-        std::size_t begin = 0;
-        for (std::size_t cell = 0; cell < types.size(); ++cell) {
-            if (types[cell] != kVtkPolyhedron) {
-                addStandard(cell);
-                continue;
-            }
-            const std::size_t end = ends[cell];
-            cells.addPolyhedron(std::span(faces).subspan(begin, end - begin));
-            begin = end;
-        }
     }
 
     /// \param maxEdges an upper bound of the number of edges that can be marked

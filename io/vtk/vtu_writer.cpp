@@ -7,58 +7,33 @@
 
 #include "../lattices/lattice_parts.h"
 #include "vtk_cells.h"
-#include "vtk_xml.h"
+#include "vtk_xml_output.h"
 
 namespace espalier::io {
 namespace {
 
-/// Writes the elements of a .vtu file, each on separate lines.
 class VtuWriter {
 public:
     VtuWriter(std::ostream& out, VtuEncoding encoding)
-        : out_(out),
-          form_(encoding == VtuEncoding::Ascii ? VtkArrayForm::Ascii : VtkArrayForm::Base64) {
-        coding_.isCompressed = encoding == VtuEncoding::Compressed;
-    }
+        : out_(out, "UnstructuredGrid",
+               encoding == VtuEncoding::Ascii ? VtkArrayForm::Ascii : VtkArrayForm::Base64,
+               encoding == VtuEncoding::Compressed) {}
 
     void write(const Lattice& lattice, const far::Marks& marks) {
-        out_ << "<?xml version=\"1.0\"?>\n"
-                "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                "header_type=\"UInt64\""
-             << (coding_.isCompressed ? " compressor=\"vtkZLibDataCompressor\"" : "")
-             << ">\n  <UnstructuredGrid>\n";
-        writeEdgeMarks(marks);
-        out_ << "    <Piece NumberOfPoints=\"" << lattice.positions.size() << "\" NumberOfCells=\""
-             << lattice.complex.count(3) << "\">\n";
-        writePointData(lattice, marks);
-        section("Points", [&] { array("Points", 3, coordinatesOf(lattice.positions)); });
-        writeCells(vtkCells(lattice.complex));
-        out_ << "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+        out_.file([&] {
+            writeEdgeMarks(marks);
+            out_.piece(lattice.positions.size(), "Cells",
+                       static_cast<std::size_t>(lattice.complex.count(3)), [&] {
+                           writePointData(lattice, marks);
+                           out_.section("Points", [&] {
+                               out_.array("Points", 3, coordinatesOf(lattice.positions));
+                           });
+                           writeCells(vtkCells(lattice.complex));
+                       });
+        });
     }
 
 private:
-    template <class Content>
-    void section(const char* name, Content content) {
-        out_ << "      <" << name << ">\n";
-        content();
-        out_ << "      </" << name << ">\n";
-    }
-
-    void array(const std::string& name, std::size_t components, const std::vector<double>& values) {
-        element({name, NumberType::Float64, components}, values);
-    }
-
-    void array(const std::string& name, const std::vector<std::int64_t>& values,
-               NumberType type = NumberType::Int64) {
-        element({name, type}, values);
-    }
-
-    template <class Value>
-    void element(const VtkArrayHead& head, const std::vector<Value>& values) {
-        constexpr const char* kIndent = "        ";
-        out_ << kIndent << dataArrayElement<Value>(head, values, form_, coding_, kIndent) << "\n";
-    }
-
     void writeEdgeMarks(const far::Marks& marks) {
         if (marks.edges.empty()) return;
         std::vector<std::int64_t> vertices;
@@ -67,40 +42,38 @@ private:
             vertices.insert(vertices.end(), mark.vertices.begin(), mark.vertices.end());
             sharpness.push_back(sharpnessToFile(mark.sharpness));
         }
-        section("FieldData", [&] {
-            element({kEdgeVertices, NumberType::Int64, 2, true}, vertices);
-            element({kEdgeSharpness, NumberType::Float64, 1, true}, sharpness);
+        out_.section("FieldData", [&] {
+            out_.array({kEdgeVertices, NumberType::Int64, 2, true}, vertices);
+            out_.array({kEdgeSharpness, NumberType::Float64, 1, true}, sharpness);
         });
     }
 
     void writePointData(const Lattice& lattice, const far::Marks& marks) {
-        section("PointData", [&] {
+        out_.section("PointData", [&] {
             for (const VertexAttribute& attribute : lattice.attributes)
-                array(attribute.name, attribute.components, attribute.values);
+                out_.array(attribute.name, attribute.components, attribute.values);
             for (const VertexIntegers& integers : lattice.integers)
-                element({integers.name, numberOf(integers.type),
-                         static_cast<std::size_t>(integers.components)},
-                        integers.values);
+                out_.array({integers.name, numberOf(integers.type),
+                            static_cast<std::size_t>(integers.components)},
+                           integers.values);
             if (!marks.vertices.empty())
-                array(kVertexSharpness, 1, vertexSharpnessForFile(lattice.complex, marks));
+                out_.array(kVertexSharpness, 1, vertexSharpnessForFile(lattice.complex, marks));
         });
     }
 
     void writeCells(const VtkCells& cells) {
-        section("Cells", [&] {
-            array("connectivity", cells.connectivity);
-            array("offsets", cells.offsets);
-            array("types", cells.types, NumberType::UInt8);
+        out_.section("Cells", [&] {
+            out_.array("connectivity", cells.connectivity);
+            out_.array("offsets", cells.offsets);
+            out_.array("types", cells.types, NumberType::UInt8);
             if (cells.havePolyhedra()) {
-                array("faces", cells.faces);
-                array("faceoffsets", cells.faceOffsets);
+                out_.array("faces", cells.faces);
+                out_.array("faceoffsets", cells.faceOffsets);
             }
         });
     }
 
-    std::ostream& out_;
-    VtkArrayForm form_;
-    VtkCoding coding_;
+    VtkXmlOutput out_;
 };
 
 }  // namespace

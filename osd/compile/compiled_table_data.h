@@ -7,6 +7,24 @@
 
 namespace espalier::osd {
 
+/// Returns the destination of the kernels.
+/// \param rowCount of the table
+template <class Real>
+kernels::Destination<Real> destinationOf(MutableValues<Real> values, const BufferDescriptor& layout,
+                                         RowRange rows, Index rowCount,
+                                         const Addend<Real>& addend) {
+    const bool adds = addend.layout.length > 0;
+    return {values.data() + layout.offset,
+            layout.stride,
+            layout.length,
+            rows.first,
+            rows.last,
+            rows.first == 0 && rows.last == rowCount,
+            adds ? addend.values.data() + addend.layout.offset : nullptr,
+            addend.layout.stride,
+            addend.layout.length};
+}
+
 /// The data of a compiled table, and the evaluation of its parts.
 template <class Real>
 struct CompiledTable<Real>::Data {

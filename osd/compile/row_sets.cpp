@@ -42,8 +42,7 @@ std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
         while (first != last) {
             const auto columns = table.columns(*first);
             const auto others = std::stable_partition(first, last, [&](Index row) {
-                const auto other = table.columns(row);
-                return std::equal(other.begin(), other.end(), columns.begin(), columns.end());
+                return std::ranges::equal(table.columns(row), columns);
             });
             sets.push_back({{first, others}});
             first = others;
@@ -85,10 +84,9 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
         const auto last =
             supersets.begin() + static_cast<std::ptrdiff_t>(std::min(supersets.size(), kMaxTried));
         const auto superset = std::find_if(supersets.begin(), last, [&](std::size_t candidate) {
-            const auto others = columnsOf(candidate);
             return (masks[set] & ~masks[candidate]) == 0 &&
-                   others.size() <= kMaxSizeRatio * columns.size() &&
-                   std::includes(others.begin(), others.end(), columns.begin(), columns.end());
+                   columnsOf(candidate).size() <= kMaxSizeRatio * columns.size() &&
+                   std::ranges::includes(columnsOf(candidate), columns);
         });
         if (superset != last) {
             sets[set].superset = *superset;

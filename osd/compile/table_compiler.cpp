@@ -215,12 +215,10 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
         });
         same.clear();
         // Rows with the same hash have the same weights, except in one case of 2^64.
-        const auto weights = table.weights(first->row);
-        for (auto each = first; each != last; ++each) {
-            const auto own = table.weights(each->row);
-            const bool isSame = std::equal(own.begin(), own.end(), weights.begin(), weights.end());
-            (isSame ? same : others).push_back(each->row);
-        }
+        for (auto each = first; each != last; ++each)
+            (std::ranges::equal(table.weights(each->row), table.weights(first->row)) ? same
+                                                                                     : others)
+                .push_back(each->row);
         if (std::ssize(same) >= kMinSharedRows)
             runs.add(same, true);
         else

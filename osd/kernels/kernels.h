@@ -24,7 +24,8 @@ inline constexpr Offset kPadding = 4;
 inline constexpr Index kMaxProductColumns = 512;
 
 /// The destination of a kernel: component c of row r goes to values[r · stride + c]. Only rows
-/// first to last − 1 are written.
+/// first to last − 1 are written. The kernel adds addend[r · addendStride + c mod addendLength] to
+/// each sum, if there is an addend.
 template <class Real>
 struct Destination {
     Real* values;
@@ -33,6 +34,9 @@ struct Destination {
     Index first, last;
     bool isWhole;  ///< true if the range covers all rows of the table, so that kernels skip the
                    ///< range check
+    const Real* addend;  ///< null: there is none
+    Offset addendStride;
+    Offset addendLength;  ///< divides `length`
 };
 
 /// A group of rows that share their columns, in panels of kLanes rows; the last panel may have

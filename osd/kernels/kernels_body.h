@@ -39,10 +39,38 @@ bool isAnyInRange(const Index* rows, Index count, const Destination<Real>& to) {
     return false;
 }
 
+/// The places in an entry of the addend that components `from` to `from` + width − 1 add.
+template <int width>
+struct AddendPlaces {
+    Offset at[width];
+
+    AddendPlaces(Offset from, Offset addendLength) {
+        if (from >= addendLength) from %= addendLength;
+        for (int c = 0; c < width; ++c) {
+            at[c] = from;
+            from = from + 1 < addendLength ? from + 1 : 0;
+        }
+    }
+};
+
+/// Writes components `from` to `from` + width − 1 of the rows of a panel, plus their addend.
+template <int width, class Real>
+void storeLanesPlusAddend(const Real (&results)[width][kLanes<Real>], const Index* rows,
+                          Index count, Offset from, const Destination<Real>& to) {
+    const AddendPlaces<width> places(from, to.addendLength);
+    for (Index lane = 0; lane < count; ++lane) {
+        if (!isInRange(rows[lane], to)) continue;
+        Real* result = to.values + rows[lane] * to.stride + from;
+        const Real* own = to.addend + rows[lane] * to.addendStride;
+        for (int c = 0; c < width; ++c) result[c] = results[c][lane] + own[places.at[c]];
+    }
+}
+
 /// Writes components `from` to `from` + width − 1 of the rows of a panel.
 template <int width, class Real>
 void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, Index count,
                 Offset from, const Destination<Real>& to) {
+    if (to.addend != nullptr) return storeLanesPlusAddend<width>(results, rows, count, from, to);
     // Stores two components at a time: one store costs as much as several additions.
     using Pair = typename PairOf<Real>::Type;
     const auto store = [&](Index lane, Offset stride) {
@@ -159,6 +187,26 @@ void evaluateComponents(const Real* weights, const Real* points, Offset pointStr
     __builtin_memcpy(result, &sum, sizeof sum);
 }
 
+/// Adds the entry `own` of the addend to all components of a result, four at a time.
+template <class Real>
+void addToRow(const Real* own, const Destination<Real>& to, Real* result) {
+    using V = typename Vector<Real, 4>::Type;
+    Offset c = 0;
+    if (to.addendLength == 3) {
+        // Points: the same three vectors follow each other.
+        const V added[3] = {{own[0], own[1], own[2], own[0]},
+                            {own[1], own[2], own[0], own[1]},
+                            {own[2], own[0], own[1], own[2]}};
+        for (int k = 0; c + 4 <= to.length; c += 4, k = k < 2 ? k + 1 : 0) {
+            V sum;
+            __builtin_memcpy(&sum, result + c, sizeof sum);
+            sum += added[k];
+            __builtin_memcpy(result + c, &sum, sizeof sum);
+        }
+    }
+    for (; c < to.length; ++c) result[c] += own[c % to.addendLength];
+}
+
 /// Evaluates a panel of few columns row by row.
 template <class Real>
 void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStride,
@@ -176,6 +224,7 @@ void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStri
             evaluateComponents<4>(weights + lane, points + c, pointStride, columnCount, result + c);
         for (; c < to.length; ++c)
             evaluateComponents<1>(weights + lane, points + c, pointStride, columnCount, result + c);
+        if (to.addend != nullptr) addToRow(to.addend + rows[lane] * to.addendStride, to, result);
     }
 }
 
@@ -256,18 +305,37 @@ void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) 
     }
 }
 
-/// Writes components `from` to `from` + width − 1 of a row.
-template <int width, class V, class Real>
-void storeRow(const V& sum, Index row, Offset from, const Destination<Real>& to) {
-    Real* result = to.values + row * to.stride + from;
-    for (int c = 0; c < width; ++c) result[c] = sum[c];
-}
+/// Writes components `from` to `from` + width − 1 of rows, plus their addend.
+template <int width, class Real>
+class RowStore {
+public:
+    RowStore(Offset from, const Destination<Real>& to)
+        : to_(to), from_(from), places_(from, to.addend != nullptr ? to.addendLength : 1) {}
+
+    template <class V>
+    void operator()(V sum, Index row) const {
+        Real* result = to_.values + row * to_.stride + from_;
+        if (to_.addend != nullptr) {
+            const Real* own = to_.addend + row * to_.addendStride;
+            V added = {};
+            for (int c = 0; c < width; ++c) added[c] = own[places_.at[c]];
+            sum += added;
+        }
+        for (int c = 0; c < width; ++c) result[c] = sum[c];
+    }
+
+private:
+    const Destination<Real>& to_;
+    Offset from_;
+    AddendPlaces<width> places_;
+};
 
 /// Evaluates components `from` to `from` + width − 1 of each row.
 template <int width, class Real>
 void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
     const Real* points = run.points + from;
+    const RowStore<width, Real> store(from, to);
     for (Index i = 0; i < run.rowCount; ++i) {
         if (!isInRange(run.rows[i], to)) continue;
         const Offset step = run.isShared ? 0 : run.length;
@@ -280,7 +348,7 @@ void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<
             odd += weights[k + 1] * at<V>(points + columns[k + 1] * run.pointStride);
         }
         if (k < run.length) even += weights[k] * at<V>(points + columns[k] * run.pointStride);
-        storeRow<width>(even + odd, run.rows[i], from, to);
+        store(even + odd, run.rows[i]);
     }
 }
 
@@ -292,13 +360,14 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     const Real* points = run.points + from;
     V weights[length];
     for (int k = 0; k < length; ++k) weights[k] = V{} + run.weights[k];
+    const RowStore<width, Real> store(from, to);
     const Index* columns = run.columns;
     for (Index i = 0; i < run.rowCount; ++i, columns += length) {
         if (!isInRange(run.rows[i], to)) continue;
         V sums[2] = {};
         for (int k = 0; k < length; ++k)
             sums[k % 2] += weights[k] * at<V>(points + columns[k] * run.pointStride);
-        storeRow<width>(sums[0] + sums[1], run.rows[i], from, to);
+        store(sums[0] + sums[1], run.rows[i]);
     }
 }
 

@@ -130,4 +130,14 @@ void copyPadded(const Real* entry, Offset length, Offset paddedStride, Real* to)
     std::fill(std::copy_n(entry, length, to), to + paddedStride, Real{0});
 }
 
+/// Adds an addend to the result of a row.
+template <class Real>
+void addTo(Real* result, Offset length, Index row, const Addend<Real>& addend) {
+    const auto& layout = addend.layout;
+    if (layout.length == 0) return;
+    const Real* const own = addend.values.data() + layout.offset + row * layout.stride;
+    for (; length > 0; length -= layout.length, result += layout.length)
+        for (Offset c = 0; c < layout.length; ++c) result[c] += own[c];
+}
+
 }  // namespace espalier::osd

@@ -42,6 +42,7 @@ __all__ = [
     "Lattice",
     "LatticeFit",
     "MemoryLimit",
+    "MeshCheck",
     "Model",
     "PointStatus",
     "PoseValidity",

@@ -21,5 +21,13 @@ TEST(InQuotes, ShortensLongTexts) {
     EXPECT_EQ(inQuotes(half + "y" + half), "'" + half + "..." + half + "'");
 }
 
+TEST(Listed, ShowsTheFirstItems) {
+    EXPECT_EQ(listed(std::vector<int>{}), "");
+    EXPECT_EQ(listed(std::vector{4}), "4");
+    EXPECT_EQ(listed(std::vector{4, 7, 9}, 3), "4, 7, 9");
+    EXPECT_EQ(listed(std::vector{4, 7, 9}, 2), "4, 7, ...");
+    EXPECT_EQ(listed(std::vector<std::string>{"a", "b"}), "a, b");
+}
+
 }  // namespace
 }  // namespace espalier

@@ -47,6 +47,8 @@ static_assert(ESPALIER_SOLID_PRISM == 0 && ESPALIER_SOLID_PYRAMID == 1 &&
                   ESPALIER_SOLID_BIPYRAMID == 2,
               "polygonal solids");
 
+static_assert(ESPALIER_FALLOFF_LINEAR == 0 && ESPALIER_FALLOFF_SMOOTH == 1, "falloffs");
+
 /* Fields follow each other, with no more padding than their alignment needs. */
 #define IS_AT(type, field, place) static_assert(offsetof(type, field) == (place), #type "." #field)
 
@@ -130,6 +132,14 @@ IS_AT(espalier_arm_options, joints, sizeof(size_t) + 24);
 IS_AT(espalier_arm_joint, radius, 24);
 IS_AT(espalier_arm_joint, twist, 32);
 static_assert(sizeof(espalier_arm_joint) == 40, "espalier_arm_joint cannot grow");
+
+IS_AT(espalier_falloff, profile, 0);
+IS_AT(espalier_falloff, radius, 8);
+static_assert(sizeof(espalier_falloff) == 16, "espalier_falloff cannot grow");
+IS_AT(espalier_pose_options, size, 0);
+IS_AT(espalier_pose_options, weights, sizeof(size_t));
+IS_AT(espalier_pose_options, center, sizeof(size_t) + sizeof(void*));
+IS_AT(espalier_pose_options, range, sizeof(size_t) + 2 * sizeof(void*));
 
 IS_AT(espalier_cells, vertex_count, 0);
 IS_AT(espalier_cells, face_count, 4);

@@ -78,7 +78,7 @@ static void test_apply(void) {
     fixture f = set_up();
     double moved[3 * POINTS];
     apply(f.binding, f.rest, moved);
-    for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(moved[i] - points[i]) < tolerance);
+    CHECK(memcmp(moved, points, sizeof points) == 0);
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) f.pose[i] = f.rest[i] + 1 + i % 3;
     apply(f.binding, f.pose, moved);
     for (int i = 0; i < 3 * POINTS; ++i)
@@ -130,6 +130,77 @@ static void test_evaluators(void) {
     CHECK(fabs(row[0] - moved[0]) < tolerance);
     espalier_evaluator_f64_destroy(f64);
     espalier_evaluator_f32_destroy(f32);
+}
+
+/* x + D · (p' − p), by espalier_binding_apply(), by evaluators in both precisions, and by
+ * evaluators of changes: with the pose at rest each point stays exactly where it is. */
+static void test_displacements(void) {
+    fixture f = set_up();
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    espalier_evaluator_f64* f64 = NULL;
+    espalier_evaluator_f32* f32 = NULL;
+    espalier_change_evaluator_f64* changes_f64 = NULL;
+    espalier_change_evaluator_f32* changes_f32 = NULL;
+    OK(espalier_evaluator_f64_create(f.table, &f64));
+    OK(espalier_evaluator_f32_create(f.table, &f32));
+    OK(espalier_change_evaluator_f64_create(f64, &changes_f64));
+    OK(espalier_change_evaluator_f32_create(f32, &changes_f32));
+
+    int32_t vertex_count = 0, point_count = 0;
+    const double *vertices = NULL, *at_rest = NULL;
+    OK(espalier_binding_rest(f.binding, &vertex_count, &vertices, &point_count, &at_rest));
+    CHECK(vertex_count == BOX_VERTICES && point_count == POINTS);
+    CHECK(memcmp(vertices, f.rest, sizeof f.rest) == 0);
+    CHECK(memcmp(at_rest, points, sizeof points) == 0);
+
+    double moved[3 * POINTS], displacements[3 * BOX_VERTICES] = {0}, result[3 * POINTS];
+    float rest_f32[3 * POINTS], displacements_f32[3 * BOX_VERTICES] = {0}, result_f32[3 * POINTS];
+    for (int i = 0; i < 3 * POINTS; ++i) rest_f32[i] = (float)points[i];
+    for (int is_moved = 0; is_moved < 2; ++is_moved) {
+        if (is_moved)
+            for (int i = 0; i < 3 * BOX_VERTICES; ++i) {
+                displacements[i] = f.pose[i] - f.rest[i];
+                displacements_f32[i] = (float)displacements[i];
+            }
+        OK(espalier_evaluator_f64_evaluate_and_add(f64, displacements, 3 * BOX_VERTICES, xyz,
+                                                   at_rest, 3 * POINTS, xyz, result, 3 * POINTS,
+                                                   xyz, 0, POINTS, NULL));
+        OK(espalier_evaluator_f32_evaluate_and_add(f32, displacements_f32, 3 * BOX_VERTICES, xyz,
+                                                   rest_f32, 3 * POINTS, xyz, result_f32,
+                                                   3 * POINTS, xyz, 0, POINTS, NULL));
+        apply(f.binding, is_moved ? f.pose : f.rest, moved);
+        for (int i = 0; i < 3 * POINTS; ++i) {
+            CHECK(fabs(result[i] - moved[i]) < tolerance);
+            CHECK(fabs((double)result_f32[i] - moved[i]) < 1e-6);
+        }
+        if (is_moved) continue;
+        CHECK(memcmp(result, points, sizeof points) == 0);
+        CHECK(memcmp(result_f32, rest_f32, sizeof rest_f32) == 0);
+    }
+    /* The first vertex goes back to rest. */
+    const int32_t changed = 0;
+    double expected[3 * POINTS];
+    float expected_f32[3 * POINTS];
+    for (int k = 0; k < 3; ++k) displacements[k] = displacements_f32[k] = 0;
+    OK(espalier_change_evaluator_f64_evaluate_and_add(changes_f64, displacements, 3 * BOX_VERTICES,
+                                                      xyz, at_rest, 3 * POINTS, xyz, result,
+                                                      3 * POINTS, xyz, 1, &changed, NULL));
+    OK(espalier_change_evaluator_f32_evaluate_and_add(
+        changes_f32, displacements_f32, 3 * BOX_VERTICES, xyz, rest_f32, 3 * POINTS, xyz,
+        result_f32, 3 * POINTS, xyz, 1, &changed, NULL));
+    OK(espalier_evaluator_f64_evaluate_and_add(f64, displacements, 3 * BOX_VERTICES, xyz, at_rest,
+                                               3 * POINTS, xyz, expected, 3 * POINTS, xyz, 0,
+                                               POINTS, NULL));
+    OK(espalier_evaluator_f32_evaluate_and_add(f32, displacements_f32, 3 * BOX_VERTICES, xyz,
+                                               rest_f32, 3 * POINTS, xyz, expected_f32, 3 * POINTS,
+                                               xyz, 0, POINTS, NULL));
+    CHECK(memcmp(result, expected, sizeof expected) == 0);
+    CHECK(memcmp(result_f32, expected_f32, sizeof expected_f32) == 0);
+    espalier_change_evaluator_f64_destroy(changes_f64);
+    espalier_change_evaluator_f32_destroy(changes_f32);
+    espalier_evaluator_f64_destroy(f64);
+    espalier_evaluator_f32_destroy(f32);
+    tear_down(&f);
 }
 
 /* Rows that depend on the moved vertices equal a whole evaluation, and no others are written. */
@@ -254,7 +325,12 @@ static void test_save_and_load(const char* path) {
     OK(espalier_binding_topology_hash(loaded, &loaded_hash));
     CHECK(hash == loaded_hash);
 
-    int32_t count = 0;
+    int32_t count = 0, vertex_count = 0;
+    const double *vertices = NULL, *at_rest = NULL;
+    OK(espalier_binding_rest(loaded, &vertex_count, &vertices, &count, &at_rest));
+    CHECK(vertex_count == BOX_VERTICES && memcmp(vertices, f.rest, sizeof f.rest) == 0);
+    CHECK(count == POINTS && memcmp(at_rest, points, sizeof points) == 0);
+
     const uint8_t* statuses = NULL;
     double residual = 0;
     INVALID(espalier_binding_statuses(loaded, &count, &statuses), "loaded");
@@ -363,6 +439,7 @@ int main(int count, char** arguments) {
     test_point_statuses();
     test_apply();
     test_evaluators();
+    test_displacements();
     test_changes();
     test_adjoint();
     test_save_and_load(arguments[1]);

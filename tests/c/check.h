@@ -2,6 +2,8 @@
 #ifndef ESPALIER_TESTS_CHECK_H
 #define ESPALIER_TESTS_CHECK_H
 
+#include <espalier_model.h>
+#include <espalier_pose.h>
 #include <espalier_shapes.h>
 #include <espalier_solve.h>
 #include <stdio.h>

@@ -52,6 +52,7 @@ static double positions[MAX_COUNT], values[MAX_COUNT];
 static float singles[MAX_COUNT], single_results[MAX_COUNT];
 static int32_t cells[MAX_COUNT];
 static const double point[MAX_COUNT] = {0.5, 0.5, 0.5};
+static const float single_point[MAX_COUNT] = {0.5f, 0.5f, 0.5f};
 static espalier_lattice* lattice;
 static espalier_refiner* refiner;
 static espalier_binding* binding;
@@ -65,6 +66,7 @@ static espalier_refiner* made_refiner;
 static espalier_binding* made_binding;
 static espalier_table* made_table;
 static espalier_validity* made_validity;
+static espalier_model* made_model;
 
 /* Counts a call, and destroys the object that it made. */
 static int record(espalier_status status) {
@@ -73,6 +75,7 @@ static int record(espalier_status status) {
     espalier_binding_destroy(made_binding), made_binding = NULL;
     espalier_table_destroy(made_table), made_table = NULL;
     espalier_validity_destroy(made_validity), made_validity = NULL;
+    espalier_model_destroy(made_model), made_model = NULL;
     ++tried;
     CHECK(status == ESPALIER_OK || status == ESPALIER_ERROR_INPUT ||
           status == ESPALIER_ERROR_MEMORY);
@@ -429,6 +432,129 @@ static void test_inventory(void) {
         }
 }
 
+static void test_poses(void) {
+    const double z[3] = {0, 0, 1}, x[3] = {1, 0, 0};
+    const int32_t zero = 0;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        const espalier_falloff falloff = {n, 1};
+        record(espalier_select_ball(1, point, z, 1, &falloff, values));
+        record(espalier_select_numbers(1, point, 1, &n, NULL, values));
+        if (n != BOX_VERTICES) {
+            REFUSES(espalier_lattice_read_pose(lattice, "none.obj", n, values));
+            REFUSES(espalier_binding_read_pose(binding, "none.obj", n, values));
+        }
+        if (n > 27) continue;
+        record(espalier_select_box(n, point, z, x, NULL, values));
+        record(espalier_select_half_space(n, point, z, x, NULL, values));
+        record(espalier_select_end(n, point, z, NULL, values));
+        record(espalier_pose_move(n, point, z, NULL, values));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        REFUSES(espalier_select_numbers(1, point, lengths[i], &zero, NULL, values));
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double d = doubles[i];
+        const double odd[6] = {0, d, 0, 1, 1, 1}, range[2] = {0, d};
+        const espalier_falloff falloff = {0, d};
+        record(espalier_select_ball(2, odd, z, d, NULL, values));
+        record(espalier_select_ball(1, point, z, 1, &falloff, values));
+        record(espalier_select_box(1, point, odd, z, NULL, values));
+        record(espalier_select_half_space(1, point, z, odd, NULL, values));
+        record(espalier_select_end(1, point, odd, NULL, values));
+        espalier_pose_options options = espalier_default_pose_options();
+        for (int field = 0; field < 4; ++field) {
+            options.center = field == 1 ? odd : NULL;
+            options.weights = field == 2 ? odd : NULL;
+            options.range = field == 3 ? range : NULL;
+            record(espalier_pose_move(2, odd, odd, &options, values));
+            record(espalier_pose_rotate(2, positions, odd, d, &options, values));
+            record(espalier_pose_scale(2, positions, odd, &options, values));
+            record(espalier_pose_twist(2, positions, z, d, &options, values));
+            record(espalier_pose_bend(2, positions, x, d, odd, &options, values));
+            record(espalier_pose_taper(2, positions, odd, d, &options, values));
+        }
+    }
+    const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX};
+    for (size_t i = 0; i < COUNT(sizes); ++i) {
+        espalier_pose_options options = espalier_default_pose_options();
+        options.size = sizes[i];
+        REFUSES(espalier_pose_move(1, point, z, &options, values));
+    }
+}
+
+static void test_models(void) {
+    static const char four[] =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    espalier_model* model = NULL;
+    espalier_polygons faces;
+    const double* points = NULL;
+    int32_t count = 0;
+    OK(espalier_model_read_bytes("four.obj", sizeof four - 1, four, &model));
+    OK(espalier_model_points(model, &count, &points));
+    OK(espalier_model_faces(model, &faces));
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        REFUSES(espalier_model_read_bytes("four.obj", lengths[i], four, &made_model));
+        espalier_polygons odd = faces;
+        odd.face_count = lengths[i];
+        REFUSES(espalier_lattice_create_cage(count, points, &odd, NULL, &made_lattice));
+        int64_t offsets[5] = {0, 3, 6, 9, lengths[i]};
+        odd = faces;
+        odd.offsets = offsets;
+        REFUSES(espalier_lattice_create_cage(count, points, &odd, NULL, &made_lattice));
+        REFUSES(espalier_lattice_marks(lattice, lengths[i], NULL, NULL, 0, NULL, NULL));
+        REFUSES(espalier_lattice_marks(lattice, 0, NULL, NULL, lengths[i], NULL, NULL));
+    }
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        if (n != count) REFUSES(espalier_model_write(model, "none.obj", n, points, NULL));
+        if (n < count)
+            REFUSES(espalier_lattice_create_cage(n, points, &faces, NULL, &made_lattice));
+        int32_t corners[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, n};
+        espalier_polygons odd = faces;
+        odd.corners = corners;
+        espalier_cage_options options = espalier_default_cage_options();
+        options.vertices = 8;
+        record(espalier_lattice_create_cage(count, points, &odd, &options, &made_lattice));
+        options.keep_apart = n;
+        options.vertices = i % 2 == 0 ? n : 8;
+        if (options.vertices < 100)
+            record(espalier_lattice_create_cage(count, points, &faces, &options, &made_lattice));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        double odd[12];
+        memcpy(odd, points, sizeof odd);
+        odd[4] = doubles[i];
+        espalier_cage_options options = espalier_default_cage_options();
+        options.vertices = 8;
+        record(espalier_lattice_create_cage(count, odd, &faces, &options, &made_lattice));
+        options.cell_size = doubles[i];
+        if (options.cell_size == 0 || options.cell_size >= 0.1)
+            record(espalier_lattice_create_cage(count, points, &faces, &options, &made_lattice));
+    }
+    espalier_model_destroy(model);
+}
+
+static void test_editing(void) {
+    int32_t count = 0;
+    const int32_t* ends = NULL;
+    const uint8_t* strata = NULL;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        record(espalier_refiner_edges(refiner, n, &count, &ends));
+        record(espalier_refiner_strata(refiner, n, 0, &count, &strata));
+        record(espalier_refiner_strata(refiner, 0, n, &count, &strata));
+        record(espalier_lattice_create_with_prism(lattice, n, point, &made_lattice));
+        record(espalier_lattice_create_with_pyramid(lattice, n, point, &made_lattice));
+        record(espalier_lattice_create_without_cells(lattice, 1, &n, &made_lattice));
+        if (n <= 8) record(espalier_lattice_create_without_cells(lattice, n, cells, &made_lattice));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0, 0, doubles[i]};
+        record(espalier_lattice_create_with_prism(lattice, 0, odd, &made_lattice));
+        record(espalier_lattice_create_with_pyramid(lattice, 0, odd, &made_lattice));
+    }
+}
+
 static void test_nested(void) {
     for (int k = 0; k < 5; ++k)
         for (size_t i = 0; i < COUNT(int32s); ++i) {
@@ -542,6 +668,20 @@ static void evaluate_all(const buffers* b, const buffers* a) {
     record(espalier_evaluator_f64_evaluate(empty_adjoint_f64, positions, a->source_size, a->source,
                                            values, a->destination_size, a->destination, a->first,
                                            a->last, NULL));
+    /* The addend has the layout of the destination. */
+    record(espalier_evaluator_f64_evaluate_and_add(
+        f64, positions, b->source_size, b->source, point, b->destination_size, b->destination,
+        values, b->destination_size, b->destination, b->first, b->last, NULL));
+    record(espalier_evaluator_f32_evaluate_and_add(
+        f32, singles, b->source_size, b->source, single_point, b->destination_size, b->destination,
+        single_results, b->destination_size, b->destination, b->first, b->last, NULL));
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    record(espalier_change_evaluator_f64_evaluate_and_add(changes_f64, positions, 81, xyz, point,
+                                                          b->destination_size, b->destination,
+                                                          values, 3, xyz, 1, &one, NULL));
+    record(espalier_change_evaluator_f32_evaluate_and_add(
+        changes_f32, singles, 81, xyz, single_point, b->destination_size, b->destination,
+        single_results, 3, xyz, 1, &one, NULL));
     record(espalier_binding_put_kept_f64(binding, values, b->destination_size, b->destination));
     record(espalier_binding_put_kept_f32(binding, single_results, b->destination_size,
                                          b->destination));
@@ -655,7 +795,7 @@ static void test_evaluators(void) {
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
     const int before = accepted;
     evaluate_all(&good, &adjoint);
-    CHECK(accepted == before + 11);
+    CHECK(accepted == before + 15);
     for (size_t i = 0; i < COUNT(int64s); ++i) {
         buffers b = good, a = adjoint;
         /* A size beyond the array is wrong, but harmless: only what the layout covers is
@@ -719,6 +859,9 @@ int main(void) {
     test_tensor();
     test_shapes();
     test_inventory();
+    test_poses();
+    test_models();
+    test_editing();
     test_nested();
     test_fit();
     test_limit_stencils();

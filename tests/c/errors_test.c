@@ -159,6 +159,11 @@ static void test_null_is_an_error(void) {
     INVALID(espalier_binding_apply(NULL, BOX_VERTICES, positions, 1, values), "binding is null");
     INVALID(espalier_binding_apply(binding, BOX_VERTICES, NULL, 1, values), "pose is null");
     INVALID(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, NULL), "points is null");
+    INVALID(espalier_binding_rest(NULL, &count, &view, &count, &view), "binding is null");
+    INVALID(espalier_binding_rest(binding, NULL, &view, &count, &view), "vertex_count is null");
+    INVALID(espalier_binding_rest(binding, &count, NULL, &count, &view), "vertices is null");
+    INVALID(espalier_binding_rest(binding, &count, &view, NULL, &view), "point_count is null");
+    INVALID(espalier_binding_rest(binding, &count, &view, &count, NULL), "points is null");
     INVALID(espalier_binding_put_kept_f64(NULL, values, 3, xyz), "binding is null");
     INVALID(espalier_binding_put_kept_f64(binding, NULL, 3, xyz), "destination is null");
     INVALID(espalier_binding_put_kept_f32(NULL, singles, 3, xyz), "binding is null");
@@ -185,6 +190,16 @@ static void test_null_is_an_error(void) {
     INVALID(espalier_evaluator_f32_evaluate(f32, singles, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
             "destination is null");
 
+    INVALID(espalier_evaluator_f64_evaluate_and_add(NULL, positions, 81, xyz, point, 3, xyz, values,
+                                                    3, xyz, 0, 1, NULL),
+            "evaluator is null");
+    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, NULL, 3, xyz, values,
+                                                    3, xyz, 0, 1, NULL),
+            "addend is null");
+    INVALID(espalier_evaluator_f32_evaluate_and_add(f32, singles, 81, xyz, NULL, 3, xyz, singles, 3,
+                                                    xyz, 0, 1, NULL),
+            "addend is null");
+
     espalier_change_evaluator_f64* changes = NULL;
     espalier_change_evaluator_f32* changes_f32 = NULL;
     INVALID(espalier_change_evaluator_f64_create(NULL, &changes), "evaluator is null");
@@ -208,6 +223,9 @@ static void test_null_is_an_error(void) {
     INVALID(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, values, 3, xyz, 1,
                                                    NULL, NULL),
             "changed is null");
+    INVALID(espalier_change_evaluator_f64_evaluate_and_add(changes, positions, 81, xyz, NULL, 3,
+                                                           xyz, values, 3, xyz, 1, &one, NULL),
+            "addend is null");
     espalier_change_evaluator_f64_destroy(changes);
 
     CHECK(progress == NULL && l == NULL && r == NULL && t == NULL && b == NULL && e == NULL &&
@@ -322,7 +340,16 @@ static void test_bad_sizes(void) {
     espalier_binding* b = NULL;
     espalier_table* t = NULL;
     const espalier_buffer_layout xyz = espalier_packed_layout(3), xy = espalier_packed_layout(2);
-    const espalier_buffer_layout senseless = {0, 3, 2};
+    const espalier_buffer_layout senseless = {0, 3, 2}, without = {0, 0, 0};
+    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, point, 3, without,
+                                                    values, 3, xyz, 0, 1, NULL),
+            "an entry cannot have 0 components");
+    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, point, 2, xyz, values,
+                                                    3, xyz, 0, 1, NULL),
+            "the addend buffer holds 2");
+    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, point, 3, xy, values,
+                                                    3, xyz, 0, 1, NULL),
+            "expected a multiple of the 2 of the addend");
     INVALID(espalier_lattice_set_positions(lattice, 26, positions), "expected 27");
     INVALID(espalier_refiner_refine(refiner, -1), "level is -1");
     INVALID(espalier_refiner_counts(refiner, 1, counts), "level 1");

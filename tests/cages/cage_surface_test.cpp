@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cages/cage_surface.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/shapes/refiner_options.h>
@@ -81,17 +82,13 @@ TEST(CageSurface, hullsHoldTheNextLevel) {
 
 /// Points at random in the box around a lattice, for models of one point each.
 std::vector<Point3> randomPoints(const Lattice& lattice, int count) {
-    Point3 low = lattice.positions.front(), high = low;
-    for (const Point3& p : lattice.positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], p[axis]);
-            high[axis] = std::max(high[axis], p[axis]);
-        }
+    const BoundingBox bounds(lattice.positions);
     std::mt19937 random(5);
     std::vector<Point3> points(count);
     for (Point3& p : points)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            p[axis] = std::uniform_real_distribution<double>(low[axis], high[axis])(random);
+            p[axis] =
+                std::uniform_real_distribution<double>(bounds.min[axis], bounds.max[axis])(random);
     return points;
 }
 
@@ -100,7 +97,7 @@ TEST(FindUncovered, coversOnlyPointsInsideAndNearlyAllOfThem) {
     const far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     const CageSurface surface(refiner);
     // Cubes are so small that nearly each point is a group of its own.
-    const PointGroups groups(randomPoints(lattice, 2000),
+    const PointGroups groups(test::fitPoints(randomPoints(lattice, 2000)),
                              CubeGrid({-2, -2, -2}, {2.5, 2, 2}, 0.04));
     const auto level = embed::bindPoints({refiner, lattice.positions}, groups.points());
     const auto limit = limit::bindLimit({refiner, lattice.positions}, groups.points());
@@ -125,7 +122,7 @@ TEST(FindUncovered, countsTheMargin) {
     const Lattice lattice = test::gridCage(test::brick(), 0.5);
     const CageSurface surface(far::TopologyRefiner(lattice.complex, refinerOptions(lattice)));
     const std::vector<Point3> centre = {{0, 0, 0}};
-    const PointGroups groups(centre, CubeGrid({-3, -3, -3}, {3, 3, 3}, 0.5));
+    const PointGroups groups(test::fitPoints(centre), CubeGrid({-3, -3, -3}, {3, 3, 3}, 0.5));
     EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 0.1), IsEmpty());
     EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 2), SizeIs(1));
 }

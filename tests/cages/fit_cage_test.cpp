@@ -1,59 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/vector3.h>
-#include <espalier/embed/local_binding.h>
-#include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_parts.h>
-#include <espalier/limit/vertex_limits.h>
-#include <espalier/shapes/refiner_options.h>
-#include <espalier/solve/validity.h>
-#include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
 
 #include "cages/fit_cage.h"
 #include "grid_cages.h"
+#include "lattice_measures.h"
 #include "support/test.h"
 #include "support/threads.h"
 
 namespace espalier::cages {
 namespace {
 
-/// Returns the volume of a lattice between the limits of the vertices of level 2. Its boundary
-/// differs from the limit by about a hundredth of a cell.
-double limitVolume(const Lattice& lattice) {
-    far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    refiner.refineUniform(2);
-    const auto positions =
-        stencils::applyLevelTable(limit::buildVertexLimits(refiner, 2), lattice.positions);
-    const far::CellComplex& complex = refiner.level(2).complex;
-    double volume = 0;
-    for (Index cell = 0; cell < complex.count(3); ++cell)
-        for (const auto& loop : far::outwardLoops(complex, CellId(cell)))
-            for (std::size_t i = 2; i < loop.size(); ++i)
-                volume +=
-                    dot(positions[loop[0]], cross(positions[loop[i - 1]], positions[loop[i]])) / 6;
-    return volume;
+Lattice fitTo(Lattice start, std::span<const Point3> points, const FitOptions& options = {}) {
+    return fitCage(std::move(start), test::fitPoints(points), options);
 }
 
-std::vector<Index> badCells(const Lattice& lattice) {
-    const far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    return solve::ValidityCheck(limit::LimitParts(refiner, 2), lattice.positions).badAtRest();
-}
-
-/// The number of points that are not inside level 3.
-Index outsideLevel(const Lattice& lattice, std::span<const Point3> points) {
-    const far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    // Without a tolerance: inside means inside.
-    embed::BindingOptions options;
-    options.embedding.tolerance = 0;
-    const auto bound = embed::bindPoints({refiner, lattice.positions}, points, options);
-    return static_cast<Index>(points.size()) - bound.count(embed::PointStatus::Inside);
-}
-
-Index outsideLimit(const Lattice& lattice, std::span<const Point3> points) {
-    const far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    const auto bound = limit::bindLimit({refiner, lattice.positions}, points);
-    return static_cast<Index>(points.size()) - bound.count(embed::PointStatus::Inside);
-}
+using test::badCells, test::limitVolume, test::outsideLevel, test::outsideLimit;
 
 /// Returns every n-th point, about `count` of them.
 std::vector<Point3> someOf(std::span<const Point3> points, std::size_t count) {
@@ -78,7 +40,7 @@ TEST_P(FitCageAround, holdsThePointsOfASolidTightly) {
     const auto points = test::pointsOf(solid, edge / 8);
     ASSERT_GE(points.size(), 5000u);
 
-    const Lattice cage = fitCage(start, points);
+    const Lattice cage = fitTo(start, points);
 
     EXPECT_THAT(badCells(cage), IsEmpty());
     EXPECT_EQ(outsideLevel(cage, points), 0);
@@ -104,10 +66,10 @@ struct Small {
 
 TEST(FitCage, doesNotDependOnThreadsAndOrder) {
     Small small;
-    const auto alone = withThreads(1, [&] { return fitCage(small.start, small.points); });
+    const auto alone = withThreads(1, [&] { return fitTo(small.start, small.points); });
     std::mt19937 random(1);
     std::shuffle(small.points.begin(), small.points.end(), random);
-    const auto shared = withThreads(4, [&] { return fitCage(small.start, small.points); });
+    const auto shared = withThreads(4, [&] { return fitTo(small.start, small.points); });
     EXPECT_EQ(alone.positions, shared.positions);
     EXPECT_NE(alone.positions, small.start.positions);
 }
@@ -115,7 +77,7 @@ TEST(FitCage, doesNotDependOnThreadsAndOrder) {
 TEST(FitCage, keepsAMargin) {
     const Small small;
     const double margin = 0.1;
-    const Lattice cage = fitCage(small.start, small.points, {.margin = margin});
+    const Lattice cage = fitTo(small.start, small.points, {.margin = margin});
     // Points as far outside the torus as the margin, less a little for the spacing of the points.
     std::vector<Point3> moved;
     for (const Point3& p : someOf(small.points, 150)) {
@@ -124,14 +86,14 @@ TEST(FitCage, keepsAMargin) {
         moved.push_back(sum(p, scaled(normalised(difference(p, centre)), 0.95 * margin)));
     }
     EXPECT_EQ(outsideLimit(cage, moved), 0);
-    EXPECT_GT(outsideLimit(fitCage(small.start, small.points), moved), 0);
+    EXPECT_GT(outsideLimit(fitTo(small.start, small.points), moved), 0);
 }
 
 TEST(FitCage, widensAStartThatIsTooSmall) {
     Small small;
     for (Point3& p : small.start.positions) p = scaled(p, 0.9);
     ASSERT_GT(outsideLevel(small.start, small.points), 0);
-    const Lattice cage = fitCage(small.start, small.points);
+    const Lattice cage = fitTo(small.start, small.points);
     EXPECT_THAT(badCells(cage), IsEmpty());
     EXPECT_EQ(outsideLevel(cage, small.points), 0);
 }
@@ -141,7 +103,7 @@ TEST(FitCage, leavesTopologyAndMarks) {
     Lattice start = small.start;
     const auto ends = start.complex.relation(1, 0)[0];
     start.marks.edges = {{{ends[0], ends[1]}, far::kInfinitelySharp}};
-    const Lattice cage = fitCage(start, small.points);
+    const Lattice cage = fitTo(start, small.points);
     EXPECT_EQ(cage.marks, start.marks);
     EXPECT_EQ(cage.complex.count(3), start.complex.count(3));
     EXPECT_EQ(outsideLevel(cage, small.points), 0);
@@ -155,10 +117,10 @@ TEST(FitCage, fitsAwayFromTheOriginAndAtAnyScale) {
     std::vector<Point3> points = small.points;
     for (Point3& p : start.positions) p = sum(scaled(p, scale), shift);
     for (Point3& p : points) p = sum(scaled(p, scale), shift);
-    const Lattice cage = fitCage(start, points);
+    const Lattice cage = fitTo(start, points);
     EXPECT_EQ(outsideLevel(cage, points), 0);
     const double volume = test::torus().volume * scale * scale * scale;
-    const double fitted = limitVolume(fitCage(small.start, small.points)) / test::torus().volume;
+    const double fitted = limitVolume(fitTo(small.start, small.points)) / test::torus().volume;
     // Iterations magnify rounding, so that the two fits differ a little.
     EXPECT_NEAR(limitVolume(cage) / volume, fitted, 0.1 * fitted);
 }
@@ -198,7 +160,7 @@ TEST(FitCage, provesOrRefusesRandomWalks) {
         const Lattice start = test::gridCage(solid, 0.25);
         SCOPED_TRACE("seed " + std::to_string(seed));
         try {
-            const Lattice cage = fitCage(start, points);
+            const Lattice cage = fitTo(start, points);
             ++proved;
             EXPECT_THAT(badCells(cage), IsEmpty());
             EXPECT_EQ(outsideLevel(cage, points), 0);
@@ -212,7 +174,7 @@ TEST(FitCage, provesOrRefusesRandomWalks) {
 TEST(FitCage, refusesBadArguments) {
     const Small small;
     const auto fit = [&](std::span<const Point3> points, const FitOptions& options = {}) {
-        return fitCage(small.start, points, options);
+        return fitTo(small.start, points, options);
     };
     const std::vector<Point3> none;
     EXPECT_THAT([&] { fit(none); }, ThrowsMessage<Error>(HasSubstr("there are no points")));
@@ -222,32 +184,36 @@ TEST(FitCage, refusesBadArguments) {
                 ThrowsMessage<Error>(HasSubstr("the margin is -1")));
     Lattice mesh;
     mesh.complex = far::buildMesh(3, std::vector<std::vector<Index>>{{0, 1, 2}});
-    EXPECT_THAT([&] { fitCage(mesh, small.points); },
+    EXPECT_THAT([&] { fitTo(mesh, small.points); },
                 ThrowsMessage<Error>(HasSubstr("not a lattice")));
     EXPECT_THAT([&] { fit(small.points, {.maxRounds = 0}); },
                 ThrowsMessage<Error>(HasSubstr("maxRounds is 0")));
+    EXPECT_THAT([&] { fit(small.points, {.maxAttempts = 5}); },
+                ThrowsMessage<Error>(HasSubstr("maxAttempts is 5")));
+    EXPECT_THAT([&] { fitCage(small.start, std::vector{FitPoint{.cell = 1000}}); },
+                ThrowsMessage<Error>(HasSubstr("point 0 belongs to cell 1000")));
     Lattice open = small.start;
     open.tags.boundary = far::Boundary::Open;
-    EXPECT_THAT([&] { fitCage(open, small.points); },
+    EXPECT_THAT([&] { fitTo(open, small.points); },
                 ThrowsMessage<Error>(HasSubstr("open boundary")));
     Lattice semiSharp = small.start;
     semiSharp.marks.vertices = {{0, 1.5}};
-    EXPECT_THAT([&] { fitCage(semiSharp, small.points); },
+    EXPECT_THAT([&] { fitTo(semiSharp, small.points); },
                 ThrowsMessage<Error>(HasSubstr("semi-sharp")));
     Lattice flat = small.start;
     for (Point3& p : flat.positions) p = {1, 2, 3};
-    EXPECT_THAT([&] { fitCage(flat, small.points); },
+    EXPECT_THAT([&] { fitTo(flat, small.points); },
                 ThrowsMessage<Error>(HasSubstr("at one place")));
     Lattice short_ = small.start;
     short_.positions.pop_back();
-    EXPECT_THAT([&] { fitCage(short_, small.points); },
+    EXPECT_THAT([&] { fitTo(short_, small.points); },
                 ThrowsMessage<Error>(HasSubstr("positions for")));
 }
 
 TEST(FitCage, namesAPointFarOutside) {
     Small small;
     small.points.push_back({50, 0, 0});
-    EXPECT_THAT([&] { fitCage(small.start, small.points); },
+    EXPECT_THAT([&] { fitTo(small.start, small.points); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("the point (50, 0, 0) is 48."),
                                            HasSubstr("outside the start lattice"))));
 }

@@ -13,6 +13,8 @@
 #include <map>
 #include <vector>
 
+#include "cages/point_groups.h"
+
 namespace espalier::test {
 
 /// A solid: its distance function is negative inside, and changes by at most the length of a step.
@@ -120,9 +122,10 @@ inline Lattice gridCage(const Solid& solid, double edge) {
         for (int y = 0; y < n[1]; ++y)
             for (int x = 0; x < n[0]; ++x)
                 for (int s = 0; s < kSamples * kSamples * kSamples && !*at(x, y, z); ++s) {
-                    const Point3 p = {origin[0] + edge * (x + (s % kSamples + 0.5) / kSamples),
-                                      origin[1] + edge * (y + (s / kSamples % kSamples + 0.5) / kSamples),
-                                      origin[2] + edge * (z + (s / (kSamples * kSamples) + 0.5) / kSamples)};
+                    const Point3 p = {
+                        origin[0] + edge * (x + (s % kSamples + 0.5) / kSamples),
+                        origin[1] + edge * (y + (s / kSamples % kSamples + 0.5) / kSamples),
+                        origin[2] + edge * (z + (s / (kSamples * kSamples) + 0.5) / kSamples)};
                     *at(x, y, z) = solid.distance(p) < edge / kSamples;
                 }
     const auto components = [](unsigned mask) {
@@ -204,6 +207,13 @@ inline Lattice gridCageOf(const Solid& solid, Index vertices, double& edge) {
         }
     }
     return best;
+}
+
+/// Returns points without a normal and without a cell.
+inline std::vector<cages::FitPoint> fitPoints(std::span<const Point3> points) {
+    std::vector<cages::FitPoint> result;
+    for (const Point3& point : points) result.push_back({.position = point});
+    return result;
 }
 
 }  // namespace espalier::test

@@ -4,6 +4,7 @@
 #include <espalier/base/vector3.h>
 #include <gtest/gtest.h>
 
+#include "grid_cages.h"
 #include "support/test.h"
 
 namespace espalier::cages {
@@ -34,7 +35,7 @@ TEST(CubeGrid, doesNotExceedItsMemory) {
 TEST(PointGroups, holdsEachPointOnce) {
     auto points = randomPoints(1000);
     const CubeGrid grid({-1, -1, -1}, {1, 1, 1}, 0.2);
-    const PointGroups groups(points, grid);
+    const PointGroups groups(test::fitPoints(points), grid);
     EXPECT_THAT(std::vector(groups.points().begin(), groups.points().end()),
                 ::testing::UnorderedElementsAreArray(points));
     for (const auto& group : groups.groups())
@@ -47,32 +48,53 @@ TEST(PointGroups, holdsEachPointOnce) {
         }
     points.insert(points.end(), points.begin(), points.end());
     std::shuffle(points.begin(), points.end(), std::mt19937(2));
-    const PointGroups again(points, grid);
+    const PointGroups again(test::fitPoints(points), grid);
     EXPECT_TRUE(std::ranges::equal(again.points(), groups.points()));
 }
 
 TEST(PointGroups, findsTheNearestGroup) {
-    const PointGroups groups(randomPoints(300), CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
+    const PointGroups groups(test::fitPoints(randomPoints(300)),
+                             CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
     for (const Point3& query : randomPoints(50)) {
         const Point3 place = scaled(query, 1.2);
         double least = 1e9;
         for (const auto& group : groups.groups())
             least = std::min(least, length(difference(group.centre, place)));
-        const Index found = groups.nearest(place, 30);
+        const Index found = groups.nearest(place, 30, [](Index) { return true; });
         ASSERT_GE(found, 0);
         EXPECT_EQ(length(difference(groups.groups()[found].centre, place)), least);
     }
     const std::vector<Point3> one = {{-0.95, -0.95, -0.95}};
-    const PointGroups far(one, CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
-    EXPECT_EQ(far.nearest({0.95, 0.95, 0.95}, 3), -1);
+    const PointGroups far(test::fitPoints(one), CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
+    EXPECT_EQ(far.nearest({0.95, 0.95, 0.95}, 3, [](Index) { return true; }), -1);
 }
 
 TEST(PointGroups, findsTheFarthestPoint) {
     const std::vector<Point3> points = {{0.01, 0, 0}, {0.02, 0, 0.05}, {0.03, 0.01, 0}};
-    const PointGroups groups(points, CubeGrid({0, 0, 0}, {1, 1, 1}, 1));
+    const PointGroups groups(test::fitPoints(points), CubeGrid({0, 0, 0}, {1, 1, 1}, 1));
     ASSERT_EQ(groups.groups().size(), 1u);
     EXPECT_EQ(groups.farthest(groups.groups()[0], {1, 0, 0}), points[2]);
     EXPECT_EQ(groups.farthest(groups.groups()[0], {0, 0, 1}), points[1]);
+}
+
+TEST(PointGroups, separatesCellsAndInnerPoints) {
+    const CubeGrid grid({0, 0, 0}, {1, 1, 1}, 1);
+    const std::vector<FitPoint> points = {
+        {.position = {0.2, 0.2, 0.2}, .normal = {0, 0, 1}, .cell = 3},
+        {.position = {0.4, 0.2, 0.2}, .normal = {0, 1, 0}, .cell = 3},
+        {.position = {0.4, 0.2, 0.2}, .normal = {0, 0, 1}, .cell = 5},
+        {.position = {0.6, 0.2, 0.2}, .normal = {0, 0, -1}, .cell = 5},
+        {.position = {0.8, 0.2, 0.2}, .cell = 5, .isInner = true}};
+    const PointGroups groups(points, grid);
+    ASSERT_EQ(groups.groups().size(), 3u);
+    EXPECT_EQ(groups.groups()[0].cell, 3);
+    // The mean of two normals at a right angle is long enough to be a direction.
+    EXPECT_NEAR(groups.groups()[0].normal[1], std::sqrt(0.5), 1e-15);
+    EXPECT_NEAR(groups.groups()[0].normal[2], std::sqrt(0.5), 1e-15);
+    EXPECT_EQ(groups.groups()[1].cell, 5);
+    EXPECT_EQ(groups.groups()[1].normal, (Point3{0, 0, 0}));  // they are opposite
+    EXPECT_TRUE(groups.groups()[2].isInner);
+    EXPECT_EQ(groups.groups()[2].low, (Point3{0.8, 0.2, 0.2}));
 }
 
 }  // namespace

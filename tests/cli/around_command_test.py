@@ -68,7 +68,7 @@ class Around(CliTest):
     def test_points_in_a_plane(self):
         self.write_model([(0, 0, 5), (1, 0, 5), (1, 1, 5), (0, 1, 5)])
         self.assertIn("all 4 points inside", self.around("model.obj"))
-        self.assertIn("model.obj: around: the points lie in a plane",
+        self.assertIn("model.obj: the points lie in a plane",
                       self.error_of("shape", "around", "model.obj", "--margin", 0, "-o", "x.ovm"))
 
     def test_the_oriented_box_of_a_turned_box_is_smaller(self):
@@ -104,13 +104,13 @@ class Around(CliTest):
                 (["--cells", 1, 2], "--cells: expected one number or three, got two"),
                 (["--size", -1], "--size"),
                 (["--size", 1, "--cells", 2], "--cells"),
-                (["--margin", -0.5], "margin")]:
+                (["--margin", -0.5], "espalier: --margin is -0.5; allowed: a fraction of 0 or more"),
+                (["--size", 1e-300], "espalier: --size is 1e-300; allowed: lengths for which")]:
             self.assertIn(message, self.error_of("shape", "around", "model.obj", *options,
-                                                 "-o", "x.ovm", code=2 if options[0] != "--margin"
-                                                 else 1))
+                                                 "-o", "x.ovm", code=2))
             self.assertFalse((self.path / "x.ovm").exists())
         self.write_model([(1, 2, 3)] * 3, "point.obj")
-        self.assertIn("point.obj: around: all points are at (1, 2, 3)",
+        self.assertIn("point.obj: all points are at (1, 2, 3)",
                       self.error_of("shape", "around", "point.obj", "-o", "x.ovm"))
 
     def test_the_output_cannot_be_a_model(self):

@@ -69,7 +69,7 @@ class Cage(CliTest):
             "each of the 27 vertices")
         self.assertRegex(
             self.error_of("apply", "model.espb", "--to", "other.obj", "-o", "out.obj"),
-            "^espalier: other.obj: is not a pose of the lattice that model.espb was bound to: it "
+            "^espalier: other.obj: is not a pose of the lattice of model.espb: it "
             "has 18 points")
 
     def test_triangles_are_refused_with_the_reason(self):
@@ -80,10 +80,14 @@ class Cage(CliTest):
             lines += [line] if words[0] == "v" else [f"f {words[1]} {words[i]} {words[i + 1]}"
                                                      for i in range(2, len(words) - 1)]
         self.put("cage.obj", "\n".join(lines) + "\n")
-        self.assertRegex(
-            self.error_of("check", "cage.obj", "--rest", "rest.ovm"),
-            "is a part of face 0 of the lattice, .* Export the mesh without splitting faces into "
-            "triangles\n$")
+        self.write_model(icosphere_points(30))
+        self.bind("model.obj", "rest.ovm", out="model.espb")
+        for command in (["check", "cage.obj", "--rest", "rest.ovm"],
+                        ["apply", "model.espb", "--to", "cage.obj", "-o", "out.obj"]):
+            self.assertRegex(
+                self.error_of(*command),
+                "is a part of face 0 of the lattice, .* Export the mesh without splitting faces "
+                "into triangles\n$")
 
     def test_a_model_deforms_by_a_cage_with_faces_of_any_direction(self):
         """Editors may begin a face at another vertex, turn it around, or leave faces out."""

@@ -40,7 +40,18 @@ class Shapes(CliTest):
         report = self.info("b.ovm", "-n", 0)
         self.assertEqual(report["bounds"], [[-1, -1, -1], [1, 1, 1]])
         self.assertEqual(report["levels"][0]["counts"]["cells"], 8)
-        self.assertIn("cells", self.error_of("shape", "box", "--cells", 0, 1, 1, "-o", "c.ovm"))
+        for options, message in [
+                (["box", "--cells", 0, 1, 1], "--cells[0] is 0; allowed: 1 or more"),
+                (["box", "--min", 1, 1, 1, "--max", 0, 0, 0],
+                 "--max[0] is 0; allowed: numbers above --min[0], which is 1"),
+                (["torus", "--minor-radius", 3],
+                 "--minor-radius is 3; allowed: numbers below --major-radius, which is 1"),
+                (["torus", "--grid", 0], "--grid is 0; allowed: 1 or more"),
+                (["arm", "--joint", 0, 0, 0, 1, "--joint", 0, 0, 0, 1],
+                 "--joint[1].position is (0, 0, 0); allowed: a position other than the one of the "
+                 "joint before")]:
+            self.assertEqual(self.error_of("shape", *options, "-o", "c.ovm", code=2),
+                             f"espalier: {message}\n")
         self.assertFalse((self.path / "c.ovm").exists())
         self.assertIn(".foo", self.error_of("shape", "box", "-o", "c.foo"))
         self.error_of("shape", "nonsense", "-o", "c.ovm", code=2)
@@ -77,16 +88,26 @@ class Shapes(CliTest):
         self.run_program("shape", "merge", "far.ovm", "a.ovm", "--allow-separate",
                          "-o", "two.vtu")
         self.assertEqual(self.error_of("shape", "merge", "two.vtu", "a.ovm", "-o", "m.vtu"),
-                         "espalier: merge: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
+                         "espalier: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
                          "each cell may be in one lattice only\n")
         self.run_program("shape", "box", "--cells", 2, 1, 1, "--max", 2, 1, 1, "-o", "row.ovm")
         self.assertRegex(self.error_of("shape", "merge", "row.ovm", "a.ovm", "-o", "m.vtu"),
-                         r"^espalier: merge: face \d+ of row.ovm, face \d of a.ovm would become one "
+                         r"^espalier: face \d+ of row.ovm, face \d of a.ovm would become one "
                          r"face of more than two cells\n$")
         self.assertRegex(self.error_of("shape", "merge", "far.ovm", "a.ovm", "--tolerance", 0.5,
                                        "-o", "m.vtu"),
-                         r"^espalier: merge: vertices \d and \d of cell 0 of far.ovm would become")
+                         r"^espalier: vertices \d and \d of cell 0 of far.ovm would become")
         self.assertFalse((self.path / "m.vtu").exists())
+
+    def test_a_file_with_the_name_of_an_option_is_no_option(self):
+        self.run_program("shape", "box", "-o", "output.vtu")
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "a.vtu")
+        self.put("a.vtu", self.text("a.vtu").replace(
+            "<PointData>", '<PointData><DataArray type="Float64" Name="t" format="ascii">'
+                           "0 0 0 0 0 0 0 0</DataArray>"))
+        for inputs in [("a.vtu", "output.vtu"), ("output.vtu", "a.vtu")]:
+            self.assertEqual(self.error_of("shape", "merge", *inputs, "-o", "c.vtu"),
+                             "espalier: output.vtu lacks attribute 't', which a.vtu has\n")
 
     def test_a_merge_does_not_replace_an_input(self):
         self.run_program("shape", "box", "-o", "a.ovm")
@@ -509,6 +530,13 @@ class Deform(CliTest):
             self.assert_close(self.read_points(names[0]), self.points, 1e-12)
             self.assert_close(self.read_points(names[1]), self.expected, 1e-12)
 
+    def test_a_number_is_no_format(self):
+        for pattern, poses, name in [("out.%04d", ["pose.vtk"], "out.0000"),
+                                     ("out", ["rest.vtu", "pose.vtk"], "out.0001")]:
+            result = self.deform("model.obj", "rest.vtu", *poses, "-n", 1, out=pattern)
+            self.assertEqual(result.stderr, "")
+            self.assertIn("\nv ", self.text(name))
+
     def test_numbered_outputs_that_are_one_file_are_refused(self):
         arguments = ["deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "pose.vtk",
                      "-n", 1, "-o", "out.obj"]
@@ -551,8 +579,9 @@ class Deform(CliTest):
                 self.run_program(*command).stderr,
                 f"espalier: warning: 1 of {count} points is outside the lattice and stays in place, "
                 "so a pose may tear the model. Use --outside nearest to move them with the nearest "
-                "cell, or make a lattice around the whole model: espalier shape around\n")
-            for option in [["--quiet"], ["--outside", "nearest"]]:
+                "cell, --outside keep if they should stay, or make a lattice around the whole model: "
+                "espalier shape around\n")
+            for option in [["--quiet"], ["--outside", "nearest"], ["--outside", "keep"]]:
                 self.assertEqual(self.run_program(*command, *option).stderr, "")
         self.write_model([(3, 3, 3), (4, 4, 4), (5, 5, 5)])
         self.assertIn("warning: 3 of 3 points are outside the lattice and stay in place. Use",
@@ -560,15 +589,42 @@ class Deform(CliTest):
         self.write_model([(.3, .3, .3), (.4, .4, .4), (.5, .5, .5)])
         self.assertEqual(self.run_program(*commands["bind"]).stderr, "")
 
-    def test_a_model_keeps_its_format(self):
+    def test_a_model_is_written_in_the_format_of_the_output(self):
         self.run_program("shape", "box", "-o", "rest.ovm")
-        self.write_model([(.5, .5, .5), (.2, .2, .3), (.3, .3, .3)])
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (p[0] + 1, p[1], p[2]))
+        square = "v .25 .25 .5\nv .75 .25 .5\nv .75 .75 .5\nv .25 .75 .5\nvn 0 0 1\n"
+        self.put("model.obj", square + "vt 0 0\nf 1/1/1 2/1/1 3/1/1 4/1/1\n")
+        result = self.deform("model.obj", "rest.ovm", "pose.ovm", out="out.stl")
         self.assertEqual(
-            self.error_of("deform", "model.obj", "--rest", "rest.ovm", "--to", "rest.ovm", "-o",
-                          "out.stl"),
-            "espalier: out.stl: a model that was read as .obj can only be written as .obj, because "
-            "everything but its coordinates is copied from its file; name the output out.obj, or "
-            "convert the model to .stl first\n")
+            result.stderr,
+            "espalier: out.stl: the .obj has data that are not written: texture coordinates, "
+            "normals (triangles have their own); 1 face is split into 2 triangles; coordinates are "
+            "rounded to single precision\n")
+        report = self.info("out.stl")
+        self.assertEqual((report["faces"], report["distinct_points"]), (2, 4))
+        self.assertEqual(report["bounds"], [[1.25, .25, .5], [1.75, .75, .5]])
+        # A bound model, too; the normal goes along with --limit.
+        self.write_pose("turned.ovm", "rest.ovm", lambda p: (p[0], -p[2], p[1]))
+        self.bind("model.obj", "rest.ovm", "--limit", out="model.espb")
+        result = self.run_program("apply", "model.espb", "--to", "turned.ovm", "-o", "out.ply")
+        self.assertEqual(result.stderr, "espalier: out.ply: the .obj has data that are not written: "
+                                        "texture coordinates\n")
+        rows = self.text("out.ply").split("end_header\n")[1].splitlines()
+        self.assert_close([tuple(map(float, row.split())) for row in rows[:4]],
+                          [(x, -.5, y, 0, -1, 0) for x, y in ((.25, .25), (.75, .25), (.75, .75),
+                                                              (.25, .75))], 1e-14)
+        self.assertEqual(rows[4:], ["4 0 1 2 3"])
+        # Each pose of several is converted.
+        self.deform("model.obj", "rest.ovm", "pose.ovm", "--to", "rest.ovm", out="out%d.vtp")
+        self.assertEqual(self.info("out1.vtp")["bounds"], [[.25, .25, .5], [.75, .75, .5]])
+        # The cells of a volume have no place in a surface. Nothing is computed, nothing written.
+        self.run_program("shape", "box", "-o", "volume.vtu")
+        self.assertEqual(
+            self.error_of("deform", "volume.vtu", "--rest", "rest.ovm", "--to", "pose.ovm", "-o",
+                          "volume.obj"),
+            "espalier: volume.obj: a .obj cannot hold 1 cell of VTK's type 12 (hexahedron) of the "
+            "model; name the output volume.vtu, or extract the surface of the model first\n")
+        self.assertFalse((self.path / "volume.obj").exists())
 
     def test_points_outside(self):
         self.write_model(self.points + [(1.5, 0.5, 0.5)])
@@ -684,8 +740,6 @@ class Deform(CliTest):
         self.assertIn("none.vtu: ", self.error_of("info", "none.vtu"))
         self.assertIn("model.xyz", self.error_of("deform", "model.xyz", "--rest", "rest.vtu",
                                                  "--to", "pose.vtk", "-o", "out.obj"))
-        self.assertIn(".obj", self.error_of("deform", "model.obj", "--rest", "rest.vtu", "--to",
-                                            "pose.vtk", "-o", "out.ply"))
 
     def test_outputs_do_not_replace_inputs(self):
         self.bind("model.obj", "rest.vtu", out="m.espb")

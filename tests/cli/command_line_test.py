@@ -95,6 +95,41 @@ class SeveralNumbers(CliTest):
                   ["--hold", -.1, -.1, -.1, .1, 1.1, 1.1, "--freeze", 1, 2],
                   ["--freeze", "1,2", "--hold", "-.1,-.1,-.1,.1,1.1,1.1"])
 
+    def test_an_argument_may_follow_numbers(self):
+        self.write_model([(.5, .5, .5), (.1, .2, .3), (.7, .2, .8)])
+        model = "model.obj"
+        self.same(["shape", "around", "ovm"], [model, "--cells", 2], ["--cells", 2, model],
+                  ["--cells=2", model], ["--cells", 2, "--", model])
+        self.same(["shape", "around", "ovm"], [model, "--cells", 1, 2, 3, "--margin", .5],
+                  ["--margin", .5, "--cells", 1, 2, 3, model], ["--cells", "1,2,3", model, "--margin", .5],
+                  ["--margin", .5, "--cells", 1, "2,3", model])
+        self.run_program("shape", "box", "-o", "rest.ovm")
+        self.same(["pose", "ovm"], ["rest.ovm", "--scale", 2, "--move", 1, 2, 3],
+                  ["--scale", 2, "rest.ovm", "--move", 1, 2, 3],
+                  ["--scale", 2, "--move", 1, 2, 3, "rest.ovm"])
+        self.same(["pose", "ovm"], ["rest.ovm", "--twist", "z", -9], ["--twist", "z", -9, "rest.ovm"])
+        for words in [("box", 0, 0, 0, 1, 1, 0), ("box", "0,0,0", "1,1,0"), ("ball", 0, 0, 0, .5),
+                      ("ball,0,0,0,.5",), ("half-space", 0, 0, .5, 0, 0, "-1"), ("end", "+z"),
+                      ("end", "-z"), ("end,+z",), ("vertices", 0, 3), ("vertices", "0,3")]:
+            self.same(["pose", "ovm"], ["rest.ovm", "--select", *words, "--move", 1, 2, 3],
+                      ["--select", *words, "rest.ovm", "--move", 1, 2, 3],
+                      ["--select", *words, "--", "rest.ovm", "--move", 1, 2, 3])
+        self.same(["pose", "ovm"], ["rest.ovm", "--select", "end", "+z", "--move", 1, 2, 3],
+                  ["--select=end,+z", "rest.ovm", "--move=1,2,3"],
+                  ["--select=end,+z", "--move=1,2,3", "rest.ovm"])
+        self.run_program("shape", "box", "-o", "rest.vtu")
+        self.put("rest.vtu", self.text("rest.vtu").replace(
+            "<PointData>", '<PointData><DataArray type="Float64" Name="t" format="ascii">'
+                           "0 0 0 0 1 1 1 1</DataArray>"))
+        self.same(["pose", "vtu"], ["rest.vtu", "--select", "attribute", "t", "--move", 1, 2, 3],
+                  ["--select", "attribute", "t", "rest.vtu", "--move", 1, 2, 3])
+        self.assertIn("--select: box 1 2: expected box X0 Y0 Z0 X1 Y1 Z1",
+                      self.error_of("pose", "--select", "box", 1, 2, "rest.ovm", "-o", "x.ovm", code=2))
+        self.same(["fit", "ovm"], [model, "--pull", .5, .5, .5, -.1, 0, 0, "--rest", "rest.ovm", "-n", 1],
+                  ["--rest", "rest.ovm", "-n", 1, "--pull", .5, .5, .5, "-.1,0,0", model])
+        self.assertIn("--move: expected the numbers X Y Z, with spaces or commas between, got rest.ovm",
+                      self.error_of("pose", "--move", 1, 2, "rest.ovm", "-o", "x.ovm", code=2))
+
     def test_wrong_numbers_are_named(self):
         names = "--min: expected the numbers X Y Z, with spaces or commas between, got"
         for numbers, message in [
@@ -217,6 +252,15 @@ class Completion(CliTest):
         self.assertEqual(self.complete("stencils", "--petsc-indices", ""), ["32", "64"])
         self.assertNotIn("mlca", self.complete("compare", "--rules", ""))
         self.assertEqual(self.complete("--completion", ""), ["bash", "zsh"])
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_zsh_finds_the_script(self):
+        # compinit reads the first lines of the scripts in $fpath.
+        script = r"""fpath=($1 $fpath); autoload -Uz compinit; compinit -u -d $2/dump
+                     print -r -- ${_comps[espalier]}; autoload +X -Uz _espalier"""
+        result = subprocess.run(["zsh", "-f", "-c", script, "zsh", COMPLETIONS, self.path],
+                                text=True, capture_output=True, timeout=60, check=False)
+        self.assertEqual((result.stdout, result.stderr), ("_espalier\n", ""))
 
     def test_names_of_files_are_left_to_the_shell(self):
         for words in (["deform", ""], ["deform", "m.obj", "--rest", ""], ["info", "sha"]):

@@ -281,6 +281,8 @@ class Files(FaultsTest):
                  ["stencils", "pipe.vtu", "--points", "link.vtu", "-o", "out.mtx"]),
                 ("pipe.vtu", "for MODEL and for --rest (also called link.vtu)",
                  ["bench", "link.vtu", *rest]),
+                ("link.vtu", "twice for MODEL" + alias("vtu"),
+                 ["shape", "around", *two, "-o", "out.ovm"]),
                 ("link.vtu", "twice for LATTICE" + alias("vtu"),
                  ["shape", "merge", *two, "-o", "out.vtu"])]:
             if command[0] == "compare" and "--html" not in self.run_program("compare", "--help").stdout:

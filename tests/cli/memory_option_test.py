@@ -53,7 +53,8 @@ class MemoryTest(CliTest):
         for size in ("0", "-1", "ten", "1XB"):
             self.assertIn("--max-memory", self.error_of("info", "box.ovm", "--max-memory", size,
                                                         code=2))
-        for command in (["info"], ["shape", "box"], ["shape", "merge"], ["refine"], ["stencils"],
+        for command in (["info"], ["shape", "box"], ["shape", "merge"], ["shape", "around"], ["pose"],
+                        ["refine"], ["stencils"],
                         ["bind"], ["apply"], ["deform"], ["bench"], ["fit"], ["check"], ["compare"]):
             self.assertIn("--max-memory", self.run_program(*command, "--help").stdout)
 
@@ -70,6 +71,12 @@ class MemoryTest(CliTest):
             "b.vtu": vtu('<DataArray type="Float32" NumberOfComponents="3" format="binary">'
                          + base64.b64encode(struct.pack("<Q", TRILLION)).decode()
                          + "</DataArray>", TRILLION),
+            "a.su2": f"NDIME= 3\nNPOIN= {TRILLION}\n0 0 0\n",
+            "a.mesh": f"MeshVersionFormatted 2\nDimension 3\nVertices {TRILLION}\n0 0 0 0\n",
+            "a.msh": f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{TRILLION}\n1 0 0 0\n",
+            "b.msh": f"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 {TRILLION} 1 1\n3 1 0 {TRILLION}\n",
+            "a.xyz": f"1\n{TRILLION} 1 1\n0 0 0\n",
+            "points": f"FoamFile {{ class vectorField; }}\n{TRILLION}\n((0 0 0))\n",
         }
         for name, text in claims.items():
             self.put(name, text)
@@ -81,6 +88,12 @@ class MemoryTest(CliTest):
                      "property float y\nproperty float z\nend_header\n0 0 0\n",
             "b.ply": f"ply\nformat binary_little_endian 1.0\nelement vertex {2**63}\n"
                      "property double x\nproperty double y\nproperty double z\nend_header\n0",
+            "c.vtk": "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET POLYDATA\n"
+                     f"POINTS {2**62} float\n0 0 0\n",
+            "d.vtk": "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n"
+                     f"0 0 0\nPOLYGONS 1 {TRILLION}\n3 0 0 0\n",
+            "c.vtp": vtu('<DataArray type="Float32" NumberOfComponents="3" format="ascii">0 0 0'
+                         "</DataArray>", TRILLION).replace("UnstructuredGrid", "PolyData"),
             "a.stl": b"binary".ljust(80) + struct.pack("<I", 2**32 - 1) + bytes(50),
         }
         self.lattice()

@@ -129,19 +129,36 @@ class Pose(CliTest):
 
     def test_wrong_options_name_themselves(self):
         for options, message in [
-                (["--twist", "w", 90], "--twist: w 90: expected an axis (x, y or z) and degrees"),
-                (["--twist", "z", "much"], "--twist: z much: expected an axis"),
-                (["--move", 1, "two", 3], "--move: 1 two 3: expected X Y Z"),
-                (["--taper", "z", -1], "--taper: taper: factor is -1; allowed: 0 or more"),
+                (["--twist", "w", 90], "--twist: expected an axis x, y or z, or with a sign: +x, -z; "
+                                       "got w"),
+                (["--twist", "z", "much"], "--twist: expected AXIS DEGREES, with spaces or commas "
+                                           "between, got much"),
+                (["--twist", "z"], "--twist: expected AXIS DEGREES"),
+                (["--falloff", "linear", "far"], "--falloff: expected linear|smooth RADIUS, with "
+                                                 "spaces or commas between, got far"),
+                (["--move", 1, "two", 3], "--move: expected the numbers X Y Z, with spaces or commas "
+                                          "between, got two"),
+                (["--move", 1, 2], "--move: expected the numbers X Y Z"),
+                (["--scale", 1, 2], "--scale: expected one factor or three, got two"),
+                (["--taper", "z", -1], "espalier: --taper: factor is -1; allowed: 0 or more"),
+                (["--range", 1, 0, "--twist", "z", 9],
+                 "espalier: --twist: range[1] is 0; allowed: numbers above range[0], which is 1"),
                 (["--select", "corner"], "--select: corner: expected box X0 Y0 Z0 X1 Y1 Z1; ball"),
                 (["--select", "box", 1, 2, 3], "--select: box 1 2 3: expected box X0 Y0 Z0"),
-                (["--select", "vertices", 45], "--select: selectNumbers: numbers[0] is 45"),
+                (["--select", "vertices", 45],
+                 "--select: vertices 45: expected numbers of vertices, 0 to 44"),
+                (["--select", "vertices", 1.5],
+                 "--select: vertices 1.5: expected numbers of vertices, 0 to 44"),
+                (["--select", "ball", 0, 0, 0, -1], "espalier: --select: radius is -1; allowed: 0"),
                 (["--select", "ball", 9, 9, 9, 1],
                  "--select: ball 9 9 9 1: expected at least one vertex there; the lattice has none"),
                 (["--falloff", "linear", 1], "give --select before --falloff"),
                 (["--select", "end", "+z", "--falloff", "steep", 1],
-                 "--falloff: steep 1: expected linear or smooth, and a radius above 0"),
-                (["--bend", "z", 30, "--toward", "z", "--bend", "z", 30], "--bend: bend: toward is")]:
+                 "--falloff: expected linear or smooth, got steep"),
+                (["--select", "end", "+z", "--falloff", "linear", 0],
+                 "--falloff: expected a radius above 0"),
+                (["--bend", "z", 30, "--toward", "z", "--bend", "z", 30],
+                 "espalier: --bend: toward is")]:
             with self.subTest(options):
                 self.assertIn(message, self.error_of("pose", "rest.ovm", *options, "-o", "x.ovm",
                                                      code=2))

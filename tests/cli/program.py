@@ -43,7 +43,7 @@ class CliTest(unittest.TestCase):
         (self.path / name).write_text(text)
 
     def run_program(self, *arguments, code=0):
-        result = subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, text=True,
+        result = subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, encoding="utf-8",
                                 capture_output=True, timeout=120)
         self.assertEqual(result.returncode, code, result.stderr)
         if code != 0:

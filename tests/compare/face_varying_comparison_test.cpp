@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/compare/agreement.h>
 #include <espalier/compare/face_varying_comparison.h>
+#include <espalier/io/lattice_file.h>
 
+#include <filesystem>
 #include <random>
+#include <set>
 
 #include "compare/shapes.h"
+#include "support/shared_data.h"
 #include "support/test.h"
 
 namespace espalier::compare {
@@ -70,6 +74,55 @@ TEST(FaceVaryingAgreement, OfEveryKindOfMesh) {
     for (const auto& [name, mesh] : meshZoo())
         if (name.find("360") == std::string::npos && mesh.tags.creasing != far::Creasing::Chaikin)
             expectFaceVaryingAgreement(name, mesh, 2);
+}
+
+/// Returns true if the faces that have one value at a vertex form several fans.
+bool hasSplitFans(const Lattice& mesh) {
+    const auto cut =
+        far::refineFaceVarying(TopologyRefiner(mesh.complex), mesh.textureCoordinates.corners,
+                               far::FaceVaryingLinear::None);
+    const far::CellComplex& complex = cut.refiner.level(0).complex;
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
+        // The faces that can be reached from the first one over edges at the vertex.
+        std::set<Index> reached = {complex.relation(0, 2)[vertex][0]};
+        for (std::size_t before = 0; before != reached.size();) {
+            before = reached.size();
+            for (const Index edge : complex.relation(0, 1)[vertex]) {
+                const auto faces = complex.relation(1, 2)[edge];
+                if (std::ranges::any_of(faces, [&](Index f) { return reached.contains(f); }))
+                    reached.insert(faces.begin(), faces.end());
+            }
+        }
+        if (reached.size() < complex.relation(0, 2)[vertex].size()) return true;
+    }
+    return false;
+}
+
+/// OpenSubdiv's regression shapes with their texture coordinates.
+TEST(FaceVaryingAgreement, OfSharedSurfaces) {
+    const std::filesystem::path folder = sharedData() / "surfaces";
+    if (!std::filesystem::exists(folder))
+        GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
+    int count = 0, tagged = 0, split = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const Lattice mesh = io::readRefinable(entry.path());
+        if (mesh.textureCoordinates.empty()) continue;
+        ++count;
+        if (mesh.tags.faceVarying) ++tagged;
+        const bool isSplit = hasSplitFans(mesh);
+        if (isSplit) ++split;
+        const TopologyRefiner refiner = refined(mesh, mesh.complex.count(2) > 1000 ? 1 : 2);
+        for (const auto& [word, linear] : far::kFaceVaryingLinearWords) {
+            // The header of refineFaceVarying() names this difference.
+            if (isSplit && linear == far::FaceVaryingLinear::None) continue;
+            for (const double difference :
+                 faceVaryingDifferences(refiner, mesh.textureCoordinates.corners, linear))
+                EXPECT_LE(difference, Bounds().weight) << entry.path() << ", " << word;
+        }
+    }
+    EXPECT_EQ(count, 22);
+    EXPECT_EQ(tagged, 1);
+    EXPECT_EQ(split, 4);
 }
 
 }  // namespace

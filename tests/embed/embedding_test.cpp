@@ -297,8 +297,8 @@ TEST(Embedding, DoesNotDependOnTheOrderOfThePoints) {
     const auto backwards = buildEmbeddingTable(refined.complex(), refined.embed(points));
     const Index last = forwards.rowCount() - 1;
     for (Index row = 0; row <= last; ++row) {
-        ASSERT_TRUE(isEqual(forwards.columns(row), backwards.columns(last - row)));
-        ASSERT_TRUE(isEqual(forwards.weights(row), backwards.weights(last - row)));
+        ASSERT_TRUE(std::ranges::equal(forwards.columns(row), backwards.columns(last - row)));
+        ASSERT_TRUE(std::ranges::equal(forwards.weights(row), backwards.weights(last - row)));
     }
     points[3000] = {9, 9, 9};
     points[4000] = {-9, -9, -9};
@@ -313,8 +313,8 @@ TEST(Embedding, RowsDoNotDependOnTheNumberOfPoints) {
     const auto all = buildEmbeddingTable(refined.complex(), refined.embed(points));
     for (std::size_t i = 0; i < points.size(); i += 50) {
         const auto one = buildEmbeddingTable(refined.complex(), refined.embed({points[i]}));
-        ASSERT_TRUE(isEqual(all.columns(Index(i)), one.columns(0)));
-        ASSERT_TRUE(isEqual(all.weights(Index(i)), one.weights(0)));
+        ASSERT_TRUE(std::ranges::equal(all.columns(Index(i)), one.columns(0)));
+        ASSERT_TRUE(std::ranges::equal(all.weights(Index(i)), one.weights(0)));
     }
 }
 

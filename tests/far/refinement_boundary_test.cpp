@@ -141,6 +141,38 @@ TEST(RefinementBoundary, ChildrenInheritFromTheirUpperEnds) {
     }
 }
 
+/// Returns the same complex without the mark that a refinement made it.
+CellComplex unmarked(const CellComplex& complex) {
+    CellComplex::Boundaries boundaries;
+    for (int d = 1; d <= complex.dimension(); ++d) boundaries[d - 1] = complex.boundary(d);
+    return CellComplex(complex.dimension(), complex.count(0), boundaries);
+}
+
+void expectSameRelations(const CellComplex& complex, const CellComplex& expected) {
+    for (int from = 0; from <= complex.dimension(); ++from)
+        for (int to = 0; to <= complex.dimension(); ++to) {
+            const Incidence &got = complex.relation(from, to), &rows = expected.relation(from, to);
+            ASSERT_EQ(got.rowCount(), rows.rowCount());
+            for (Index row = 0; row < rows.rowCount(); ++row)
+                ASSERT_TRUE(std::ranges::equal(got[row], rows[row])) << from << to << " " << row;
+        }
+}
+
+// Relations of refined complexes are written down; those of other complexes are collected from
+// faces. Refining either gives the same child.
+TEST(RefinementBoundary, RefinedComplexesHaveTheRelationsOfAnyComplex) {
+    for (const CellComplex& base : bases()) {
+        const auto kept = around(base, {0, 1, 2}, true);
+        for (const Refinement& refinement : {Refinement(base), Refinement(base, &kept)}) {
+            const CellComplex& child = refinement.child();
+            EXPECT_TRUE(child.isRefined());
+            EXPECT_FALSE(unmarked(child).isRefined());
+            expectSameRelations(child, unmarked(child));
+            expectSameRelations(Refinement(child).child(), Refinement(unmarked(child)).child());
+        }
+    }
+}
+
 TEST(Incidence, UniformRowsNeedNoOffsets) {
     const Incidence uniform = Incidence::uniform(3, {4, 5, 6, 1, 2, 0});
     Rows<Index> rows;

@@ -34,8 +34,8 @@ TEST(Star, IsThePartOfTheLevelAroundAVertex) {
                         expectSame(star.level.complex.boundary(d)[entity],
                                    whole.complex.boundary(d)[there],
                                    star.entities[std::size_t(d) - 1]);
-                        EXPECT_TRUE(isEqual(star.level.complex.boundary(d).signs(entity),
-                                            whole.complex.boundary(d).signs(there)));
+                        EXPECT_TRUE(std::ranges::equal(star.level.complex.boundary(d).signs(entity),
+                                                       whole.complex.boundary(d).signs(there)));
                         EXPECT_EQ(star.level.strata.of({d, entity}), whole.strata.of({d, there}));
                     }
                 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier.h>
+#include <espalier_pose.h>
 
 #include <cstdint>
 #include <cstring>
@@ -103,6 +103,31 @@ TEST_F(CMemory, BindingsAndEvaluators) {
         check(espalier_change_evaluator_f32_evaluate(changes.get(), pose.data(), 24, xyz,
                                                      points.data(), 9, xyz, 1, &changed, nullptr));
         return points;
+    });
+}
+
+TEST_F(CMemory, Poses) {
+    const auto own = makeLattice();
+    const auto refiner = makeRefiner(own.get());
+    const auto bound = makeBinding(refiner.get());
+    const std::string cage = (folder / "cage.obj").string();
+    check(espalier_lattice_write_cage(own.get(), cage.c_str()));
+    const double axis[] = {0, 0, 1};
+    test::failEachAllocation([&] {
+        std::vector<double> weights(8), pose(24);
+        const espalier_falloff falloff = {ESPALIER_FALLOFF_SMOOTH, 2};
+        check(espalier_select_end(8, kCorners.data(), axis, &falloff, weights.data()));
+        auto options = espalier_default_pose_options();
+        options.weights = weights.data();
+        check(espalier_pose_twist(8, kCorners.data(), axis, 0.5, &options, pose.data()));
+        check(espalier_lattice_write_cage(own.get(), cage.c_str()));
+        return pose;
+    });
+    test::failEachAllocation([&] {
+        std::vector<double> pose(24);
+        check(espalier_lattice_read_pose(own.get(), cage.c_str(), 8, pose.data()));
+        check(espalier_binding_read_pose(bound.get(), cage.c_str(), 8, pose.data()));
+        return pose;
     });
 }
 

@@ -4,6 +4,7 @@
 #include <espalier/far/topology_match.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/matrix_market.h>
+#include <espalier/io/pose_file.h>
 #include <espalier/io/targets.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/inventory.h>
@@ -99,16 +100,29 @@ TEST_F(IoMemory, Models) {
     std::string stl(80, ' ');
     stl += std::string("\1\0\0\0", 4) + std::string(50, '\0');
     std::vector<std::pair<std::string, std::string>> files = {{"b.ply", ply}, {"b.stl", stl}};
-    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"})
+    files.emplace_back("faces.obj", test::modelText(".obj", 3) + test::facesOfObj(3));
+    for (const std::string extension : test::kModelExtensions)
         files.emplace_back("a" + extension, test::modelText(extension, 3));
+    for (const std::string extension : test::kMeshExtensions)
+        files.emplace_back(test::fileOfMesh(extension), test::meshText(extension, 3));
     for (const auto& [name, bytes] : files) {
         SCOPED_TRACE(name);
         const fs::path path = folder / name;
         test::putLatticeFile(path, bytes);
         failEachAllocation([&] {
             const auto model = io::readModel(path);
-            return std::vector(model->positions().begin(), model->positions().end());
+            const io::ModelSurface surface = model->readSurface();
+            return std::tuple(std::vector(model->positions().begin(), model->positions().end()),
+                              surface.faces.corners, surface.normals);
         });
+    }
+}
+
+TEST_F(IoMemory, Cages) {
+    const Lattice rest = test::rowOfCells(2);
+    for (const char* name : {"cage.obj", "cage.ply"}) {
+        io::writeCage(folder / name, rest);
+        failEachAllocation([&] { return io::readPose(folder / name, rest); });
     }
 }
 

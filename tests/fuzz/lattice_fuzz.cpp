@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/topology_match.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/refined_lattice.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -34,6 +37,11 @@ void requireSame(const Lattice& got, const Lattice& expected) {
             "positions come back bit for bit");
     require(got.marks == expected.marks, "marks come back");
     require(got.tags == expected.tags, "tags come back");
+    const auto& textures = expected.textureCoordinates;
+    require(got.textureCoordinates.corners == textures.corners, "corners keep their textures");
+    if (!textures.empty())
+        require(test::bitsOf(got.textureCoordinates.values) == test::bitsOf(textures.values),
+                "texture coordinates come back bit for bit");
     require(got.attributes.size() == expected.attributes.size(), "attributes come back");
     for (std::size_t i = 0; i < got.attributes.size(); ++i) {
         const VertexAttribute &one = got.attributes[i], &other = expected.attributes[i];
@@ -74,10 +82,44 @@ void runLattice(const std::string& name, std::string_view bytes) {
     requireSame(io::readRefinable(name, *once), *lattice);
 }
 
+/// Refines a mesh once. Requires that each corner of its faces names a texture coordinate, that the
+/// texture coordinates stay near the texture coordinates of the file, and that the mode is kept.
+/// \param bytes the mode, and then an OBJ
+void runFaceVarying(std::string_view bytes) {
+    constexpr Index kMaxFaces = 200;  // refining more takes too long
+    Input input(bytes);
+    const auto mode = far::kFaceVaryingLinearWords[input.choice(6)].choice;
+    const auto mesh = resultOf([&] {
+        return io::readRefinable("a.obj", bytes.substr(std::min<std::size_t>(1, bytes.size())));
+    });
+    if (!mesh || mesh->textureCoordinates.empty() || mesh->complex.count(2) > kMaxFaces) return;
+    const auto refined = resultOf([&] {
+        far::TopologyRefiner refiner(mesh->complex, refinerOptions(*mesh));
+        refiner.refineUniform(1);
+        return stencils::refinedLattice(refiner, 1, *mesh, mode);
+    });
+    if (!refined) return;
+    const FaceVaryingAttribute& textures = refined->textureCoordinates;
+    require(textures.corners.size() == refined->complex.relation(2, 0).values().size(),
+            "each corner has a texture coordinate");
+    require(refined->tags.faceVarying == mode, "the refined mesh has the mode");
+    double largest = 0;
+    for (const double value : mesh->textureCoordinates.values)
+        largest = std::max(largest, std::abs(value));
+    // Weights of surfaces are at most 2 in sum of absolute values: (n - 3)/n is -2 for n = 1.
+    if (largest < 1e300)
+        for (const double value : textures.values)
+            require(std::abs(value) <= 8 * largest, "texture coordinates stay near those before");
+    for (const Index corner : textures.corners)
+        require(corner >= 0 && 2 * static_cast<std::size_t>(corner) + 1 < textures.values.size(),
+                "corners name texture coordinates");
+}
+
 const Target kOvm("ovm", [](std::string_view bytes) { runLattice("a.ovm", bytes); });
 const Target kVtu("vtu", [](std::string_view bytes) { runLattice("a.vtu", bytes); });
 const Target kVtk("vtk", [](std::string_view bytes) { runLattice("a.vtk", bytes); });
 const Target kObjMesh("obj_mesh", [](std::string_view bytes) { runLattice("a.obj", bytes); });
+const Target kFaceVarying("face_varying", runFaceVarying);
 
 }  // namespace
 }  // namespace espalier::fuzz

@@ -42,6 +42,20 @@ def lattices(espalier, folder):
                            stdout=subprocess.DEVNULL)
             put(kind, name, path.read_bytes())
     put("vtu_model", "box", (folder / "box.vtu").read_bytes())
+    for kind in ("obj", "ply"):
+        cage = folder / f"cage.{kind}"
+        subprocess.run([espalier, "refine", folder / "box.vtu", "-n", "0", "-o", cage], check=True,
+                       stdout=subprocess.DEVNULL)
+        put("cage", kind, cage.read_bytes())
+    # A surface with normals, in the formats of VTK.
+    model = folder / "model.obj"
+    model.write_text("v 0 0 0\nv 1 0.25 0\nv 0.5 0.125 0\nv 0 1 0\nvn 0 0 1\n"
+                     "f 1//1 2//1 3//1 4//1\nf 1//1 4//1 3//1\n")
+    for target, kind in (("vtp", "vtp"), ("vtk_model", "vtk"), ("vtu_model", "vtu")):
+        surface = folder / f"surface.{kind}"
+        subprocess.run([espalier, "deform", model, "--rest", folder / "box.vtu", "--to",
+                        folder / "box.vtu", "-o", surface], check=True, stdout=subprocess.DEVNULL)
+        put(target, "surface", surface.read_bytes())
 
 
 def marked_lattice():
@@ -174,6 +188,73 @@ end_header
 <Points><DataArray type="Int8" NumberOfComponents="3">0 0 0 1 2 3</DataArray></Points>
 <Cells/></Piece></UnstructuredGrid><AppendedData encoding="raw">
 _""" + numbers + b"</AppendedData></VTKFile>")
+    vtk = "# vtk DataFile Version {}\na title\n{}\nDATASET {}\n"
+    put("vtk_model", "ascii", vtk.format("2.0", "ASCII", "POLYDATA") + """FIELD f 1
+TimeValue 1 1 float
+0
+POINTS 4 float
+0 0 0 1 0 0 1 1 0 0 1 0
+VERTICES 1 2
+1 0
+LINES 1 3
+2 0 1
+POLYGONS 1 5
+4 0 1 2 3
+TRIANGLE_STRIPS 1 5
+4 0 1 2 3
+CELL_DATA 4
+SCALARS s int
+LOOKUP_TABLE default
+1 2 3 4
+POINT_DATA 4
+COLOR_SCALARS c 1
+0 0 1 1
+NORMALS n float
+0 0 1 0 0 1 nan 0 1 1 0 0
+FIELD g 1
+Tangents 3 4 double
+1 0 0 1 0 0 0 0 0 1e300 0 0
+""")
+    put("vtk_model", "offsets", vtk.format("5.1", "ASCII", "UNSTRUCTURED_GRID") + """POINTS 3 double
+0 0 0 1 0 0 0 1 0
+METADATA
+INFORMATION 0
+
+CELLS 2 3
+OFFSETS vtktypeint64
+0 3
+CONNECTIVITY vtktypeint64
+0 1 2
+CELL_TYPES 1
+5
+POINT_DATA 3
+GLOBAL_IDS i vtkIdType
+1 2 3
+""")
+    points = struct.pack(">9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+    put("vtk_model", "binary", vtk.format("3.0", "BINARY", "POLYDATA").encode() +
+        b"POINTS 3 float\n" + points + b"\nPOLYGONS 1 4\n" + struct.pack(">4i", 3, 0, 1, 2) +
+        b"\nPOINT_DATA 3\nNORMALS Normals float\n" + points + b"\n")
+    put("vtp", "pieces", """<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt64">
+<PolyData><Piece NumberOfPoints="3" NumberOfPolys="1" NumberOfStrips="1"><PointData>
+<DataArray type="Float32" Name="Normals" NumberOfComponents="3">0 0 1 0 0 1 0 0 1</DataArray>
+</PointData><Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">
+0 0 0 1 0 0 0 1 0</DataArray></Points>
+<Polys><DataArray type="Int32" Name="connectivity" format="binary">""" +
+        base64.b64encode(struct.pack("<Q3i", 48, 0, 1, 2)).decode() + """</DataArray>
+<DataArray type="Int32" Name="offsets">3</DataArray></Polys>
+<Strips><DataArray type="Int32" Name="connectivity">0 1 2</DataArray>
+<DataArray type="Int32" Name="offsets">3</DataArray></Strips></Piece>
+<Piece NumberOfPoints="1" NumberOfVerts="1"><Points><DataArray type="Float64" NumberOfComponents="3">
+5 5 5</DataArray></Points><Verts><DataArray type="Int64" Name="connectivity">0</DataArray>
+<DataArray type="Int64" Name="offsets">1</DataArray></Verts></Piece></PolyData></VTKFile>
+""")
+    squares = ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
+               "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 5 5 0\nvt 6\n"
+               "f 1/1 2/2 3/3 4/4\nf 2/-2 5/-1 6/3 3/3\n")
+    put("obj_mesh", "textures", squares + "t facevaryinginterpolateboundary 1/0/0 2\n")
+    for mode in range(6):
+        put("face_varying", f"squares-{mode}", chr(mode) + squares + "t crease 2/1/0 1 2 1.5\n")
     put("stl", "ascii", """solid thing
 facet normal 0 0 1
 outer loop
@@ -198,12 +279,72 @@ def bound_model(espalier, folder):
     bound = folder / "a.espb"
     subprocess.run([espalier, "bind", model, "--rest", cube, "-n", "1", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
-    put("espb", "cube", bound.read_bytes())
+    # seed-cube and seed-gradients are files of versions 1 and 2, which the program no longer writes.
+    put("espb", "rest", bound.read_bytes())
     # This model has normals, so the bound model has gradients.
     model.write_text("v 0.1 0.2 0.3\nv 5 5 5\nv 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n")
     subprocess.run([espalier, "bind", model, "--rest", cube, "--limit", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
-    put("espb", "gradients", bound.read_bytes())
+    put("espb", "rest-gradients", bound.read_bytes())
+
+
+def meshes():
+    points = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"]
+    lines = "\n".join(points)
+    put("su2", "tetrahedron", f"""NDIME= 3 % a comment
+NELEM= 1
+10 0 1 2 3 0
+NPOIN= 4
+{lines}
+NMARK= 1
+MARKER_TAG= wall
+MARKER_ELEMS= 1
+5 0 2 1
+""")
+    put("su2", "plane", "NZONE= 1\nIZONE= 1\nNDIME= 2\nNELEM= 1\n9 0 1 2 3\nNPOIN= 4\n0 0\n1 0\n1 1\n0 1\n")
+    put("mesh", "tetrahedron", "MeshVersionFormatted 2\nDimension 3\nVertices 4\n"
+        + "".join(f"{p} 1\n" for p in points)
+        + "Corners 1\n1\nTriangles 1\n1 3 2 0\nTetrahedra 1\n1 2 3 4 0\nEnd\n")
+    put("mesh", "plane", "MeshVersionFormatted 1 Dimension 2 # two\nVertices 3 0 0 0 1 0 0 0 1 0 "
+        "Triangles 1 1 2 3 0 EdgesP2 1 1 2 3 0")
+    numbered = "".join(f"{i + 1} {p}\n" for i, p in enumerate(points))
+    put("msh", "2", f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n{numbered}$EndNodes\n$Elements\n2\n"
+        "1 4 2 0 1 1 2 3 4\n7 2 1 0 1 3 2\n$EndElements\n")
+    put("msh", "4", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 4 3 9\n3 1 0 3\n3\n5\n9\n"
+        + "\n".join(points[:3]) + "\n2 1 1 1\n4\n0 0 1 0.5 0.5\n$EndNodes\n"
+        "$Elements\n1 1 1 1\n3 1 4 1\n1 3 5 9 4\n$EndElements\n")
+    doubles = [struct.pack("<3d", *map(float, p.split())) for p in points]
+    one = struct.pack("<i", 1)
+    put("msh", "2-binary", b"$MeshFormat\n2.2 1 8\n" + one + b"\n$EndMeshFormat\n$Nodes\n4\n"
+        + b"".join(struct.pack("<i", i + 1) + d for i, d in enumerate(doubles))
+        + b"\n$EndNodes\n$Elements\n1\n" + struct.pack("<10i", 4, 1, 2, 1, 0, 1, 1, 2, 3, 4)
+        + b"\n$EndElements\n")
+    put("msh", "4-binary", b"$MeshFormat\n4.1 1 8\n" + one + b"\n$EndMeshFormat\n$Entities\n"
+        + struct.pack("<4Q", 0, 0, 0, 0) + b"\n$EndEntities\n$Nodes\n"
+        + struct.pack("<4Q3iQ4Q", 1, 4, 1, 4, 3, 1, 0, 4, 1, 2, 3, 4) + b"".join(doubles)
+        + b"\n$EndNodes\n$Elements\n" + struct.pack("<4Q3iQ5Q", 1, 1, 1, 1, 3, 1, 4, 1, 1, 1, 2, 3, 4)
+        + b"\n$EndElements\n")
+    cube = [[(i >> axis & 1) for i in range(8)] for axis in range(3)]
+    flat = [c for axis in cube for c in axis]
+    put("plot3d", "text", "1\n2 2 2\n" + "\n".join(" ".join(map(str, axis)) for axis in cube) + "\n")
+    put("plot3d", "plane", "2, 2\n0 1.0D0 0 1\n0 0 1 1\n")
+    data = struct.pack("<24d", *flat)
+    record = lambda content: struct.pack("<i", len(content)) + content + struct.pack("<i", len(content))
+    put("plot3d", "records", record(one) + record(struct.pack("<3i", 2, 2, 2)) + record(data))
+    put("plot3d", "plain-float", struct.pack(">3i24f8i", 2, 2, 2, *flat, *8 * [1]))
+
+    def foam(kind, text, binary=False):
+        arch = b'arch "LSB;label=32;scalar=64"; ' if binary else b""
+        return (b"/* \\ */\nFoamFile { version 2.0; format " + (b"binary; " if binary else b"ascii; ") + arch
+                + b"class " + kind.encode() + b"; }\n// *\n" + text)
+
+    put("foam", "text", foam("vectorField", b"4\n(\n" + b"".join(f"({p})\n".encode() for p in points) + b")\n"))
+    put("foam", "binary", foam("vectorField", b"4\n(" + b"".join(doubles) + b")\n// end\n", True))
+    put("foam_lists", "faces", foam("faceList", b"2(3(0 1 2) 4(3 2 1 0))"))
+    put("foam_lists", "compact", foam("faceCompactList", b"2\n(" + struct.pack("<2i", 0, 3) + b")\n3\n("
+                                      + struct.pack("<3i", 0, 1, 2) + b")", True))
+    put("foam_lists", "labels", foam("labelList", b"3(7 0 2)"))
+    put("foam_lists", "uniform", foam("labelList", b"12{0}"))
 
 
 def matrices():
@@ -325,6 +466,7 @@ def main():
         bound_model(espalier, Path(folder))
     marked_lattice()
     models()
+    meshes()
     matrices()
     arrays()
     payloads()

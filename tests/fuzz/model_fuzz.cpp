@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
+#include <espalier/io/pose_file.h>
+#include <espalier/shapes/inventory.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <vector>
 
 #include "fuzz_target.h"
+#include "support/temporary_folder.h"
 #include "written.h"
 
 namespace espalier::fuzz {
@@ -22,6 +28,32 @@ std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes, std::
         }
     }
     return gradients;
+}
+
+/// Requires that a model is written in another format with all its points, or that it is refused
+/// with the reason.
+void requireConverted(const io::Model& model, const io::ModelSurface& surface,
+                      const std::string& name) {
+    const auto losses = readResult(name, [&] { return model.checkTarget(name); });
+    if (!losses) return;
+    if (!losses->empty()) requireOneLine(*losses);
+    const auto bytes = resultOf([&] {
+        return written(name, [&](const auto& path) { model.write(path, model.positions()); });
+    });
+    // Only floats may be too small for a point.
+    const bool isStl = name.ends_with(".stl");
+    require(bytes || isStl, "a model that can be converted is converted", name);
+    if (!bytes) return;
+    const auto back = io::readModel(name, *bytes);
+    const io::ModelSurface copy = back->readSurface();
+    if (isStl) {
+        require(back->positions().size() == 3 * copy.faces.count(), "an STL has triangles");
+        return;
+    }
+    require(copy.others.empty(), "a converted model has nothing but points, faces and normals");
+    if (surface.repeatsPoints) return;
+    require(std::ranges::equal(back->positions(), model.positions()), "points come back");
+    require(copy.faces.count() <= surface.faces.count(), "no face is added");
 }
 
 /// Requires that a model is refused, or is written unchanged if no point moves and all gradients
@@ -48,6 +80,9 @@ void runModel(const std::string& name, std::string_view bytes) {
     std::vector<Point3> moved(model.positions().begin(), model.positions().end());
     for (Point3& point : moved)
         for (double& coordinate : point) coordinate = coordinate / 2 + 1;
+    // A mesh of two dimensions stays in its plane.
+    if (!resultOf([&] { return writtenWith(model, moved); }))
+        for (Point3& point : moved) point[2] = 0;
     const auto requireMoved = [&](const std::string& once) {
         const auto back = io::readModel(name, once);
         require(back->hasDirections() == model.hasDirections(), "a moved model has its directions");
@@ -62,12 +97,58 @@ void runModel(const std::string& name, std::string_view bytes) {
     };
     requireMoved(writtenWith(model, moved));
     requireMoved(writtenWith(model, moved, gradientsFrom(bytes, moved.size())));
+
+    const auto surface = readResult(name, [&] { return model.readSurface(); });
+    if (!surface) return;
+    for (const Index corner : surface->faces.corners)
+        require(corner >= 0 && static_cast<std::size_t>(corner) < moved.size(),
+                "the corners of faces are points");
+    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu", ".vtp", ".vtk"})
+        if (extension != model.extension()) requireConverted(model, *surface, "b" + extension);
+}
+
+/// Requires that a cage is refused as a pose, or gives a position for each vertex.
+void runCage(std::string_view bytes) {
+    static const Lattice rest = shapes::box({.cells = {2, 1, 1}});
+    static const test::TemporaryFolder folder;
+    const auto path = folder / (bytes.starts_with("ply") ? "a.ply" : "a.obj");
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto pose = readResult(path.string(), [&] { return io::readPose(path, rest); });
+    if (!pose) return;
+    require(pose->size() == rest.positions.size(), "a pose has a position for each vertex");
+}
+
+/// Reads the faces and the cells of a mesh, also as a lattice; each is refused or valid.
+void runMesh(const std::string& name, std::string_view bytes) {
+    runModel(name, bytes);
+    const auto read = resultOf([&] { return io::readModel(name, std::string(bytes)); });
+    if (!read) return;
+    const auto pointCount = static_cast<Index>((*read)->positions().size());
+    if (const auto volume = readResult(name, [&] { return (*read)->readVolume(); })) {
+        const far::VolumeMesh& mesh = volume->mesh;
+        require(mesh.cellCount() == 0 || mesh.pointCount() == pointCount,
+                "a volume has the points of its model");
+        for (Index face = 0; face < mesh.faceCount(); ++face)
+            for (const Index point : mesh.face(face))
+                require(point >= 0 && point < pointCount, "a face names points that exist");
+    }
+    readResult(name, [&] { return (*read)->readSurface(); });
+    if (const auto lattice = readResult(name, [&] { return io::readLattice(name, bytes); }))
+        far::validate(lattice->complex);
 }
 
 const Target kObj("obj", [](std::string_view bytes) { runModel("a.obj", bytes); });
 const Target kPly("ply", [](std::string_view bytes) { runModel("a.ply", bytes); });
 const Target kStl("stl", [](std::string_view bytes) { runModel("a.stl", bytes); });
-const Target kVtuModel("vtu_model", [](std::string_view bytes) { runModel("a.vtu", bytes); });
+const Target kVtuModel("vtu_model", [](std::string_view bytes) { runMesh("a.vtu", bytes); });
+const Target kVtp("vtp", [](std::string_view bytes) { runModel("a.vtp", bytes); });
+const Target kVtkModel("vtk_model", [](std::string_view bytes) { runModel("a.vtk", bytes); });
+const Target kCage("cage", runCage);
+const Target kSu2("su2", [](std::string_view bytes) { runMesh("a.su2", bytes); });
+const Target kGmsh("msh", [](std::string_view bytes) { runMesh("a.msh", bytes); });
+const Target kMedit("mesh", [](std::string_view bytes) { runMesh("a.mesh", bytes); });
+const Target kPlot3d("plot3d", [](std::string_view bytes) { runMesh("a.xyz", bytes); });
+const Target kFoam("foam", [](std::string_view bytes) { runModel("points", bytes); });
 
 }  // namespace
 }  // namespace espalier::fuzz

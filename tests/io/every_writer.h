@@ -5,6 +5,7 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/model.h>
+#include <espalier/io/pose_file.h>
 #include <io/lattice_samples.h>
 
 #include <filesystem>
@@ -48,6 +49,8 @@ inline Lattice rowOfCells(Index count) {
     return withMarksAndAttributes(withAwkwardPositions(builder.build()));
 }
 
+inline constexpr const char* kModelExtensions[] = {".obj", ".ply", ".stl", ".vtu", ".vtp", ".vtk"};
+
 /// Returns a model of `pointCount` points, as the text of a file.
 inline std::string modelText(const std::string& extension, int pointCount) {
     std::string points, facets;
@@ -61,15 +64,63 @@ inline std::string modelText(const std::string& extension, int pointCount) {
     const std::string count = std::to_string(pointCount);
     if (extension == ".obj") return points;
     if (extension == ".stl") return "solid s\n" + facets + "endsolid s\n";
+    if (extension == ".vtk")
+        return "# vtk DataFile Version 3.0\nm\nASCII\nDATASET POLYDATA\nPOINTS " + count +
+               " double\n" + points;
     if (extension == ".ply")
         return "ply\nformat ascii 1.0\nelement vertex " + count +
                "\nproperty double x\nproperty double y\nproperty double z\nend_header\n" + points;
-    return "<VTKFile type='UnstructuredGrid' version='1.0' byte_order='LittleEndian'>\n"
-           "<UnstructuredGrid><Piece NumberOfPoints='" +
-           count +
+    const std::string type = extension == ".vtp" ? "PolyData" : "UnstructuredGrid";
+    return "<VTKFile type='" + type + "' version='1.0' byte_order='LittleEndian'>\n<" + type +
+           "><Piece NumberOfPoints='" + count +
            "' NumberOfCells='0'>\n<Points><DataArray type='Float64' NumberOfComponents='3' "
            "format='ascii'>\n" +
-           points + "</DataArray></Points><Cells/></Piece></UnstructuredGrid></VTKFile>\n";
+           points + "</DataArray></Points><Cells/></Piece></" + type + "></VTKFile>\n";
+}
+
+/// Meshes of simulations. OpenFOAM's has a name instead of an extension.
+inline constexpr const char* kMeshExtensions[] = {".su2", ".msh", ".mesh", ".xyz", "points"};
+
+/// Returns the name of a file with such an extension.
+inline std::string fileOfMesh(const std::string& extension) {
+    return (extension == "points" ? "" : "m") + extension;
+}
+
+/// Returns a mesh of `pointCount` points without cells, as the text of a file.
+inline std::string meshText(const std::string& extension, int pointCount) {
+    const std::string number = std::to_string(pointCount);
+    if (extension == ".xyz") {
+        std::string text = number + " 1 1\n";
+        for (int i = 0; i < pointCount; ++i) text += std::to_string(i) + " ";
+        for (int i = 0; i < 2 * pointCount; ++i) text += "0.5 ";
+        return text;
+    }
+    std::string text = extension == ".su2" ? "NDIME= 3\nNPOIN= " + number + "\n"
+                       : extension == ".msh"
+                           ? "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + number + "\n"
+                       : extension == ".mesh"
+                           ? "MeshVersionFormatted 2\nDimension 3\nVertices " + number + "\n"
+                           : "FoamFile { format ascii; class vectorField; }\n" + number + "\n(\n";
+    for (int i = 0; i < pointCount; ++i) {
+        const std::string point = std::to_string(i) + " 0.5 0.25";
+        text += (extension == ".msh"     ? std::to_string(i + 1) + " " + point
+                 : extension == ".mesh"  ? point + " 0"
+                 : extension == "points" ? "(" + point + ")"
+                                         : point) +
+                "\n";
+    }
+    return text + (extension == ".msh"     ? "$EndNodes\n$Elements\n0\n$EndElements\n"
+                   : extension == "points" ? ")\n"
+                                           : "");
+}
+
+/// Returns a triangle with a normal for every three points.
+inline std::string facesOfObj(int pointCount) {
+    std::string faces = "vn 0 0 1\n";
+    for (int i = 1; i <= pointCount; i += 3)
+        faces += "f " + std::to_string(i) + "//1 " + std::to_string(i + 1) + "//1 " +
+                 std::to_string(i + 2) + "//1\n";
+    return faces;
 }
 
 /// \param size number of rows, cells and points that they write; a multiple of 3
@@ -78,12 +129,29 @@ inline std::vector<Writer> everyWriter(int size) {
     const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));
     for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
         writers.push_back({name, [=](const auto& path) { io::writeLattice(path, *lattice); }});
-    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"}) {
+    for (const std::string cage : {"cage.obj", "cage.ply"})
+        writers.push_back({cage, [=](const auto& path) { io::writeCage(path, *lattice); }});
+    const std::shared_ptr<const io::Model> stl = io::readModel("a.stl", modelText(".stl", size));
+    const std::shared_ptr<const io::Model> obj =
+        io::readModel("a.obj", modelText(".obj", size) + facesOfObj(size));
+    for (const std::string extension : kModelExtensions) {
         const std::shared_ptr<const io::Model> model =
             io::readModel("a" + extension, modelText(extension, size));
         std::vector<Point3> moved(model->positions().begin(), model->positions().end());
         for (Point3& point : moved) point[2] += 0.5;
         writers.push_back({"m" + extension, [=](const auto& path) { model->write(path, moved); }});
+        // The same points, from a model in another format.
+        writers.push_back({"other" + extension, [=](const auto& path) {
+                               (extension == ".obj" ? stl : obj)->write(path, moved);
+                           }});
+    }
+    for (const std::string extension : kMeshExtensions) {
+        const std::string name = fileOfMesh(extension);
+        const std::shared_ptr<const io::Model> model =
+            io::readModel(name, meshText(extension, size));
+        std::vector<Point3> moved(model->positions().begin(), model->positions().end());
+        for (Point3& point : moved) point[2] += 0.5;
+        writers.push_back({name, [=](const auto& path) { model->write(path, moved); }});
     }
     const auto table = std::make_shared<const stencils::StencilTable<double>>(bandTable(size));
     for (const std::string& extension : io::matrixExtensions())

@@ -133,13 +133,15 @@ TEST(LatticeFiles, ExtensionChoosesTheFormat) {
 
 TEST(LatticeFiles, UnknownExtensionsAreRefused) {
     for (const char* name : {"a.stl", "a", "vtu", "a.vtu.gz"}) {
-        const auto expectRefusal = [&](auto call) {
+        const auto expectRefusal = [&](auto call, const std::string& others = "") {
             EXPECT_EQ(messageOf<io::FileError>([&] { call(); }),
                       std::string(name) +
                           ": is not of a known lattice format; expected "
-                          ".ovm, .vtu, .vtk");
+                          ".ovm, .vtu, .vtk" +
+                          others);
         };
-        expectRefusal([&] { io::readLattice(name); });
+        expectRefusal([&] { io::readLattice(name); },
+                      ", .msh, .mesh, .su2, .xyz, .p3d, .fmt or an OpenFOAM case");
         expectRefusal([&] { io::writeLattice(name, boxLattice()); });
         expectRefusal([&] { io::checkLatticeTarget(name); });
     }

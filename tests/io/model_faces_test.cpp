@@ -7,7 +7,7 @@ namespace {
 
 /// Faces as lists of their corners.
 std::vector<std::vector<Index>> facesOf(const std::string& name, const std::string& bytes) {
-    const ModelFaces faces = readModel(name, bytes)->readFaces();
+    const ModelFaces faces = readModel(name, bytes)->readSurface().faces;
     std::vector<std::vector<Index>> result;
     for (std::size_t face = 0; face < faces.count(); ++face)
         result.emplace_back(faces[face].begin(), faces[face].end());
@@ -130,7 +130,7 @@ TEST(ModelFaces, VtpHasItsPolygonsAndStrips) {
     moved[2] = {2, 3, 4};
     const auto again = readModel("b.vtp", written(*model, moved));
     EXPECT_EQ(copyOf(again->positions()), moved);
-    EXPECT_EQ(again->readFaces(), model->readFaces());
+    EXPECT_EQ(again->readSurface().faces, model->readSurface().faces);
     EXPECT_REFUSED(FileError, "PolyData", readModel("a.vtu", text));
 }
 

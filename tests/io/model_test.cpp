@@ -90,14 +90,17 @@ TEST(Model, RefusesGradientsOfWrongNumberOrNotFinite) {
     EXPECT_THAT(write, ThrowsMessage<Error>(HasSubstr("the gradient of point 2 is not finite")));
 }
 
-TEST(Model, IsNotWrittenUnderTheExtensionOfAnotherFormat) {
-    const TemporaryFolder folder;
-    const auto model = readModel("a.obj", kTriangle);
-    EXPECT_REFUSED(FileError, "read as .obj", model->write(folder / "out.PLY", model->positions()));
-    EXPECT_FALSE(std::filesystem::exists(folder / "out.PLY"));
-    EXPECT_NO_THROW(model->checkTarget(folder / "out.OBJ"));
-    EXPECT_NO_THROW(model->checkTarget("/dev/stdout"));
-    EXPECT_NO_THROW(model->checkTarget(folder / "out.backup"));
+TEST(Model, OtherExtensionsAreRefused) {
+    EXPECT_REFUSED(FileError,
+                   "a.off: is not of a known model format; expected .obj, .ply, .stl, .vtu, .vtp, "
+                   ".vtk",
+                   readModel("a.off"));
+    for (const std::string name : {"a.vtm", "a.PVTU"})
+        EXPECT_REFUSED(FileError,
+                       name +
+                           ": lists other files; name one of these files (.obj, .ply, .stl, "
+                           ".vtu, .vtp, .vtk)",
+                       readModel(name));
 }
 
 TEST(Model, SharedModelsRoundTripByteForByte) {

@@ -16,13 +16,15 @@ TEST(ObjMesh, IsWrittenAsDocumented) {
     mesh.marks.edges = {{{5, 4}, double{4.7F}}, {{1, 4}, 12}, {{0, 1}, 0}, {{1, 0}, 0.3}};
     mesh.marks.vertices = {{3, kInfinitelySharp}, {2, far::kSmooth}, {0, 1}};
     mesh.marks.holes = {1, 0, 1};
-    mesh.tags = {Boundary::EdgeOnly, Creasing::Chaikin, TriangleSubdivision::Smooth};
+    mesh.tags = {Boundary::EdgeOnly, Creasing::Chaikin, TriangleSubdivision::Smooth,
+                 far::FaceVaryingLinear::CornersPlus2};
     EXPECT_EQ(writtenMesh(mesh),
               "v 0 0 0\nv 0.1 -0 1e+300\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
               "f 4 5 2 1\nf 6 5 2 3\n"
               "t interpolateboundary 1/0/0 2\n"
               "t creasemethod 0/0/1 chaikin\n"
               "t smoothtriangles 0/0/1 smooth\n"
+              "t facevaryinginterpolateboundary 1/0/0 3\n"
               "t crease 2/1/0 0 1 0.3\n"
               "t crease 2/1/0 1 4 10\n"
               "t crease 2/1/0 4 5 4.7\n"
@@ -137,6 +139,7 @@ struct Shape {
     Index vertexCount, faceCount;
     std::size_t edges = 0, vertices = 0;
     std::optional<Boundary> boundary = {};
+    std::optional<far::FaceVaryingLinear> faceVarying = {};
 };
 
 TEST(ObjMesh, SharedSurfacesAreRead) {
@@ -152,7 +155,8 @@ TEST(ObjMesh, SharedSurfacesAreRead) {
         {"cube_corner4", {8, 6, 0, 1}},
         {"cube_creases0", {8, 6, 2, 0, Boundary::EdgeOnly}},
         {"cube_creases2", {8, 6, 12, 0, Boundary::EdgeOnly}},
-        {"cubes_infsharp", {32, 24, 18, 1, Boundary::EdgeOnly}},
+        {"cubes_infsharp",
+         {32, 24, 18, 1, Boundary::EdgeOnly, far::FaceVaryingLinear::CornersOnly}},
         {"dart_edgecorner", {25, 16, 2, 0, Boundary::Sharp}},
         {"edgecorner", {52, 28, 0, 0, Boundary::Sharp}},
         {"edgeonly", {40, 20, 0, 6, Boundary::EdgeOnly}},
@@ -176,7 +180,8 @@ TEST(ObjMesh, SharedSurfacesAreRead) {
         EXPECT_EQ(mesh.complex.count(2), shape.faceCount);
         EXPECT_EQ(mesh.marks.edges.size(), shape.edges);
         EXPECT_EQ(mesh.marks.vertices.size(), shape.vertices);
-        EXPECT_EQ(mesh.tags, RefinementTags{.boundary = shape.boundary});
+        EXPECT_EQ(mesh.tags,
+                  (RefinementTags{.boundary = shape.boundary, .faceVarying = shape.faceVarying}));
         expectSameMesh(readMesh(writtenMesh(mesh)), mesh);
     }
 }

@@ -152,14 +152,25 @@ TEST(ObjMesh, TagsSetRefinementOptions) {
               RefinementTags{.triangles = TriangleSubdivision::Catmark});
     EXPECT_EQ(tags("t smoothtriangles 0/0/1 smooth\n"),
               RefinementTags{.triangles = TriangleSubdivision::Smooth});
+    for (const auto& [word, mode] : far::kFaceVaryingLinearWords)
+        EXPECT_EQ(tags("t facevaryinginterpolateboundary 1/0/0 " +
+                       std::to_string(static_cast<int>(mode)) + "\n"),
+                  RefinementTags{.faceVarying = mode})
+            << word;
+    // OpenSubdiv numbers its modes so.
+    EXPECT_EQ(tags("t facevaryinginterpolateboundary 1/0/0 0\n").faceVarying,
+              far::FaceVaryingLinear::None);
+    EXPECT_EQ(tags("t facevaryinginterpolateboundary 1/0/0 2\n").faceVarying,
+              far::FaceVaryingLinear::CornersPlus1);
+    EXPECT_EQ(tags("t facevaryinginterpolateboundary 1/0/0 5\n").faceVarying,
+              far::FaceVaryingLinear::All);
     // The later tag wins.
     EXPECT_EQ(tags("t interpolateboundary 1/0/0 1\nt interpolateboundary 1/0/0 2\n"),
               RefinementTags{.boundary = Boundary::EdgeOnly});
 }
 
 TEST(ObjMesh, UnknownTagsAreIgnored) {
-    expectSameMesh(readMesh(kSquares + "t facevaryinginterpolateboundary 1/0/0 1\n"
-                                       "t facevaryingpropagatecorners 1/0/0 1\n"
+    expectSameMesh(readMesh(kSquares + "t facevaryingpropagatecorners 1/0/0 1\n"
                                        "t vertexedit 1/0/0\nt creases 2/1/0 0 99 x\nt Crease\n"),
                    readMesh(kSquares));
 }
@@ -243,6 +254,10 @@ TEST(ObjMesh, ErrorsNameTheLineAndTheExpectation) {
               "the tag interpolateboundary is 3; expected 0, 1 or 2"},
              {"t interpolateboundary 1/0/0 -1", "the tag interpolateboundary is -1; expected"},
              {"t interpolateboundary 0/0/0", "has counts '0/0/0'; expected 1/0/0"},
+             {"t facevaryinginterpolateboundary 1/0/0 6",
+              "the tag facevaryinginterpolateboundary is 6; expected 0 to 5"},
+             {"t facevaryinginterpolateboundary 1/0/0 -1", "is -1; expected 0 to 5"},
+             {"t facevaryinginterpolateboundary 0/0/1 all", "has counts '0/0/1'; expected 1/0/0"},
              {"t creasemethod 0/0/1 uniform",
               "the tag creasemethod is 'uniform'; expected normal or chaikin"},
              {"t creasemethod 1/0/0 1", "has counts '1/0/0'; expected 0/0/1"},

@@ -56,7 +56,7 @@ TEST(PoseFile, CagesHaveEveryFaceOfTheLattice) {
     const Lattice lattice = boxLattice();
     for (const char* name : {"cage.obj", "cage.ply"}) {
         io::writeCage(folder / name, lattice);
-        const io::ModelFaces faces = io::readModel(folder / name)->readFaces();
+        const io::ModelFaces faces = io::readModel(folder / name)->readSurface().faces;
         ASSERT_EQ(faces.count(), static_cast<std::size_t>(lattice.complex.count(2)));
         for (Index face = 0; face < lattice.complex.count(2); ++face)
             EXPECT_TRUE(std::ranges::equal(faces[face], lattice.complex.relation(2, 0)[face]));
@@ -100,6 +100,31 @@ TEST(PoseFile, FacesThatTheLatticeDoesNotHaveAreRefused) {
     EXPECT_THAT(refusalOfCage(cageWith("f 1 3 2 4\n")), HasSubstr("0, 2, 1, 3," + message));
 }
 
+TEST(PoseFile, FacesWithoutVerticesAreNamedAsSuch) {
+    const std::string head =
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
+    EXPECT_EQ(
+        refusalOfCage(head + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n0\n",
+                      "cage.ply"),
+        ": is not a pose of rest.vtu: face 0 of the file has no vertices. Export the mesh with "
+        "the faces of the lattice");
+}
+
+TEST(PoseFile, EightVerticesOfAFaceAreListed) {
+    EXPECT_THAT(refusalOfCage(cageWith("f 1 2 3 4 5 6 7 8\n")),
+                HasSubstr("of vertices 0, 1, 2, 3, 4, 5, 6, 7, is not a face"));
+    EXPECT_THAT(refusalOfCage(cageWith("f 1 2 3 4 5 6 7 8 1\n")),
+                HasSubstr("of vertices 0, 1, 2, 3, 4, 5, 6, 7, ..., is not a face"));
+}
+
+// If the time to compare a face grew as the square of its corners, this would take minutes.
+TEST(PoseFile, AFaceMayRepeatItsLowestVertexOften) {
+    std::string face = "f";
+    for (int i = 0; i < 300'000; ++i) face += " 1";
+    EXPECT_THAT(refusalOfCage(cageWith(face + " 2\n")), HasSubstr("is not a face of the lattice"));
+}
+
 TEST(PoseFile, TheNumberOfPointsMustBeTheNumberOfVertices) {
     EXPECT_EQ(refusalOfCage(cageWith("v 0 0 0\n")),
               ": is not a pose of rest.vtu: it has 9 points; expected one for each of the 8 "
@@ -121,24 +146,35 @@ TEST(PoseFile, MalformedFacesNameTheirPlace) {
               ":18: a face has the corner '8', which is not the number of a point; there are 8");
 }
 
-TEST(PoseFile, BindingsCompareTheNumberOfPointsAndTheCells) {
+TEST(PoseFile, BoundModelsCompareTheNumberOfPointsTheCellsAndTheFaces) {
     const TemporaryFolder folder;
     io::writeCage(folder / "cage.obj", cube());
     io::writeLattice(folder / "pose.ovm", cube());
-    embed::Binding binding;
+    io::BoundModel bound;
+    embed::Binding& binding = bound.binding;
     binding.topologyHash = far::topologyHash(cube().complex);
     binding.table = stencils::StencilTable<double>(8, {0}, {}, {});
     for (const char* name : {"cage.obj", "pose.ovm"})
-        EXPECT_EQ(io::readPose(folder / name, binding, "m.espb"), cube().positions);
+        EXPECT_EQ(io::readPose(folder / name, bound, "m.espb"), cube().positions);
+    // Without the faces of its lattice, a bound model accepts any.
+    putLatticeFile(folder / "other.obj", cageWith("f 1 3 2 4\n"));
+    EXPECT_EQ(io::readPose(folder / "other.obj", bound, "m.espb").back(), (Point3{2, 2, 2}));
+    bound.faces = io::facesOf(cube().complex);
+    EXPECT_EQ(io::readPose(folder / "cage.obj", bound, "m.espb"), cube().positions);
+    EXPECT_THAT(
+        messageOf<io::FileError>([&] { io::readPose(folder / "other.obj", bound, "m.espb"); }),
+        HasSubstr("other.obj: is not a pose of the lattice of m.espb: face 0 of the "
+                  "file, of vertices 0, 2, 1, 3, is not a face of the lattice"));
+    bound.faces = {};
     ++binding.topologyHash;
     EXPECT_THAT(
-        messageOf<io::FileError>([&] { io::readPose(folder / "pose.ovm", binding, "m.espb"); }),
-        HasSubstr("pose.ovm: is not a pose of the lattice that m.espb was bound to: the bound "
+        messageOf<io::FileError>([&] { io::readPose(folder / "pose.ovm", bound, "m.espb"); }),
+        HasSubstr("pose.ovm: is not a pose of the lattice of m.espb: the bound "
                   "lattice has 8 vertices, the pose 8; or their cells differ"));
     binding.table = stencils::StencilTable<double>(9, {0}, {}, {});
     EXPECT_THAT(
-        messageOf<io::FileError>([&] { io::readPose(folder / "cage.obj", binding, "m.espb"); }),
-        HasSubstr("cage.obj: is not a pose of the lattice that m.espb was bound to: it has 8 "
+        messageOf<io::FileError>([&] { io::readPose(folder / "cage.obj", bound, "m.espb"); }),
+        HasSubstr("cage.obj: is not a pose of the lattice of m.espb: it has 8 "
                   "points; expected one for each of the 9 vertices"));
 }
 

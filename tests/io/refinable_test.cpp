@@ -53,7 +53,8 @@ TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
         "lattice (3)");
     EXPECT_EQ(messageOf<io::FileError>([&] { io::readRefinable("a.stl"); }),
               "a.stl: is not of a known format of curves, meshes or lattices; "
-              "expected .obj, .ovm, .vtu, .vtk");
+              "expected .obj, .ovm, .vtu, .vtk, .msh, .mesh, .su2, .xyz, .p3d, .fmt or an "
+              "OpenFOAM case");
 }
 
 /// Lattices have no holes, and a mark that the file cannot hold is not dropped silently.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <io/replaced.h>
+
 #include "lattice_samples.h"
 
 // Tests vertices that no cell uses. ParaView and other programs write such files, and an unused
@@ -17,12 +19,6 @@ struct File {
 
     friend void PrintTo(const File& file, std::ostream* out) { *out << file.name; }
 };
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    EXPECT_NE(at, std::string::npos) << what;
-    return text.replace(at, what.size(), by);
-}
 
 const File kOvm = {"a.ovm",
                    "OVM ASCII\n"

@@ -13,7 +13,7 @@ std::string surfaceText(const std::string& type = "float") {
 }
 
 std::vector<std::vector<Index>> legacyFaces(const std::string& bytes) {
-    const ModelFaces faces = readModel("a.vtk", bytes)->readFaces();
+    const ModelFaces faces = readModel("a.vtk", bytes)->readSurface().faces;
     std::vector<std::vector<Index>> result;
     for (std::size_t face = 0; face < faces.count(); ++face)
         result.emplace_back(faces[face].begin(), faces[face].end());
@@ -24,7 +24,7 @@ TEST(VtkLegacyModel, ChangedCoordinatesAreReplacedAndAllOtherBytesStay) {
     const auto model = readModel("a.VTK", surfaceText());
     EXPECT_EQ(model->extension(), ".vtk");
     EXPECT_EQ(model->storage(), CoordinateStorage::Float);
-    EXPECT_FALSE(model->hasDirections());
+    EXPECT_TRUE(model->hasDirections());
     ASSERT_EQ(model->positions().size(), 4u);
     EXPECT_EQ(model->positions()[1], (Point3{1.5, 0, 0}));
     EXPECT_EQ(written(*model, model->positions()), surfaceText());
@@ -60,7 +60,7 @@ TEST(VtkLegacyModel, BinaryPointsAreReplacedInPlace) {
                        "TIME 1 1 double\n") +
                    bytesOf(0.5, std::endian::big) + "\nPOINTS 3 " + (isFloat ? "float" : "double") +
                    "\n" + points + "\nPOLYGONS 1 4\n" + integers({3, 2, 1, 0}) +
-                   "\nCELL_DATA 1\nanything";
+                   "\nCELL_DATA 1\nSCALARS s int\nLOOKUP_TABLE default\n" + integers({7});
         };
         const std::string before = file(numbers({0, 0, 0, 1, 0, 0, 0, 1, 0}));
         const auto model = readModel("a.vtk", before);
@@ -93,8 +93,8 @@ TEST(VtkLegacyModel, MalformedFilesAreRefusedWithTheLine) {
     EXPECT_REFUSED(FileError, "a.vtk:5: the points are of type 'int', which cannot hold a deformed",
                    readModel("a.vtk", surfaceText("int")));
     EXPECT_REFUSED(
-        FileError, "a.vtk:4: expected POINTS, got",
-        readModel("a.vtk", "# vtk DataFile Version 2.0\na\nASCII\nDATASET POLYDATA POLYGONS"));
+        FileError, "a.vtk:4: 'points,' is not a keyword that can stand here",
+        readModel("a.vtk", "# vtk DataFile Version 2.0\na\nASCII\nDATASET POLYDATA POINTS, 3"));
     std::string word = surfaceText();
     word.replace(word.find("1.50"), 4, "x");
     EXPECT_REFUSED(FileError, "a.vtk:7: ", readModel("a.vtk", word));
@@ -102,6 +102,22 @@ TEST(VtkLegacyModel, MalformedFilesAreRefusedWithTheLine) {
                    readModel("a.vtk",
                              "# vtk DataFile Version 2.0\na\nBINARY\nDATASET POLYDATA\n"
                              "POINTS 1000000000000 float\n"));
+    EXPECT_REFUSED(FileError, "a.vtk:18: 'junk' is not a keyword that can stand here",
+                   readModel("a.vtk", surfaceText() + "JUNK 4"));
+    EXPECT_REFUSED(FileError, "the data are for 3 points, but there are 4", [&] {
+        std::string text = surfaceText();
+        readModel("a.vtk", text.replace(text.find("POINT_DATA 4"), 12, "POINT_DATA 3"));
+    }());
+    EXPECT_REFUSED(FileError, "a.vtk:5: POINT_DATA stands before POINTS",
+                   readModel("a.vtk",
+                             "# vtk DataFile Version 2.0\na\nASCII\nDATASET POLYDATA\n"
+                             "POINT_DATA 0\nNORMALS n float\nPOINTS 0 float\n"));
+    EXPECT_REFUSED(FileError, "a.vtk:7: a second section POINTS",
+                   readModel("a.vtk",
+                             "# vtk DataFile Version 2.0\na\nASCII\nDATASET POLYDATA\n"
+                             "POINTS 1 float\n0 0 0\nPOINTS 1 float\n0 0 0\n"));
+    EXPECT_REFUSED(FileError, "a.vtk:4: the file ends; expected POINTS",
+                   readModel("a.vtk", "# vtk DataFile Version 2.0\na\nASCII\nDATASET POLYDATA\n"));
     // A model whose faces nobody asks for may have wrong ones.
     std::string faces = surfaceText();
     faces.replace(faces.find("3 0 2 3"), 7, "3 0 2 9");

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/model.h>
 
+#include "io/files/coding.h"
 #include "lattice_samples.h"
+#include "model_files.h"
 
 namespace espalier::test {
 namespace {
@@ -119,6 +121,29 @@ TEST(VtuModel, RefusesPointsThatAreNotFinite) {
     std::string text = twoPieces("Float32");
     text.replace(text.find("7 8 9"), 5, "7 nan 9");
     EXPECT_THROW(modelOf(text), io::FileError);
+}
+
+/// OpenFOAM 1912 claims four times the bytes of the array in its binary .vtp files. VTK reads them.
+TEST(VtuModel, ArraysMayClaimAWrongSizeIfTheTextHasTheRightOne) {
+    const auto file = [](std::int32_t claim, const std::string& more = "") {
+        std::string connectivity = bytesOf(std::uint64_t(claim), std::endian::little);
+        for (const std::int32_t point : {0, 1, 2})
+            connectivity += bytesOf(point, std::endian::little);
+        return "<VTKFile type='PolyData' byte_order='LittleEndian' header_type='UInt64'><PolyData>"
+               "<Piece NumberOfPoints='3' NumberOfPolys='1'><Points><DataArray type='Float32' "
+               "NumberOfComponents='3'>0 0 0 1 0 0 0 1 0</DataArray></Points><Polys><DataArray "
+               "type='Int32' Name='connectivity' format='binary'>\n" +
+               io::encodeBase64(connectivity + more) +
+               "\n</DataArray><DataArray type='Int32' Name='offsets'>3</DataArray></Polys>"
+               "</Piece></PolyData></VTKFile>";
+    };
+    const auto cornersOf = [](const std::string& bytes) {
+        return io::readModel("a.vtp", bytes)->readSurface().faces.corners;
+    };
+    for (const std::int32_t claim : {12, 48, 0})
+        EXPECT_EQ(cornersOf(file(claim)), (std::vector<Index>{0, 1, 2})) << claim;
+    EXPECT_REFUSED(io::FileError, "the array 'connectivity' has 12 numbers; expected 3",
+                   cornersOf(file(48, "more")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
 
 #include "support/test.h"
@@ -46,7 +47,7 @@ TEST(Binding, DisplacementsLeavePointsThatDoNotMoveExactlyWhereTheyAre) {
     Index same = 0;
     for (Index i = 0; i < std::ssize(points); ++i) {
         const auto columns = binding.table.columns(i);
-        if (std::find(columns.begin(), columns.end(), 0) == columns.end()) {
+        if (std::ranges::find(columns, 0) == columns.end()) {
             EXPECT_EQ(moved[i], points[i]);
             ++same;
         }
@@ -79,6 +80,49 @@ TEST(Binding, DisplacementsKeepDigitsFarFromTheOrigin) {
     }
     EXPECT_LT(error, 64 * 6e-8 * 0.1);  // roundings of up to 64 products of size 0.1
     EXPECT_GT(errorOfWhole, 1e-5);      // roundings of numbers of size 1000
+}
+
+// A compiled table in float, with the points at rest as its addend, rounds at the size of the
+// coordinates once: the error is half a unit in the last place, 3.1e-5 at 1000 units from the
+// origin. By D · p' it is 2e-4.
+TEST(Binding, AnAddendKeepsDigitsInFloat) {
+    Lattice box = shapes::box({.cells = {3, 3, 3}});
+    std::vector<Point3> points;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> part(0, 1);
+    for (int i = 0; i < 2000; ++i) points.push_back({part(random), part(random), part(random)});
+    for (auto* positions : {&box.positions, &points})
+        for (Point3& p : *positions) p[0] += 1000;
+    const auto exact = bindTo(box, 2, points);
+    const CompiledTable<float> compiled(stencils::convertTable<float>(exact.table));
+    auto pose = box.positions;
+    for (Point3& p : pose) p[0] += 0.1 * p[1] * p[2];
+    const auto expected = evaluateBinding(exact, {points, box.positions}, pose);
+    const auto inFloat = [](const std::vector<Point3>& positions) {
+        std::vector<float> numbers;
+        for (const Point3& p : positions)
+            for (const double x : p) numbers.push_back(static_cast<float>(x));
+        return numbers;
+    };
+    std::vector<Point3> displacements = pose;
+    for (std::size_t v = 0; v < pose.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) displacements[v][c] -= box.positions[v][c];
+    const std::vector<float> rest = inFloat(points);
+    std::vector<float> moved(rest.size()), whole(rest.size());
+    const auto xyz = BufferDescriptor::packed(3);
+    const RowRange all{0, compiled.rowCount()};
+    compiled.evaluate(inFloat(displacements), xyz, moved, xyz, all, Addend<float>::packed(rest, 3));
+    compiled.evaluate(inFloat(pose), xyz, whole, xyz, all);
+    double error = 0, errorOfWhole = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        // Relative to the point at rest as float holds it, which no evaluation can improve.
+        const double target = expected[i][0] - points[i][0] + double(rest[3 * i]);
+        error = std::max(error, std::abs(double(moved[3 * i]) - target));
+        errorOfWhole = std::max(errorOfWhole, std::abs(double(whole[3 * i]) - expected[i][0]));
+    }
+    constexpr double kUnit = 6.1e-5;  // of floats from 512 to 1024
+    EXPECT_LT(error, 0.51 * kUnit);
+    EXPECT_GT(errorOfWhole, kUnit);
 }
 
 TEST(Binding, DisplacementsNeedOnePositionForEachPointAndVertex) {

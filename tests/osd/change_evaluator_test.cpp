@@ -46,8 +46,8 @@ std::vector<Index> randomColumns(Index columnCount, std::size_t count, unsigned 
 /// Checks that after a change the destination equals a whole evaluation, bit for bit, and that only
 /// dependent rows are written.
 template <class Real>
-void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& compiled,
-                Offset length) {
+void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& compiled, Offset length,
+                const Addend<Real>& addend) {
     const ChangeEvaluator<Real> changes(compiled);
     EXPECT_EQ(changes.rowCount(), table.rowCount());
     EXPECT_EQ(changes.columnCount(), table.columnCount());
@@ -55,7 +55,7 @@ void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& comp
     auto source = randomValues<Real>(1 + table.columnCount() * from.stride, 6);
     std::vector<Real> result(2 + table.rowCount() * to.stride, 99);
     const RowRange all{0, table.rowCount()};
-    compiled.evaluate(source, from, result, to, all);
+    compiled.evaluate(source, from, result, to, all, addend);
     Workspace workspace = changes.workspace(length);
     unsigned seed = 0;
     for (const std::size_t count : {0U, 1U, 3U, 20U, 1000U}) {
@@ -65,20 +65,29 @@ void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& comp
             std::copy_n(values.begin() + Offset(i) * length, length,
                         source.begin() + from.offset + changed[i] * from.stride);
         auto expected = result;
-        compiled.evaluate(source, from, expected, to, all);
-        changes.evaluateChanged(source, from, result, to, changed, workspace);
+        compiled.evaluate(source, from, expected, to, all, addend);
+        changes.evaluateChanged(source, from, result, to, changed, workspace, addend);
         ASSERT_EQ(result, expected);
 
         const auto rows = rowsWith(table, changed);
         ASSERT_EQ(changes.rowsOf(changed), rows);
         std::vector<Real> written(result.size(), 99);
-        changes.evaluateChanged(source, from, written, to, changed);
+        changes.evaluateChanged(source, from, written, to, changed, addend);
         std::vector<Real> few(result.size(), 99);
         for (const Index row : rows)
             std::copy_n(expected.begin() + to.offset + row * to.stride, length,
                         few.begin() + to.offset + row * to.stride);
         ASSERT_EQ(written, few);
     }
+}
+
+/// Does so without an addend and with one.
+template <class Real>
+void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& compiled,
+                Offset length) {
+    expectSame(table, compiled, length, {});
+    const auto values = randomValues<Real>(table.rowCount() * length, 77);
+    expectSame(table, compiled, length, Addend<Real>::packed(values, length));
 }
 
 template <class Real>

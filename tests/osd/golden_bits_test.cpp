@@ -30,8 +30,8 @@ public:
     std::uint64_t value() const { return value_; }
 
 private:
-    void addNumber(double number) { addNumber(bitCast<std::int64_t>(number)); }
-    void addNumber(float number) { addNumber(bitCast<std::int32_t>(number)); }
+    void addNumber(double number) { addNumber(std::bit_cast<std::int64_t>(number)); }
+    void addNumber(float number) { addNumber(std::bit_cast<std::int32_t>(number)); }
     template <class Integer>
     requires std::is_integral_v<Integer>
     void addNumber(Integer number) {

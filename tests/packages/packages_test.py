@@ -104,40 +104,51 @@ class Packages(InstalledBuild):
                          *shlex.split(flags))
         self.run_program("./by-pkg-config", env=self.environment())
 
-    def test_cuda(self):
-        if not any(self.prefix.glob("lib*/**/espalier-cuda.pc")):
-            self.skipTest("built without CUDA")
-        (self.folder / "cuda").mkdir()
-        (self.folder / "cuda/main.cpp").write_text(
-            "#include <espalier/osd/cuda/cuda_evaluator.h>\n"
-            "int main() { return espalier::osd::cudaDeviceCount() >= 0 ? 0 : 1; }\n")
-        # CUDA is not enabled as a language: its headers and its compiler are not needed.
-        (self.folder / "cuda/CMakeLists.txt").write_text(
-            "cmake_minimum_required(VERSION 3.25)\nproject(cuda LANGUAGES CXX)\n"
-            "find_package(espalier REQUIRED COMPONENTS cuda)\n"
-            "add_executable(main main.cpp)\ntarget_link_libraries(main espalier::cuda)\n")
-        options = ["-S", "cuda", "-B", "cuda/build", f"-DCMAKE_PREFIX_PATH={self.prefix}"]
+    def check_optional_component(self, name, source):
+        """Builds a program of an optional component by CMake and by pkg-config, and runs it."""
+        if not any(self.prefix.glob(f"lib*/**/espalier-{name}.pc")):
+            self.skipTest(f"built without {name}")
+        (self.folder / name).mkdir()
+        (self.folder / name / "main.cpp").write_text(source)
+        (self.folder / name / "CMakeLists.txt").write_text(
+            f"cmake_minimum_required(VERSION 3.25)\nproject({name} LANGUAGES CXX)\n"
+            f"find_package(espalier REQUIRED COMPONENTS {name})\n"
+            f"add_executable(main main.cpp)\ntarget_link_libraries(main espalier::{name})\n")
+        options = ["-S", name, "-B", f"{name}/build", f"-DCMAKE_PREFIX_PATH={self.prefix}"]
         self.run_program(CMAKE, *options)
-        self.run_program(CMAKE, "--build", "cuda/build")
-        self.run_program("cuda/build/main", env=self.environment())
+        self.run_program(CMAKE, "--build", f"{name}/build")
+        self.run_program(f"{name}/build/main", env=self.environment())
 
         path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
-        flags = self.run_program("pkg-config", "--cflags", "--libs", "espalier-cuda",
+        flags = self.run_program("pkg-config", "--cflags", "--libs", f"espalier-{name}",
                                  env=self.environment(PKG_CONFIG_PATH=path))
-        self.run_program("c++", "-std=c++20", "cuda/main.cpp", "-o", "cuda/by-pkg-config",
+        self.run_program("c++", "-std=c++20", f"{name}/main.cpp", "-o", f"{name}/by-pkg-config",
                          *shlex.split(flags))
-        self.run_program("cuda/by-pkg-config", env=self.environment())
+        self.run_program(f"{name}/by-pkg-config", env=self.environment())
+
+    def test_cuda(self):
+        # CUDA is not enabled as a language: its headers and its compiler are not needed.
+        self.check_optional_component(
+            "cuda", "#include <espalier/osd/cuda/cuda_evaluator.h>\n"
+                    "int main() { return espalier::osd::cudaDeviceCount() >= 0 ? 0 : 1; }\n")
+
+    def test_cgns(self):
+        self.check_optional_component(
+            "cgns", "#include <espalier/io/cgns/cgns_model.h>\n"
+                    "int main() { espalier::io::addCgnsModels();\n"
+                    "             return espalier::io::isModelFile(\"a.cgns\") ? 0 : 1; }\n")
 
     def test_headers_of_c(self):
         path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
         flags = shlex.split(self.run_program("pkg-config", "--cflags", "--libs", "espalier-c",
                                              env=self.environment(PKG_CONFIG_PATH=path)))
         headers = sorted(path.name for path in self.prefix.glob("include/*.h"))
-        self.assertEqual(headers, ["espalier.h", "espalier_shapes.h", "espalier_solve.h"])
+        self.assertEqual(headers, ["espalier.h", "espalier_pose.h", "espalier_shapes.h",
+                                   "espalier_solve.h"])
         # Each header compiles alone, and twice, in C and in C++; the library has its functions.
-        calls = ["espalier_version()", "espalier_lattice_create_star(0, 0)",
-                 "espalier_validity_base_cell(0, 0, 0)"]
-        for header, call in zip(headers, calls):
+        calls = ["espalier_version()", "espalier_pose_twist(1, 0, 0, 1.0, 0, 0)",
+                 "espalier_lattice_create_star(0, 0)", "espalier_validity_base_cell(0, 0, 0)"]
+        for header, call in zip(headers, calls, strict=True):
             for compiler, language in (("cc", "c"), ("c++", "c++")):
                 source = self.folder / f"uses_{header}.{language}"
                 source.write_text(f"#include <{header}>\n" * 2 +

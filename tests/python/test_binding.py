@@ -2,6 +2,7 @@
 import pickle
 import struct
 import threading
+import warnings
 import zlib
 
 import numpy as np
@@ -139,12 +140,45 @@ def test_a_binding_without_a_model(tmp_path, binding, pose):
     without_model(path)
     loaded = espalier.load_binding(path)
     assert loaded.points is None
-    np.testing.assert_array_equal(loaded.deform(pose), binding.deform(pose))
+    # D · p' instead of x + D · (p' − p): both round sums of some 30 terms of about 3.
+    deformed = loaded.deform(pose)
+    np.testing.assert_allclose(deformed, binding.deform(pose), atol=1e-13)
     pickled = pickle.loads(pickle.dumps(loaded))
     assert pickled.points is None
-    np.testing.assert_array_equal(pickled.deform(pose), binding.deform(pose))
+    np.testing.assert_array_equal(pickled.deform(pose), deformed)
     loaded.save(copy)
     assert copy.read_bytes() == path.read_bytes()
+
+
+def test_what_a_pose_leaves_alone_stays_as_it_was(tmp_path, rest, points):
+    points = np.concatenate([points, [(0, 0, 10)]])
+    made = espalier.bind(rest, points, level=2)
+    made.save(tmp_path / "bound.espb")
+    moved = rest.positions.copy()
+    moved[0] -= 1
+    # In float32, smaller weights do not change a coordinate of size 1.
+    columns = made.matrix[:, [0]].toarray()[:, 0] != 0
+    assert 0 < columns.sum() < len(points)
+    for binding in [made, espalier.load_binding(tmp_path / "bound.espb"),
+                    pickle.loads(pickle.dumps(made))]:
+        for dtype in (np.float64, np.float32):  # float32 holds the lattice exactly
+            at_rest = points.astype(dtype)
+            poses = np.stack([rest.positions, moved]).astype(dtype)
+            first, second = binding.deform(poses)
+            np.testing.assert_array_equal(first, at_rest)
+            np.testing.assert_array_equal((second != at_rest).any(axis=1), columns)
+
+
+def test_the_rest_pose_in_float32_leaves_all_points_as_they_were():
+    # float32 can hold neither 0.1 nor 1000.1, so a pose must be compared with the rest in float32.
+    rest = espalier.shapes.box(min=(0.1, 0.1, 999.1), max=(1.1, 1.1, 1000.1), cells=(2, 2, 2))
+    assert (rest.positions.astype(np.float32) != rest.positions).any()
+    points = np.random.default_rng(8).uniform((.2, .2, 999.2), (1, 1, 1000), (200, 3))
+    for limit in False, True:
+        binding = espalier.bind(rest, points, limit=limit)
+        np.testing.assert_array_equal(binding.deform(rest.positions.astype(np.float32)),
+                                      points.astype(np.float32))
+        np.testing.assert_array_equal(binding.deform(rest.positions), points)
 
 
 def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, points):
@@ -153,12 +187,13 @@ def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, p
     (tmp_path / "model.obj").write_text("\n".join([*lines, "vn 0 0 1", "f 1//1 2//1 3//1", ""]))
     model = espalier.read_model(tmp_path / "model.obj")
     first, copy = tmp_path / "first.espb", tmp_path / "copy.espb"
-    for binding, version in [(espalier.bind(rest, model, limit=True), 2),
-                             (espalier.bind(rest, model), 3),
-                             (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
-                                            limit=True), 3)]:
+    for binding, has_gradients in [(espalier.bind(rest, model, limit=True), 1),
+                                   (espalier.bind(rest, model), 0),
+                                   (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
+                                                  limit=True), 0)]:
         binding.save(first)
-        assert first.read_bytes()[8] == version
+        assert first.read_bytes()[8] == 4  # the version
+        assert first.read_bytes()[12] == has_gradients
         for other in [espalier.load_binding(first), pickle.loads(pickle.dumps(binding))]:
             other.save(copy)
             assert copy.read_bytes() == first.read_bytes()
@@ -197,6 +232,28 @@ def test_models(tmp_path, rest, points, pose):
     np.testing.assert_array_equal(espalier.load_binding(tmp_path / "model.espb").points, points)
     with pytest.raises(ValueError, match="^positions: expected an array of shape \\(500, 3\\)"):
         model.write(tmp_path / "deformed.obj", points[1:])
+
+
+def test_models_are_written_in_other_formats(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n")
+    model = espalier.read_model(tmp_path / "a.obj")
+    with pytest.warns(UserWarning, match="b.ply: the .obj has data that are not written: texture "
+                                         "coordinates$"):
+        model.write(tmp_path / "b.ply", model.positions + 1)
+    np.testing.assert_array_equal(espalier.read_model(tmp_path / "b.ply").positions,
+                                  model.positions + 1)
+    # A warning that is an error leaves no file.
+    with warnings.catch_warnings(), pytest.raises(UserWarning):
+        warnings.simplefilter("error")
+        model.write(tmp_path / "c.ply", model.positions)
+    assert not (tmp_path / "c.ply").exists()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        espalier.read_model(tmp_path / "b.ply").write(tmp_path / "d.vtk", model.positions)
+    assert (tmp_path / "d.vtk").read_text().endswith("POLYGONS 1 5\n4 0 1 2 3\n")
+    (tmp_path / "cloud.obj").write_text("v 0 0 0\n")
+    with pytest.raises(ValueError, match="a .stl consists of triangles, and the model has no faces"):
+        espalier.read_model(tmp_path / "cloud.obj").write(tmp_path / "e.stl", [(0, 0, 0)])
 
 
 def test_one_binding_for_many_threads(binding, pose, rest, points):

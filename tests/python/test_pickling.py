@@ -26,12 +26,13 @@ def assert_same_arrays(one, other):
 def everything_of(lattice):
     return (lattice.dimension, lattice.counts, lattice.faces, lattice.cells,
             lattice.edge_sharpness, lattice.vertex_sharpness, lattice.tags,
-            list(lattice.attributes))
+            list(lattice.attributes), lattice.texture_corners)
 
 
 def arrays_of(lattice):
     return {"positions": lattice.positions, "edges": lattice.edges,
-            "boundary": lattice.boundary_faces, **lattice.attributes}
+            "boundary": lattice.boundary_faces, "textures": lattice.texture_coordinates,
+            **lattice.attributes}
 
 
 @pytest.mark.parametrize("lattice", [
@@ -43,6 +44,11 @@ def arrays_of(lattice):
     espalier.refine(shapes.star(core="polygon"), 2),
     espalier.Lattice.mesh(CUBE, [[0, 3, 2, 1], [0, 1, 5, 4], [4, 5, 6]], holes=[1]),
     espalier.Lattice.mesh(CUBE, [[0, 1, 2], [0, 1, 3], [1, 0, 4]]),  # three faces on an edge
+    espalier.Lattice.mesh(CUBE, [[0, 1, 2], [0, 2, 3]], texture_coordinates=np.eye(7)[:, :2] / 3,
+                          texture_corners=[[0, 1, 2], [6, 5, 3]]),
+    espalier.refine(espalier.Refiner(
+        espalier.Lattice.mesh(CUBE, [[0, 3, 2, 1]], texture_coordinates=np.eye(4)[:, :2],
+                              texture_corners=[[0, 1, 2, 3]]), face_varying="none")),
     espalier.refine(espalier.Refiner(espalier.Lattice.mesh(CUBE, [[0, 3, 2, 1]]),
                                      boundary="edge-only", creasing="chaikin",
                                      triangles="smooth")),
@@ -122,6 +128,22 @@ def test_a_table_that_is_none(binding):
     columns, offsets, *rest = binding.table.__getstate__()
     with pytest.raises(ValueError):
         blank.__setstate__((columns, offsets[::-1], *rest))
+
+
+@pytest.mark.parametrize("change", [
+    {12: lambda corners: corners + 1},
+    {12: lambda corners: corners - 1},
+    {10: lambda rest: None},
+    {11: lambda ends: ends[::-1]},
+    {11: lambda ends: ends[:-1]},
+], ids=["vertex above all", "vertex below 0", "no rest", "ends in no order", "corners of no face"])
+def test_a_binding_whose_faces_fit_no_lattice(binding, change):
+    blank = espalier.Binding.__new__(espalier.Binding)
+    state = list(binding.__getstate__())
+    for part, changed in change.items():
+        state[part] = changed(np.array(state[part]))
+    with pytest.raises(ValueError):
+        blank.__setstate__(tuple(state))
 
 
 @pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/shapes/inventory.h>
 
 #include "lattice_checks.h"
@@ -51,16 +52,10 @@ TEST(Barbell, IsABlockWithSquareEndsAndAWideBar) {
     const Lattice lattice = barbell(blockOptions());
     // The block is barLength + 4 endRadius by 2 endRadius by height.
     EXPECT_NEAR(totalVolume(lattice), 6 * 2 * 0.5, kRounding);
-    Point3 low = lattice.positions[0];
-    Point3 high = low;
-    for (const Point3& position : lattice.positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], position[axis]);
-            high[axis] = std::max(high[axis], position[axis]);
-        }
+    const BoundingBox bounds(lattice.positions);
     // The volume equals the volume of the bounds, so the block fills its box.
-    EXPECT_EQ(low, (Point3{-3, -1, -0.25}));
-    EXPECT_EQ(high, (Point3{3, 1, 0.25}));
+    EXPECT_EQ(bounds.min, (Point3{-3, -1, -0.25}));
+    EXPECT_EQ(bounds.max, (Point3{3, 1, 0.25}));
     expectValid(lattice);
 }
 

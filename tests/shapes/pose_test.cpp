@@ -153,6 +153,28 @@ TEST(Pose, ABendOfNothingIsExact) {
     expectNear(bend(points, kZ, 1e-12, kX), points, 1e-11);
 }
 
+// What an operation leaves alone stays as it was, to the last digit: positions below the range, and
+// coordinates along an axis of rotation.
+TEST(Pose, PositionsWithoutEffectStayBitForBit) {
+    const auto points = cloud(5);
+    const Place upper{.center = Point3{0.1, 0.2, 0.3}, .range = std::array{0.5, 2.0}};
+    const std::vector<std::vector<Point3>> poses = {twist(points, kZ, 1.3, upper),
+                                                    bend(points, kZ, 1.3, {1, 2, 0}, upper),
+                                                    taper(points, kZ, 3, upper)};
+    for (const auto& pose : poses)
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (points[i][2] <= 0.5)
+                ASSERT_EQ(pose[i], points[i]);
+            else
+                ASSERT_NE(pose[i], points[i]);
+        }
+    const auto turned = rotate(points, kZ, 1.3, upper);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_EQ(turned[i][2], points[i][2]);
+        ASSERT_EQ(poses[0][i][2], points[i][2]);
+    }
+}
+
 TEST(Pose, AHalfCircleHasTheLengthOfTheAxis) {
     const std::vector<Point3> axis = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
     const double radius = 2 / std::numbers::pi;
@@ -234,7 +256,7 @@ TEST(Pose, RefusesArgumentsOutOfRange) {
     EXPECT_REFUSED(Error, "scale: center is", scale(points, kX, {.center = Point3{kNan, 0, 0}}));
     EXPECT_REFUSED(Error, "twist: the selected positions are all at one place along the axis",
                    twist(std::vector<Point3>{{0, 0, 5}, {1, 0, 5}}, kZ, 1));
-    EXPECT_REFUSED(Error, "max[0] is 1", twist(points, kZ, 1, {.range = std::array{1.0, 1.0}}));
+    EXPECT_REFUSED(Error, "range[1] is 1", twist(points, kZ, 1, {.range = std::array{1.0, 1.0}}));
     EXPECT_REFUSED(Error, "bend: toward is (0, 0, 2)", bend(points, kZ, 1, {0, 0, 2}));
     EXPECT_REFUSED(Error, "taper: factor is -1; allowed: 0 or more", taper(points, kZ, -1));
 }

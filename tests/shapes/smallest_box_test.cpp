@@ -13,8 +13,8 @@ namespace espalier::shapes {
 namespace {
 
 double volumeAlong(const Axes& axes, const std::vector<Point3>& points) {
-    const Extents extents = extentsAlong(axes, points);
-    return extents.size(0) * extents.size(1) * extents.size(2);
+    const Point3 size = boxAlong(axes, points).size();
+    return size[0] * size[1] * size[2];
 }
 
 Axes turned(const Affine& map) {
@@ -99,9 +99,8 @@ TEST(SmallestBox, PaddingChoosesAmongFlatBoxes) {
     const Affine map = rotation({1, 2, 3}, 0.7);
     std::vector<Point3> square;
     for (int i = 0; i < 4; ++i) square.push_back(map({1.0 * (i & 1), 1.0 * (i >> 1), 0}));
-    const Extents extents = extentsAlong(smallestBox(square, 0.1), square);
-    std::vector<double> sizes = {extents.size(0), extents.size(1), extents.size(2)};
-    std::sort(sizes.begin(), sizes.end());
+    Point3 sizes = boxAlong(smallestBox(square, 0.1), square).size();
+    std::ranges::sort(sizes);
     EXPECT_NEAR(sizes[0], 0, 1e-9);
     EXPECT_NEAR(sizes[1], 1, 1e-9);
     EXPECT_NEAR(sizes[2], 1, 1e-9);

@@ -30,7 +30,7 @@ RandomCell randomCell(unsigned seed) {
     embed::Trilinear::Corners corners;
     for (std::size_t i = 0; i < 8; ++i)
         corners[i] = Vector3d(cube.positions[(*vertices)[i]].data());
-    return {CellPieces(cube.complex, 0).piece(0, cube.positions), embed::Trilinear(corners)};
+    return {CellPieces(cube.complex, 0).hexahedron(cube.positions), embed::Trilinear(corners)};
 }
 
 // A polynomial of degree 2 along each axis is determined by its values at 3 places along each; the

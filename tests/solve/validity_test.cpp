@@ -148,7 +148,7 @@ TEST(Validity, PositiveWithNegativeCoefficients) {
     const Positions pose = {{4, -1, 3}, {8, -2, -7}, {-4, 12, 7}, {11, 10, 3},
                             {3, 7, 9},  {5, -3, 8},  {7, 16, 13}, {16, 16, 14}};
     double least = 1000;
-    for (const auto& lanes : determinant(CellPieces(cube(), 0).piece(0, pose).derivatives))
+    for (const auto& lanes : determinant(CellPieces(cube(), 0).hexahedron(pose).derivatives))
         least = std::min(least, lanes[0]);
     ASSERT_LT(least, -290);
     const PoseValidity valid = ValidityCheck(cube(), rest).check(pose);

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -50,22 +49,6 @@ using Reals = ::testing::Types<float, double>;
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// Returns the bits of a number, like std::bit_cast, which libc++ 14 lacks.
-template <class Bits, class Number>
-Bits bitCast(Number number) {
-    static_assert(sizeof(Bits) == sizeof(Number));
-    Bits bits;
-    std::memcpy(&bits, &number, sizeof bits);
-    return bits;
-}
-
-/// Returns true if two sequences have equal elements, like std::ranges::equal, which libc++ 14
-/// lacks.
-template <class A, class B>
-bool isEqual(const A& a, const B& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end());
-}
 
 /// Returns random numbers between −1 and 1.
 template <class Real = double>

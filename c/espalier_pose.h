@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef ESPALIER_POSE_H
+#define ESPALIER_POSE_H
+
+#include "espalier.h"
+
+/// \file
+/// Poses of a lattice, from C: selections of its vertices (shapes/selection.h), operations that
+/// move them (shapes/pose.h), and poses as files (io/pose_file.h).
+///
+/// The functions take positions, such as those that espalier_lattice_positions() gives, and write
+/// weights or new positions:
+///
+///     espalier_select_end(count, rest, up, NULL, weights);
+///     options.weights = weights;
+///     espalier_pose_twist(count, rest, z_axis, 1.5, &options, pose);
+///     espalier_binding_apply(binding, count, pose, point_count, points);
+///
+/// `positions` are 3 · vertex_count numbers. Angles are in radians. A function that fails has
+/// written nothing; the message names the first argument that is not finite or out of range. The
+/// rules of espalier.h on errors, ownership and threads apply.
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// ---- Selections -----------------------------------------------------------------------------
+
+// Each function gives one weight per position: 1 in the selected region, 0 far from it. Positions
+// that rounding alone puts outside count as inside (1e-9 of the diagonal of the box around all).
+
+/// How weights decrease with the distance d from the selected region, as u = d / radius grows from
+/// 0 to 1.
+enum {
+    ESPALIER_FALLOFF_LINEAR = 0,  ///< 1 − u
+    ESPALIER_FALLOFF_SMOOTH = 1   ///< 1 − 3u² + 2u³
+};
+
+/// The decrease of weights outside a selected region. Functions accept null for it: then all
+/// weights are 0 or 1.
+typedef struct espalier_falloff {
+    int32_t profile;  ///< ESPALIER_FALLOFF_...
+    double radius;    ///< at and beyond this distance the weights are 0; 0 or more
+} espalier_falloff;
+
+/// Selects the box with two opposite corners, in any order.
+/// \param weights receives vertex_count numbers, 0 to 1
+/// \cost O(vertex_count)
+ESPALIER_C_API espalier_status espalier_select_box(int32_t vertex_count, const double* positions,
+                                                   const double corner[3], const double opposite[3],
+                                                   const espalier_falloff* falloff,
+                                                   double* weights);
+
+/// Selects a ball.
+/// \param radius 0 or more
+ESPALIER_C_API espalier_status espalier_select_ball(int32_t vertex_count, const double* positions,
+                                                    const double center[3], double radius,
+                                                    const espalier_falloff* falloff,
+                                                    double* weights);
+
+/// Selects the half-space on the side of a plane that a normal points to.
+/// \param point on the plane
+/// \param normal not zero, of any length
+ESPALIER_C_API espalier_status espalier_select_half_space(
+    int32_t vertex_count, const double* positions, const double point[3], const double normal[3],
+    const espalier_falloff* falloff, double* weights);
+
+/// Selects the positions within 1 % of the extent along a direction from the farthest one: the last
+/// layer of vertices of a lattice in layers across the direction.
+/// \param vertex_count 1 or more
+/// \param direction not zero, of any length
+ESPALIER_C_API espalier_status espalier_select_end(int32_t vertex_count, const double* positions,
+                                                   const double direction[3],
+                                                   const espalier_falloff* falloff,
+                                                   double* weights);
+
+/// Selects positions by number. The falloff uses the distance from the nearest selected position.
+/// \param number_count 0 or more
+/// \param numbers 0 to vertex_count − 1; repeated numbers count once
+/// \cost O(vertex_count); with a falloff O(vertex_count · number_count)
+ESPALIER_C_API espalier_status espalier_select_numbers(int32_t vertex_count,
+                                                       const double* positions,
+                                                       int64_t number_count, const int32_t* numbers,
+                                                       const espalier_falloff* falloff,
+                                                       double* weights);
+
+// ---- Operations -----------------------------------------------------------------------------
+
+/// The positions that an operation moves, and its place. Start from
+/// espalier_default_pose_options(): later versions may add fields, and `size` tells the library
+/// which fields exist. Operations ignore fields that they do not need.
+typedef struct espalier_pose_options {
+    size_t size;  ///< sizeof(espalier_pose_options)
+
+    /// vertex_count numbers, 0 to 1: the part of the operation that each position gets. A position
+    /// with weight 0 stays bit for bit. Default null: 1 for all.
+    const double* weights;
+
+    /// x, y, z: a point on the axis, or the fixed point of a scaling. Default null: the middle of
+    /// the box around the positions with a weight above 0.
+    const double* center;
+
+    /// Two coordinates along the unit vector of the axis, the second above the first. Twist, bend
+    /// and taper grow from nothing to all between them. Default null: the interval of the positions
+    /// with a weight above 0.
+    const double* range;
+} espalier_pose_options;
+
+static inline espalier_pose_options espalier_default_pose_options(void) {
+    espalier_pose_options options;
+    options.size = sizeof options;
+    options.weights = NULL;
+    options.center = NULL;
+    options.range = NULL;
+    return options;
+}
+
+/// Moves by weight · offset.
+/// \param options null for the defaults
+/// \param pose receives 3 · vertex_count numbers; may be the same array as `positions`
+/// \cost O(vertex_count)
+ESPALIER_C_API espalier_status espalier_pose_move(int32_t vertex_count, const double* positions,
+                                                  const double offset[3],
+                                                  const espalier_pose_options* options,
+                                                  double* pose);
+
+/// Rotates by weight · angle about an axis through the centre, anticlockwise seen from its tip.
+/// \param axis not zero, of any length
+ESPALIER_C_API espalier_status espalier_pose_rotate(int32_t vertex_count, const double* positions,
+                                                    const double axis[3], double angle,
+                                                    const espalier_pose_options* options,
+                                                    double* pose);
+
+/// Scales by 1 + weight (factors − 1) along x, y and z about the centre.
+ESPALIER_C_API espalier_status espalier_pose_scale(int32_t vertex_count, const double* positions,
+                                                   const double factors[3],
+                                                   const espalier_pose_options* options,
+                                                   double* pose);
+
+/// Rotates about an axis: by 0 at the start of the range, by weight · angle at its end and beyond.
+ESPALIER_C_API espalier_status espalier_pose_twist(int32_t vertex_count, const double* positions,
+                                                   const double axis[3], double angle,
+                                                   const espalier_pose_options* options,
+                                                   double* pose);
+
+/// Bends the part of an axis in the range into an arc of a circle of the same length; the parts
+/// beyond it remain straight.
+/// \param toward direction that the end of the range bends to; not parallel to the axis
+ESPALIER_C_API espalier_status espalier_pose_bend(int32_t vertex_count, const double* positions,
+                                                  const double axis[3], double angle,
+                                                  const double toward[3],
+                                                  const espalier_pose_options* options,
+                                                  double* pose);
+
+/// Scales across an axis: by 1 at the start of the range, by 1 + weight (factor − 1) at its end and
+/// beyond.
+/// \param factor 0 or more
+ESPALIER_C_API espalier_status espalier_pose_taper(int32_t vertex_count, const double* positions,
+                                                   const double axis[3], double factor,
+                                                   const espalier_pose_options* options,
+                                                   double* pose);
+
+// ---- Files ----------------------------------------------------------------------------------
+
+/// Writes a lattice as a cage for mesh editors: an .obj or .ply with the vertices in their order,
+/// with all digits, and with every face, also interior faces.
+/// \retval ESPALIER_ERROR_FILE the file cannot be written, or has another extension
+ESPALIER_C_API espalier_status espalier_lattice_write_cage(const espalier_lattice* lattice,
+                                                           const char* path);
+
+/// Reads a pose of a lattice: a lattice file (.ovm, .vtu, .vtk) with the same cells on the same
+/// vertex numbers, or a cage (.obj, .ply) with one point per vertex and only faces of the lattice.
+///
+/// \param vertex_count number of vertices of the lattice
+/// \param pose receives 3 · vertex_count numbers
+/// \retval ESPALIER_ERROR_FILE the file cannot be read, or is not a pose of this lattice; the
+///         message names the first difference
+ESPALIER_C_API espalier_status espalier_lattice_read_pose(const espalier_lattice* lattice,
+                                                          const char* path, int32_t vertex_count,
+                                                          double* pose);
+
+/// Reads a pose of the lattice to which points are bound, in the same way. A binding that was
+/// loaded from an .espb of version 1 to 3 does not know the faces of its lattice: then the faces of
+/// a cage are not compared.
+ESPALIER_C_API espalier_status espalier_binding_read_pose(const espalier_binding* binding,
+                                                          const char* path, int32_t vertex_count,
+                                                          double* pose);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

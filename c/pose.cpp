@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/pose_file.h>
+#include <espalier/shapes/pose.h>
+#include <espalier/shapes/selection.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "espalier_pose.h"
+#include "handles.h"
+
+using namespace espalier;
+
+static_assert(static_cast<int>(shapes::Falloff::Profile::Smooth) == ESPALIER_FALLOFF_SMOOTH);
+
+namespace espalier::c {
+namespace {
+
+shapes::Falloff falloffOf(const espalier_falloff* falloff) {
+    if (falloff == nullptr) return {};
+    return {choice(falloff->profile, shapes::Falloff::Profile::Smooth, "profile"), falloff->radius};
+}
+
+/// Writes the weights that select(positions, falloff) returns.
+template <class Select>
+espalier_status select(std::int32_t count, const double* given, const espalier_falloff* falloff,
+                       double* weights, const Select& select) {
+    return guarded([&] {
+        const auto from = positions(given, count, "positions");
+        const auto to = array(weights, count, "weights");
+        const shapes::Falloff decrease = falloffOf(falloff);
+        std::ranges::copy(withNamesOfC([&] { return select(from, decrease); }), to.begin());
+    });
+}
+
+shapes::pose::Place placeOf(std::int32_t count, const espalier_pose_options* options) {
+    const auto chosen = optionsOrDefaults(options, espalier_default_pose_options(),
+                                          "espalier_default_pose_options");
+    shapes::pose::Place place;
+    if (chosen.weights != nullptr) place.weights = array(chosen.weights, count, "weights");
+    if (chosen.center != nullptr) place.center = point(chosen.center, "center");
+    if (chosen.range != nullptr) place.range = {chosen.range[0], chosen.range[1]};
+    return place;
+}
+
+void write(const std::vector<Point3>& points, std::span<double> to) {
+    if (!points.empty()) std::memcpy(to.data(), points.data(), to.size_bytes());
+}
+
+/// Writes the positions that operate(positions, place) returns.
+template <class Operate>
+espalier_status operate(std::int32_t count, const double* given,
+                        const espalier_pose_options* options, double* pose,
+                        const Operate& operate) {
+    return guarded([&] {
+        const auto from = positions(given, count, "positions");
+        const auto to = array(pose, count, "pose", 3);
+        const shapes::pose::Place place = placeOf(count, options);
+        write(withNamesOfC([&] { return operate(from, place); }), to);
+    });
+}
+
+/// Writes the positions that read(path) returns.
+template <class Read>
+void readPose(const char* path, std::int32_t count, std::int64_t expected, double* pose,
+              const Read& read) {
+    checkCount(count, expected, "positions of vertices");
+    const auto to = array(pose, count, "pose", 3);
+    write(read(&deref(path, "path")), to);
+}
+
+}  // namespace
+}  // namespace espalier::c
+
+espalier_status espalier_select_box(int32_t vertex_count, const double* positions,
+                                    const double corner[3], const double opposite[3],
+                                    const espalier_falloff* falloff, double* weights) {
+    return c::select(vertex_count, positions, falloff, weights,
+                     [&](const auto& from, const auto& decrease) {
+                         return shapes::selectBox(from, c::point(corner, "corner"),
+                                                  c::point(opposite, "opposite"), decrease);
+                     });
+}
+
+espalier_status espalier_select_ball(int32_t vertex_count, const double* positions,
+                                     const double center[3], double radius,
+                                     const espalier_falloff* falloff, double* weights) {
+    return c::select(
+        vertex_count, positions, falloff, weights, [&](const auto& from, const auto& decrease) {
+            return shapes::selectBall(from, c::point(center, "center"), radius, decrease);
+        });
+}
+
+espalier_status espalier_select_half_space(int32_t vertex_count, const double* positions,
+                                           const double point[3], const double normal[3],
+                                           const espalier_falloff* falloff, double* weights) {
+    return c::select(vertex_count, positions, falloff, weights,
+                     [&](const auto& from, const auto& decrease) {
+                         return shapes::selectHalfSpace(from, c::point(point, "point"),
+                                                        c::point(normal, "normal"), decrease);
+                     });
+}
+
+espalier_status espalier_select_end(int32_t vertex_count, const double* positions,
+                                    const double direction[3], const espalier_falloff* falloff,
+                                    double* weights) {
+    return c::select(vertex_count, positions, falloff, weights,
+                     [&](const auto& from, const auto& decrease) {
+                         return shapes::selectEnd(from, c::point(direction, "direction"), decrease);
+                     });
+}
+
+espalier_status espalier_select_numbers(int32_t vertex_count, const double* positions,
+                                        int64_t number_count, const int32_t* numbers,
+                                        const espalier_falloff* falloff, double* weights) {
+    return c::select(vertex_count, positions, falloff, weights,
+                     [&](const auto& from, const auto& decrease) {
+                         return shapes::selectNumbers(
+                             from, c::array(numbers, number_count, "numbers"), decrease);
+                     });
+}
+
+espalier_status espalier_pose_move(int32_t vertex_count, const double* positions,
+                                   const double offset[3], const espalier_pose_options* options,
+                                   double* pose) {
+    return c::operate(
+        vertex_count, positions, options, pose, [&](const auto& from, const auto& place) {
+            return shapes::pose::move(from, c::point(offset, "offset"), place.weights);
+        });
+}
+
+espalier_status espalier_pose_rotate(int32_t vertex_count, const double* positions,
+                                     const double axis[3], double angle,
+                                     const espalier_pose_options* options, double* pose) {
+    return c::operate(vertex_count, positions, options, pose,
+                      [&](const auto& from, const auto& place) {
+                          return shapes::pose::rotate(from, c::point(axis, "axis"), angle, place);
+                      });
+}
+
+espalier_status espalier_pose_scale(int32_t vertex_count, const double* positions,
+                                    const double factors[3], const espalier_pose_options* options,
+                                    double* pose) {
+    return c::operate(vertex_count, positions, options, pose,
+                      [&](const auto& from, const auto& place) {
+                          return shapes::pose::scale(from, c::point(factors, "factors"), place);
+                      });
+}
+
+espalier_status espalier_pose_twist(int32_t vertex_count, const double* positions,
+                                    const double axis[3], double angle,
+                                    const espalier_pose_options* options, double* pose) {
+    return c::operate(vertex_count, positions, options, pose,
+                      [&](const auto& from, const auto& place) {
+                          return shapes::pose::twist(from, c::point(axis, "axis"), angle, place);
+                      });
+}
+
+espalier_status espalier_pose_bend(int32_t vertex_count, const double* positions,
+                                   const double axis[3], double angle, const double toward[3],
+                                   const espalier_pose_options* options, double* pose) {
+    return c::operate(vertex_count, positions, options, pose,
+                      [&](const auto& from, const auto& place) {
+                          return shapes::pose::bend(from, c::point(axis, "axis"), angle,
+                                                    c::point(toward, "toward"), place);
+                      });
+}
+
+espalier_status espalier_pose_taper(int32_t vertex_count, const double* positions,
+                                    const double axis[3], double factor,
+                                    const espalier_pose_options* options, double* pose) {
+    return c::operate(vertex_count, positions, options, pose,
+                      [&](const auto& from, const auto& place) {
+                          return shapes::pose::taper(from, c::point(axis, "axis"), factor, place);
+                      });
+}
+
+espalier_status espalier_lattice_write_cage(const espalier_lattice* lattice, const char* path) {
+    return c::guarded(
+        [&] { io::writeCage(&c::deref(path, "path"), c::deref(lattice, "lattice").lattice); });
+}
+
+espalier_status espalier_lattice_read_pose(const espalier_lattice* lattice, const char* path,
+                                           int32_t vertex_count, double* pose) {
+    return c::guarded([&] {
+        const auto& own = c::deref(lattice, "lattice").lattice;
+        c::readPose(path, vertex_count, std::ssize(own.positions), pose,
+                    [&](const char* name) { return io::readPose(name, own); });
+    });
+}
+
+espalier_status espalier_binding_read_pose(const espalier_binding* binding, const char* path,
+                                           int32_t vertex_count, double* pose) {
+    return c::guarded([&] {
+        const auto& own = c::deref(binding, "binding").data->model;
+        c::readPose(path, vertex_count, own.binding.table.columnCount(), pose,
+                    [&](const char* name) { return io::readPose(name, own, "the binding"); });
+    });
+}

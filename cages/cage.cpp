@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
+#include <espalier/base/vector3.h>
+#include <espalier/cages/cage.h>
+#include <espalier/shapes/around.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit_cage.h"
+#include "grid_cells.h"
+#include "model_surface.h"
+#include "model_voxels.h"
+#include "surface_samples.h"
+
+namespace espalier::cages {
+namespace {
+
+/// Range of the number of vertices, as a fraction of the wanted number.
+constexpr double kLeast = 0.8, kMost = 1.2;
+
+/// Range at which the search for a size of cells stops.
+constexpr double kWantedLeast = 0.94, kWantedMost = 1.04;
+
+/// Largest number of vertices that can be asked for.
+constexpr Index kMaxVertices = 100000;
+
+/// The number of vertices grows about as this power of 1 / size.
+constexpr double kPower = 2.4;
+
+/// Ways to choose cells, from tight to careful. If no lattice of one way can be fitted, the next
+/// way is tried.
+struct Way {
+    /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this,
+    /// in edges.
+    double joinDistance;
+    double reach;  ///< a cell is left out if the model reaches less than this into it, in edges
+    int attempts;  ///< of fitCage()
+};
+constexpr std::array<Way, 3> kWays = {{{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}}};
+constexpr std::array<Way, 2> kWaysApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
+
+/// Lattices of one way that are fitted before the next way is tried.
+constexpr std::size_t kMaxFits = 3;
+
+/// Voxels along the edge of a cell; fewer if there would be too many voxels.
+constexpr Index kVoxelsPerEdge = 8;
+
+/// Least numbers of voxels that show the gaps between parts that stay separate: along the edge of a
+/// cell, and along the diagonal of the box around the model.
+constexpr Index kVoxelsPerEdgeApart = 24;
+constexpr double kVoxelsAcrossApart = 100;
+
+constexpr double kMaxVoxels = 2.5e7;
+
+/// Rounds of a fit with a margin: the start is further away.
+constexpr int kRoundsWithMargin = 14;
+
+using Axes = std::array<Point3, 3>;
+constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+Point3 toFrame(const Axes& axes, const Point3& p) {
+    return {dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)};
+}
+
+Point3 fromFrame(const Axes& axes, const Point3& p) {
+    return sum(sum(scaled(axes[0], p[0]), scaled(axes[1], p[1])), scaled(axes[2], p[2]));
+}
+
+struct Box {
+    Point3 low, high;
+    explicit Box(std::span<const Point3> points) : low(points.front()), high(low) {
+        for (const Point3& point : points)
+            for (int axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], point[axis]);
+                high[axis] = std::max(high[axis], point[axis]);
+            }
+    }
+    Point3 size() const { return difference(high, low); }
+    double diagonal() const { return length(size()); }
+};
+
+/// Axes for the grid, with the points of the model along them.
+struct Frame {
+    Axes axes;
+    std::vector<Point3> points;
+};
+
+/// A grid to try.
+struct Candidate {
+    std::size_t frame = 0;
+    double cellSize = 0;
+    std::array<Index, 3> offset = {0, 0, 0};  ///< in halves of a cell
+    Index vertexCount = 0;
+    double score = 0;  ///< the lower the better
+};
+
+/// Returns the axes of the smallest box around points.
+Axes orientedAxes(std::span<const Point3> points) {
+    const Lattice box =
+        shapes::around(points, {.cellsAlongLongest = 1, .margin = 0.01, .oriented = true});
+    Axes axes;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        axes[axis] =
+            normalised(difference(box.positions[std::size_t{1} << axis], box.positions[0]));
+    return axes;
+}
+
+class CageMaker {
+public:
+    CageMaker(const SurfaceModel& model, const CageOptions& options);
+    Lattice make();
+
+private:
+    void addFrames();
+    double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
+    Index voxelsPerEdge(const Frame& frame, double cellSize) const;
+    double smallestSize(const Frame& frame) const;
+    ModelVoxels voxelsOf(const Frame& frame, double cellSize) const;
+    GridCells cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const;
+    std::vector<Candidate> candidates() const;
+    double ratioOf(Index vertexCount) const;
+    double sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
+                   int rounds) const;
+    void addCandidate(const ModelVoxels& voxels, Candidate candidate,
+                      std::vector<Candidate>& found) const;
+    Lattice fit(const Candidate& candidate) const;
+    std::vector<FitPoint> samples(const Frame& frame, double cellSize, const ModelVoxels& voxels,
+                                  const GridCells& cells) const;
+
+    ModelSurface surface_;
+    CageOptions options_;
+    std::vector<Frame> frames_;
+    double diagonal_ = 0, margin_ = 0;
+    double smallestSize_ = 0;  ///< of cells
+    Way way_;
+};
+
+void requireNumber(double value, const char* name) {
+    if (!(value >= 0 && value <= 1e90))
+        throw Error(
+            concat("cage: ", name, " is ", textOf(value), "; expected a finite number, 0 or more"));
+}
+
+CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
+    : surface_(model), options_(options) {
+    if (options.vertices < 8 || options.vertices > kMaxVertices)
+        throw Error(
+            concat("cage: vertices is ", options.vertices, "; expected 8 to ", kMaxVertices));
+    requireNumber(options.cellSize, "cellSize");
+    requireNumber(options.margin, "margin");
+    requireNumber(options.shell, "shell");
+    const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
+    diagonal_ = Box(points).diagonal();
+    if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
+    margin_ = options.margin * diagonal_ + options.shell / 2;
+    addFrames();
+    // At least two voxels along each edge, in memory for kMaxVoxels.
+    for (const Frame& frame : frames_) smallestSize_ = std::max(smallestSize_, smallestSize(frame));
+    if (options.cellSize > 0 && options.cellSize < smallestSize_)
+        throw Error(concat("cage: cellSize is ", textOf(options.cellSize), "; expected at least ",
+                           textOf(smallestSize_), " for this model"));
+}
+
+void CageMaker::addFrames() {
+    frames_.push_back({kCoordinateAxes, surface_.points()});
+    // Other axes are worth their time if their box is clearly smaller.
+    constexpr double kSmaller = 0.8;
+    const double least = 1e-3 * diagonal_;  // of a side, for flat models
+    const auto volume = [&](const Point3& size) {
+        return (size[0] + least) * (size[1] + least) * (size[2] + least);
+    };
+    const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
+    Frame turned{orientedAxes(points), {}};
+    for (const Point3& point : surface_.points())
+        turned.points.push_back(toFrame(turned.axes, point));
+    if (volume(Box(turned.points).size()) < kSmaller * volume(Box(points).size()))
+        frames_.push_back(std::move(turned));
+}
+
+/// Returns the number of voxels in the box around the model.
+double CageMaker::voxelCount(const Frame& frame, double cellSize, Index perEdge) const {
+    const Point3 size = Box(frame.points).size();
+    double count = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        count *= (size[axis] + 2 * margin_) / cellSize * perEdge + perEdge + 4;
+    return count;
+}
+
+Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
+    Index perEdge = kVoxelsPerEdge;
+    if (options_.keepApart)
+        perEdge = static_cast<Index>(std::max<double>(
+            kVoxelsPerEdgeApart, std::ceil(kVoxelsAcrossApart * cellSize / diagonal_)));
+    while (perEdge > 2 && voxelCount(frame, cellSize, perEdge) > kMaxVoxels) --perEdge;
+    return perEdge;
+}
+
+/// Returns the least size of cells that two voxels along an edge allow.
+double CageMaker::smallestSize(const Frame& frame) const {
+    double low = 1e-9 * (diagonal_ + margin_), high = 2 * (diagonal_ + margin_);
+    for (int round = 0; round < 60; ++round) {
+        const double middle = std::sqrt(low * high);
+        (voxelCount(frame, middle, 2) > kMaxVoxels ? low : high) = middle;
+    }
+    return high;
+}
+
+ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
+    return {surface_,
+            frame.points,
+            {.size = cellSize / voxelsPerEdge(frame, cellSize),
+             .isShell = options_.shell > 0,
+             .around = margin_,
+             .gap = cellSize / 2}};
+}
+
+GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const {
+    const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
+    std::array<Index, 3> offset;
+    for (int axis = 0; axis < 3; ++axis) offset[axis] = candidate.offset[axis] * k / 2;
+    return {voxels,
+            {.voxelsPerEdge = k,
+             .offset = offset,
+             .joinDistance = std::max(1.0, way_.joinDistance * k),
+             .reach = way_.reach * k}};
+}
+
+double CageMaker::ratioOf(Index vertexCount) const {
+    return static_cast<double>(vertexCount) / options_.vertices;
+}
+
+/// Returns a size of cells for which the number of vertices is about the wanted one. It may not be
+/// found: the number of vertices is not a continuous function of the size.
+/// \param offset in halves of a cell
+/// \param size the first size to try
+double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
+                          int rounds) const {
+    double best = size, bestRatio = 0, last = size;
+    double small = 0, large = 0;  // sizes with too many and with too few vertices
+    for (int round = 0; round < rounds; ++round) {
+        Candidate candidate{frame, size, offset};
+        const double ratio =
+            ratioOf(cellsOf(voxelsOf(frames_[frame], size), candidate).vertexCount());
+        if (bestRatio == 0 || std::abs(std::log(ratio)) < std::abs(std::log(bestRatio))) {
+            best = size;
+            bestRatio = ratio;
+        }
+        if (ratio > kWantedLeast && ratio < kWantedMost) break;
+        double& bound = ratio > 1 ? small : large;
+        if (bound == 0 || (ratio > 1 ? size > small : size < large)) bound = size;
+        size *= std::clamp(std::pow(ratio, 1 / kPower), 0.2, 5.0);
+        if (small > 0 && large > 0 && (size <= small || size >= large))
+            size = std::sqrt(small * large);
+        // One cell of the largest size holds the model.
+        const double next = std::clamp(size, smallestSize_, 1.2 * (diagonal_ + 2 * margin_));
+        if (next == last) break;
+        size = last = next;
+    }
+    return best;
+}
+
+/// Adds a candidate, unless its lattice is not fit for use.
+void CageMaker::addCandidate(const ModelVoxels& voxels, Candidate candidate,
+                             std::vector<Candidate>& found) const {
+    const GridCells cells = cellsOf(voxels, candidate);
+    if (!cells.isManifold() || (options_.keepApart && cells.joined())) return;
+    candidate.vertexCount = cells.vertexCount();
+    const double ratio = ratioOf(candidate.vertexCount);
+    if (options_.cellSize == 0 && (ratio < kLeast || ratio > kMost)) return;
+    // Small cells with few vertices are best.
+    candidate.score = candidate.cellSize * std::pow(ratio, 1 / kPower);
+    found.push_back(candidate);
+}
+
+std::vector<Candidate> CageMaker::candidates() const {
+    const auto byScore = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
+    std::vector<Candidate> found;
+    for (std::size_t frame = 0; frame < frames_.size(); ++frame) {
+        const double size = options_.cellSize > 0 ? options_.cellSize
+                                                  : sizeFor(frame, {0, 0, 0}, diagonal_ / 4, 12);
+        const ModelVoxels voxels = voxelsOf(frames_[frame], size);
+        std::vector<Candidate> offsets;
+        for (Index octant = 0; octant < 8; ++octant) {
+            Candidate candidate{frame, size, {octant & 1, octant >> 1 & 1, octant >> 2}};
+            if (options_.cellSize > 0) {
+                addCandidate(voxels, candidate, found);
+                continue;
+            }
+            candidate.score =
+                std::pow(ratioOf(cellsOf(voxels, candidate).vertexCount()), 1 / kPower);
+            offsets.push_back(candidate);
+        }
+        std::stable_sort(offsets.begin(), offsets.end(), byScore);
+        std::size_t wanted = found.size() + kMaxFits;
+        for (const Candidate& offset : offsets) {
+            if (found.size() == wanted) break;
+            Candidate candidate = offset;
+            candidate.cellSize = sizeFor(frame, offset.offset, size * offset.score, 4);
+            addCandidate(voxelsOf(frames_[frame], candidate.cellSize), candidate, found);
+        }
+    }
+    std::stable_sort(found.begin(), found.end(), byScore);
+    if (found.size() > kMaxFits) found.resize(kMaxFits);
+    return found;
+}
+
+Lattice CageMaker::fit(const Candidate& candidate) const {
+    const Frame& frame = frames_[candidate.frame];
+    const ModelVoxels voxels = voxelsOf(frame, candidate.cellSize);
+    const GridCells cells = cellsOf(voxels, candidate);
+    Lattice start = cells.build();
+    for (Point3& position : start.positions) position = fromFrame(frame.axes, position);
+    return fitCage(std::move(start), samples(frame, candidate.cellSize, voxels, cells),
+                   {.margin = margin_,
+                    .maxRounds = margin_ > 0 ? kRoundsWithMargin : FitOptions().maxRounds,
+                    .maxAttempts = way_.attempts});
+}
+
+/// Returns points of the model, at most an eighth of a cell apart.
+std::vector<FitPoint> CageMaker::samples(const Frame& frame, double cellSize,
+                                         const ModelVoxels& voxels, const GridCells& cells) const {
+    std::vector<FitPoint> result;
+    const std::vector<Point3>& points = surface_.points();
+    const auto add = [&](std::span<const Triangle> triangles, double sign) {
+        std::array<float, 3> normal = {0, 0, 0};
+        std::size_t last = triangles.size();
+        forEachSample(triangles, points, cellSize / 8, [&](const Point3& point, std::size_t t) {
+            if (sign != 0 && t != last) {
+                const auto& [a, b, c] = triangles[t];
+                const Point3 way =
+                    cross(difference(points[b], points[a]), difference(points[c], points[a]));
+                const double size = length(way);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    normal[axis] = size > 0 ? static_cast<float>(sign * way[axis] / size) : 0;
+                last = t;
+            }
+            const Point3 local = toFrame(frame.axes, point);
+            result.push_back({point, normal, cells.cellOf(local), voxels.isInner(local)});
+        });
+    };
+    if (options_.shell > 0) {
+        add(surface_.triangles(), 0);
+        return result;
+    }
+    for (std::size_t i = 0; i < surface_.closedPieces().size(); ++i) {
+        const ModelSurface::ClosedPiece& piece = surface_.closedPieces()[i];
+        add(std::span(piece.triangles).first(piece.capBegin), voxels.signs()[i]);
+    }
+    add(surface_.openTriangles(), 0);
+    return result;
+}
+
+Lattice CageMaker::make() {
+    std::string failure;
+    for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
+        way_ = way;
+        for (const Candidate& candidate : candidates()) {
+            try {
+                return fit(candidate);
+            } catch (const FitError& error) {
+                failure = error.what();
+            }
+        }
+    }
+    const std::string wanted = options_.cellSize > 0
+                                   ? concat("with cells of the size ", textOf(options_.cellSize))
+                                   : concat("of about ", options_.vertices, " vertices");
+    throw Error(concat("cage: found no lattice ", wanted, " that follows the model",
+                       failure.empty() ? "" : "; the last one that was tried: ", failure,
+                       options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",
+                       options_.keepApart ? ", or without keeping parts apart" : ""));
+}
+
+}  // namespace
+
+Lattice cage(const SurfaceModel& model, const CageOptions& options) {
+    return CageMaker(model, options).make();
+}
+
+}  // namespace espalier::cages

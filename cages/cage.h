@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/shapes/lattice.h>
+
+#include <cstddef>
+#include <span>
+
+// cages/ makes lattices that follow the shape of a model.
+//
+// Its one public function takes the faces of a model and returns a Lattice. Inside, the steps are
+// files: model_surface.h makes one surface of the faces, model_voxels.h finds the solid,
+// grid_cells.h chooses cells of a grid with the topology of the solid, and fit_cage.h moves their
+// vertices until the boundary follows the model, and proves the result. cage.cpp searches for the
+// size and place of the grid. docs/cages.md describes the methods and has measured results.
+namespace espalier::cages {
+
+/// The faces of a model: any polygons, in any order, wound in any way. They may intersect, leave
+/// gaps, or occur several times.
+struct SurfaceModel {
+    std::span<const Point3> points;
+    std::span<const Index> corners;     ///< of all faces, one face after the other
+    std::span<const std::size_t> ends;  ///< per face: end of its corners
+};
+
+struct CageOptions {
+    /// Number of vertices of the lattice, 8 to 100,000. The result has between 0.8 and 1.2 times as
+    /// many. Not used if `cellSize` is set.
+    Index vertices = 200;
+
+    /// Edge of the cells before they are fitted, in the units of the model, above 0; 0: not set.
+    double cellSize = 0;
+
+    /// Least distance between the model and the boundary of the limit volume, as a fraction of the
+    /// diagonal of the smallest box with sides along the axes that holds the model: 0 or more.
+    double margin = 0;
+
+    /// Above 0: the lattice is made around the surface only, and contains all points within half of
+    /// this distance, in the units of the model. 0: around the solid.
+    double shell = 0;
+
+    /// True: parts of the model that are nearer to each other than a cell stay separate. Parts
+    /// that are further apart than two cells are separate in any case.
+    bool keepApart = false;
+};
+
+/// Makes a lattice of hexahedra that follows the shape of a model.
+///
+/// The *solid* is the space inside the closed pieces of the surface, by their winding numbers, and
+/// the space that open pieces enclose except for gaps narrower than half a cell. Where there is no
+/// solid, as at a sheet, the lattice is made around the surface.
+///
+/// The result is proved (fit_cage.h):
+/// - every point of the model is inside the limit volume and inside level 3. Faces are sampled at
+///   an eighth of a cell;
+/// - every patch of the limit volume has a positive Jacobian.
+///
+/// The lattice has the connected parts, handles and cavities of the model at the scale of its
+/// cells; its boundary is a manifold, without marks. The same faces in another order, turned
+/// around, or with duplicates give the same bits; so does any number of threads.
+///
+/// \throws Error if there are no faces, a face names a point that does not exist, a point is not
+///         finite or beyond ±1e90, or all points are at one place; for an option out of range; if
+///         no lattice of about this size can be fitted, which happens for tangled models and few
+///         vertices
+/// \cost on one thread about 5 s for 100,000 triangles and 500 vertices, 14 s and 770 MB for 1.1
+///       million triangles. Grows with the number of vertices; docs/cages.md has times
+ESPALIER_API Lattice cage(const SurfaceModel& model, const CageOptions& options = {});
+
+}  // namespace espalier::cages

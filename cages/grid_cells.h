@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/shapes/lattice.h>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model_voxels.h"
+
+namespace espalier::cages {
+
+struct GridCellOptions {
+    Index voxelsPerEdge = 8;                  ///< of a cell
+    std::array<Index, 3> offset = {0, 0, 0};  ///< voxels of the first cell outside the grid
+
+    /// Parts of a model in one cell that are at most this far apart are one part, in voxels.
+    double joinDistance = 1;
+
+    /// A cell is left out if the model reaches less than this into it, in voxels, and nothing else
+    /// depends on the cell.
+    double reach = 0;
+};
+
+/// The cells of a grid around a model.
+///
+/// Each connected part of the model in a cube of the grid gets a cell of its own. Two cells share a
+/// face if the model passes through it. So parts of the model that pass close to each other, even
+/// in one cube, are not joined; their cells then overlap, and fitCage() moves them apart.
+///
+/// A cell is left out if the model reaches little into it, provided that the topology stays the
+/// same. A neighbour must then be stretched. Where two parts in one cube meet a third part through
+/// one face, one of the two is left out, or separated from the third, if the topology stays the
+/// same; else they are joined. Where cells would touch in an edge or a vertex only, another cell is
+/// added. The boundary is a manifold.
+class GridCells {
+public:
+    /// \param voxels is kept by reference
+    GridCells(const ModelVoxels& voxels, const GridCellOptions& options);
+
+    Index cellCount() const { return cellCount_; }
+    Index vertexCount() const { return vertexCount_; }
+
+    /// Returns true if the boundary is a manifold. False only if adding cells does not help.
+    bool isManifold() const { return isManifold_; }
+
+    /// A place where two parts of the model run side by side for more than one cell and are joined
+    /// all the same.
+    const std::optional<Point3>& joined() const { return joined_; }
+
+    /// Returns the lattice. Cells and vertices are numbered by layers.
+    Lattice build() const;
+
+    /// Returns the cell for a point of the model.
+    Index cellOf(const Point3& point) const;
+
+private:
+    using Cube = std::array<Index, 3>;
+    struct Contact {
+        Index to = 0;
+        Index direction = 0;  ///< axis · 2 + 1 for the higher side
+        Index count = 0;      ///< of pairs of voxels
+    };
+    struct Part {
+        Cube cube;
+        std::vector<Index> voxels;
+        std::vector<Contact> contacts;
+        bool isUsed = true;
+        bool isAdded = false;
+        int joins = 0;
+    };
+
+    void findParts();
+    void findContacts();
+    bool joinConflicts();
+    void resolveConflict(Index part, Index direction);
+    void leaveOut(double reach);
+    bool repair();
+    void addPart(const Cube& low, std::span<const Index> members);
+    void countVertices();
+
+    Index numberOf(const Cube& cube) const;
+    std::array<Index, 3> placeOf(Index voxel) const;
+    bool areNear(const Part& a, const Part& b) const;
+    void joinParts(Index kept, Index other, int joins);
+    void addContact(Index part, const Contact& contact);
+    Index neighbour(Index part, Index direction) const;
+    int sharedFaces(Index part) const;
+    bool isClosedAround(Index part, Index first, Index second) const;
+    bool isRemovable(Index part) const;
+    double depthOf(Index part) const;
+    double distanceToFace(const Cube& cube, Index direction, Index voxel) const;
+    void leaveOutPart(Index part);
+
+    const ModelVoxels& voxels_;
+    GridCellOptions options_;
+    std::array<Index, 3> counts_;  ///< of the cubes
+    std::vector<Part> parts_;
+    std::vector<Index> partOf_;                  ///< per voxel; −1 if it is not used
+    std::vector<std::array<Index, 8>> corners_;  ///< per part: vertices
+    std::vector<Index> order_;                   ///< of the parts that are cells
+    std::vector<Index> cellOfPart_;
+    Index cellCount_ = 0, vertexCount_ = 0;
+    bool isManifold_ = false;
+    std::optional<Point3> joined_;
+};
+
+}  // namespace espalier::cages

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/cages/cage.h>
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace espalier::cages {
+
+using Triangle = std::array<Index, 3>;
+
+/// The faces of a model as triangles, and the pieces of its surface that bound a solid.
+///
+/// Points at one place are one point, polygons become triangles around their first corner, and
+/// triangles with the same three corners are one triangle. So neither the order of the faces nor
+/// their duplicates have an effect.
+///
+/// Triangles are in one *piece* if a path over edges of exactly two triangles joins them. A piece
+/// that is orientable is turned one way round, the way of most of its area. If its boundary edges,
+/// joined to the centroid of each connected group of them, have little area (kMostOpen of the area
+/// of the piece), these *caps* close the piece: every point has an integer winding number. All
+/// other pieces are *open*.
+class ModelSurface {
+public:
+    static constexpr double kMostOpen = 1.0 / 6;
+
+    /// \throws Error for corners out of range, ends that do not ascend, no faces, and points that
+    ///         are not finite or beyond ±1e90
+    explicit ModelSurface(const SurfaceModel& model);
+
+    /// The distinct points, ascending; then the centroids of caps.
+    const std::vector<Point3>& points() const { return points_; }
+    std::size_t modelPointCount() const { return modelPointCount_; }
+
+    /// The distinct triangles of the model. Two or three corners of a triangle are equal where a
+    /// face is degenerate, and for a point that is in no face.
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+
+    struct ClosedPiece {
+        std::vector<Triangle> triangles;  ///< anticlockwise seen from outside; caps come last
+        std::size_t capBegin = 0;         ///< the first cap
+        double volume = 0;                ///< 0 or more
+        /// If the faces of the model are wound against most of the model, as the faces of a cavity
+        /// are.
+        bool isInward = false;
+    };
+    const std::vector<ClosedPiece>& closedPieces() const { return closedPieces_; }
+
+    /// The triangles of open pieces, and degenerate ones.
+    const std::vector<Triangle>& openTriangles() const { return openTriangles_; }
+
+private:
+    void join(const SurfaceModel& model);
+    void split();
+    void addPiece(std::span<const Triangle> piece, std::span<const char> isTurned,
+                  bool isOrientable);
+
+    std::vector<Point3> points_;
+    std::size_t modelPointCount_ = 0;
+    std::vector<Triangle> triangles_;
+    std::vector<ClosedPiece> closedPieces_;
+    std::vector<Triangle> openTriangles_;
+};
+
+}  // namespace espalier::cages

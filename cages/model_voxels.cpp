@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model_voxels.h"
+
+#include <espalier/base/vector3.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "left_side.h"
+
+namespace espalier::cages {
+namespace {
+
+CubeGrid gridAround(std::span<const Point3> points, double size, double padding) {
+    Point3 low = points.front(), high = low;
+    for (const Point3& point : points)
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], point[axis]);
+            high[axis] = std::max(high[axis], point[axis]);
+        }
+    // Odd parts of a voxel, so that columns of centres do not pass through the corners of a model
+    // with round coordinates.
+    const Point3 pad = {padding, padding, padding}, odd = {0.2127, 0.3391, 0.1459};
+    return {difference(difference(low, pad), scaled(odd, size)), sum(high, pad), size};
+}
+
+/// Returns true if a triangle meets a cube, by the separating axes of the two. The cube is a little
+/// larger than its size, by more than rounding.
+bool meetsCube(const std::array<Point3, 3>& triangle, const Point3& centre, double size) {
+    const double half = size / 2 * (1 + 1e-9);
+    std::array<Point3, 3> corners, ways;
+    for (int i = 0; i < 3; ++i) corners[i] = difference(triangle[i], centre);
+    for (int i = 0; i < 3; ++i) ways[i] = difference(corners[(i + 1) % 3], corners[i]);
+    const auto isApart = [&](const Point3& axis) {
+        const double reach = half * (std::abs(axis[0]) + std::abs(axis[1]) + std::abs(axis[2]));
+        const double a = dot(axis, corners[0]), b = dot(axis, corners[1]),
+                     c = dot(axis, corners[2]);
+        return std::min({a, b, c}) > reach || std::max({a, b, c}) < -reach;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        const double a = corners[0][axis], b = corners[1][axis], c = corners[2][axis];
+        if (std::min({a, b, c}) > half || std::max({a, b, c}) < -half) return false;
+    }
+    if (isApart(cross(ways[0], ways[1]))) return false;
+    for (const Point3& way : ways)
+        if (isApart({0, -way[2], way[1]}) || isApart({way[2], 0, -way[0]}) ||
+            isApart({-way[1], way[0], 0}))
+            return false;
+    return true;
+}
+
+/// Marks the cubes that a triangle meets.
+void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
+                  std::vector<char>& marks) {
+    Point3 low = triangle[0], high = low;
+    for (const Point3& corner : triangle)
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], corner[axis]);
+            high[axis] = std::max(high[axis], corner[axis]);
+        }
+    const double around = 1e-9 * grid.size;
+    const auto from = grid.coordinatesOf(difference(low, {around, around, around}));
+    const auto to = grid.coordinatesOf(sum(high, {around, around, around}));
+    Offset count = 1;
+    for (int axis = 0; axis < 3; ++axis) count *= to[axis] - from[axis] + 1;
+    if (count == 1) {
+        marks[grid.cubeAt(from)] = 1;
+        return;
+    }
+    if (count > 64) {
+        // Two halves, across the longest side.
+        int longest = 0;
+        double most = -1;
+        for (int i = 0; i < 3; ++i) {
+            const Point3 way = difference(triangle[(i + 1) % 3], triangle[i]);
+            if (dot(way, way) > most) {
+                most = dot(way, way);
+                longest = i;
+            }
+        }
+        const Point3 &a = triangle[longest], &b = triangle[(longest + 1) % 3],
+                     &c = triangle[(longest + 2) % 3];
+        const Point3 middle = between(a, b, 0.5);
+        markTriangle(grid, {a, middle, c}, marks);
+        markTriangle(grid, {middle, b, c}, marks);
+        return;
+    }
+    for (Index z = from[2]; z <= to[2]; ++z)
+        for (Index y = from[1]; y <= to[1]; ++y)
+            for (Index x = from[0]; x <= to[0]; ++x) {
+                const Point3 centre = {grid.origin[0] + (x + 0.5) * grid.size,
+                                       grid.origin[1] + (y + 0.5) * grid.size,
+                                       grid.origin[2] + (z + 0.5) * grid.size};
+                char& mark = marks[grid.cubeAt({x, y, z})];
+                if (mark == 0 && meetsCube(triangle, centre, grid.size)) mark = 1;
+            }
+}
+
+void markTriangles(const CubeGrid& grid, std::span<const Triangle> triangles,
+                   std::span<const Point3> points, std::vector<char>& marks) {
+    for (const Triangle& t : triangles)
+        markTriangle(grid, {points[t[0]], points[t[1]], points[t[2]]}, marks);
+}
+
+/// Marks the cubes whose centres are at most `radius` from the centre of a marked cube.
+std::vector<char> within(double radius, const CubeGrid& grid, std::span<const char> marks) {
+    // The squared distance along x, then along x and y, then along all axes, in cubes.
+    const double cubes = radius / grid.size;
+    const auto reach = static_cast<Index>(std::min(cubes, 1e6));
+    const Index far = std::numeric_limits<Index>::max() / 2;
+    std::vector<Index> squares(marks.size());
+    for (std::size_t i = 0; i < marks.size(); ++i) squares[i] = marks[i] != 0 ? 0 : far;
+    std::vector<Index> line, next;
+    Index stride = 1;
+    for (int axis = 0; axis < 3; stride *= grid.counts[axis], ++axis) {
+        const Index count = grid.counts[axis];
+        line.resize(count);
+        next.resize(count);
+        for (Index start = 0; start < grid.cubeCount(); ++start) {
+            if (start / stride % count != 0) continue;
+            bool isEmpty = true;
+            for (Index i = 0; i < count; ++i) {
+                line[i] = squares[start + i * stride];
+                isEmpty = isEmpty && line[i] == far;
+            }
+            if (isEmpty) continue;
+            for (Index i = 0; i < count; ++i) {
+                Index least = far;
+                for (Index j = std::max(0, i - reach); j <= std::min(count - 1, i + reach); ++j)
+                    if (line[j] < far) least = std::min(least, line[j] + (i - j) * (i - j));
+                squares[start + i * stride] = least;
+            }
+        }
+    }
+    std::vector<char> result(marks.size());
+    for (std::size_t i = 0; i < marks.size(); ++i) result[i] = squares[i] <= cubes * cubes ? 1 : 0;
+    return result;
+}
+
+/// A ray from below passes through a triangle in a column of cubes: all centres up to `height`
+/// are below the triangle.
+struct Crossing {
+    Index column = 0, height = 0;
+    Index piece = 0;
+    int sign = 0;
+    friend auto operator<=>(const Crossing&, const Crossing&) = default;
+};
+
+void addCrossings(const CubeGrid& grid, const std::array<Point3, 3>& triangle, Index piece,
+                  std::vector<Crossing>& crossings) {
+    const auto& [a, b, c] = triangle;
+    std::array<Index, 2> from, to;
+    for (int axis = 0; axis < 2; ++axis) {
+        const double low = std::min({a[axis], b[axis], c[axis]});
+        const double high = std::max({a[axis], b[axis], c[axis]});
+        const auto place = [&](double value) {
+            return std::clamp((value - grid.origin[axis]) / grid.size - 0.5, 0.0,
+                              grid.counts[axis] - 1.0);
+        };
+        from[axis] = static_cast<Index>(std::floor(place(low)));
+        to[axis] = static_cast<Index>(std::ceil(place(high)));
+    }
+    const Point3 normal = cross(difference(b, a), difference(c, a));
+    for (Index y = from[1]; y <= to[1]; ++y)
+        for (Index x = from[0]; x <= to[0]; ++x) {
+            const Point3 p = {grid.origin[0] + (x + 0.5) * grid.size,
+                              grid.origin[1] + (y + 0.5) * grid.size, 0};
+            const bool first = isLeft(a, b, p);
+            if (isLeft(b, c, p) != first || isLeft(c, a, p) != first) continue;
+            double z = std::max({a[2], b[2], c[2]});
+            if (normal[2] != 0) {
+                const double plane =
+                    a[2] - (normal[0] * (p[0] - a[0]) + normal[1] * (p[1] - a[1])) / normal[2];
+                z = std::clamp(plane, std::min({a[2], b[2], c[2]}), z);
+            }
+            const double height = std::ceil((z - grid.origin[2]) / grid.size - 0.5) - 1;
+            if (height < 0) continue;
+            crossings.push_back({y * grid.counts[0] + x,
+                                 static_cast<Index>(std::min(height, grid.counts[2] - 1.0)), piece,
+                                 first ? 1 : -1});
+        }
+}
+
+}  // namespace
+
+ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> points,
+                         const VoxelOptions& options)
+    : grid_(gridAround(points, options.size, std::max(options.around, options.gap))),
+      isUsed_(grid_.cubeCount(), 0),
+      signs_(surface.closedPieces().size(), 1) {
+    markTriangles(grid_, surface.triangles(), points, isUsed_);
+    if (!options.isShell) {
+        markClosed(surface, points);
+        if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
+        isSolid_ = isUsed_;
+    }
+    if (options.around > 0) isUsed_ = within(options.around, grid_, isUsed_);
+}
+
+bool ModelVoxels::isInner(const Point3& point) const {
+    if (isSolid_.empty()) return false;
+    const auto place = grid_.coordinatesOf(point);
+    for (Index z = place[2] - 2; z <= place[2] + 2; ++z)
+        for (Index y = place[1] - 2; y <= place[1] + 2; ++y)
+            for (Index x = place[0] - 2; x <= place[0] + 2; ++x) {
+                const bool isInGrid = x >= 0 && y >= 0 && z >= 0 && x < grid_.counts[0] &&
+                                      y < grid_.counts[1] && z < grid_.counts[2];
+                if (!isInGrid || isSolid_[grid_.cubeAt({x, y, z})] == 0) return false;
+            }
+    return true;
+}
+
+void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3> points) {
+    const auto& pieces = surface.closedPieces();
+    std::vector<Crossing> crossings;
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece)
+        for (const Triangle& t : pieces[piece].triangles)
+            addCrossings(grid_, {points[t[0]], points[t[1]], points[t[2]]},
+                         static_cast<Index>(piece), crossings);
+    std::sort(crossings.begin(), crossings.end());
+    const Index plane = grid_.counts[0] * grid_.counts[1];
+    // A piece that is wound inwards is a cavity if most of it lies in pieces that are wound
+    // outwards.
+    const auto isInOthers = [&](const Point3& point) {
+        const Index cube = grid_.cubeOf(point);
+        const Crossing first{cube % plane, cube / plane, 0, std::numeric_limits<int>::min()};
+        int winding = 0;
+        for (auto at = std::lower_bound(crossings.begin(), crossings.end(), first);
+             at != crossings.end() && at->column == first.column; ++at)
+            if (!pieces[at->piece].isInward) winding += at->sign;
+        return winding != 0;
+    };
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+        if (!pieces[piece].isInward) continue;
+        Offset count = 0, total = 0;
+        for (const Triangle& t : pieces[piece].triangles)
+            for (const Index corner : t) {
+                ++total;
+                count += isInOthers(points[corner]) ? 1 : 0;
+            }
+        if (4 * count > 3 * total) signs_[piece] = -1;
+    }
+    for (std::size_t last = crossings.size(); last > 0;) {
+        const Index column = crossings[last - 1].column;
+        int winding = 0;
+        while (last > 0 && crossings[last - 1].column == column) {
+            const Crossing& above = crossings[--last];
+            winding += signs_[above.piece] * above.sign;
+            if (winding == 0) continue;
+            const Index end =
+                last > 0 && crossings[last - 1].column == column ? crossings[last - 1].height : -1;
+            for (Index z = above.height; z > end; --z) isUsed_[z * plane + column] = 1;
+        }
+    }
+}
+
+void ModelVoxels::markEnclosed(const ModelSurface& surface, std::span<const Point3> points,
+                               double gap) {
+    std::vector<char> walls(isUsed_.size(), 0);
+    markTriangles(grid_, surface.openTriangles(), points, walls);
+    walls = within(gap / 2, grid_, walls);
+    // The cubes that can be reached from the border of the grid.
+    std::vector<char> isReached(walls.size(), 0);
+    std::vector<Index> front = {0};  // a corner: all cubes of the border are free
+    isReached[0] = 1;
+    const auto& [nx, ny, nz] = grid_.counts;
+    while (!front.empty()) {
+        const Index cube = front.back();
+        front.pop_back();
+        const Index x = cube % nx, y = cube / nx % ny, z = cube / nx / ny;
+        const auto visit = [&](bool exists, Index next) {
+            if (!exists || isReached[next] != 0 || walls[next] != 0) return;
+            isReached[next] = 1;
+            front.push_back(next);
+        };
+        visit(x > 0, cube - 1);
+        visit(x + 1 < nx, cube + 1);
+        visit(y > 0, cube - nx);
+        visit(y + 1 < ny, cube + nx);
+        visit(z > 0, cube - nx * ny);
+        visit(z + 1 < nz, cube + nx * ny);
+    }
+    isReached = within(gap / 2, grid_, isReached);
+    for (std::size_t i = 0; i < isUsed_.size(); ++i)
+        if (isReached[i] == 0) isUsed_[i] = 1;
+}
+
+}  // namespace espalier::cages

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/printable.h>
+#include <espalier/cages/cage.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "commands.h"
+#include "files.h"
+#include "options.h"
+
+namespace espalier::cli {
+namespace {
+
+struct CageCommandOptions {
+    CommonOptions common;
+    std::vector<std::string> models;
+    cages::CageOptions cage;
+    std::string output;
+};
+
+void runCage(const CageCommandOptions& options) {
+    const std::vector<Input> inputs = inputsOf("MODEL", options.models);
+    checkInputs(inputs);
+    checkOutput(options.output, inputs);
+    io::checkLatticeTarget(options.output);
+    const ThreadLimit limit(options.common.threads);
+    Stages stages(options.common.quiet);
+    std::vector<Point3> points;
+    io::ModelFaces faces;
+    for (const std::string& path : options.models) {
+        const auto model = stages.read(path, [&] { return io::readModel(path); });
+        const io::ModelFaces own = model->readSurface().faces;
+        if (own.count() == 0)
+            throw io::FileError(path,
+                                "has no faces, so that it bounds no solid; make a box around "
+                                "its points: espalier shape around");
+        const auto firstPoint = static_cast<Index>(points.size());
+        const std::size_t firstCorner = faces.corners.size();
+        points.insert(points.end(), model->positions().begin(), model->positions().end());
+        for (const Index corner : own.corners) faces.corners.push_back(firstPoint + corner);
+        for (const std::size_t end : own.ends) faces.ends.push_back(firstCorner + end);
+    }
+    const Lattice lattice = stages.run("building", [&] {
+        return ofFile(options.models.front(), [&] {
+            return cages::cage({points, faces.corners, faces.ends}, options.cage);
+        });
+    });
+    stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    if (!options.common.quiet)
+        fmt::print("{}: {} vertices, {} cells\n", printable(options.output),
+                   lattice.complex.count(0), lattice.complex.count(3));
+}
+
+}  // namespace
+
+void addCageCommand(CLI::App& shape) {
+    const auto [command, options] =
+        addCommand(shape, "cage",
+                   "A lattice of hexahedra that follows the shape of one or more models", runCage);
+    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
+        ->required()
+        ->expected(1, 1000);
+    CLI::Option* const vertices =
+        command
+            .add_option(
+                "--vertices", options.cage.vertices,
+                "Number of vertices, 8 to 100,000; the result has between 0.8 and 1.2 times "
+                "as many")
+            ->check(CLI::Range(8, 100000))
+            ->capture_default_str();
+    command
+        .add_option("--size", options.cage.cellSize,
+                    "Edge of the cells before they are fitted, in the units of the model")
+        ->check(CLI::PositiveNumber)
+        ->excludes(vertices);
+    command
+        .add_option("--margin", options.cage.margin,
+                    "Least distance from the model to the boundary of the lattice, as a fraction "
+                    "of the diagonal of the box around the model")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command
+        .add_option("--shell", options.cage.shell,
+                    "Make a lattice around the surface only, at least this thick, in the units of "
+                    "the model")
+        ->check(CLI::PositiveNumber);
+    command.add_flag("--keep-apart", options.cage.keepApart,
+                     "Keep parts of the model separate that are nearer to each other than a cell");
+    addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();
+    addRunOptions(command, options.common);
+}
+
+}  // namespace espalier::cli

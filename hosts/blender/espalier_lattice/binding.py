@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Objects that follow a lattice.
+
+A bound object has a shape key "Espalier", whose points are computed whenever the lattice moves: by a
+handler, in the viewport and in renders. Points x of the object become x + D (q' - q): q are the vertices of
+the lattice in the coordinates of the object when it was bound, and q' they are now. So the object follows if
+the lattice moves against it, and stays as it is if both move together.
+
+q and the settings are saved in the .blend file. D is computed again when the file is opened and the lattice
+moves for the first time: the same lattice and points give the same D, bit for bit.
+"""
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from . import engine, lattice_object
+from .lattice_object import LatticeError
+
+KEY = "Espalier"
+REST = "espalier_rest"
+TOPOLOGY = "espalier_topology"
+OUTSIDE_GROUP = "Espalier outside"
+
+
+class Bound:
+    """The binding of one object, which is not saved."""
+
+    def __init__(self, object):
+        espalier = engine.load()
+        settings = object.espalier
+        lattice_mesh = settings.lattice
+        self.rest = np.array(object[REST], dtype=np.float64).reshape(-1, 3)
+        if object[TOPOLOGY] != lattice_object.topology_text(lattice_mesh):
+            raise LatticeError(f"{object.name}: the cells or creases of {lattice_mesh.name} have changed since "
+                               "binding; rebind")
+        self.points = rest_points(object)
+        lattice = lattice_object.lattice_of(lattice_mesh, espalier, self.rest)
+        refiner = espalier.Refiner(lattice, rules=settings.rules)
+        self.refiner = refiner
+        if settings.use_limit:
+            self.binding = espalier.bind(refiner, self.points, outside=settings.outside, limit=True)
+        else:
+            self.binding = espalier.bind(refiner, self.points, settings.level, outside=settings.outside)
+        self.compiled = espalier.CompiledTable(self.binding)
+        self.moved = np.empty_like(self.points)
+        self.written = None  # the coordinates that the shape key has, unless undo has changed them
+
+    def deform(self, pose):
+        """Returns the points for a pose of the lattice in the coordinates of the object: array (N, 3)."""
+        self.compiled.evaluate(pose - self.rest, self.moved)
+        kept = self.binding.kept
+        if len(kept):
+            self.moved[kept] = 0
+        self.moved += self.points
+        return self.moved
+
+
+_bound = {}  # by the name of the object
+_is_updating = False
+problems = {}  # name of an object: why it does not follow its lattice
+
+
+def is_bound(object):
+    return (object is not None and object.type == "MESH" and object.espalier.lattice is not None
+            and REST in object)
+
+
+def bound_objects(scene=None, lattice=None):
+    objects = scene.objects if scene is not None else bpy.data.objects
+    return [o for o in objects if is_bound(o) and lattice in (None, o.espalier.lattice)]
+
+
+def rest_points(object):
+    """Returns the points of a bound object at rest: array (N, 3)."""
+    mesh = object.data
+    source = mesh.shape_keys.key_blocks[0].data if mesh.shape_keys else mesh.vertices
+    points = np.empty(3 * len(source), dtype=np.float32)
+    source.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def in_object(object, lattice, positions, depsgraph):
+    """Converts positions from the coordinates of the lattice to those of the object."""
+    matrix = (object.evaluated_get(depsgraph).matrix_world.inverted()
+              @ lattice.evaluated_get(depsgraph).matrix_world)
+    matrix = np.array(matrix)
+    return positions @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def bound_of(object):
+    """Returns the Bound of an object, which is made if there is none."""
+    found = _bound.get(object.name_full)
+    if found is None or len(found.points) != len(object.data.vertices):
+        found = _bound[object.name_full] = Bound(object)
+    return found
+
+
+def forget(object):
+    _bound.pop(object.name_full, None)
+    problems.pop(object.name_full, None)
+
+
+def bind(object, lattice, depsgraph):
+    """Binds an object to a lattice as it is now. Returns the Bound."""
+    if object.mode == "EDIT" or lattice.mode == "EDIT":
+        raise LatticeError("leave edit mode before binding")
+    forget(object)
+    if object.espalier.lattice not in (None, lattice) or KEY in key_names(object):
+        unbind(object)
+    lattice_object.sync(lattice)
+    pose = lattice_object.posed_positions(lattice, depsgraph)
+    object.espalier.lattice = lattice
+    object[REST] = in_object(object, lattice, pose, depsgraph).ravel().tolist()
+    object[TOPOLOGY] = lattice_object.topology_text(lattice)
+    try:
+        bound = bound_of(object)
+    except Exception:
+        object.espalier.lattice = None
+        del object[REST], object[TOPOLOGY]
+        raise
+    if object.data.shape_keys is None:
+        object.shape_key_add(name="Basis", from_mix=False)
+    key = object.shape_key_add(name=KEY, from_mix=False)
+    key.value = 1
+    return bound
+
+
+def key_names(object):
+    return object.data.shape_keys.key_blocks.keys() if object.data.shape_keys else []
+
+
+def unbind(object):
+    """Removes a binding and its shape key, so that the object has its shape at rest."""
+    forget(object)
+    if KEY in key_names(object):
+        object.shape_key_remove(object.data.shape_keys.key_blocks[KEY])
+    if list(key_names(object)) == ["Basis"]:
+        object.shape_key_remove(object.data.shape_keys.key_blocks["Basis"])
+    group = object.vertex_groups.get(OUTSIDE_GROUP)
+    if group is not None:
+        object.vertex_groups.remove(group)
+    object.espalier.lattice = None
+    for name in (REST, TOPOLOGY):
+        if name in object:
+            del object[name]
+
+
+def update(object, depsgraph):
+    """Moves the points of a bound object after its lattice. Returns True if they moved."""
+    if not object.espalier.is_live or KEY not in key_names(object):
+        return False
+    lattice = object.espalier.lattice
+    try:
+        pose = lattice_object.posed_positions(lattice, depsgraph)
+        bound = bound_of(object)
+        if len(pose) != len(bound.rest):
+            raise LatticeError(f"{object.name}: {lattice.name} has {len(pose)} vertices; it had "
+                               f"{len(bound.rest)} when the object was bound: rebind")
+        points = bound.deform(in_object(object, lattice, pose, depsgraph))
+    except (LatticeError, ImportError, ValueError) as error:
+        problems[object.name_full] = str(error)
+        return False
+    problems.pop(object.name_full, None)
+    key = object.data.shape_keys.key_blocks[KEY]
+    new = points.astype(np.float32).ravel()
+    if bound.written is None:
+        bound.written = np.empty_like(new)
+        key.data.foreach_get("co", bound.written)
+    if np.array_equal(bound.written, new):
+        return False
+    key.data.foreach_set("co", new)
+    bound.written = new
+    object.data.update_tag()
+    return True
+
+
+def mark_outside(object):
+    """Makes a vertex group of the points outside the lattice, or removes it if there are none. Returns their
+    number."""
+    espalier = engine.load()
+    statuses = np.asarray(bound_of(object).binding.statuses)
+    outside = np.nonzero(statuses != int(espalier.PointStatus.INSIDE))[0]
+    group = object.vertex_groups.get(OUTSIDE_GROUP)
+    if group is not None:
+        object.vertex_groups.remove(group)
+    if len(outside):
+        object.vertex_groups.new(name=OUTSIDE_GROUP).add(outside.tolist(), 1.0, "REPLACE")
+    return len(outside)
+
+
+def folded_cells(lattice, rest, level, espalier, pose):
+    """Returns the cells of a lattice that a pose turns inside out, ascending. A cell counts if a cell of the
+    level in it does."""
+    at_rest = lattice_object.lattice_of(lattice, espalier, rest)
+    check = espalier.ValidityCheck(at_rest, level)
+    return sorted({check.base_cell(int(cell)) for cell in check.check(pose).inverted})
+
+
+def update_all(scene, depsgraph, only=None):
+    """Updates the bound objects of a scene: all, or those of some lattices."""
+    global _is_updating
+    if _is_updating:
+        return
+    _is_updating = True
+    try:
+        for object in bound_objects(scene):
+            if only is None or object.espalier.lattice.name_full in only or object.name_full in only:
+                update(object, depsgraph)
+    finally:
+        _is_updating = False
+
+
+@persistent
+def on_frame(scene, depsgraph=None):
+    update_all(scene, depsgraph or bpy.context.evaluated_depsgraph_get())
+
+
+@persistent
+def on_depsgraph(scene, depsgraph):
+    if _is_updating:
+        return
+    changed = {u.id.original.name_full for u in depsgraph.updates
+               if isinstance(u.id, bpy.types.Object) and (u.is_updated_geometry or u.is_updated_transform)}
+    if changed:
+        update_all(scene, depsgraph, changed)
+
+
+@persistent
+def on_load(_=None):
+    _bound.clear()
+    problems.clear()
+
+
+@persistent
+def on_undo(_=None):
+    """Undo may have changed the shape keys."""
+    for bound in _bound.values():
+        bound.written = None
+
+
+HANDLERS = {"frame_change_post": on_frame, "depsgraph_update_post": on_depsgraph, "load_post": on_load,
+            "undo_post": on_undo, "redo_post": on_undo}
+
+
+def register():
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    for name, handler in HANDLERS.items():
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)
+    on_load()

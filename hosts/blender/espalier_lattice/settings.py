@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The settings of a bound object, which the .blend file saves."""
+
+import bpy
+
+from . import lattice_object
+
+
+def _rebind_is_needed(self, context):
+    """Settings that change the binding hold from the next update on."""
+    from . import binding
+    object = self.id_data
+    binding.forget(object)
+    if binding.is_bound(object):
+        binding.update(object, context.evaluated_depsgraph_get())
+
+
+class EspalierSettings(bpy.types.PropertyGroup):
+    lattice: bpy.props.PointerProperty(
+        type=bpy.types.Object, name="Lattice", description="The lattice that this object follows",
+        poll=lambda self, object: lattice_object.is_lattice(object))
+    level: bpy.props.IntProperty(
+        name="Level", description="How many times the lattice is refined", min=1, max=8, default=3,
+        update=_rebind_is_needed)
+    use_limit: bpy.props.BoolProperty(
+        name="Limit", description="Bind to the limit of refinement instead of a level",
+        update=_rebind_is_needed)
+    outside: bpy.props.EnumProperty(
+        name="Outside", description="What happens to points outside the lattice", update=_rebind_is_needed,
+        items=(("keep", "Stay", "They stay where they are"),
+               ("nearest", "Follow", "They follow the nearest cell")))
+    rules: bpy.props.EnumProperty(
+        name="Rules", description="The rules of refinement", update=_rebind_is_needed,
+        items=(("siggraph96", "SIGGRAPH 96", "MacCracken and Joy 1996"),
+               ("cse96", "CSE 96", "Joy and MacCracken 1996"),
+               ("mlca", "MLCA", "Bajaj, Schaefer, Warren and Xu 2002")))
+    is_live: bpy.props.BoolProperty(
+        name="Follow", description="Follow the lattice in the viewport and in renders", default=True)
+
+
+def register():
+    bpy.utils.register_class(EspalierSettings)
+    bpy.types.Object.espalier = bpy.props.PointerProperty(type=EspalierSettings)
+
+
+def unregister():
+    del bpy.types.Object.espalier
+    bpy.utils.unregister_class(EspalierSettings)

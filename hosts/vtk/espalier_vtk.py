@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A VTK filter that deforms points by a lattice of Espalier: "Espalier deform".
+
+    from espalier_vtk import EspalierDeform
+
+    deform = EspalierDeform()
+    deform.SetInputDataObject(0, model)        # any vtkPointSet: a surface, a volume mesh, a curvilinear grid
+    deform.SetInputDataObject(1, rest)         # the lattice at rest: a vtkUnstructuredGrid around the model
+    deform.SetInputDataObject(2, pose)         # the same lattice with its points moved
+    deform.SetLevel(3)                   # or SetLimit(True)
+    deform.Update()
+    moved = deform.GetOutputDataObject(0)
+
+The output is the model with moved points. Its point data has the array "espalier_status": 0 for points inside
+the lattice, 1 for points outside, 2 for points that could not be placed. The binding is kept: a new pose
+costs one sparse product.
+
+The file is also a plugin of ParaView (Tools > Manage Plugins > Load New); then the filter is in the menu
+Filters. Python must find the modules espalier and numpy.
+"""
+
+import numpy as np
+from vtkmodules.util import numpy_support
+from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPointSet, vtkUnstructuredGrid
+
+import espalier
+
+# The faces of VTK's cells, and the order of a voxel's points as a hexahedron.
+LOOPS = {
+    10: ((0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 2, 1)),
+    12: ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)),
+    13: ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+    14: ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
+}
+VOXEL, HEXAHEDRON, POLYHEDRON = 11, 12, 42
+VOXEL_ORDER = (0, 1, 3, 2, 4, 5, 7, 6)
+
+
+def positions_of(points):
+    """Returns the positions of a vtkPointSet: array (N, 3) of float64."""
+    if points.GetNumberOfPoints() == 0:
+        return np.zeros((0, 3))
+    return numpy_support.vtk_to_numpy(points.GetPoints().GetData()).astype(np.float64)
+
+
+def cells_of(grid):
+    """Returns the volume cells of a grid as loops of points. Other cells are skipped.
+
+    Raises a ValueError for a volume cell that is not of the types 10 to 14 and 42."""
+    from vtkmodules.vtkCommonCore import vtkIdList
+    cells = []
+    numbers = vtkIdList()
+    for cell in range(grid.GetNumberOfCells()):
+        kind = grid.GetCellType(cell)
+        if kind == POLYHEDRON:
+            grid.GetFaceStream(cell, numbers)
+            stream = [numbers.GetId(i) for i in range(numbers.GetNumberOfIds())]
+            loops, at = [], 1
+            for _ in range(stream[0]):
+                loops.append(stream[at + 1:at + 1 + stream[at]])
+                at += 1 + stream[at]
+            cells.append(loops)
+            continue
+        if grid.GetCell(cell).GetCellDimension() < 3:
+            continue
+        grid.GetCellPoints(cell, numbers)
+        points = [numbers.GetId(i) for i in range(numbers.GetNumberOfIds())]
+        if kind == VOXEL:
+            kind, points = HEXAHEDRON, [points[i] for i in VOXEL_ORDER]
+        if kind not in LOOPS:
+            raise ValueError(f"the lattice: cell {cell} is of VTK's type {kind}; expected 10, 11, 12, 13, 14 "
+                             "or 42")
+        cells.append([[points[i] for i in loop] for loop in LOOPS[kind]])
+    return cells
+
+
+def lattice_of(grid):
+    """Returns a lattice and the numbers of its points in the grid. Points that no cell uses are left out."""
+    cells = cells_of(grid)
+    if not cells:
+        raise ValueError("the lattice has no cells of a volume")
+    used = sorted({point for cell in cells for loop in cell for point in loop})
+    number = {point: i for i, point in enumerate(used)}
+    cells = [[[number[point] for point in loop] for loop in cell] for cell in cells]
+    return espalier.Lattice(positions_of(grid)[used], cells), used
+
+
+class EspalierDeform(VTKPythonAlgorithmBase):
+    """Espalier deform: moves the points of a model as a lattice around it moves."""
+
+    def __init__(self):
+        super().__init__(nInputPorts=3, nOutputPorts=1, outputType="vtkPointSet")
+        self._level = 3
+        self._limit = False
+        self._outside = "keep"
+        self._binding = None
+        self._bound_to = None  # what the binding depends on
+
+    def FillInputPortInformation(self, port, information):
+        information.Set(self.INPUT_REQUIRED_DATA_TYPE(), "vtkPointSet" if port == 0 else "vtkUnstructuredGrid")
+        return 1
+
+    def RequestDataObject(self, request, inputs, outputs):
+        model = vtkPointSet.GetData(inputs[0])
+        output = outputs.GetInformationObject(0)
+        current = output.Get(vtkPointSet.DATA_OBJECT())
+        if model is not None and (current is None or current.GetClassName() != model.GetClassName()):
+            output.Set(vtkPointSet.DATA_OBJECT(), model.NewInstance())
+        return 1
+
+    def SetLevel(self, level):
+        """Sets how many times the lattice is refined, 1 to 15."""
+        self._set("_level", int(level))
+
+    def GetLevel(self):
+        return self._level
+
+    def SetLimit(self, limit):
+        """Sets whether to bind to the limit of refinement instead of a level."""
+        self._set("_limit", bool(limit))
+
+    def GetLimit(self):
+        return self._limit
+
+    def SetOutside(self, outside):
+        """Sets what happens to points outside the lattice: "keep", "nearest" or "error"."""
+        self._set("_outside", str(outside))
+
+    def GetOutside(self):
+        return self._outside
+
+    def GetBinding(self):
+        """Returns the espalier.Binding of the last update; None before."""
+        return self._binding
+
+    def _set(self, name, value):
+        if getattr(self, name) != value:
+            setattr(self, name, value)
+            self.Modified()
+
+    def RequestData(self, request, inputs, outputs):
+        model = vtkPointSet.GetData(inputs[0])
+        rest, pose = (vtkUnstructuredGrid.GetData(inputs[port]) for port in (1, 2))
+        output = vtkPointSet.GetData(outputs)
+        output.ShallowCopy(model)
+        points = positions_of(model)
+        key = (model.GetPoints().GetMTime() if len(points) else 0, rest.GetMTime(), self._level, self._limit,
+               self._outside)
+        if key != self._bound_to:
+            self._lattice, self._used = lattice_of(rest)
+            options = {"limit": True} if self._limit else {"level": self._level}
+            self._binding = espalier.bind(self._lattice, points, outside=self._outside, **options)
+            self._compiled = espalier.CompiledTable(self._binding)
+            self._bound_to = key
+        if pose.GetNumberOfPoints() != rest.GetNumberOfPoints():
+            raise ValueError(f"the pose has {pose.GetNumberOfPoints()} points; the lattice at rest has "
+                             f"{rest.GetNumberOfPoints()}")
+        posed = positions_of(pose)[self._used]
+        # Displacements, so that points that do not move keep their coordinates exactly.
+        moved = points + self._compiled.evaluate(posed - self._lattice.positions)
+        moved_points = vtkPoints()
+        moved_points.SetDataType(model.GetPoints().GetDataType())
+        array = numpy_support.numpy_to_vtk(moved, deep=True, array_type=model.GetPoints().GetDataType())
+        array.SetName("Points")
+        moved_points.SetData(array)
+        output.SetPoints(moved_points)
+        statuses = numpy_support.numpy_to_vtk(np.asarray(self._binding.statuses, dtype=np.uint8), deep=True)
+        statuses.SetName("espalier_status")
+        output.GetPointData().AddArray(statuses)
+        return 1
+
+
+try:
+    from paraview.util.vtkAlgorithm import smdomain, smhint, smproperty, smproxy
+except ImportError:
+    pass
+else:
+    @smproxy.filter(name="EspalierDeform", label="Espalier deform")
+    @smhint.xml('<ShowInMenu category="Alphabetical"/>')
+    @smproperty.input(name="Pose", port_index=2)
+    @smdomain.datatype(dataTypes=["vtkUnstructuredGrid"], composite_data_supported=False)
+    @smproperty.input(name="Rest", port_index=1)
+    @smdomain.datatype(dataTypes=["vtkUnstructuredGrid"], composite_data_supported=False)
+    @smproperty.input(name="Input", port_index=0)
+    @smdomain.datatype(dataTypes=["vtkPointSet"], composite_data_supported=False)
+    class ParaViewEspalierDeform(EspalierDeform):
+        """The filter with the properties that ParaView shows."""
+
+        @smproperty.intvector(name="Level", default_values=3)
+        @smdomain.intrange(min=1, max=15)
+        def SetLevel(self, level):
+            super().SetLevel(level)
+
+        @smproperty.xml('<IntVectorProperty name="Limit" command="SetLimit" number_of_elements="1" '
+                        'default_values="0"><BooleanDomain name="bool"/></IntVectorProperty>')
+        def SetLimit(self, limit):
+            super().SetLimit(limit)

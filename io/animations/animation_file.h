@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/io/model.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+/// \file
+/// Writes the poses of a model as one file that animation programs read: point caches (.pc2, .mdd)
+/// and glTF with morph targets (.glb).
+///
+///     .pc2   for each frame all points, as floats; the format of 3ds Max, which Blender's modifier
+///            Mesh Cache reads. Frames are numbered from 0
+///     .mdd   the same, with a time for each frame; the format of LightWave
+///     .glb   the faces of the model with its points at rest, and one morph target per pose, which
+///            holds the movement of the points. An animation "poses" goes from pose to pose, one
+///            per frame. Faces of more than three corners are split into triangles as at rest. glTF
+///            takes y for up and metres for units; coordinates are written as they are
+///
+/// All coordinates are rounded to floats.
+
+namespace espalier::io {
+
+/// The poses of a model.
+struct Animation {
+    /// Returns the points of a frame, one per point of the model. Called for each frame once, in
+    /// order, while the file is written.
+    std::function<std::vector<Point3>(std::size_t frame)> frame;
+
+    std::size_t frameCount = 0;
+    double framesPerSecond = 24;
+};
+
+/// Returns true if the extension names one of the formats, in upper or lower case.
+ESPALIER_API bool isAnimationFile(const std::filesystem::path& path);
+
+/// Writes all frames, in the format that the extension names.
+///
+/// \throws Error if there are no frames or more than 2³¹ − 1, if framesPerSecond is not a finite
+///         number above 0, if a frame does not have one finite position per point, or if a
+///         coordinate is too large for a float; FileError if the extension is none of the formats,
+///         if the file cannot be written, or for .glb if the model has no faces or the file would
+///         have 4 GiB or more
+ESPALIER_API void writeAnimation(const std::filesystem::path& path, const Model& model,
+                                 const Animation& animation);
+
+}  // namespace espalier::io

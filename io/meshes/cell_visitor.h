@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/index.h>
+#include <espalier/far/standard_cells.h>
+
+#include <span>
+#include <vector>
+
+namespace espalier::io {
+
+/// Receives the cells of a file, in their order.
+class CellVisitor {
+public:
+    virtual ~CellVisitor() = default;
+
+    /// A tetrahedron, pyramid, wedge or hexahedron.
+    /// \param points in VTK's order
+    virtual void cell(far::StandardCell kind, std::span<const Index> points) = 0;
+
+    /// \param loops the faces; each anticlockwise seen from outside, unless the format does not say
+    virtual void polyhedron(std::span<const std::vector<Index>> loops) = 0;
+
+    /// A face of a surface, in the order around it.
+    virtual void face(std::span<const Index> points) = 0;
+
+    /// A face of a cell on the boundary, from a format that lists the faces of its cells.
+    virtual void boundaryFace(std::span<const Index>) {}
+
+    /// A vertex (dimension 0) or a line (dimension 1).
+    virtual void smallCell(int dimension) = 0;
+
+    /// A cell whose edges are curved, such as a quadratic one. It has the vertices of a straight
+    /// one, and more.
+    /// \param dimension 1 to 3
+    virtual void curvedCell(int dimension) = 0;
+};
+
+}  // namespace espalier::io

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "../files/bytes.h"
+#include "../files/number_types.h"
+#include "foam_file.h"
+
+namespace espalier::io {
+namespace {
+
+constexpr std::string_view kMarks = "(){};";
+
+bool isMark(char c) {
+    return kMarks.find(c) != std::string_view::npos;
+}
+
+}  // namespace
+
+FoamFile::FoamFile(const std::filesystem::path& path, std::string_view bytes)
+    : path_(path), bytes_(bytes) {
+    readHeader();
+}
+
+void FoamFile::readHeader() {
+    if (word("FoamFile") != "FoamFile")
+        fail("the file does not begin with FoamFile, as files of OpenFOAM do");
+    expect("{");
+    while (true) {
+        const std::string_view key = word("an entry of the header, or }");
+        if (key == "}") break;
+        std::string value;
+        for (std::string_view part = word("a value"); part != ";"; part = word("; after a value"))
+            value += (value.empty() ? "" : " ") + std::string(part);
+        if (key == "format") {
+            if (value != "ascii" && value != "binary")
+                fail("the format is " + inQuotes(value) + "; expected ascii or binary");
+            isBinary_ = value == "binary";
+        } else if (key == "class") {
+            className_ = value;
+        } else if (key == "arch") {
+            const auto has = [&](const char* text) {
+                return value.find(text) != std::string::npos;
+            };
+            order_ = has("MSB") ? std::endian::big : std::endian::little;
+            labelBytes_ = has("label=64") ? 8 : 4;
+            scalarBytes_ = has("scalar=32") ? 4 : 8;
+        }
+    }
+}
+
+void FoamFile::skipSpace() {
+    while (position_ < bytes_.size()) {
+        const char c = bytes_[position_];
+        if (c == '\n') ++line_;
+        if (static_cast<unsigned char>(c) <= ' ') {
+            ++position_;
+        } else if (bytes_.substr(position_, 2) == "//") {
+            position_ = std::min(bytes_.find('\n', position_), bytes_.size());
+        } else if (bytes_.substr(position_, 2) == "/*") {
+            const std::size_t end = bytes_.find("*/", position_ + 2);
+            if (end == std::string_view::npos) fail("a comment /* does not end");
+            line_ += std::count(bytes_.begin() + static_cast<std::ptrdiff_t>(position_),
+                                bytes_.begin() + static_cast<std::ptrdiff_t>(end), '\n');
+            position_ = end + 2;
+        } else {
+            break;
+        }
+    }
+}
+
+std::string_view FoamFile::word(const char* what) {
+    skipSpace();
+    if (position_ == bytes_.size()) fail(concat("the file ends; expected ", what));
+    const std::size_t begin = position_;
+    if (isMark(bytes_[position_])) return bytes_.substr(position_++, 1);
+    if (bytes_[position_] == '"') {
+        const std::size_t end = bytes_.find('"', begin + 1);
+        if (end == std::string_view::npos) fail("a text in quotation marks does not end");
+        position_ = end + 1;
+    } else {
+        while (position_ < bytes_.size() && static_cast<unsigned char>(bytes_[position_]) > ' ' &&
+               !isMark(bytes_[position_]))
+            ++position_;
+    }
+    return bytes_.substr(begin, position_ - begin);
+}
+
+void FoamFile::expect(std::string_view mark) {
+    const std::string_view got = word(std::string(mark).c_str());
+    if (got != mark) fail("expected " + std::string(mark) + ", got " + inQuotes(got));
+}
+
+std::size_t FoamFile::count(const char* what, std::size_t minBytes) {
+    const std::string_view text = word(what);
+    std::uint64_t number = 0;
+    if (!parseNumber(text, number)) fail(inQuotes(text) + " is not a number; expected " + what);
+    const std::size_t left = bytes_.size() - position_;
+    if (number > (left + 1) / minBytes)
+        fail(concat(what, " is ", number, ", but only ", left, " bytes are left"));
+    return number;
+}
+
+Index FoamFile::label(const char* what) {
+    std::int64_t number = 0;
+    if (isBinary_) {
+        if (bytes_.size() - position_ < labelBytes_) fail(concat("the file ends; expected ", what));
+        number = labelBytes_ == 4 ? loadNumber<std::int32_t>(bytes_.data() + position_, order_)
+                                  : loadNumber<std::int64_t>(bytes_.data() + position_, order_);
+        position_ += labelBytes_;
+    } else {
+        const std::string_view text = word(what);
+        if (!parseNumber(text, number)) fail(inQuotes(text) + " is not a number; expected " + what);
+    }
+    if (number < 0 || number > kMaxIndex)
+        fail(concat(what, " is ", number, "; expected 0 to ", kMaxIndex));
+    return static_cast<Index>(number);
+}
+
+double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& place) {
+    if (!isBinary_) {
+        const std::string_view text = word("a coordinate");
+        place = static_cast<std::size_t>(text.data() - bytes_.data());
+        return parseCoordinate(text, axis, Precision::Double, path_, line_);
+    }
+    if (bytes_.size() - position_ < scalarBytes_) fail("the file ends; expected a coordinate");
+    place = position_;
+    position_ += scalarBytes_;
+    return loadCoordinate(bytes_, place, scalarBytes_ == 4 ? Precision::Float : Precision::Double,
+                          order_, axis, point, path_);
+}
+
+PlacedPoints FoamFile::points() {
+    PlacedPoints points;
+    if (isBinary_) {
+        points.order = order_;
+        points.precision = scalarBytes_ == 4 ? Precision::Float : Precision::Double;
+    }
+    const std::size_t size = count("the number of points", isBinary_ ? 3 * scalarBytes_ : 7);
+    if (size == 0) return points;
+    const std::string_view mark = word("( before the points");
+    if (mark == "{")
+        fail("all points are the same ({...} after their number); a mesh needs different ones");
+    if (mark != "(") fail("expected ( before the points, got " + inQuotes(mark));
+    points.positions.resize(size);
+    points.places.resize(size);
+    for (std::size_t point = 0; point < size; ++point) {
+        if (!isBinary_) expect("(");
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            points.positions[point][axis] = scalar(axis, point, points.places[point][axis]);
+        if (!isBinary_) expect(")");
+    }
+    expect(")");
+    return points;
+}
+
+std::vector<Index> FoamFile::labels(const char* what) {
+    // A list of equal numbers may be "1000{0}": its length is checked against the faces later.
+    const std::string_view text = word("the number of labels");
+    std::uint64_t size = 0;
+    if (!parseNumber(text, size))
+        fail(inQuotes(text) + " is not a number; expected the number of labels");
+    if (size == 0) {
+        skipSpace();
+        if (position_ < bytes_.size() && bytes_[position_] == '(') {
+            expect("(");
+            expect(")");
+        }
+        return {};
+    }
+    const std::string_view mark = word("( before labels");
+    if (size > static_cast<std::uint64_t>(kMaxIndex))
+        fail(concat("there are ", size, " labels; at most ", kMaxIndex, " can be counted"));
+    if (mark == "{") {
+        const bool wasBinary = std::exchange(isBinary_, false);
+        const Index value = label(what);
+        isBinary_ = wasBinary;
+        expect("}");
+        // A file of a few bytes must not claim gigabytes.
+        requireMemory(size * sizeof(Index), "a list of equal labels");
+        return std::vector<Index>(size, value);
+    }
+    if (mark != "(") fail("expected ( before labels, got " + inQuotes(mark));
+    const std::size_t left = bytes_.size() - position_;
+    if (size > (left + 1) / (isBinary_ ? labelBytes_ : 2))
+        fail(concat("the number of labels is ", size, ", but only ", left, " bytes are left"));
+    std::vector<Index> labels;
+    labels.reserve(size);
+    for (std::size_t i = 0; i < size; ++i) labels.push_back(label(what));
+    expect(")");
+    return labels;
+}
+
+far::Rows<Index> FoamFile::faces() {
+    far::Rows<Index> faces;
+    if (className_ == "faceCompactList") {
+        const std::vector<Index> offsets = labels("the begin of a face");
+        const std::vector<Index> points = labels("a point of a face");
+        if (offsets.empty()) return faces;
+        faces.offsets.clear();
+        Index before = 0;
+        for (const Index offset : offsets) {
+            if (offset < before || static_cast<std::size_t>(offset) > points.size())
+                fail(concat("a face begins at ", offset, " after one at ", before, "; there are ",
+                            points.size(), " points of faces"));
+            faces.offsets.push_back(offset);
+            before = offset;
+        }
+        if (offsets.front() != 0 || static_cast<std::size_t>(before) != points.size())
+            fail(concat("the faces have the points ", offsets.front(), " to ", before, " of ",
+                        points.size()));
+        faces.values.assign(points.begin(), points.end());
+        return faces;
+    }
+    if (isBinary_)
+        fail("the class is " + inQuotes(className_) +
+             ", which cannot be read in binary; expected faceCompactList: convert the mesh with "
+             "foamFormatConvert");
+    const std::size_t size = count("the number of faces", 5);
+    expect("(");
+    for (std::size_t face = 0; face < size; ++face) {
+        const std::size_t corners = count("the number of points of a face", 2);
+        expect("(");
+        for (std::size_t i = 0; i < corners; ++i)
+            faces.values.push_back(label("a point of a face"));
+        expect(")");
+        faces.offsets.push_back(static_cast<Offset>(faces.values.size()));
+    }
+    expect(")");
+    return faces;
+}
+
+void FoamFile::expectEnd() {
+    skipSpace();
+    if (position_ != bytes_.size()) fail("expected the end of the file after the list");
+}
+
+void FoamFile::fail(const std::string& cause) const {
+    throw FileError(path_, line_, cause);
+}
+
+}  // namespace espalier::io

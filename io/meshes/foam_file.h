@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/index.h>
+#include <espalier/far/incidence.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mesh_format.h"
+
+// Reads single files of OpenFOAM: a header, and lists.
+
+namespace espalier::io {
+
+/// Reads a file of OpenFOAM in the order of its text. All functions throw FileError with the line.
+class FoamFile {
+public:
+    /// Reads the header.
+    /// \param path, bytes must outlive this
+    FoamFile(const std::filesystem::path& path, std::string_view bytes);
+
+    /// The class that the header names: "vectorField".
+    const std::string& className() const { return className_; }
+
+    /// Reads a list of vectors.
+    PlacedPoints points();
+
+    /// Reads a list of numbers from 0 to the largest Index.
+    /// \param what one of them in messages
+    std::vector<Index> labels(const char* what);
+
+    /// Reads a list of faces: of lists of points, or the compact form of two lists.
+    far::Rows<Index> faces();
+
+    /// Throws unless only white space and comments are left.
+    void expectEnd();
+
+private:
+    void readHeader();
+    void skipSpace();
+    std::string_view word(const char* what);
+    void expect(std::string_view mark);
+    std::size_t count(const char* what, std::size_t minBytes);
+    Index label(const char* what);
+    double scalar(std::size_t axis, std::size_t point, std::size_t& place);
+    [[noreturn]] void fail(const std::string& cause) const;
+
+    const std::filesystem::path& path_;
+    std::string_view bytes_;
+    std::size_t position_ = 0;
+    std::size_t line_ = 1;
+    std::string className_;
+    bool isBinary_ = false;
+    std::endian order_ = std::endian::little;
+    std::size_t labelBytes_ = 4;
+    std::size_t scalarBytes_ = 8;
+};
+
+}  // namespace espalier::io

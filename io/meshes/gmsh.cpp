@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/meshes/gmsh.h>
+
+#include <cstdint>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "../files/bytes.h"
+#include "../files/number_types.h"
+#include "mesh_format.h"
+
+namespace espalier::io {
+namespace {
+
+/// A type of element: its dimension, its number of nodes, and its kind if it is a straight cell.
+struct ElementType {
+    std::int64_t number;
+    int dimension;
+    std::size_t nodes;
+    std::optional<far::StandardCell> kind = {};
+    bool isCurved = true;
+};
+
+constexpr ElementType kElementTypes[] = {
+    {15, 0, 1, {}, false},
+    {1, 1, 2, {}, false},
+    {2, 2, 3, {}, false},
+    {3, 2, 4, {}, false},
+    {4, 3, 4, far::StandardCell::Tetrahedron, false},
+    {5, 3, 8, far::StandardCell::Hexahedron, false},
+    {6, 3, 6, far::StandardCell::Wedge, false},
+    {7, 3, 5, far::StandardCell::Pyramid, false},
+    {8, 1, 3},
+    {26, 1, 4},
+    {27, 1, 5},
+    {28, 1, 6},
+    {9, 2, 6},
+    {20, 2, 9},
+    {21, 2, 10},
+    {22, 2, 12},
+    {23, 2, 15},
+    {24, 2, 15},
+    {25, 2, 21},
+    {10, 2, 9},
+    {16, 2, 8},
+    {36, 2, 16},
+    {37, 2, 25},
+    {11, 3, 10},
+    {29, 3, 20},
+    {30, 3, 35},
+    {31, 3, 56},
+    {12, 3, 27},
+    {17, 3, 20},
+    {92, 3, 64},
+    {93, 3, 125},
+    {13, 3, 18},
+    {18, 3, 15},
+    {90, 3, 40},
+    {91, 3, 75},
+    {14, 3, 14},
+    {19, 3, 13},
+};
+
+/// Reads the sections of a file in order.
+class GmshReader {
+public:
+    GmshReader(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), bytes_(bytes), text_(path, bytes) {
+        seek("MeshFormat");
+        const std::string_view version = text_.token("the version of the format");
+        if (version != "2.2" && version != "4.1")
+            text_.fail("the version of the format is " + inQuotes(version) +
+                       "; expected 2.2 or 4.1: write the mesh with gmsh FILE -save -format msh41");
+        isVersion4_ = version == "4.1";
+        isBinary_ = text_.number<std::int64_t>("the type of the file, 0 or 1") == 1;
+        const auto size = text_.number<std::int64_t>("the size of a number");
+        if (size != 8) text_.fail(concat("the size of a number is ", size, " bytes; expected 8"));
+        if (isBinary_) readByteOrder();
+        expectEnd("$EndMeshFormat");
+    }
+
+    PlacedPoints readPoints() {
+        PlacedPoints points;
+        points.order = order_;
+        readNodes([&](std::int64_t) {
+            Point3& position = points.positions.emplace_back();
+            CoordinatePlaces& places = points.places.emplace_back();
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                std::tie(position[axis], places[axis]) =
+                    coordinate(axis, points.positions.size() - 1);
+        });
+        return points;
+    }
+
+    void readCells(CellVisitor& visitor) {
+        Index next = 0;
+        readNodes([&](std::int64_t tag) {
+            addTag(tag, next++);
+            for (std::size_t axis = 0; axis < 3; ++axis) coordinate(axis, 0);
+        });
+        pointCount_ = next;
+        if (isVersion4_)
+            readElements4(visitor);
+        else
+            readElements2(visitor);
+    }
+
+private:
+    void readByteOrder() {
+        text_.restOfLine();
+        const std::string_view one = text_.bytes(sizeof(std::int32_t), "the number 1");
+        for (const std::endian order : {std::endian::little, std::endian::big})
+            if (loadNumber<std::int32_t>(one.data(), order) == 1) order_ = order;
+        if (!order_) text_.fail("the binary number after the version is not 1");
+    }
+
+    /// Goes to the line after $name. Skips other sections.
+    void seek(const std::string& name) {
+        const std::string wanted = "$" + name;
+        while (true) {
+            if (text_.atEnd()) text_.fail("the file ends; expected " + wanted);
+            const std::string_view keyword = text_.token("a section, such as $Nodes");
+            if (!keyword.starts_with('$'))
+                text_.fail("expected a section such as $Nodes, got " + inQuotes(keyword));
+            if (keyword == wanted) break;
+            const std::string end = "$End" + std::string(keyword.substr(1));
+            text_.restOfLine();
+            const std::size_t at = bytes_.find(end, text_.position());
+            if (at == std::string_view::npos)
+                text_.fail("the section " + inQuotes(keyword) + " does not end");
+            skipTo(at + end.size());
+        }
+        text_.restOfLine();
+    }
+
+    /// Skips to a place, and counts the lines before it.
+    void skipTo(std::size_t place) {
+        while (text_.position() < place) {
+            const std::size_t end = bytes_.find('\n', text_.position());
+            if (end >= place) {
+                text_.bytes(place - text_.position(), "the end of a section");
+                break;
+            }
+            text_.restOfLine();
+        }
+    }
+
+    /// Ends a section.
+    void expectEnd(const char* name) {
+        const std::string_view keyword = text_.token(name);
+        if (keyword != name) text_.fail(concat("expected ", name, ", got ", inQuotes(keyword)));
+        text_.restOfLine();
+    }
+
+    /// Reads an integer: binary as the Stored type, or as text.
+    template <class Stored>
+    std::int64_t integer(const char* what) {
+        if (!isBinary_) return text_.number<std::int64_t>(what);
+        const auto number = loadNumber<Stored>(text_.bytes(sizeof(Stored), what).data(), *order_);
+        if (!std::in_range<std::int64_t>(number))
+            text_.fail(concat(what, " is ", number, ", which is out of range"));
+        return static_cast<std::int64_t>(number);
+    }
+
+    /// Reads a number of items of at least `minBytes` bytes each.
+    template <class Stored>
+    std::size_t count(const char* what, std::size_t minBytes) {
+        const std::int64_t number = integer<Stored>(what);
+        if (number < 0) text_.fail(concat(what, " is ", number));
+        text_.checkRoom(static_cast<std::size_t>(number), minBytes, what);
+        return static_cast<std::size_t>(number);
+    }
+
+    /// Reads a coordinate, and tells its place.
+    std::pair<double, std::size_t> coordinate(std::size_t axis, std::size_t point) {
+        if (!isBinary_) {
+            const std::string_view word = text_.token("a coordinate");
+            return {parseCoordinate(word, axis, Precision::Double, path_, text_.line()),
+                    static_cast<std::size_t>(word.data() - bytes_.data())};
+        }
+        const std::size_t place = text_.position();
+        text_.bytes(sizeof(double), "a coordinate");
+        return {loadCoordinate(bytes_, place, Precision::Double, *order_, axis, point, path_),
+                place};
+    }
+
+    /// Reads $Nodes. Calls readCoordinates(tag) for each node, which must read three coordinates.
+    template <class ReadCoordinates>
+    void readNodes(ReadCoordinates readCoordinates) {
+        seek("Nodes");
+        if (isVersion4_)
+            readNodes4(readCoordinates);
+        else
+            readNodes2(readCoordinates);
+        expectEnd("$EndNodes");
+    }
+
+    template <class ReadCoordinates>
+    void readNodes2(ReadCoordinates readCoordinates) {
+        const std::size_t nodeCount = text_.count("the number of nodes", isBinary_ ? 28 : 8);
+        if (isBinary_) text_.restOfLine();
+        for (std::size_t i = 0; i < nodeCount; ++i)
+            readCoordinates(integer<std::int32_t>("the number of a node"));
+    }
+
+    template <class ReadCoordinates>
+    void readNodes4(ReadCoordinates readCoordinates) {
+        const std::size_t blockCount =
+            count<std::uint64_t>("the number of blocks of nodes", isBinary_ ? 20 : 8);
+        const std::size_t nodeCount =
+            count<std::uint64_t>("the number of nodes", isBinary_ ? 32 : 8);
+        integer<std::uint64_t>("the smallest tag of a node");
+        integer<std::uint64_t>("the largest tag of a node");
+        std::vector<std::int64_t> tags;
+        std::size_t total = 0;
+        for (std::size_t block = 0; block < blockCount; ++block) {
+            const std::int64_t dimension = integer<std::int32_t>("the dimension of an entity");
+            integer<std::int32_t>("the tag of an entity");
+            const bool isParametric =
+                integer<std::int32_t>("whether nodes have parameters, 0 or 1") != 0;
+            if (dimension < 0 || dimension > 3)
+                text_.fail(concat("an entity has the dimension ", dimension, "; expected 0 to 3"));
+            const std::size_t inBlock =
+                count<std::uint64_t>("the number of nodes of a block", isBinary_ ? 32 : 8);
+            tags.clear();
+            for (std::size_t i = 0; i < inBlock; ++i)
+                tags.push_back(integer<std::uint64_t>("the tag of a node"));
+            for (const std::int64_t tag : tags) {
+                readCoordinates(tag);
+                for (std::int64_t i = 0; isParametric && i < dimension; ++i) skipParameter();
+            }
+            total += inBlock;
+        }
+        if (total != nodeCount)
+            text_.fail(concat("the blocks have ", total, " nodes, but $Nodes claims ", nodeCount));
+    }
+
+    void skipParameter() {
+        if (isBinary_)
+            text_.bytes(sizeof(double), "a parameter of a node");
+        else
+            text_.token("a parameter of a node");
+    }
+
+    void addTag(std::int64_t tag, Index index) {
+        // Most files number their nodes from 1 in order.
+        if (isDense_ && tag == std::int64_t{index} + 1) return;
+        if (isDense_) {
+            isDense_ = false;
+            for (Index i = 0; i < index; ++i) indexOfTag_.emplace(std::int64_t{i} + 1, i);
+        }
+        if (!indexOfTag_.emplace(tag, index).second)
+            text_.fail(concat("two nodes have the tag ", tag));
+    }
+
+    Index indexOf(std::int64_t tag) const {
+        if (isDense_ && tag >= 1 && tag <= pointCount_) return static_cast<Index>(tag - 1);
+        if (!isDense_)
+            if (const auto found = indexOfTag_.find(tag); found != indexOfTag_.end())
+                return found->second;
+        text_.fail(concat("an element names node ", tag, ", which does not exist"));
+    }
+
+    const ElementType& typeOf(std::int64_t number) const {
+        for (const ElementType& type : kElementTypes)
+            if (type.number == number) return type;
+        text_.fail(concat("an element has the type ", number, ", which is not known here"));
+    }
+
+    void visit(const ElementType& type, CellVisitor& visitor) {
+        if (type.isCurved) {
+            visitor.curvedCell(type.dimension);
+        } else if (type.kind) {
+            // The first triangle of a prism is anticlockwise seen from the other one, unlike VTK's.
+            if (type.kind == far::StandardCell::Wedge) {
+                std::swap(nodes_[1], nodes_[2]);
+                std::swap(nodes_[4], nodes_[5]);
+            }
+            visitor.cell(*type.kind, nodes_);
+        } else if (type.dimension == 2) {
+            visitor.face(nodes_);
+        } else {
+            visitor.smallCell(type.dimension);
+        }
+    }
+
+    template <class Stored>
+    void readElementNodes(const ElementType& type) {
+        nodes_.clear();
+        for (std::size_t i = 0; i < type.nodes; ++i)
+            nodes_.push_back(indexOf(integer<Stored>("a node of an element")));
+    }
+
+    void readElements2(CellVisitor& visitor) {
+        seek("Elements");
+        const std::size_t elementCount = text_.count("the number of elements", 8);
+        if (isBinary_) text_.restOfLine();
+        for (std::size_t read = 0; read < elementCount;) {
+            // In binary, elements of one type follow a common header.
+            std::size_t inBlock = 1;
+            if (!isBinary_) integer<std::int32_t>("the number of an element");
+            const ElementType& type = typeOf(integer<std::int32_t>("the type of an element"));
+            if (isBinary_) inBlock = count<std::int32_t>("the number of elements of a block", 8);
+            const std::size_t tagCount =
+                count<std::int32_t>("the number of tags of an element", isBinary_ ? 4 : 2);
+            if (inBlock == 0 || inBlock > elementCount - read)
+                text_.fail(concat("a block has ", inBlock, " elements, but ", elementCount - read,
+                                  " are left"));
+            for (std::size_t i = 0; i < inBlock; ++i) {
+                if (isBinary_) integer<std::int32_t>("the number of an element");
+                for (std::size_t tag = 0; tag < tagCount; ++tag)
+                    integer<std::int32_t>("a tag of an element");
+                readElementNodes<std::int32_t>(type);
+                visit(type, visitor);
+            }
+            read += inBlock;
+        }
+        expectEnd("$EndElements");
+    }
+
+    void readElements4(CellVisitor& visitor) {
+        seek("Elements");
+        const std::size_t blockCount = count<std::uint64_t>("the number of blocks of elements", 8);
+        const std::size_t elementCount = count<std::uint64_t>("the number of elements", 4);
+        integer<std::uint64_t>("the smallest tag of an element");
+        integer<std::uint64_t>("the largest tag of an element");
+        std::size_t total = 0;
+        for (std::size_t block = 0; block < blockCount; ++block) {
+            integer<std::int32_t>("the dimension of an entity");
+            integer<std::int32_t>("the tag of an entity");
+            const ElementType& type = typeOf(integer<std::int32_t>("the type of an element"));
+            const std::size_t inBlock =
+                count<std::uint64_t>("the number of elements of a block", 4);
+            for (std::size_t i = 0; i < inBlock; ++i) {
+                integer<std::uint64_t>("the tag of an element");
+                readElementNodes<std::uint64_t>(type);
+                visit(type, visitor);
+            }
+            total += inBlock;
+        }
+        if (total != elementCount)
+            text_.fail(concat("the blocks have ", total, " elements, but $Elements claims ",
+                              elementCount));
+        expectEnd("$EndElements");
+    }
+
+    const std::filesystem::path& path_;
+    std::string_view bytes_;
+    TextReader text_;
+    bool isVersion4_ = false;
+    bool isBinary_ = false;
+    std::optional<std::endian> order_;  ///< of a binary file
+    bool isDense_ = true;               ///< whether node i has the tag i + 1
+    std::unordered_map<std::int64_t, Index> indexOfTag_;
+    Index pointCount_ = 0;
+    std::vector<Index> nodes_;  ///< of the current element
+};
+
+constexpr MeshFormat kGmsh = {
+    ".msh",
+    [](const std::filesystem::path& path, std::string_view bytes) {
+        return GmshReader(path, bytes).readPoints();
+    },
+    [](const std::filesystem::path& path, std::string_view bytes, Index, CellVisitor& visitor) {
+        GmshReader(path, bytes).readCells(visitor);
+    }};
+
+}  // namespace
+
+std::unique_ptr<Model> readGmshModel(const std::filesystem::path& path, std::string bytes) {
+    return readMeshModel(kGmsh, path, std::move(bytes));
+}
+
+Lattice readGmsh(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return readMeshLattice(kGmsh, path, bytes, notes);
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/meshes/medit.h>
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "mesh_format.h"
+
+namespace espalier::io {
+namespace {
+
+/// A section of elements. Each element is the numbers of its vertices, from 1, and a reference.
+struct ElementSection {
+    std::string_view keyword;
+    int dimension;
+    std::size_t nodes;
+    std::optional<far::StandardCell> kind = {};
+    bool isCurved = false;
+};
+
+constexpr ElementSection kElementSections[] = {
+    {"Corners", 0, 1},
+    {"Edges", 1, 2},
+    {"Triangles", 2, 3},
+    {"Quadrilaterals", 2, 4},
+    {"Tetrahedra", 3, 4, far::StandardCell::Tetrahedron},
+    {"Pyramids", 3, 5, far::StandardCell::Pyramid},
+    {"Prisms", 3, 6, far::StandardCell::Wedge},
+    {"Hexahedra", 3, 8, far::StandardCell::Hexahedron},
+    {"EdgesP2", 1, 3, {}, true},
+    {"TrianglesP2", 2, 6, {}, true},
+    {"QuadrilateralsQ2", 2, 9, {}, true},
+    {"TetrahedraP2", 3, 10, {}, true},
+    {"HexahedraQ2", 3, 27, {}, true},
+};
+
+class MeditReader {
+public:
+    MeditReader(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), bytes_(bytes), text_(path, bytes) {
+        text_.skipComments('#');
+        if (text_.token("MeshVersionFormatted") != "MeshVersionFormatted")
+            text_.fail(
+                "the file does not begin with MeshVersionFormatted; the binary format "
+                "(.meshb) cannot be read");
+        text_.number<std::int64_t>("the version of the format");
+    }
+
+    PlacedPoints readPoints() {
+        PlacedPoints points;
+        while (const auto keyword = nextKeyword()) {
+            if (*keyword != "Vertices") continue;
+            points.dimension = dimension();
+            const std::size_t count =
+                text_.count("the number of vertices", 2 * (points.dimension + 1));
+            for (std::size_t i = 0; i < count; ++i) {
+                Point3& position = points.positions.emplace_back(Point3{0, 0, 0});
+                CoordinatePlaces& places = points.places.emplace_back();
+                for (std::size_t axis = 0; axis < points.dimension; ++axis) {
+                    const std::string_view word = text_.token("a coordinate");
+                    position[axis] =
+                        parseCoordinate(word, axis, Precision::Double, path_, text_.line());
+                    places[axis] = word.data() - bytes_.data();
+                }
+                text_.token("the reference of a vertex");
+            }
+            return points;
+        }
+        text_.fail("the file ends; expected Vertices");
+    }
+
+    void readCells(Index pointCount, CellVisitor& visitor) {
+        while (const auto keyword = nextKeyword())
+            for (const ElementSection& section : kElementSections)
+                if (section.keyword == *keyword) readElements(section, pointCount, visitor);
+    }
+
+private:
+    std::size_t dimension() const {
+        if (dimension_ == 0) text_.fail("Vertices come before Dimension");
+        return dimension_;
+    }
+
+    /// Returns the next keyword, and skips numbers before it; nothing at the end of the file.
+    std::optional<std::string_view> nextKeyword() {
+        while (!text_.atEnd()) {
+            const std::string_view word = text_.token("a keyword");
+            const char first = word[0];
+            const bool isLetter = (first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z');
+            if (!isLetter) continue;
+            if (word == "End") return std::nullopt;
+            if (word != "Dimension") return word;
+            dimension_ = text_.number<std::uint8_t>("the dimension");
+            if (dimension_ != 2 && dimension_ != 3)
+                text_.fail(concat("the dimension is ", dimension_, "; expected 2 or 3"));
+        }
+        return std::nullopt;
+    }
+
+    void readElements(const ElementSection& section, Index pointCount, CellVisitor& visitor) {
+        const std::size_t count = text_.count("the number of elements", 2 * section.nodes);
+        std::vector<Index> nodes(section.nodes);
+        const bool hasReference = section.dimension > 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            for (Index& node : nodes) {
+                const auto number = text_.number<std::int64_t>("a vertex of an element");
+                if (number < 1 || number > pointCount)
+                    text_.fail(concat("an element names vertex ", number, "; there are ",
+                                      pointCount, ", counted from 1"));
+                node = static_cast<Index>(number - 1);
+            }
+            if (hasReference) text_.token("the reference of an element");
+            if (section.isCurved)
+                visitor.curvedCell(section.dimension);
+            else if (section.kind)
+                visitor.cell(*section.kind, nodes);
+            else if (section.dimension == 2)
+                visitor.face(nodes);
+            else
+                visitor.smallCell(section.dimension);
+        }
+    }
+
+    const std::filesystem::path& path_;
+    std::string_view bytes_;
+    TextReader text_;
+    std::size_t dimension_ = 0;
+};
+
+constexpr MeshFormat kMedit = {
+    ".mesh",
+    [](const std::filesystem::path& path, std::string_view bytes) {
+        return MeditReader(path, bytes).readPoints();
+    },
+    [](const std::filesystem::path& path, std::string_view bytes, Index pointCount,
+       CellVisitor& visitor) { MeditReader(path, bytes).readCells(pointCount, visitor); }};
+
+}  // namespace
+
+std::unique_ptr<Model> readMeditModel(const std::filesystem::path& path, std::string bytes) {
+    return readMeshModel(kMedit, path, std::move(bytes));
+}
+
+Lattice readMedit(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return readMeshLattice(kMedit, path, bytes, notes);
+}
+
+}  // namespace espalier::io

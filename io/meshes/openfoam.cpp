@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/meshes/openfoam.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "../lattices/lattice_parts.h"
+#include "foam_file.h"
+#include "mesh_format.h"
+
+namespace espalier::io {
+namespace {
+
+using Path = std::filesystem::path;
+
+const Path kPolyMesh = "polyMesh", kConstant = "constant";
+
+/// Reads one of the files of a mesh.
+template <class Read>
+auto readFoamFile(const Path& path, Read read) {
+    const std::string bytes = readFile(path);
+    FoamFile file(path, bytes);
+    auto result = read(file);
+    file.expectEnd();
+    return result;
+}
+
+/// Returns the folder of the faces that belong to a file of points; nothing if there is none.
+std::optional<Path> facesFolder(const Path& points) {
+    const Path own = points.parent_path();
+    const Path ofCase = own / ".." / ".." / kConstant / kPolyMesh;
+    std::error_code ignored;
+    if (std::filesystem::exists(own / "faces", ignored)) return own;
+    if (own.filename() == kPolyMesh && std::filesystem::exists(ofCase / "faces", ignored))
+        return ofCase;
+    return std::nullopt;
+}
+
+/// The faces and cells of a mesh.
+struct FoamCells {
+    far::Rows<Index> faces;
+    std::vector<Index> owners, neighbours;
+    Index cellCount = 0;
+};
+
+/// Reads the cells; none if there is no file of faces.
+/// \throws FileError if a file is malformed, or the lists do not have the same length
+FoamCells readFoamCells(const Path& points) {
+    const auto folder = facesFolder(points);
+    FoamCells cells;
+    if (!folder) return cells;
+    cells.faces = readFoamFile(*folder / "faces", [](FoamFile& file) { return file.faces(); });
+    const auto read = [&](const char* name) {
+        return readFoamFile(*folder / name,
+                            [](FoamFile& file) { return file.labels("the number of a cell"); });
+    };
+    cells.owners = read("owner");
+    cells.neighbours = read("neighbour");
+    const std::size_t faceCount = cells.faces.offsets.size() - 1;
+    if (cells.owners.size() != faceCount)
+        throw FileError(*folder / "owner", concat("has ", cells.owners.size(),
+                                                  " labels, but there "
+                                                  "are ",
+                                                  faceCount, " faces"));
+    // Very old versions write a neighbour for each face: −1 on the boundary, which label() refuses.
+    if (cells.neighbours.size() > faceCount)
+        throw FileError(*folder / "neighbour",
+                        concat("has ", cells.neighbours.size(), " labels, but there are ",
+                               faceCount, " faces"));
+    for (const auto* list : {&cells.owners, &cells.neighbours})
+        for (const Index cell : *list) cells.cellCount = std::max(cells.cellCount, cell);
+    if (faceCount > 0) cells.cellCount += cells.cellCount < kMaxIndex ? 1 : 0;
+    // Each cell has a face.
+    if (static_cast<std::size_t>(cells.cellCount) > 2 * faceCount)
+        throw FileError(*folder / "owner", concat("names cell ", cells.cellCount - 1,
+                                                  ", but there are ", faceCount, " faces"));
+    return cells;
+}
+
+/// Makes a mesh, which checks all numbers. Errors name the file of faces.
+far::VolumeMesh meshOf(const Path& points, Index pointCount, FoamCells cells) {
+    return withPathInErrors(points.parent_path(), [&] {
+        return far::VolumeMesh(pointCount, cells.cellCount, std::move(cells.faces),
+                               std::move(cells.owners), std::move(cells.neighbours));
+    });
+}
+
+PlacedPoints readPoints(const Path& path, std::string_view bytes) {
+    FoamFile file(path, bytes);
+    PlacedPoints points = file.points();
+    file.expectEnd();
+    return points;
+}
+
+far::VolumeMesh readVolume(const Path& path, Index pointCount) {
+    return meshOf(path, pointCount, readFoamCells(path));
+}
+
+void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor& visitor) {
+    const far::VolumeMesh mesh = meshOf(path, pointCount, readFoamCells(path));
+    std::vector<std::vector<Index>> loops;
+    for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
+        loops.clear();
+        for (const Index face : mesh.faces(cell)) {
+            loops.emplace_back(mesh.face(face).begin(), mesh.face(face).end());
+            if (mesh.owner(face) != cell) std::reverse(loops.back().begin(), loops.back().end());
+        }
+        visitor.polyhedron(loops);
+    }
+    for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face)
+        visitor.boundaryFace(mesh.face(face));
+}
+
+constexpr MeshFormat kFoam = {kFoamPoints, readPoints, readCells, readVolume};
+
+/// Returns the folder polyMesh that a folder means; nothing if there is none.
+std::optional<Path> polyMeshOf(const Path& folder) {
+    std::error_code ignored;
+    for (const Path& inner : {kConstant / kPolyMesh, kPolyMesh})
+        if (std::filesystem::is_directory(folder / inner, ignored)) return folder / inner;
+    const bool isOne =
+        folder.filename() == kPolyMesh || folder.parent_path().filename() == kPolyMesh;
+    return isOne ? std::optional(folder) : std::nullopt;
+}
+
+bool isFoamMarker(const Path& path) {
+    return lowerCase(path.extension().string()) == ".foam";
+}
+
+/// Returns the folder that a path means: the folder itself, or that of a file NAME.foam.
+std::optional<Path> caseFolderOf(const Path& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) return path;
+    if (isFoamMarker(path)) return path.has_parent_path() ? path.parent_path() : Path(".");
+    return std::nullopt;
+}
+
+}  // namespace
+
+bool isFoamPath(const Path& path) {
+    return path.filename() == kFoamPoints || caseFolderOf(path);
+}
+
+std::filesystem::path foamPointsOf(const Path& path) {
+    const auto folder = caseFolderOf(path);
+    if (!folder) return path;
+    std::error_code ignored;
+    const auto polyMesh = polyMeshOf(*folder);
+    const Path points = polyMesh.value_or(*folder) / kFoamPoints;
+    if (std::filesystem::exists(points, ignored)) return points;
+    const Path compressed = Path(points) += ".gz";
+    if (std::filesystem::exists(compressed, ignored))
+        throw FileError(compressed, "is compressed; run gunzip on the files of the mesh first");
+    throw FileError(path, polyMesh ? "has a folder polyMesh without a file of points"
+                                   : "is a folder without a mesh of OpenFOAM (constant/polyMesh)");
+}
+
+std::filesystem::path foamTargetOf(const Path& path) {
+    const auto folder = caseFolderOf(path);
+    if (!folder) return path;
+    if (const auto polyMesh = polyMeshOf(*folder)) return *polyMesh / kFoamPoints;
+    throw FileError(path,
+                    "is a folder without a mesh of OpenFOAM; copy the case first, for example: "
+                    "cp -r CASE " +
+                        shownPath(path));
+}
+
+std::unique_ptr<Model> readFoamModel(const Path& path, std::string bytes) {
+    return readMeshModel(kFoam, path, std::move(bytes));
+}
+
+Lattice readFoam(const Path& path, std::string_view bytes, ReadNotes* notes) {
+    if (!facesFolder(path))
+        throw FileError(path,
+                        "has no file 'faces' beside it, nor in constant/polyMesh of its case; a "
+                        "lattice needs the files faces, owner and neighbour");
+    return readMeshLattice(kFoam, path, bytes, notes);
+}
+
+}  // namespace espalier::io

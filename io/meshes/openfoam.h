@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/model.h>
+#include <espalier/io/read_notes.h>
+#include <espalier/shapes/lattice.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+/// \file
+/// Reads meshes of OpenFOAM (polyMesh), ASCII and binary. Labels have 32 or 64 bits; scalars have
+/// single or double precision.
+///
+/// The points are in the file "points". The faces and cells are in the files "faces", "owner" and
+/// "neighbour" beside it; or in constant/polyMesh of the case, if "points" is in TIME/polyMesh.
+
+namespace espalier::io {
+
+/// The name of the file of points, by which this format is known: it has no extension.
+inline constexpr std::string_view kFoamPoints = "points";
+
+/// Returns true if a path is one of OpenFOAM: a folder, a file NAME.foam, or a file "points".
+ESPALIER_API bool isFoamPath(const std::filesystem::path& path);
+
+/// Returns the file of points that a path means: for the folder of a case constant/polyMesh/points,
+/// for the folder of a time polyMesh/points, for a folder polyMesh points, for a file NAME.foam
+/// (which ParaView opens) constant/polyMesh/points beside it. Any other path is returned unchanged.
+///
+/// \throws FileError if the folder has no file of points, or only a compressed one
+ESPALIER_API std::filesystem::path foamPointsOf(const std::filesystem::path& path);
+
+/// Returns the file of points that is to be written for a path, as foamPointsOf(); the folder
+/// polyMesh must exist, the file need not.
+///
+/// \throws FileError if a folder has no folder polyMesh and is none
+ESPALIER_API std::filesystem::path foamTargetOf(const std::filesystem::path& path);
+
+/// Reads the points as a model. Only their coordinates are replaced on writing. The faces of the
+/// model are the boundary faces of the mesh. The volume is read from the files beside `path`; it
+/// has no cells if there is no file "faces".
+///
+/// \param path the file "points"
+/// \param bytes the whole file
+/// \throws FileError with the line, if the file is malformed, or a coordinate is not finite
+ESPALIER_API std::unique_ptr<Model> readFoamModel(const std::filesystem::path& path,
+                                                  std::string bytes);
+
+/// Reads the cells as a lattice; they may be any polyhedra. Points that no cell uses are dropped.
+/// Two boundary faces with the same points (a baffle) become one face.
+///
+/// \param path the file "points"
+/// \param bytes the whole file
+/// \param notes receives the dropped vertices; may be null
+/// \throws FileError naming the file and the line, if one of the files is missing or malformed;
+///        TopologyError, with the path in its message, if the cells do not form a lattice
+ESPALIER_API Lattice readFoam(const std::filesystem::path& path, std::string_view bytes,
+                              ReadNotes* notes = nullptr);
+
+}  // namespace espalier::io

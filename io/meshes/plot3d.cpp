@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/far/complex_builder.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/meshes/plot3d.h>
+#include <espalier/shapes/merge.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "../files/bytes.h"
+#include "../files/number_types.h"
+#include "../lattices/lattice_parts.h"
+#include "mesh_format.h"
+
+namespace espalier::io {
+namespace {
+
+/// The number of points of a block along its axes.
+using Extent = std::array<std::size_t, 3>;
+
+std::size_t pointCountOf(const Extent& extent) {
+    return saturatingProduct(saturatingProduct(extent[0], extent[1]), extent[2]);
+}
+
+/// The properties of a file that are not written in it.
+struct Variant {
+    bool hasBlockCount;     ///< the file begins with the number of blocks
+    std::size_t dimension;  ///< 2 or 3
+    bool hasBlank;          ///< an integer per point follows the coordinates of a block
+};
+
+constexpr Variant kVariants[] = {{true, 3, false},  {true, 3, true},  {false, 3, false},
+                                 {false, 3, true},  {true, 2, false}, {true, 2, true},
+                                 {false, 2, false}, {false, 2, true}};
+
+/// A grid: its blocks, and the places of its coordinates.
+struct Grid {
+    std::vector<Extent> blocks;
+    PlacedPoints points;
+};
+
+/// Reads numbers of a text, between spaces or commas.
+class Plot3dText {
+public:
+    Plot3dText(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), bytes_(bytes) {}
+
+    Grid read() {
+        numbers_ = countNumbers();
+        for (const Variant& variant : kVariants)
+            if (const auto blocks = blocksOf(variant)) {
+                position_ = headerEnd_;
+                return gridOf(variant, *blocks);
+            }
+        throw FileError(path_, concat("is not a PLOT3D grid: its ", numbers_,
+                                      " numbers are not those of a grid with the extents at its "
+                                      "beginning, of one block or several"));
+    }
+
+private:
+    static bool isSeparator(char c) { return c <= ' ' || c == ','; }
+
+    /// Returns the next word; empty at the end.
+    std::string_view word() {
+        while (position_ < bytes_.size() && isSeparator(bytes_[position_])) {
+            if (bytes_[position_] == '\n') ++line_;
+            ++position_;
+        }
+        const std::size_t begin = position_;
+        while (position_ < bytes_.size() && !isSeparator(bytes_[position_])) ++position_;
+        return bytes_.substr(begin, position_ - begin);
+    }
+
+    std::size_t countNumbers() {
+        std::size_t count = 0;
+        position_ = 0;
+        line_ = 1;
+        while (true) {
+            const std::string_view number = word();
+            if (number.empty()) return count;
+            if (number.find('*') != std::string_view::npos)
+                throw FileError(path_, line_,
+                                inQuotes(number) +
+                                    " is a repeat count of Fortran, which cannot be replaced in "
+                                    "place; write each number");
+            ++count;
+        }
+    }
+
+    std::optional<std::size_t> whole() {
+        std::uint64_t number = 0;
+        return parseNumber(word(), number) && number > 0 && number <= bytes_.size()
+                   ? std::optional<std::size_t>(number)
+                   : std::nullopt;
+    }
+
+    /// Returns the blocks if the file has the numbers of this variant, and sets headerEnd_.
+    std::optional<std::vector<Extent>> blocksOf(const Variant& variant) {
+        position_ = 0;
+        line_ = 1;
+        const auto blockCount = variant.hasBlockCount ? whole() : std::optional<std::size_t>(1);
+        if (!blockCount || *blockCount > numbers_) return std::nullopt;
+        std::vector<Extent> blocks;
+        std::size_t expected = (variant.hasBlockCount ? 1 : 0) + variant.dimension * *blockCount;
+        for (std::size_t block = 0; block < *blockCount; ++block) {
+            Extent extent = {1, 1, 1};
+            for (std::size_t axis = 0; axis < variant.dimension; ++axis) {
+                const auto size = whole();
+                if (!size) return std::nullopt;
+                extent[axis] = *size;
+            }
+            const std::size_t perPoint = variant.dimension + (variant.hasBlank ? 1 : 0);
+            const std::size_t inBlock = saturatingProduct(pointCountOf(extent), perPoint);
+            if (inBlock > numbers_) return std::nullopt;
+            expected += inBlock;
+            blocks.push_back(extent);
+        }
+        headerEnd_ = position_;
+        return expected == numbers_ ? std::optional(blocks) : std::nullopt;
+    }
+
+    Grid gridOf(const Variant& variant, const std::vector<Extent>& blocks) {
+        Grid grid{blocks, {}};
+        PlacedPoints& points = grid.points;
+        points.dimension = variant.dimension;
+        for (const Extent& extent : blocks) {
+            const std::size_t first = points.positions.size(), count = pointCountOf(extent);
+            points.positions.resize(first + count, {0, 0, 0});
+            points.places.resize(first + count);
+            for (std::size_t axis = 0; axis < variant.dimension; ++axis)
+                for (std::size_t i = first; i < first + count; ++i) {
+                    const std::string_view number = word();
+                    points.places[i][axis] = number.data() - bytes_.data();
+                    points.positions[i][axis] = parseCoordinate(withExponent(number), axis,
+                                                                Precision::Double, path_, line_);
+                }
+            for (std::size_t i = 0; variant.hasBlank && i < count; ++i) word();
+        }
+        return grid;
+    }
+
+    /// Returns a number of Fortran, 1.5D+00, as C++ reads it.
+    std::string withExponent(std::string_view number) const {
+        std::string text(number);
+        std::replace(text.begin(), text.end(), 'D', 'e');
+        std::replace(text.begin(), text.end(), 'd', 'e');
+        return text;
+    }
+
+    const std::filesystem::path& path_;
+    std::string_view bytes_;
+    std::size_t numbers_ = 0;
+    std::size_t position_ = 0, line_ = 1;
+    std::size_t headerEnd_ = 0;  ///< of the variant that was tried last
+};
+
+/// Reads Fortran's unformatted records, or the same data without the lengths of records.
+class Plot3dBinary {
+public:
+    Plot3dBinary(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), bytes_(bytes) {}
+
+    Grid read() {
+        for (const std::endian order : {std::endian::little, std::endian::big})
+            for (const bool hasMarkers : {true, false})
+                for (const Variant& variant : kVariants)
+                    for (const Precision precision : {Precision::Double, Precision::Float}) {
+                        order_ = order;
+                        hasMarkers_ = hasMarkers;
+                        if (const auto grid = tryRead(variant, precision)) return *grid;
+                    }
+        throw FileError(path_, concat("is not a PLOT3D grid: its ", bytes_.size(),
+                                      " bytes are not those of a grid with the extents at its "
+                                      "beginning, of one block or several"));
+    }
+
+private:
+    std::optional<std::size_t> whole() {
+        if (bytes_.size() - position_ < sizeof(std::int32_t)) return std::nullopt;
+        const auto number = loadNumber<std::int32_t>(bytes_.data() + position_, order_);
+        position_ += sizeof number;
+        return number > 0 ? std::optional<std::size_t>(number) : std::nullopt;
+    }
+
+    /// Reads the length before or after a record. Returns false if it is another one.
+    bool marker(std::size_t length) { return !hasMarkers_ || whole() == length; }
+
+    std::optional<Grid> tryRead(const Variant& variant, Precision precision) {
+        position_ = 0;
+        std::size_t blockCount = 1;
+        if (variant.hasBlockCount) {
+            if (!marker(sizeof(std::int32_t))) return std::nullopt;
+            const auto count = whole();
+            if (!count || !marker(sizeof(std::int32_t)) || *count > bytes_.size())
+                return std::nullopt;
+            blockCount = *count;
+        }
+        const std::size_t headerBytes = blockCount * variant.dimension * sizeof(std::int32_t);
+        Grid grid;
+        if (headerBytes > bytes_.size() || !marker(headerBytes)) return std::nullopt;
+        const std::size_t width = precision == Precision::Float ? sizeof(float) : sizeof(double);
+        const std::size_t perPoint =
+            variant.dimension * width + (variant.hasBlank ? sizeof(std::int32_t) : 0);
+        std::size_t expected = hasMarkers_ ? sizeof(std::int32_t) : 0;
+        for (std::size_t block = 0; block < blockCount; ++block) {
+            Extent extent = {1, 1, 1};
+            for (std::size_t axis = 0; axis < variant.dimension; ++axis) {
+                const auto size = whole();
+                if (!size) return std::nullopt;
+                extent[axis] = *size;
+            }
+            const std::size_t inBlock = saturatingProduct(pointCountOf(extent), perPoint);
+            if (inBlock > bytes_.size()) return std::nullopt;
+            expected += inBlock + (hasMarkers_ ? 2 * sizeof(std::int32_t) : 0);
+            grid.blocks.push_back(extent);
+        }
+        if (bytes_.size() - position_ != expected || !marker(headerBytes)) return std::nullopt;
+
+        PlacedPoints& points = grid.points;
+        points.dimension = variant.dimension;
+        points.precision = precision;
+        points.order = order_;
+        for (const Extent& extent : grid.blocks) {
+            const std::size_t first = points.positions.size(), count = pointCountOf(extent);
+            if (!marker(count * perPoint)) return std::nullopt;
+            points.positions.resize(first + count, {0, 0, 0});
+            points.places.resize(first + count);
+            for (std::size_t axis = 0; axis < variant.dimension; ++axis)
+                for (std::size_t i = first; i < first + count; ++i) {
+                    points.places[i][axis] = position_;
+                    position_ += width;
+                }
+            if (variant.hasBlank) position_ += count * sizeof(std::int32_t);
+            if (!marker(count * perPoint)) return std::nullopt;
+        }
+        for (std::size_t i = 0; i < points.places.size(); ++i)
+            for (std::size_t axis = 0; axis < variant.dimension; ++axis)
+                points.positions[i][axis] = loadCoordinate(bytes_, points.places[i][axis],
+                                                           precision, order_, axis, i, path_);
+        return grid;
+    }
+
+    const std::filesystem::path& path_;
+    std::string_view bytes_;
+    std::endian order_ = std::endian::native;
+    bool hasMarkers_ = false;
+    std::size_t position_ = 0;
+};
+
+Grid readGrid(const std::filesystem::path& path, std::string_view bytes) {
+    // A binary grid begins with an integer below 2²⁴ and so has a zero byte among its first four.
+    const bool isBinary = bytes.substr(0, 4).find('\0') != std::string_view::npos;
+    return isBinary ? Plot3dBinary(path, bytes).read() : Plot3dText(path, bytes).read();
+}
+
+/// Calls visit(points) for each cell of a block, with the 8 points of a hexahedron.
+template <class Visit>
+void forEachHexahedron(const Extent& extent, std::size_t first, Visit visit) {
+    const auto at = [&](std::size_t i, std::size_t j, std::size_t k) {
+        return static_cast<Index>(first + i + extent[0] * (j + extent[1] * k));
+    };
+    for (std::size_t k = 0; k + 1 < extent[2]; ++k)
+        for (std::size_t j = 0; j + 1 < extent[1]; ++j)
+            for (std::size_t i = 0; i + 1 < extent[0]; ++i)
+                visit(std::array<Index, 8>{at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k),
+                                           at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
+                                           at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
+}
+
+bool isVolume(const Extent& extent) {
+    return std::ranges::min(extent) > 1;
+}
+
+/// Calls visit(points) for each quadrilateral of a block of one layer.
+template <class Visit>
+void forEachQuadrilateral(const Extent& extent, std::size_t first, Visit visit) {
+    // The two axes along which the block has more than one point.
+    std::array<std::size_t, 2> stride{}, size{};
+    std::size_t axes = 0, step = 1;
+    for (const std::size_t along : extent) {
+        if (along > 1 && axes < 2) {
+            stride[axes] = step;
+            size[axes++] = along;
+        }
+        step *= along;
+    }
+    if (axes < 2) return;
+    for (std::size_t j = 0; j + 1 < size[1]; ++j)
+        for (std::size_t i = 0; i + 1 < size[0]; ++i) {
+            const std::size_t corner = first + i * stride[0] + j * stride[1];
+            visit(std::array<Index, 4>{static_cast<Index>(corner),
+                                       static_cast<Index>(corner + stride[0]),
+                                       static_cast<Index>(corner + stride[0] + stride[1]),
+                                       static_cast<Index>(corner + stride[1])});
+        }
+}
+
+constexpr MeshFormat formatNamed(std::string_view extension) {
+    return {
+        extension,
+        [](const std::filesystem::path& path, std::string_view bytes) {
+            return readGrid(path, bytes).points;
+        },
+        [](const std::filesystem::path& path, std::string_view bytes, Index, CellVisitor& visitor) {
+            const Grid grid = readGrid(path, bytes);
+            std::size_t first = 0;
+            for (const Extent& extent : grid.blocks) {
+                if (isVolume(extent))
+                    forEachHexahedron(extent, first, [&](const auto& points) {
+                        visitor.cell(far::StandardCell::Hexahedron, points);
+                    });
+                else
+                    forEachQuadrilateral(extent, first,
+                                         [&](const auto& points) { visitor.face(points); });
+                first += pointCountOf(extent);
+            }
+        }};
+}
+
+constexpr MeshFormat kFormats3d[] = {formatNamed(".xyz"), formatNamed(".p3d"), formatNamed(".fmt")};
+
+}  // namespace
+
+std::unique_ptr<Model> readPlot3dModel(const std::filesystem::path& path, std::string bytes) {
+    const std::string extension = lowerCase(path.extension().string());
+    for (const MeshFormat& format : kFormats3d)
+        if (format.extension == extension) return readMeshModel(format, path, std::move(bytes));
+    return readMeshModel(kFormats3d[0], path, std::move(bytes));
+}
+
+Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, ReadNotes*) {
+    const Grid grid = readGrid(path, bytes);
+    checkedIndex(path, grid.points.positions.size(), "points");
+    std::vector<Lattice> blocks;
+    shapes::MergeOptions options;
+    std::size_t first = 0;
+    for (const Extent& extent : grid.blocks) {
+        if (!isVolume(extent))
+            throw FileError(path, concat("block ", blocks.size(), " has ", extent[0], " × ",
+                                         extent[1], " × ", extent[2],
+                                         " points; a block of a lattice has at least 2 along each "
+                                         "axis"));
+        const std::size_t count = pointCountOf(extent);
+        far::ComplexBuilder builder(3, static_cast<Index>(count));
+        forEachHexahedron(extent, 0, [&](const auto& points) {
+            builder.addCell(far::StandardCell::Hexahedron, points);
+        });
+        Lattice block;
+        block.complex = builder.build();
+        const auto begin = grid.points.positions.begin() + static_cast<std::ptrdiff_t>(first);
+        block.positions.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
+        options.names.push_back(concat("block ", blocks.size()));
+        blocks.push_back(std::move(block));
+        first += count;
+    }
+    return withPathInErrors(path, [&] { return shapes::merge(blocks, options); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
+#include <espalier/far/topology_error.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "volume_cells.h"
+
+namespace espalier::io {
+namespace {
+
+using Loop = std::vector<Index>;
+
+/// Returns six times the volume inside loops that are anticlockwise seen from outside.
+double volumeOf(std::span<const Loop> loops, std::span<const Point3> positions) {
+    double volume = 0;
+    // Relative to a point of the cell, so that a cell far from the origin loses no digits.
+    if (loops.empty()) return volume;
+    const Point3 origin = positions[loops[0][0]];
+    std::vector<Point3> points;
+    for (const Loop& loop : loops) {
+        points.clear();
+        for (const Index point : loop) points.push_back(difference(positions[point], origin));
+        volume += 2 * dot(mean(points), areaVector(points));
+    }
+    return volume;
+}
+
+/// Turns the points of a standard cell into its mirror image.
+void mirror(far::StandardCell kind, std::span<Index> points) {
+    switch (kind) {
+        case far::StandardCell::Tetrahedron:
+            std::swap(points[1], points[2]);
+            break;
+        case far::StandardCell::Pyramid:
+            std::swap(points[1], points[3]);
+            break;
+        case far::StandardCell::Wedge:
+        case far::StandardCell::Hexahedron:
+            std::swap_ranges(points.begin(), points.begin() + std::ssize(points) / 2,
+                             points.begin() + std::ssize(points) / 2);
+            break;
+    }
+}
+
+/// Reverses loops so that two neighbours step along their common edge in opposite directions, as
+/// far as the loops are joined by edges of two faces.
+void makeCoherent(std::span<Loop> loops) {
+    struct Use {
+        std::size_t loop;
+        bool isForward;
+    };
+    std::map<std::pair<Index, Index>, std::vector<Use>> uses;
+    for (std::size_t i = 0; i < loops.size(); ++i)
+        for (std::size_t k = 0; k < loops[i].size(); ++k) {
+            const Index from = loops[i][k], to = loops[i][(k + 1) % loops[i].size()];
+            uses[std::minmax(from, to)].push_back({i, from < to});
+        }
+    std::vector<std::vector<std::pair<std::size_t, bool>>> neighbours(loops.size());
+    for (const auto& [edge, ofEdge] : uses) {
+        if (ofEdge.size() != 2) continue;
+        const bool agree = ofEdge[0].isForward != ofEdge[1].isForward;
+        neighbours[ofEdge[0].loop].emplace_back(ofEdge[1].loop, agree);
+        neighbours[ofEdge[1].loop].emplace_back(ofEdge[0].loop, agree);
+    }
+    std::vector<char> isSeen(loops.size(), 0), isReversed(loops.size(), 0);
+    std::vector<std::size_t> open;
+    for (std::size_t start = 0; start < loops.size(); ++start) {
+        if (isSeen[start]) continue;
+        isSeen[start] = 1;
+        open = {start};
+        while (!open.empty()) {
+            const std::size_t loop = open.back();
+            open.pop_back();
+            for (const auto& [other, agree] : neighbours[loop]) {
+                if (isSeen[other]) continue;
+                isSeen[other] = 1;
+                isReversed[other] = static_cast<char>(agree ? isReversed[loop] : !isReversed[loop]);
+                open.push_back(other);
+            }
+        }
+    }
+    for (std::size_t i = 0; i < loops.size(); ++i)
+        if (isReversed[i]) std::reverse(loops[i].begin(), loops[i].end());
+}
+
+}  // namespace
+
+void VolumeCells::cell(far::StandardCell kind, std::span<const Index> points) {
+    cells_.push_back({true, kind, points_.size(), points_.size() + points.size()});
+    points_.insert(points_.end(), points.begin(), points.end());
+}
+
+void VolumeCells::polyhedron(std::span<const Loop> loops) {
+    cells_.push_back({false, {}, loops_.size(), loops_.size() + loops.size()});
+    loops_.insert(loops_.end(), loops.begin(), loops.end());
+}
+
+ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
+    const auto pointCount = static_cast<Index>(positions.size());
+    const auto check = [&](std::span<const Index> points, std::size_t cell) {
+        for (const Index point : points)
+            if (point < 0 || point >= pointCount)
+                throw far::TopologyError(
+                    far::TopologyCause::VertexOutOfRange, {3, static_cast<Index>(cell)},
+                    concat("cell ", cell, " names point ", point, "; there are ", pointCount));
+    };
+    std::array<std::ptrdiff_t, 4> balance{};  ///< positive minus negative cells of each kind
+    std::vector<Loop> loops;
+    for (std::size_t number = 0; number < cells_.size(); ++number) {
+        const Cell& cell = cells_[number];
+        if (!cell.isStandard) {
+            for (std::size_t i = cell.begin; i < cell.end; ++i) check(loops_[i], number);
+            continue;
+        }
+        const std::span<const Index> points(points_.data() + cell.begin, cell.end - cell.begin);
+        check(points, number);
+        loops = far::faceLoops(cell.kind);
+        for (Loop& loop : loops)
+            for (Index& point : loop) point = points[point];
+        const double volume = volumeOf(loops, positions);
+        balance[static_cast<std::size_t>(cell.kind)] += volume > 0 ? 1 : volume < 0 ? -1 : 0;
+    }
+    far::VolumeMeshBuilder builder(pointCount);
+    for (const Cell& cell : cells_) {
+        if (cell.isStandard) {
+            const std::span<Index> points(points_.data() + cell.begin, cell.end - cell.begin);
+            if (balance[static_cast<std::size_t>(cell.kind)] < 0) mirror(cell.kind, points);
+            builder.addCell(cell.kind, points);
+        } else {
+            const std::span<Loop> ofCell(loops_.data() + cell.begin, cell.end - cell.begin);
+            makeCoherent(ofCell);
+            if (volumeOf(ofCell, positions) < 0)
+                for (Loop& loop : ofCell) std::reverse(loop.begin(), loop.end());
+            builder.addCell(ofCell);
+        }
+    }
+    return {builder.build(), curvedCells_};
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/far/volume_mesh.h>
+#include <espalier/io/model.h>
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "cell_visitor.h"
+
+namespace espalier::io {
+
+/// Collects the cells of a volume and turns them right-handed, as far::VolumeMesh describes
+/// them. Files disagree about this: VTK and Gmsh order the points of a wedge in opposite ways, VTK
+/// does not prescribe the direction of the faces of a polyhedron, and some meshes are mirror
+/// images.
+class ESPALIER_API VolumeCells final : public CellVisitor {
+public:
+    void cell(far::StandardCell kind, std::span<const Index> points) override;
+
+    /// \param loops the faces, each in any direction
+    void polyhedron(std::span<const std::vector<Index>> loops) override;
+
+    void face(std::span<const Index>) override {}
+    void smallCell(int) override {}
+    void curvedCell(int dimension) override { curvedCells_ += dimension == 3 ? 1 : 0; }
+
+    /// Returns the mesh. If most standard cells of a kind have a negative volume, all cells of this
+    /// kind are turned; the cells of this kind that had a positive volume then are inside out. Each
+    /// polyhedron gets faces that agree along their edges, and a positive volume.
+    /// \param positions one per point
+    /// \throws TopologyError if a cell names a point that does not exist
+    ModelVolume finish(std::span<const Point3> positions);
+
+private:
+    struct Cell {
+        bool isStandard;
+        far::StandardCell kind;
+        std::size_t begin;  ///< in points_ or in loops_
+        std::size_t end;
+    };
+
+    std::vector<Cell> cells_;
+    std::vector<Index> points_;  ///< of standard cells
+    std::vector<std::vector<Index>> loops_;
+    Index curvedCells_ = 0;
+};
+
+}  // namespace espalier::io

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/error.h>
+#include <espalier/io/files/text_reader.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "../files/number_types.h"
+#include "vtk_legacy_data.h"
+
+namespace espalier::io {
+
+/// The head of an array in a legacy VTK file. Its numbers follow.
+struct LegacyArray {
+    enum class Owner { DataSet, Points, Cells };
+
+    Owner owner = Owner::DataSet;
+    bool isNormals = false;  ///< has the keyword NORMALS
+    std::string name;
+    std::string type;  ///< in lower case: "float"
+    std::size_t components = 1;
+    std::size_t tuples = 0;
+
+    std::size_t size() const { return saturatingProduct(components, tuples); }
+};
+
+/// Goes through the parts of a legacy VTK file, in their order. Derived classes read or skip the
+/// numbers of each part. Skips METADATA, colours, ids, edge flags and lookup tables.
+class LegacyParts {
+public:
+    LegacyParts(const LegacyParts&) = delete;
+    LegacyParts& operator=(const LegacyParts&) = delete;
+
+protected:
+    /// \param text must outlive the reader
+    LegacyParts(const std::filesystem::path& path, std::string_view text) : data_(path, text) {}
+    ~LegacyParts() = default;
+
+    /// Reads from the head of the file to its end.
+    void readParts() {
+        dataSet_ = data_.readHeader();
+        beginDataSet(dataSet_);
+        while (!data_.text().atEnd()) readPart(data_.keyword("a keyword"));
+    }
+
+    LegacyData& data() { return data_; }
+    const LegacyData& data() const { return data_; }
+    TextReader& text() { return data_.text(); }
+    const TextReader& text() const { return data_.text(); }
+
+private:
+    /// \param dataSet "unstructured_grid" or "polydata"
+    virtual void beginDataSet(const std::string& dataSet) = 0;
+    /// Reads the numbers of POINTS.
+    virtual void readPoints(std::size_t count, const std::string& type) = 0;
+    /// Reads the rows of CELLS, or of a section of POLYDATA: "polygons".
+    virtual void readRows(const std::string& keyword) = 0;
+    virtual void readCellTypes(std::size_t count) = 0;
+    /// Checks the number of tuples of POINT_DATA or CELL_DATA.
+    virtual void beginData(LegacyArray::Owner owner, std::size_t tuples) = 0;
+    /// Reads the numbers of an array.
+    virtual void readArray(const LegacyArray& array) = 0;
+    /// Called for colours, ids and edge flags, whose numbers are skipped.
+    virtual void skippedArray(const LegacyArray&) {}
+
+    void readPart(const std::string& keyword) {
+        const bool isGrid = dataSet_ == "unstructured_grid";
+        if (keyword == "metadata") {
+            data_.skipMetadata();
+        } else if (keyword == "points") {
+            const std::size_t count = text().count("the number of points", 3);
+            readPoints(count, data_.keyword("the type of the points"));
+        } else if (isGrid ? keyword == "cells"
+                          : keyword == "vertices" || keyword == "lines" || keyword == "polygons" ||
+                                keyword == "triangle_strips") {
+            readRows(keyword);
+        } else if (isGrid && keyword == "cell_types") {
+            readCellTypes(text().count("the number of cell types", 1));
+        } else if (keyword == "point_data") {
+            beginArrays(LegacyArray::Owner::Points, "points");
+        } else if (keyword == "cell_data") {
+            beginArrays(LegacyArray::Owner::Cells, "cells");
+        } else if (keyword == "field") {
+            data_.readField([&](const std::string& name, const std::string& type,
+                                std::size_t components, std::size_t tuples) {
+                readArray({owner_, false, name, type, components, tuples});
+            });
+        } else if (owner_ != LegacyArray::Owner::DataSet) {
+            readAttribute(keyword);
+        } else {
+            failAt(keyword);
+        }
+    }
+
+    void beginArrays(LegacyArray::Owner owner, const char* what) {
+        owner_ = owner;
+        tupleCount_ = text().number<std::uint64_t>(what);
+        beginData(owner, tupleCount_);
+    }
+
+    void readAttribute(const std::string& keyword) {
+        constexpr std::pair<std::string_view, std::size_t> kComponents[] = {
+            {"scalars", 1},    {"color_scalars", 1},       {"lookup_table", 4}, {"vectors", 3},
+            {"normals", 3},    {"texture_coordinates", 1}, {"tensors", 9},      {"tensors6", 6},
+            {"global_ids", 1}, {"edge_flags", 1},          {"pedigree_ids", 1}};
+        const auto known = std::ranges::find(kComponents, keyword,
+                                             &std::pair<std::string_view, std::size_t>::first);
+        if (known == std::end(kComponents)) failAt(keyword);
+        LegacyArray array{owner_, keyword == "normals", data_.name(),
+                          "",     known->second,        tupleCount_};
+        if (keyword == "color_scalars" || keyword.ends_with("_ids") || keyword == "edge_flags")
+            skippedArray(array);
+        if (keyword == "color_scalars")
+            return data_.skipColours(
+                saturatingProduct(text().count("the number of values", 1), tupleCount_));
+        if (keyword == "lookup_table")
+            return data_.skipColours(
+                saturatingProduct(text().count("the number of colours", 1), array.components));
+        if (keyword == "texture_coordinates")
+            array.components = text().count("the number of coordinates", 1);
+        array.type = data_.keyword("a type");
+        if (keyword == "scalars") {
+            array.components = optionalCount(1);
+            data_.expect("LOOKUP_TABLE");
+            text().token("the name of a lookup table");
+        }
+        if (keyword.ends_with("_ids") || keyword == "edge_flags")
+            return data_.skipValues(array.type, tupleCount_, "an id");
+        readArray(array);
+    }
+
+    /// Reads a number from the rest of the line; returns `otherwise` if the line is empty.
+    std::size_t optionalCount(std::size_t otherwise) {
+        std::string_view rest = text().restOfLine();
+        const std::string_view word = takeWord(rest);
+        std::size_t count = otherwise;
+        if (!word.empty() && (!parseNumber(word, count) || count == 0))
+            text().fail(inQuotes(word) + " is not a number of components");
+        return count;
+    }
+
+    [[noreturn]] void failAt(const std::string& keyword) const {
+        data_.text().fail(inQuotes(keyword) + " is not a keyword that can stand here");
+    }
+
+    LegacyData data_;
+    std::string dataSet_;
+    LegacyArray::Owner owner_ = LegacyArray::Owner::DataSet;
+    std::size_t tupleCount_ = 0;
+};
+
+}  // namespace espalier::io

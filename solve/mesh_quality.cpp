@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/vector3.h>
+#include <espalier/solve/mesh_quality.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "mesh_centres.h"
+
+namespace espalier::solve {
+namespace {
+
+// OpenFOAM's constants for double precision.
+constexpr double kVerySmall = 1e-300, kRootVerySmall = 1e-150, kSmall = 1e-15;
+
+constexpr Offset kGrain = 4096;
+
+/// A corner of a cell with the ends of its three edges, right-handed.
+using Corner = std::array<std::size_t, 4>;
+
+std::span<const Corner> cornersOf(far::StandardCell kind) {
+    static constexpr Corner kTetrahedron[] = {
+        {0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 0, 2, 1}};
+    static constexpr Corner kPyramid[] = {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}};
+    // VTK's first triangle is clockwise seen from the other one.
+    static constexpr Corner kWedge[] = {{0, 2, 1, 3}, {2, 1, 0, 5}, {1, 0, 2, 4},
+                                        {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}};
+    static constexpr Corner kHexahedron[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6},
+                                             {3, 0, 2, 7}, {4, 7, 5, 0}, {5, 4, 6, 1},
+                                             {6, 5, 7, 2}, {7, 6, 4, 3}};
+    switch (kind) {
+        case far::StandardCell::Tetrahedron:
+            return kTetrahedron;
+        case far::StandardCell::Pyramid:
+            return kPyramid;
+        case far::StandardCell::Wedge:
+            return kWedge;
+        case far::StandardCell::Hexahedron:
+            break;
+    }
+    return kHexahedron;
+}
+
+/// The determinant of the unit vectors at a corner of the regular cell.
+double regularDeterminant(far::StandardCell kind) {
+    switch (kind) {
+        case far::StandardCell::Tetrahedron:
+        case far::StandardCell::Pyramid:
+            return std::numbers::sqrt2 / 2;
+        case far::StandardCell::Wedge:
+            return std::numbers::sqrt3 / 2;
+        case far::StandardCell::Hexahedron:
+            break;
+    }
+    return 1;
+}
+
+double degrees(double cosine) {
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+/// The centres and areas of a mesh.
+struct Centres {
+    std::vector<Point3> ofFaces, areas, ofCells;
+    std::vector<double> volumes;
+
+    Centres(const far::VolumeMesh& mesh, std::span<const Point3> positions)
+        : ofFaces(mesh.faceCount()),
+          areas(mesh.faceCount()),
+          ofCells(mesh.cellCount()),
+          volumes(mesh.cellCount()) {
+        parallelFor(mesh.faceCount(), kGrain, [&](Offset first, Offset last) {
+            for (auto face = static_cast<Index>(first); face < last; ++face) {
+                const FaceCentre centre = faceCentre(mesh.face(face), positions);
+                ofFaces[face] = centre.centre;
+                areas[face] = centre.area;
+            }
+        });
+        parallelFor(mesh.cellCount(), kGrain, [&](Offset first, Offset last) {
+            for (auto cell = static_cast<Index>(first); cell < last; ++cell) {
+                const CellCentre centre = cellCentre(mesh, cell, ofFaces, areas);
+                ofCells[cell] = centre.centre;
+                volumes[cell] = centre.volume;
+            }
+        });
+    }
+};
+
+/// Returns the cosine of the angle between the normal of a face and the line between the centres.
+double orthogonality(const Point3& line, const Point3& area) {
+    return dot(line, area) / (length(line) * length(area) + kRootVerySmall);
+}
+
+/// Returns the skewness of a face.
+/// \param toCentre from the centre of the owner to the centre of the face
+/// \param line from the centre of the owner to the centre of the neighbour, or along the normal to
+///        the boundary
+/// \param share fraction of the line below which the size of the face does not matter
+double skewness(std::span<const Index> loop, std::span<const Point3> positions,
+                const Point3& centre, const Point3& area, const Point3& toCentre,
+                const Point3& line, double share) {
+    const double along = dot(area, toCentre) / (dot(area, line) + kRootVerySmall);
+    const Point3 offset = difference(toCentre, scaled(line, along));
+    const double size = length(offset);
+    const Point3 direction = scaled(offset, 1 / (size + kRootVerySmall));
+    double extent = share * length(line) + kRootVerySmall;
+    for (const Index point : loop)
+        extent = std::max(extent, std::abs(dot(direction, difference(positions[point], centre))));
+    return size / extent;
+}
+
+/// Replaces the value if the new one is larger, or if there is none.
+template <class Value>
+void keepLargest(std::optional<Value>& kept, const Value& value) {
+    if (!kept || value.value > kept->value) kept = value;
+}
+
+template <class Value>
+void keepSmallest(std::optional<Value>& kept, const Value& value) {
+    if (!kept || value.value < kept->value) kept = value;
+}
+
+/// The measures of a range of faces.
+struct FaceMeasures {
+    std::optional<FaceValue> smallestCosine, largestSkewness;
+    double sumOfCosines = 0;
+    Index severe = 0, negativePyramids = 0;
+};
+
+FaceMeasures measureFaces(const far::VolumeMesh& mesh, std::span<const Point3> positions,
+                          const Centres& centres, Index first, Index last) {
+    constexpr double kSevereAngle = 70;
+    const double severe = std::cos(kSevereAngle / 180 * std::numbers::pi);
+    FaceMeasures measures;
+    for (Index face = first; face < last; ++face) {
+        const Point3 &centre = centres.ofFaces[face], &area = centres.areas[face];
+        const Point3& owner = centres.ofCells[mesh.owner(face)];
+        const Point3 toCentre = difference(centre, owner);
+        const auto countPyramid = [&](double volume) {
+            measures.negativePyramids += volume < -kSmall ? 1 : 0;
+        };
+        countPyramid(dot(area, toCentre) / 3);
+        Point3 line;
+        const bool isInternal = face < mesh.internalFaceCount();
+        if (isInternal) {
+            const Point3& neighbour = centres.ofCells[mesh.neighbour(face)];
+            countPyramid(dot(area, difference(neighbour, centre)) / 3);
+            line = difference(neighbour, owner);
+            const double cosine = orthogonality(line, area);
+            keepSmallest(measures.smallestCosine, {face, cosine});
+            measures.sumOfCosines += cosine;
+            measures.severe += cosine < severe ? 1 : 0;
+        } else {
+            const Point3 normal = scaled(area, 1 / (length(area) + kRootVerySmall));
+            line = scaled(normal, dot(normal, toCentre));
+        }
+        constexpr double kInternalShare = 0.2, kBoundaryShare = 0.4;
+        keepLargest(measures.largestSkewness,
+                    {face, skewness(mesh.face(face), positions, centre, area, toCentre, line,
+                                    isInternal ? kInternalShare : kBoundaryShare)});
+    }
+    return measures;
+}
+
+}  // namespace
+
+double scaledJacobian(far::StandardCell kind, std::span<const Index> corners,
+                      std::span<const Point3> positions) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const Corner& corner : cornersOf(kind)) {
+        std::array<Point3, 3> edges;
+        double product = 1;
+        for (std::size_t i = 0; i < 3; ++i) {
+            edges[i] = difference(positions[corners[corner[i + 1]]], positions[corners[corner[0]]]);
+            const double size = length(edges[i]);
+            product *= size;
+            if (size > 0) edges[i] = scaled(edges[i], 1 / size);
+        }
+        smallest = std::min(smallest, product > 0 ? dot(edges[0], cross(edges[1], edges[2])) : 0.0);
+    }
+    return smallest / regularDeterminant(kind);
+}
+
+MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> positions) {
+    if (std::ssize(positions) != mesh.pointCount())
+        throw Error(concat("got ", positions.size(), " positions for a mesh of ", mesh.pointCount(),
+                           " points"));
+    const Centres centres(mesh, positions);
+    std::vector<double> jacobians(mesh.cellCount());
+    parallelFor(mesh.cellCount(), kGrain, [&](Offset first, Offset last) {
+        for (auto cell = static_cast<Index>(first); cell < last; ++cell)
+            if (const auto kind = mesh.kind(cell))
+                jacobians[cell] = scaledJacobian(*kind, mesh.corners(cell), positions);
+    });
+    std::vector<FaceMeasures> ofRanges((mesh.faceCount() + kGrain - 1) / kGrain);
+    parallelFor(mesh.faceCount(), kGrain, [&](Offset first, Offset last) {
+        ofRanges[first / kGrain] = measureFaces(mesh, positions, centres, static_cast<Index>(first),
+                                                static_cast<Index>(last));
+    });
+
+    MeshQuality quality;
+    for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
+        keepSmallest(quality.smallestVolume, {cell, centres.volumes[cell]});
+        quality.nonPositiveVolumes += centres.volumes[cell] < kVerySmall ? 1 : 0;
+        if (mesh.kind(cell)) keepSmallest(quality.smallestScaledJacobian, {cell, jacobians[cell]});
+    }
+    std::optional<FaceValue> smallestCosine;
+    double sumOfCosines = 0;
+    for (const FaceMeasures& range : ofRanges) {
+        if (range.smallestCosine) keepSmallest(smallestCosine, *range.smallestCosine);
+        if (range.largestSkewness) keepLargest(quality.largestSkewness, *range.largestSkewness);
+        sumOfCosines += range.sumOfCosines;
+        quality.severelyNonOrthogonal += range.severe;
+        quality.negativePyramids += range.negativePyramids;
+    }
+    if (smallestCosine) {
+        quality.largestNonOrthogonality = {smallestCosine->face, degrees(smallestCosine->value)};
+        quality.meanNonOrthogonality = degrees(sumOfCosines / mesh.internalFaceCount());
+    }
+    return quality;
+}
+
+}  // namespace espalier::solve

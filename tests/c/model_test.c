@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Tests models, cages, and the functions that edit lattices for a user interface. */
+
+#include <math.h>
+
+#include "check.h"
+
+/* A tetrahedron with a comment and a normal, which stay when it is written. */
+static const char kTetrahedron[] =
+    "# four points\n"
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    "vn 0 0 -1\n"
+    "f 1//1 3//1 2//1\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+static espalier_model* tetrahedron(void) {
+    espalier_model* model = NULL;
+    OK(espalier_model_read_bytes("four.obj", sizeof kTetrahedron - 1, kTetrahedron, &model));
+    return model;
+}
+
+/* Returns the bytes of a file, with a zero after them. */
+static char* bytes_of(const char* path) {
+    FILE* file = fopen(path, "rb");
+    CHECK(file != NULL);
+    char* bytes = calloc(1000, 1);
+    CHECK(bytes != NULL && fread(bytes, 1, 999, file) < 999);
+    fclose(file);
+    return bytes;
+}
+
+static void test_reading(const char* path) {
+    espalier_model* model = tetrahedron();
+    int32_t count = 0, has_directions = 0;
+    const double* points = NULL;
+    OK(espalier_model_points(model, &count, &points));
+    CHECK(count == 4 && points[3] == 1 && points[11] == 1);
+    espalier_polygons faces;
+    OK(espalier_model_faces(model, &faces));
+    CHECK(faces.face_count == 4 && faces.offsets[4] == 12);
+    CHECK(faces.corners[0] == 0 && faces.corners[1] == 2 && faces.corners[2] == 1);
+    OK(espalier_model_has_directions(model, &has_directions));
+    CHECK(has_directions == 1);
+
+    OK(espalier_model_write(model, path, 4, points, NULL));
+    char* same = bytes_of(path);
+    CHECK(strcmp(same, kTetrahedron) == 0);
+    free(same);
+    /* A quarter turn about x with its gradient, which turns the normal. */
+    double turned[12], gradients[36];
+    for (int v = 0; v < 4; ++v) {
+        const double* from = points + 3 * v;
+        const double to[3] = {from[0], -from[2], from[1]};
+        const double gradient[9] = {1, 0, 0, 0, 0, -1, 0, 1, 0};
+        memcpy(turned + 3 * v, to, sizeof to);
+        memcpy(gradients + 9 * v, gradient, sizeof gradient);
+    }
+    OK(espalier_model_write(model, path, 4, turned, gradients));
+    char* moved = bytes_of(path);
+    CHECK(strstr(moved, "v 0 -0 1\nv 0 -1 0\nvn 0 1 0\nf 1//1") != NULL);
+    CHECK(strncmp(moved, "# four points\n", 14) == 0);
+    free(moved);
+
+    OK(espalier_model_write(model, path, 4, points, NULL));
+    espalier_model* again = NULL;
+    OK(espalier_model_read(path, &again));
+    espalier_model_destroy(again);
+    INVALID(espalier_model_write(model, path, 3, points, NULL), "4");
+    turned[5] = NAN;
+    INVALID(espalier_model_write(model, path, 4, turned, NULL), "not finite");
+    espalier_model_destroy(model);
+    model = NULL;
+    REFUSED(espalier_model_read_bytes("a.obj", 4, "v 1 ", &model), ESPALIER_ERROR_FILE, "a.obj:1");
+    REFUSED(espalier_model_read_bytes("a.xyz", 4, "v 1 ", &model), ESPALIER_ERROR_FILE, "a.xyz");
+    INVALID(espalier_model_read_bytes("a.obj", -1, "", &model), "-1");
+    INVALID(espalier_model_points(NULL, &count, &points), "model is null");
+    CHECK(model == NULL);
+    espalier_model_destroy(NULL);
+}
+
+static void test_cage(void) {
+    espalier_model* model = tetrahedron();
+    int32_t count = 0;
+    const double* points = NULL;
+    espalier_polygons faces;
+    OK(espalier_model_points(model, &count, &points));
+    OK(espalier_model_faces(model, &faces));
+    espalier_cage_options options = espalier_default_cage_options();
+    options.vertices = 27;
+    espalier_lattice* cage = NULL;
+    OK(espalier_lattice_create_cage(count, points, &faces, &options, &cage));
+    int32_t counts[4];
+    OK(espalier_lattice_counts(cage, counts));
+    CHECK(counts[0] >= 0.8 * 27 && counts[0] <= 1.2 * 27);
+
+    /* All points are inside. */
+    espalier_refiner* refiner = NULL;
+    espalier_binding* binding = NULL;
+    const double* rest = NULL;
+    OK(espalier_lattice_positions(cage, &counts[0], &rest));
+    OK(espalier_refiner_create(cage, NULL, &refiner));
+    espalier_bind_options bound = espalier_default_bind_options();
+    bound.outside = ESPALIER_OUTSIDE_REFUSE;
+    OK(espalier_binding_create(refiner, counts[0], rest, count, points, &bound, &binding));
+    espalier_binding_destroy(binding);
+    espalier_refiner_destroy(refiner);
+    espalier_lattice_destroy(cage);
+    cage = NULL;
+
+    options.vertices = 3;
+    INVALID(espalier_lattice_create_cage(count, points, &faces, &options, &cage), "vertices is 3");
+    options = espalier_default_cage_options();
+    options.cell_size = -1;
+    INVALID(espalier_lattice_create_cage(count, points, &faces, &options, &cage), "cell_size is");
+    const int64_t descending[3] = {0, 3, 2};
+    const espalier_polygons wrong = {2, descending, faces.corners};
+    INVALID(espalier_lattice_create_cage(count, points, &wrong, NULL, &cage),
+            "faces.offsets[2] is 2");
+    INVALID(espalier_lattice_create_cage(count, points, NULL, NULL, &cage), "faces is null");
+    CHECK(cage == NULL);
+    espalier_model_destroy(model);
+}
+
+/* Grows a cell on a cube and removes it again. */
+static void test_editing(void) {
+    espalier_lattice *cube = NULL, *two = NULL, *with_tip = NULL, *one = NULL;
+    const int32_t cells[3] = {1, 1, 1};
+    const double min[3] = {0, 0, 0}, max[3] = {1, 1, 1}, up[3] = {0, 0, 1}, tip[3] = {0.5, 0.5, 2};
+    OK(espalier_lattice_create_box(cells, min, max, &cube));
+
+    /* The upper face is the face all of whose vertices have z = 1. */
+    espalier_refiner* refiner = NULL;
+    espalier_cells level;
+    int32_t vertex_count = 0, upper = -1;
+    const double* positions = NULL;
+    OK(espalier_lattice_positions(cube, &vertex_count, &positions));
+    OK(espalier_refiner_create(cube, NULL, &refiner));
+    OK(espalier_refiner_cells(refiner, 0, &level));
+    for (int32_t face = 0; face < level.face_count; ++face) {
+        double lowest = 1;
+        for (int64_t i = level.face_offsets[face]; i < level.face_offsets[face + 1]; ++i)
+            lowest = fmin(lowest, positions[3 * level.face_vertices[i] + 2]);
+        if (lowest == 1) upper = face;
+    }
+    CHECK(upper >= 0);
+    int32_t counts[4], edge_count = 0, entity_count = 0;
+    const int32_t* ends = NULL;
+    const uint8_t* strata = NULL;
+    OK(espalier_refiner_edges(refiner, 0, &edge_count, &ends));
+    CHECK(edge_count == 12 && ends[0] != ends[1]);
+    OK(espalier_refiner_strata(refiner, 0, 0, &entity_count, &strata));
+    CHECK(entity_count == 8 && strata[0] == 0); /* corners */
+    OK(espalier_refiner_refine(refiner, 1));
+    OK(espalier_refiner_strata(refiner, 1, 0, &entity_count, &strata));
+    int32_t of_stratum[4] = {0, 0, 0, 0};
+    CHECK(entity_count == 27);
+    for (int32_t v = 0; v < entity_count; ++v) ++of_stratum[strata[v]];
+    CHECK(of_stratum[0] == 8 && of_stratum[1] == 12 && of_stratum[2] == 6 && of_stratum[3] == 1);
+    INVALID(espalier_refiner_strata(refiner, 1, 4, &entity_count, &strata), "dimension is 4");
+    INVALID(espalier_refiner_edges(refiner, 2, &edge_count, &ends), "2");
+
+    OK(espalier_lattice_create_with_prism(cube, upper, up, &two));
+    OK(espalier_lattice_counts(two, counts));
+    CHECK(counts[0] == 12 && counts[3] == 2);
+    OK(espalier_lattice_create_with_pyramid(cube, upper, tip, &with_tip));
+    OK(espalier_lattice_counts(with_tip, counts));
+    CHECK(counts[0] == 9 && counts[3] == 2);
+    const int32_t first = 0, none = 2;
+    OK(espalier_lattice_create_without_cells(two, 1, &first, &one));
+    OK(espalier_lattice_counts(one, counts));
+    CHECK(counts[0] == 8 && counts[3] == 1);
+    espalier_lattice_destroy(one);
+    one = NULL;
+    INVALID(espalier_lattice_create_without_cells(two, 1, &none, &one), "2");
+    INVALID(espalier_lattice_create_without_cells(cube, 1, &first, &one), "");
+    INVALID(espalier_lattice_create_with_prism(cube, 99, up, &one), "99");
+    CHECK(one == NULL);
+
+    /* Marks come back as they were set. */
+    const int32_t edge[2] = {0, 1};
+    const int32_t vertex = 3;
+    const double creased = 1.5, sharp = ESPALIER_SHARP;
+    OK(espalier_lattice_mark_edges(cube, 1, edge, &creased));
+    OK(espalier_lattice_mark_vertices(cube, 1, &vertex, &sharp));
+    int64_t edge_marks = 0, vertex_marks = 0;
+    OK(espalier_lattice_mark_counts(cube, &edge_marks, &vertex_marks));
+    CHECK(edge_marks == 1 && vertex_marks == 1);
+    int32_t got_ends[2], got_vertex;
+    double got_crease, got_sharp;
+    OK(espalier_lattice_marks(cube, 1, got_ends, &got_crease, 1, &got_vertex, &got_sharp));
+    CHECK(got_ends[0] == 0 && got_ends[1] == 1 && got_crease == 1.5);
+    CHECK(got_vertex == 3 && got_sharp == ESPALIER_SHARP);
+    INVALID(espalier_lattice_marks(cube, 2, got_ends, &got_crease, 1, &got_vertex, &got_sharp),
+            "edges");
+
+    espalier_refiner_destroy(refiner);
+    espalier_lattice_destroy(with_tip);
+    espalier_lattice_destroy(two);
+    espalier_lattice_destroy(cube);
+}
+
+int main(int argc, char** argv) {
+    CHECK(argc == 2);
+    char path[1000];
+    snprintf(path, sizeof path, "%s/model.obj", argv[1]);
+    test_reading(path);
+    test_cage();
+    test_editing();
+    return 0;
+}

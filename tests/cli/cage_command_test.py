@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`espalier shape cage`: lattices that follow models.
+
+    cage_command_test.py PATH_OF_ESPALIER
+"""
+
+import json
+import math
+import re
+import sys
+import unittest
+
+import program
+from program import CliTest
+
+
+def tube(along, around, radius, length):
+    """Returns points and faces of a closed tube along x."""
+    points = [(length * i / along, radius * math.cos(2 * math.pi * k / around),
+               radius * math.sin(2 * math.pi * k / around))
+              for i in range(along + 1) for k in range(around)]
+    faces = [(i * around + k, i * around + (k + 1) % around, (i + 1) * around + (k + 1) % around,
+              (i + 1) * around + k) for i in range(along) for k in range(around)]
+    faces.append(tuple(reversed(range(around))))
+    faces.append(tuple(along * around + k for k in range(around)))
+    return points, faces
+
+
+class Cage(CliTest):
+    def write(self, name, points, faces):
+        text = "".join("v %.9g %.9g %.9g\n" % tuple(p) for p in points)
+        text += "".join("f " + " ".join(str(v + 1) for v in face) + "\n" for face in faces)
+        self.put(name, text)
+
+    def cage(self, *options, output="rest.ovm"):
+        """Returns the number of vertices that the program prints."""
+        out = self.run_program("shape", "cage", *options, "-o", output).stdout
+        found = re.fullmatch(re.escape(output) + r": (\d+) vertices, (\d+) cells\n", out)
+        self.assertTrue(found, out)
+        return int(found[1])
+
+    def assert_all_inside(self, model, lattice="rest.ovm"):
+        report = json.loads(self.deform(model, lattice, lattice, "--report", "json",
+                                        out="moved.obj").stdout)
+        self.assertEqual(report["points"]["inside"], sum(report["points"].values()))
+        self.assertGreater(report["points"]["inside"], 0)
+
+    def setUp(self):
+        super().setUp()
+        self.write("tube.obj", *tube(20, 12, 0.5, 4))
+
+    def test_vertices_and_size(self):
+        for wanted in (30, 60):
+            found = self.cage("tube.obj", "--vertices", wanted)
+            self.assertLessEqual(abs(found - wanted), 0.2 * wanted)
+            self.assert_all_inside("tube.obj")
+        coarse = self.cage("tube.obj", "--size", 1.2)
+        self.assertGreater(self.cage("tube.obj", "--size", 0.6), coarse)
+        self.assert_all_inside("tube.obj")
+
+    def test_the_default_is_200_vertices(self):
+        self.assertLessEqual(abs(self.cage("tube.obj") - 200), 40)
+
+    def test_several_models_are_one(self):
+        points, faces = tube(20, 12, 0.5, 4)
+        self.write("second.obj", [(x, y, z + 3) for x, y, z in points], faces)
+        self.cage("tube.obj", "second.obj", "--vertices", 80)
+        self.assert_all_inside("tube.obj")
+        self.assert_all_inside("second.obj")
+
+    def test_a_margin_and_a_shell(self):
+        self.cage("tube.obj", "--vertices", 40)
+        near = max(p[1] for p in self.read_ovm_positions("rest.ovm"))
+        self.cage("tube.obj", "--vertices", 40, "--margin", 0.1)
+        far = max(p[1] for p in self.read_ovm_positions("rest.ovm"))
+        self.assertGreater(far, near + 0.2)
+        self.write("square.obj", [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+        self.cage("square.obj", "--vertices", 40, "--shell", 0.3)
+        self.assert_all_inside("square.obj")
+        heights = [p[2] for p in self.read_ovm_positions("rest.ovm")]
+        self.assertLessEqual(min(heights), -0.15)
+        self.assertGreaterEqual(max(heights), 0.15)
+
+    def test_keep_apart(self):
+        points, faces = tube(20, 12, 0.5, 4)
+        both = points + [(x, y, z + 1.15) for x, y, z in points]
+        self.write("two.obj", both, faces + [tuple(v + len(points) for v in f) for f in faces])
+        euler = {}  # of a lattice without handles: the number of its components
+        for options in ([], ["--keep-apart"]):
+            self.cage("two.obj", "--vertices", 40, *options)
+            info = json.loads(self.run_program("info", "rest.ovm", "--json").stdout)
+            euler[bool(options)] = info["levels"][0]["euler_characteristic"]
+            self.assert_all_inside("two.obj")
+        self.assertEqual(euler, {False: 1, True: 2})
+
+    def test_wrong_arguments_name_themselves(self):
+        for options, message, code in [
+                (["--vertices", 7], "--vertices", 2),
+                (["--vertices", 100, "--size", 1], "--size", 2),
+                (["--size", 0], "--size", 2),
+                (["--margin", -0.5], "--margin", 2),
+                (["--shell", 0], "--shell", 2),
+                (["--size", 1e-9], "tube.obj: cage: cellSize is 1e-09; expected at least", 1)]:
+            self.assertIn(message, self.error_of("shape", "cage", "tube.obj", *options, "-o",
+                                                 "x.ovm", code=code))
+            self.assertFalse((self.path / "x.ovm").exists())
+
+    def test_models_without_a_surface(self):
+        self.write("points.obj", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [])
+        self.assertIn("points.obj: has no faces",
+                      self.error_of("shape", "cage", "points.obj", "-o", "x.ovm"))
+        self.write("point.obj", [(1, 2, 3)] * 3, [(0, 1, 2)])
+        self.assertIn("point.obj: cage: all points of the model are at one place",
+                      self.error_of("shape", "cage", "point.obj", "-o", "x.ovm"))
+
+    def test_the_output_cannot_be_a_model(self):
+        before = self.bytes("tube.obj")
+        self.error_of("shape", "cage", "tube.obj", "-o", "tube.obj")
+        self.assertEqual(self.bytes("tube.obj"), before)
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`espalier deform` on the mesh of a volume: the check of its cells, --no-inverted, --largest-step.
+
+    mesh_test.py PATH_OF_ESPALIER
+"""
+
+import json
+import shutil
+import sys
+import unittest
+
+import program
+from program import CliTest
+
+# A tetrahedron whose tip is at z = 1, in the formats of simulations.
+POINTS = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"]
+SU2 = ("NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n" + "\n".join(POINTS) + "\nNMARK= 0\n")
+HEADER = "FoamFile { version 2.0; format ascii; class %s; object x; }\n"
+FOAM = {"points": HEADER % "vectorField" + "4(" + "".join(f"({p})" for p in POINTS) + ")\n",
+        "faces": HEADER % "faceList" + "4(3(0 2 1)3(0 1 3)3(1 2 3)3(2 0 3))\n",
+        "owner": HEADER % "labelList" + "4{0}\n",
+        "neighbour": HEADER % "labelList" + "0()\n"}
+
+
+class Mesh(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.put("a.su2", SU2)
+        # A lattice of one cell, a level of which is trilinear: z = 0 stays, z = 1 goes to z = -1.
+        self.run_program("shape", "box", "--min", -1, -1, 0, "--max", 2, 2, 1, "-o", "rest.ovm")
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (p[0], p[1], -p[2]))
+
+    def put_case(self, name):
+        folder = self.path / name / "constant/polyMesh"
+        folder.mkdir(parents=True)
+        for file, text in FOAM.items():
+            (folder / file).write_text(text)
+        return folder
+
+    def deform_mesh(self, *options, pose="pose.ovm", model="a.su2", out="out.su2", code=0):
+        return self.run_program("deform", model, "--rest", "rest.ovm", "--to", pose, "-n", 1, "-o", out,
+                                *options, code=code)
+
+    def report(self, *options, **arguments):
+        return json.loads(self.deform_mesh("--report", "json", *options, **arguments).stdout)
+
+    def test_an_inverted_cell_is_reported(self):
+        result = self.deform_mesh()
+        for line in ["mesh of pose.ovm\n", "  cells             1 tetrahedra\n",
+                     "  inverted          1, the first cell 0\n",
+                     "  worst ratio       -1 (volume in the pose : at rest), cell 0\n",
+                     "  largest step      0.5 of the pose inverts no cell; then cell 0 folds\n",
+                     "    volumes below 0            0          1  cells"]:
+            self.assertIn(line, result.stdout)
+        self.assertIn("warning: pose.ovm turns 1 of 1 cells of the mesh inside out, the first cell 0.",
+                      result.stderr)
+        mesh, = self.report()["meshes"]
+        self.assertEqual(mesh["pose"], "pose.ovm")
+        self.assertEqual(mesh["cells"], {"tetrahedra": 1, "pyramids": 0, "wedges": 0, "hexahedra": 0,
+                                         "polyhedra": 0})
+        self.assertEqual(mesh["inverted"], {"count": 1, "first": 0})
+        self.assertEqual(mesh["bad_at_rest"], {"count": 0, "first": None})
+        self.assertAlmostEqual(mesh["smallest_ratio"]["volume_ratio"], -1, delta=1e-12)
+        # The determinant is 1 - 2t.
+        self.assertAlmostEqual(mesh["largest_step"]["length"], 0.5, delta=1e-12)
+        self.assertEqual(mesh["largest_step"]["limiting_cell"], 0)
+        self.assertEqual(mesh["written"], 1)
+        before, after = mesh["quality"]["before"], mesh["quality"]["after"]
+        # At the corners of the other three points, edges have angles of 45 and 60 degrees.
+        self.assertAlmostEqual(before["scaled_jacobian"], 0.5 * 2 ** 0.5, delta=1e-12)
+        self.assertAlmostEqual(before["smallest_volume"], 1 / 6, delta=1e-15)
+        self.assertAlmostEqual(after["smallest_volume"], -1 / 6, delta=1e-15)
+        self.assertEqual((before["non_positive_volumes"], after["non_positive_volumes"]), (0, 1))
+        self.assertIsNone(after["non_orthogonality"])  # There is no internal face.
+
+    def test_no_inverted_writes_nothing(self):
+        error = self.deform_mesh("--no-inverted", code=3).stderr
+        self.assertRegex(error, r"^espalier: pose.ovm: this pose turns 1 of 1 cells of a.su2 inside out, the "
+                                r"first cell 0; nothing was written. --largest-step goes 0.5 of the way\n$")
+        self.assertFalse((self.path / "out.su2").exists())
+        # A good pose before it is not written either.
+        self.write_pose("good.ovm", "rest.ovm", lambda p: (p[0], p[1], 2 * p[2]))
+        self.run_program("deform", "a.su2", "--rest", "rest.ovm", "--to", "good.ovm", "pose.ovm", "-n", 1,
+                         "-o", "out%d.su2", "--no-inverted", code=3)
+        self.assertFalse((self.path / "out0.su2").exists())
+        self.deform_mesh("--no-inverted", "--quiet", pose="good.ovm")
+        self.assertIn("\n0 0 2\n", self.text("out.su2"))
+
+    def test_the_largest_step_is_written(self):
+        mesh, = self.report("--largest-step")["meshes"]
+        self.assertAlmostEqual(mesh["written"], 0.5, delta=1e-12)
+        self.assertEqual(mesh["quality"]["after"]["non_positive_volumes"], 0)
+        tip = float(self.text("out.su2").splitlines()[7].split()[2])
+        self.assertTrue(0 < tip < 1e-11, tip)
+        self.assertEqual(self.text("out.su2").splitlines()[:7], SU2.splitlines()[:7])
+        # A pose that inverts nothing is written as it is.
+        self.write_pose("good.ovm", "rest.ovm", lambda p: (p[0], p[1], 2 * p[2]))
+        mesh, = self.report("--largest-step", pose="good.ovm")["meshes"]
+        self.assertEqual((mesh["written"], mesh["largest_step"]["length"]), (1, 1))
+        self.assertIn("\n0 0 2\n", self.text("out.su2"))
+        self.assertIn("excludes", self.deform_mesh("--largest-step", "--no-inverted", code=2).stderr)
+
+    def test_the_largest_step_allows_for_single_precision(self):
+        # At x = 1000, floats are 6e-5 apart.
+        self.put("a.vtk", "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
+                          "1000 0 0 1000 1 0 1000 0 1 1001 0 0.25\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n")
+        self.run_program("shape", "box", "--min", 999, -1, -1, "--max", 1002, 2, 2, "-o", "rest.ovm")
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (2000 - p[0], p[1], p[2] + 0.3 * p[0]))
+        mesh, = self.report("--largest-step", model="a.vtk", out="out.vtk")["meshes"]
+        self.assertLess(mesh["written"], 1)
+        self.run_program("deform", "out.vtk", "--rest", "rest.ovm", "--to", "rest.ovm", "-n", 1, "-o",
+                         "same.vtk", "--no-inverted")
+        report = json.loads(self.run_program("deform", "out.vtk", "--rest", "rest.ovm", "--to", "rest.ovm",
+                                             "-o", "same.vtk", "--report", "json").stdout)
+        self.assertEqual(report["meshes"][0]["bad_at_rest"]["count"], 0)
+        self.assertGreater(report["meshes"][0]["quality"]["before"]["smallest_volume"], 0)
+
+    def test_volumes_of_vtk(self):
+        self.run_program("refine", "rest.ovm", "-n", 2, "-o", "m.vtu")
+        self.run_program("refine", "rest.ovm", "-n", 2, "-o", "m.vtk")
+        for name in ("m.vtu", "m.vtk"):
+            mesh, = self.report(model=name, out="out" + name[1:])["meshes"]
+            self.assertEqual(mesh["cells"]["hexahedra"], 64)
+            self.assertEqual(mesh["inverted"]["count"], 64)
+
+    def test_models_without_cells(self):
+        self.write_model([(0, 0, 0.5), (1, 0, 0.5), (0, 1, 0.5)], "m.obj")
+        self.assertNotIn("meshes", self.report(model="m.obj", out="out.obj"))
+        for option in ("--no-inverted", "--largest-step"):
+            self.assertIn(f"m.obj: has no cells of a volume, which {option} could check",
+                          self.deform_mesh(option, model="m.obj", out="out.obj", code=1).stderr)
+
+    def test_cells_that_are_folded_at_rest_do_not_count(self):
+        self.put("a.su2", SU2.replace("NELEM= 1\n10 0 1 2 3\n", "NELEM= 2\n10 0 1 2 3\n10 0 1 2 2\n"))
+        self.write_pose("good.ovm", "rest.ovm", lambda p: (p[0], p[1], 2 * p[2]))
+        result = self.deform_mesh("--no-inverted", pose="good.ovm")
+        self.assertIn("  folded at rest    1, the first cell 1; they do not count below\n", result.stdout)
+        self.assertIn("  inverted          0\n", result.stdout)
+
+    def test_a_case_of_openfoam(self):
+        self.put_case("case")
+        info = self.run_program("info", "case", "--model").stdout
+        self.assertIn("points      4", info)
+        self.assertIn("faces       4", info)
+        self.assertEqual(self.info("case", "-n", 0)["levels"][0]["counts"]["cells"], 1)
+        (self.path / "copy").mkdir()
+        self.assertIn("copy: is a folder without a mesh",
+                      self.deform_mesh(model="case", out="copy", code=1).stderr)
+        shutil.rmtree(self.path / "copy")
+        self.assertIn("written to a file of the name 'points'",
+                      self.deform_mesh(model="case", out="copy", code=1).stderr)
+        shutil.copytree(self.path / "case", self.path / "copy")
+        mesh, = self.report(model="case", out="copy")["meshes"]
+        self.assertEqual(mesh["inverted"]["count"], 1)
+        self.assertEqual(self.text("copy/constant/polyMesh/points"),
+                         FOAM["points"].replace("(0 0 1)", "(0 0 -1)"))
+        self.assertIn("is also an input", self.deform_mesh(model="case", out="case", code=1).stderr)
+        for folder in ("case/0/polyMesh", "case/1/polyMesh"):
+            (self.path / folder).mkdir(parents=True)
+        self.run_program("deform", "case", "--rest", "rest.ovm", "--to", "rest.ovm", "pose.ovm", "-n", 1,
+                         "-o", "case/%d/polyMesh/points", "--quiet")
+        self.assertEqual(self.text("case/0/polyMesh/points"), FOAM["points"])
+        self.assertIn("(0 0 -1)", self.text("case/1/polyMesh/points"))
+        # Its cells are beside its points, so a binding does not have them.
+        self.run_program("bind", "case", "--rest", "rest.ovm", "-n", 1, "-o", "m.espb")
+        self.run_program("apply", "m.espb", "--to", "pose.ovm", "-o", "copy")
+        self.assertIn("(0 0 -1)", self.text("copy/constant/polyMesh/points"))
+        self.assertIn("m.espb: has no cells of a volume, which --largest-step could check; the faces of",
+                      self.error_of("apply", "m.espb", "--to", "pose.ovm", "-o", "copy", "--largest-step"))
+
+    def test_apply_checks_on_request(self):
+        self.run_program("bind", "a.su2", "--rest", "rest.ovm", "-n", 1, "-o", "m.espb")
+        report = self.run_program("apply", "m.espb", "--to", "pose.ovm", "-o", "out.su2").stdout
+        self.assertNotIn("inverted", report)
+        self.assertIn("inside out", self.error_of("apply", "m.espb", "--to", "pose.ovm", "-o", "no.su2",
+                                                  "--no-inverted", code=3))
+        self.assertFalse((self.path / "no.su2").exists())
+
+    def test_a_lattice_of_a_simulation(self):
+        self.put("lattice.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n" + "\n".join(
+            f"{i + 1} {5 * float(p.split()[0]) - 1} {5 * float(p.split()[1]) - 1} {5 * float(p.split()[2]) - 1}"
+            for i, p in enumerate(POINTS)) + "\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n")
+        self.run_program("pose", "lattice.msh", "--move", 1, 2, 3, "-o", "moved.vtu")
+        self.run_program("deform", "a.su2", "--rest", "lattice.msh", "--to", "moved.vtu", "-n", 2, "-o",
+                         "out.su2", "--no-inverted")
+        for point in ("1 2 3", "2 2 3", "1 3 3", "1 2 4"):
+            values = [tuple(round(float(c), 9) for c in line.split())
+                      for line in self.text("out.su2").splitlines()[4:8]]
+            self.assertIn(tuple(map(float, point.split())), values)
+        self.assertIn("a lattice cannot be written in this format; expected .ovm, .vtu, .vtk",
+                      self.error_of("refine", "lattice.msh", "-o", "x.msh"))
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()

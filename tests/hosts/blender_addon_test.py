@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The Blender add-on (hosts/blender) and the point caches, in Blender itself. Skipped without Blender.
+
+    blender_addon_test.py PATH_OF_ESPALIER BUILD_FOLDER
+"""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TOP / "tests/cli"))
+import program  # noqa: E402
+from program import CliTest  # noqa: E402
+
+STEPS = TOP / "tests/hosts/blender_addon_steps.py"
+BUILD = ""  # the folder with the Python module
+PICTURES = os.environ.get("ESPALIER_PICTURES")  # where to keep the rendered pictures
+
+
+@unittest.skipUnless(shutil.which("blender"), "Blender is not installed")
+class BlenderAddOn(CliTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.scripts = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.scripts.cleanup)
+        cls.zip = pathlib.Path(cls.scripts.name) / "espalier_lattice.zip"
+        subprocess.run([sys.executable, TOP / "hosts/blender/make_zip.py", BUILD, "-o", cls.zip], check=True,
+                       stdout=subprocess.DEVNULL)
+        cls.is_installed = False
+
+    def blender(self, step, *arguments, timeout=600):
+        environment = {**os.environ, "BLENDER_USER_SCRIPTS": self.scripts.name + "/scripts",
+                       "BLENDER_USER_CONFIG": self.scripts.name + "/config"}
+        if not BlenderAddOn.is_installed and step != "install":
+            self.blender("install", self.zip)
+            BlenderAddOn.is_installed = True
+        result = subprocess.run(
+            ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", STEPS, "--",
+             step, self.path, *map(str, arguments)],
+            cwd=self.path, capture_output=True, text=True, timeout=timeout, env=environment)
+        self.assertEqual(result.returncode, 0, result.stdout[-3000:] + result.stderr[-3000:])
+        self.assertIn("step passed: " + step, result.stdout)
+        return result.stdout
+
+    def test_the_mesh_equals_the_result_of_the_program(self):
+        import numpy as np
+        self.blender("deform")
+        kinds = sorted(path.stem for path in self.path.glob("*.npy"))
+        self.assertEqual(len(kinds), 14)
+        for kind in kinds:
+            self.run_program("deform", f"{kind}.obj", "--rest", f"{kind}-rest.ovm", "--to",
+                             f"{kind}-pose.ovm", "-n", 3, "-o", "out.obj", "--quiet")
+            expected = np.array(self.read_points("out.obj"))
+            found = np.load(self.path / f"{kind}.npy")
+            # Blender's coordinates are floats of about 2: 2^-23 for each rounding, of the points, of the
+            # lattice (whose weights sum to 1) and of the result.
+            self.assertLess(np.abs(found - expected).max(), 3 * 2 ** -22, kind)
+
+    def test_an_animation_is_saved_and_baked(self):
+        self.blender("save")
+        self.blender("reopen")
+        self.blender("bake")
+        self.blender("baked")
+
+    def test_undo(self):
+        self.blender("undo")
+
+    def test_cells_survive_editing(self):
+        self.blender("edit")
+
+    def test_points_outside_and_folded_cells_are_marked(self):
+        self.blender("marks")
+
+    def test_the_speed_of_100000_points_is_printed(self):
+        """A figure, not a timed test: the load of this machine is not known. Frames per second of processor time, of
+        all cores together, do not depend on the load."""
+        self.blender("speed")
+        report = json.loads(self.text("speed.json"))
+        self.assertGreaterEqual(report["points"], 100000)
+        print(f"{report['points']} points: {report['frames_per_second']:.1f} frames a second, "
+              f"{report['frames_per_cpu_second']:.1f} frames a second of processor time", file=sys.stderr)
+
+    def test_pictures_are_rendered(self):
+        self.blender("render")
+        if PICTURES:
+            for picture in self.path.glob("*.png"):
+                shutil.copy(picture, PICTURES)
+
+    def test_caches_and_gltf_of_the_program(self):
+        import numpy as np
+        self.run_program("shape", "cylinder", "--sectors", 6, "--layers", 3, "-o", "rest.ovm")
+        self.run_program("refine", "rest.ovm", "-n", 2, "-o", "refined.vtu")
+        self.run_program("refine", "rest.ovm", "-n", 0, "-o", "model.obj")
+        points = np.array(self.read_points("model.obj")) * 0.8 + 0.05
+        faces = [[int(word) - 1 for word in line.split()[1:]]
+                 for line in self.text("model.obj").splitlines() if line.startswith("f ")]
+        self.put("model.obj", "".join("v %.9g %.9g %.9g\n" % tuple(p) for p in points)
+                 + "".join("f " + " ".join(str(v + 1) for v in face) + "\n" for face in faces))
+        poses = []
+        for i in range(5):
+            poses.append(f"pose{i}.ovm")
+            self.run_program("pose", "rest.ovm", "--twist", "z", 20 * i, "--move", 0.1 * i, 0, 0, "-o", poses[-1])
+        self.run_program("bind", "model.obj", "--rest", "rest.ovm", "-n", 2, "-o", "m.espb", "--quiet")
+        self.run_program("apply", "m.espb", "--to", *poses, "-o", "out%d.obj", "--quiet")
+        for kind in ("pc2", "mdd", "glb"):
+            self.run_program("apply", "m.espb", "--to", *poses, "-o", f"out.{kind}", "--quiet")
+        expected = np.array([self.read_points(f"out{i}.obj") for i in range(5)], dtype=np.float32)
+        np.save(self.path / "expected.npy", expected)
+        np.save(self.path / "points.npy", points.astype(np.float32))
+        self.put("faces.json", json.dumps(faces))
+        self.blender("caches")
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    BUILD = sys.argv.pop(1)
+    unittest.main()

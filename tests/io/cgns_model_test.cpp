@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/cgns/cgns_model.h>
+#include <io/model_files.h>
+
+#include <cgnslib.h>
+
+#include "support/test.h"
+
+namespace espalier::io {
+namespace {
+
+/// Writes files by CGNS's library.
+class CgnsFile {
+public:
+    CgnsFile(const std::filesystem::path& path, int storage, int dimension = 3) {
+        check(cg_set_file_type(storage));
+        check(cg_open(path.c_str(), CG_MODE_WRITE, &file));
+        check(cg_base_write(file, "Base", dimension, dimension, &base));
+    }
+    ~CgnsFile() { check(cg_close(file)); }
+
+    static void check(int code) { ASSERT_EQ(code, CG_OK) << cg_get_error(); }
+
+    int unstructured(const char* name, cgsize_t points, cgsize_t cells) {
+        cgsize_t sizes[3] = {points, cells, 0};
+        int zone = 0;
+        check(cg_zone_write(file, base, name, sizes, CGNS_ENUMV(Unstructured), &zone));
+        return zone;
+    }
+    template <class Real>
+    void coordinates(int zone, const char* name, const std::vector<Real>& values) {
+        int number = 0;
+        check(cg_coord_write(file, base, zone,
+                             sizeof(Real) == 4 ? CGNS_ENUMV(RealSingle) : CGNS_ENUMV(RealDouble),
+                             name, values.data(), &number));
+    }
+    void section(int zone, const char* name, CGNS_ENUMT(ElementType_t) type, cgsize_t first,
+                 cgsize_t last, const std::vector<cgsize_t>& elements,
+                 const std::vector<cgsize_t>& offsets = {}) {
+        int number = 0;
+        if (offsets.empty())
+            check(cg_section_write(file, base, zone, name, type, first, last, 0, elements.data(),
+                                   &number));
+        else
+            check(cg_poly_section_write(file, base, zone, name, type, first, last, 0,
+                                        elements.data(), offsets.data(), &number));
+    }
+    void text(const char* name, const char* value) {
+        check(cg_goto(file, base, "end"));
+        check(cg_descriptor_write(name, value));
+    }
+
+    int file = 0, base = 0;
+};
+
+/// A grid of 2 × 3 × 2 points in doubles; a zone of floats with a pyramid, a wedge and a triangle;
+/// a zone of one polyhedron.
+void writeSample(const std::filesystem::path& path, int storage) {
+    CgnsFile file(path, storage);
+    cgsize_t sizes[9] = {2, 3, 2, 1, 2, 1, 0, 0, 0};
+    int zone = 0;
+    CgnsFile::check(
+        cg_zone_write(file.file, file.base, "Grid", sizes, CGNS_ENUMV(Structured), &zone));
+    std::vector<double> x, y, z;
+    for (int k = 0; k < 2; ++k)
+        for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 2; ++i) {
+                x.push_back(i);
+                y.push_back(2 * j);
+                z.push_back(3 * k + 0.1);
+            }
+    file.coordinates(zone, "CoordinateX", x);
+    file.coordinates(zone, "CoordinateY", y);
+    file.coordinates(zone, "CoordinateZ", z);
+
+    zone = file.unstructured("Mixed", 8, 2);
+    file.coordinates<float>(zone, "CoordinateX", {0, 1, 1, 0, 0.5f, 0, 1, 0.5f});
+    file.coordinates<float>(zone, "CoordinateY", {0, 0, 1, 1, 0.5f, 2, 2, 0.5f});
+    file.coordinates<float>(zone, "CoordinateZ", {0, 0, 0, 0, 1, 0.1f, 0, 3});
+    file.section(zone, "Cells", CGNS_ENUMV(MIXED), 1, 2,
+                 {CGNS_ENUMV(PYRA_5), 1, 2, 3, 4, 5, CGNS_ENUMV(TETRA_4), 4, 3, 6, 8}, {0, 6, 11});
+    file.section(zone, "Wall", CGNS_ENUMV(TRI_3), 3, 3, {1, 3, 2});
+    file.section(zone, "Curved", CGNS_ENUMV(TETRA_10), 4, 4, {1, 2, 3, 4, 5, 6, 7, 8, 1, 2});
+
+    zone = file.unstructured("Polyhedron", 4, 1);
+    file.coordinates<double>(zone, "CoordinateX", {0, 1, 0, 0});
+    file.coordinates<double>(zone, "CoordinateY", {0, 0, 1, 0});
+    file.coordinates<double>(zone, "CoordinateZ", {0, 0, 0, 1});
+    file.section(zone, "Faces", CGNS_ENUMV(NGON_n), 1, 4, {1, 3, 2, 1, 2, 4, 2, 3, 4, 3, 4, 1},
+                 {0, 3, 6, 9, 12});
+    file.section(zone, "Cells", CGNS_ENUMV(NFACE_n), 5, 5, {1, 2, 3, -4}, {0, 4});
+    file.text("Note", "everything but coordinates survives");
+}
+
+TEST(CgnsModel, CoordinatesAreReplacedInPlace) {
+    addCgnsModels();
+    addCgnsModels();  // A second call changes nothing.
+    for (const int storage : {CG_FILE_HDF5, CG_FILE_ADF}) {
+        const TemporaryFolder folder;
+        writeSample(folder / "a.cgns", storage);
+        const std::string before = readFile(folder / "a.cgns");
+        const auto model = readModel(folder / "a.cgns");
+        ASSERT_EQ(model->positions().size(), 12u + 8 + 4);
+        EXPECT_EQ(model->positions()[11], (Point3{1, 4, 3.1}));
+        EXPECT_EQ(model->positions()[17], (Point3{0, 2, double{0.1f}}));
+        EXPECT_EQ(model->positions()[23], (Point3{0, 0, 1}));
+        EXPECT_EQ(model->extension(), ".cgns");
+        EXPECT_EQ(model->storage(), CoordinateStorage::Float);
+        EXPECT_TRUE(written(*model, model->positions()) == before);
+
+        auto moved = copyOf(model->positions());
+        moved[11] = {1.5, 4.25, 3.1};
+        moved[17][2] = 0.7;
+        const std::string after = written(*model, moved);
+        // The bytes that differ are those of three numbers.
+        ASSERT_EQ(after.size(), before.size());
+        std::size_t changed = 0;
+        for (std::size_t i = 0; i < after.size(); ++i) changed += after[i] != before[i] ? 1 : 0;
+        EXPECT_GT(changed, 0u);
+        EXPECT_LE(changed, 2 * sizeof(double) + sizeof(float));
+        const auto again = readModel("b.cgns", after);
+        moved[17][2] = double{0.7f};
+        EXPECT_EQ(copyOf(again->positions()), moved);
+        // A binding keeps the bytes, and not the file.
+        EXPECT_EQ(copyOf(readCgnsModel("none/a.cgns", before)->positions()),
+                  copyOf(model->positions()));
+    }
+}
+
+TEST(CgnsModel, HasTheCellsAndFacesOfAllZones) {
+    for (const int storage : {CG_FILE_HDF5, CG_FILE_ADF}) {
+        const TemporaryFolder folder;
+        writeSample(folder / "a.cgns", storage);
+        const auto model = readCgnsModel(folder / "a.cgns", readFile(folder / "a.cgns"));
+        const ModelVolume volume = model->readVolume();
+        EXPECT_EQ(volume.curvedCells, 1);
+        ASSERT_EQ(volume.mesh.cellCount(), 2 + 2 + 1);
+        EXPECT_EQ(volume.mesh.kind(0), far::StandardCell::Hexahedron);
+        EXPECT_EQ(volume.mesh.kind(2), far::StandardCell::Pyramid);
+        EXPECT_EQ(volume.mesh.kind(3), far::StandardCell::Tetrahedron);
+        EXPECT_EQ(volume.mesh.kind(4), std::nullopt);
+        EXPECT_EQ(volume.mesh.faces(4).size(), 4u);
+        EXPECT_EQ(volume.mesh.internalFaceCount(), 1);  // In the grid.
+        const ModelFaces faces = model->readSurface().faces;
+        ASSERT_EQ(faces.count(), 1u);
+        EXPECT_THAT(faces[0], ElementsAre(12, 14, 13));
+    }
+}
+
+TEST(CgnsModel, PlanesHaveNoZ) {
+    const TemporaryFolder folder;
+    {
+        CgnsFile file(folder / "a.cgns", CG_FILE_HDF5, 2);
+        cgsize_t sizes[6] = {2, 2, 1, 1, 0, 0};
+        int zone = 0;
+        CgnsFile::check(
+            cg_zone_write(file.file, file.base, "Plane", sizes, CGNS_ENUMV(Structured), &zone));
+        file.coordinates<double>(zone, "CoordinateX", {0, 1, 0, 1});
+        file.coordinates<double>(zone, "CoordinateY", {0, 0, 1, 1});
+    }
+    const auto model = readCgnsModel("a.cgns", readFile(folder / "a.cgns"));
+    EXPECT_EQ(model->readSurface().faces.count(), 1u);
+    EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
+    auto moved = copyOf(model->positions());
+    moved[3] = {2, 2, 0};
+    EXPECT_EQ(copyOf(readCgnsModel("b.cgns", written(*model, moved))->positions()), moved);
+    moved[3][2] = 1;
+    EXPECT_REFUSED(Error, "point 3 has a z other than 0", written(*model, moved));
+}
+
+TEST(CgnsModel, BadFilesAreRefused) {
+    EXPECT_REFUSED(FileError, "a.cgns: CGNS's library refuses the file: ",
+                   readCgnsModel("a.cgns", "no CGNS file"));
+    const TemporaryFolder folder;
+    {
+        CgnsFile file(folder / "a.cgns", CG_FILE_HDF5);
+        const int zone = file.unstructured("Polar", 2, 1);
+        file.coordinates<double>(zone, "CoordinateR", {0, 1});
+    }
+    EXPECT_REFUSED(FileError, "the zone 'Polar' has no coordinates CoordinateX and CoordinateY",
+                   readCgnsModel("a.cgns", readFile(folder / "a.cgns")));
+    {
+        CgnsFile file(folder / "b.cgns", CG_FILE_HDF5);
+        const int zone = file.unstructured("Z", 4, 1);
+        for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
+            file.coordinates<double>(zone, name, {0, 1, 2, kNan});
+        file.section(zone, "Cells", CGNS_ENUMV(TETRA_4), 1, 1, {1, 2, 3, 5});
+    }
+    EXPECT_REFUSED(FileError, "x of point 3 is not finite",
+                   readCgnsModel("b.cgns", readFile(folder / "b.cgns")));
+    {
+        CgnsFile file(folder / "c.cgns", CG_FILE_HDF5);
+        const int zone = file.unstructured("Z", 4, 1);
+        for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
+            file.coordinates<double>(zone, name, {0, 1, 2, 3});
+        file.section(zone, "Cells", CGNS_ENUMV(TETRA_4), 1, 1, {1, 2, 3, 5});
+    }
+    EXPECT_REFUSED(FileError, "an element names point 5; there are 4, counted from 1",
+                   readCgnsModel("c.cgns", readFile(folder / "c.cgns"))->readVolume());
+}
+
+}  // namespace
+}  // namespace espalier::io

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/meshes/openfoam.h>
+#include <io/mesh_samples.h>
+#include <io/replaced.h>
+
+#include "support/test.h"
+
+namespace espalier::io {
+namespace {
+
+using Files = std::map<std::string, std::string>;
+
+TEST(OpenFoam, PointsAreAModelAsTextAndInBinary) {
+    for (const bool isBinary : {false, true}) {
+        const std::string bytes = sampleFoam(isBinary)["points"];
+        const auto model = readModel("points", bytes);
+        EXPECT_EQ(copyOf(model->positions()), samplePoints());
+        EXPECT_EQ(model->extension(), "points");
+        EXPECT_EQ(model->storage(), isBinary ? CoordinateStorage::Double : CoordinateStorage::Text);
+        const TemporaryFolder folder;
+        model->write(folder / "points", model->positions());
+        EXPECT_TRUE(readFile(folder / "points") == bytes);
+        auto moved = copyOf(model->positions());
+        moved[1][2] = 0.5;
+        moved[11] = {0.1, -7, 3};
+        model->write(folder / "points", moved);
+        const std::endian order = std::endian::little;
+        const std::string expected =
+            isBinary ? replaced(replaced(bytes, bytesOfPoint({2, 0, 0}, order),
+                                         bytesOfPoint({2, 0, 0.5}, order)),
+                                bytesOfPoint({3, 1, 3}, order), bytesOfPoint({0.1, -7, 3}, order))
+                     : replaced(replaced(bytes, "(2.00 +0e0 -0.0)", "(2.00 +0e0 0.5)"), "(3 1 3)",
+                                "(0.1 -7 3)");
+        EXPECT_TRUE(readFile(folder / "points") == expected);
+    }
+}
+
+TEST(OpenFoam, SinglePrecisionAndOtherByteOrdersAreRead) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        std::string text = replaced(
+            foamHeader("vectorField", "points", true), "LSB;label=32;scalar=64",
+            order == std::endian::big ? "MSB;label=64;scalar=32" : "LSB;label=64;scalar=32");
+        text += "2\n(";
+        for (const float value : {0.f, 0.5f, 1.f, 2.f, 3.f, 4.f}) text += bytesOf(value, order);
+        text += ")";
+        const auto model = readModel("points", text);
+        EXPECT_EQ(model->storage(), CoordinateStorage::Float);
+        EXPECT_THAT(copyOf(model->positions()), ElementsAre(Point3{0, 0.5, 1}, Point3{2, 3, 4}));
+    }
+}
+
+TEST(OpenFoam, TheVolumeIsBesideThePoints) {
+    for (const bool isBinary : {false, true}) {
+        const TemporaryFolder folder;
+        const auto points = putFoam(folder / "constant/polyMesh", sampleFoam(isBinary));
+        for (const auto& path :
+             {folder / ".", points, folder / "constant/polyMesh", folder / "any.foam"}) {
+            EXPECT_EQ(std::filesystem::canonical(modelFile(path)),
+                      std::filesystem::canonical(points));
+            EXPECT_TRUE(isModelFile(path));
+            const auto model = readModel(path);
+            const ModelVolume volume = model->readVolume();
+            ASSERT_EQ(volume.mesh.cellCount(), 4);
+            EXPECT_EQ(volume.mesh.internalFaceCount(), 3);
+            EXPECT_EQ(volume.mesh.kind(0), far::StandardCell::Hexahedron);
+            EXPECT_EQ(volume.mesh.kind(1), far::StandardCell::Pyramid);
+            EXPECT_EQ(volume.mesh.kind(2), std::nullopt);
+            EXPECT_EQ(volume.mesh.kind(3), far::StandardCell::Tetrahedron);
+            EXPECT_EQ(model->readSurface().faces.count(), 15u);  // The boundary.
+            ReadNotes notes;
+            const Lattice lattice = readLattice(path, &notes);
+            EXPECT_EQ(lattice.complex.count(3), 4);
+            EXPECT_EQ(lattice.complex.count(2), 18);
+            EXPECT_EQ(lattice.positions, samplePoints());
+            EXPECT_EQ(describe(path, notes), "");
+        }
+    }
+}
+
+// A moving mesh has points of their own in the folder of a time.
+TEST(OpenFoam, AFolderOfATimeHasTheFacesOfItsCase) {
+    const TemporaryFolder folder;
+    putFoam(folder / "constant/polyMesh", sampleFoam());
+    const std::string points = replaced(sampleFoam()["points"], "(3 1 3)", "(3 1 3.5)");
+    putFoam(folder / "0.5/polyMesh", {{"points", points}});
+    EXPECT_EQ(modelFile(folder / "0.5"), folder / "0.5/polyMesh/points");
+    EXPECT_EQ(readModel(folder / "0.5")->readVolume().mesh.cellCount(), 4);
+    EXPECT_EQ(readLattice(folder / "0.5").positions[11], (Point3{3, 1, 3.5}));
+    // Points without a mesh are a model without cells.
+    putFoam(folder / "alone/x", {{"points", points}});
+    EXPECT_EQ(readModel(folder / "alone/x/points")->readVolume().mesh.cellCount(), 0);
+    EXPECT_EQ(readModel(folder / "alone/x/points")->readSurface().faces.count(), 0u);
+    EXPECT_REFUSED(FileError, "has no file 'faces' beside it, nor in constant/polyMesh of its case",
+                   readLattice(folder / "alone/x/points"));
+}
+
+TEST(OpenFoam, IsWrittenToPointsOrIntoACopyOfTheCase) {
+    const TemporaryFolder folder;
+    putFoam(folder / "case/constant/polyMesh", sampleFoam());
+    std::filesystem::copy(folder / "case", folder / "copy",
+                          std::filesystem::copy_options::recursive);
+    const auto model = readModel(folder / "case");
+    auto moved = copyOf(model->positions());
+    moved[11][2] = 3.5;
+    model->write(folder / "copy", moved);
+    EXPECT_EQ(readModel(folder / "copy")->positions()[11], (Point3{3, 1, 3.5}));
+    EXPECT_EQ(readModel(folder / "case")->positions()[11], (Point3{3, 1, 3}));
+    std::filesystem::create_directories(folder / "none");
+    EXPECT_REFUSED(FileError, "is a folder without a mesh of OpenFOAM; copy the case first",
+                   model->write(folder / "none", moved));
+    EXPECT_REFUSED(FileError,
+                   "written to a file of the name 'points', or into a folder with a copy",
+                   model->write(folder / "new", moved));
+    EXPECT_REFUSED(FileError, "a file of the name 'points'", model->write(folder / "a.vtu", moved));
+    EXPECT_NO_THROW(model->checkTarget("/dev/stdout"));
+    EXPECT_REFUSED(FileError, "is a folder without a mesh of OpenFOAM (constant/polyMesh)",
+                   readModel(folder / "none"));
+    EXPECT_REFUSED(FileError, "is a folder without a mesh", readLattice(folder / "none"));
+    std::filesystem::rename(folder / "case/constant/polyMesh/points",
+                            folder / "case/constant/polyMesh/points.gz");
+    EXPECT_REFUSED(FileError, "points.gz: is compressed; run gunzip", readModel(folder / "case"));
+    std::filesystem::remove(folder / "case/constant/polyMesh/points.gz");
+    EXPECT_REFUSED(FileError, "has a folder polyMesh without a file of points",
+                   readModel(folder / "case"));
+}
+
+TEST(OpenFoam, ListsOfEqualLabelsAreRead) {
+    const TemporaryFolder folder;
+    Files files = sampleFoam();
+    // A tetrahedron alone.
+    files["points"] = foamHeader("vectorField", "points") + "4((0 0 0)(1 0 0)(0 1 0)(0 0 1))";
+    files["faces"] = foamHeader("faceList", "faces") + "4(3(0 2 1) 3(0 1 3) 3(1 2 3) 3(2 0 3))";
+    files["owner"] = foamHeader("labelList", "owner") + "4{0}";
+    for (const char* empty : {"0", "0()", "\n0\n(\n)\n"}) {
+        files["neighbour"] = foamHeader("labelList", "neighbour") + empty;
+        putFoam(folder / "m", files);
+        EXPECT_EQ(readModel(folder / "m/points")->readVolume().mesh.kind(0),
+                  far::StandardCell::Tetrahedron);
+    }
+}
+
+TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
+    const Files good = sampleFoam();
+    const auto expectRefused = [](const Files& files, const std::string& message) {
+        const TemporaryFolder folder;
+        const auto points = putFoam(folder / "m", files);
+        EXPECT_REFUSED(Error, message, readModel(points)->readVolume());
+        EXPECT_THROW(readLattice(points), Error);
+    };
+    const auto changed = [&](const std::string& name, const std::string& before,
+                             const std::string& after) {
+        Files files = good;
+        files[name] = replaced(files[name], before, after);
+        return files;
+    };
+    expectRefused(changed("points", "FoamFile", "Foam"),
+                  "points:4: the file does not begin with FoamFile");
+    expectRefused(changed("points", "format ascii", "format xml"), "the format is 'xml'; expected");
+    expectRefused(changed("points", "\\*---*/", ""), "a comment /* does not end");
+    expectRefused(changed("points", "12\n(", "13\n("), "points:29: expected (, got ')'");
+    expectRefused(changed("points", "12\n(", "12{"), "all points are the same");
+    expectRefused(changed("points", "12\n(", "120000\n("),
+                  "points:15: the number of points is 120000, but only");
+    expectRefused(changed("points", "(2.00", "(two"), "points:18: 'two' is not a number");
+    expectRefused(changed("points", "(3 1 3)\n)", "(3 1 3)\n) more"),
+                  "expected the end of the file after the list");
+    expectRefused(changed("faces", "4(4 5 6 7)", "4(4 5 6 12)"),
+                  "face 0 names point 12; there are 12");
+    expectRefused(changed("faces", "4(4 5 6 7)", "5(4 5 6 7)"), "')' is not a number");
+    expectRefused(changed("faces", "4(4 5 6 7)", "2(4 5)"), "face 0 has fewer than 3 points");
+    expectRefused(changed("owner", "18\n(", "17\n("), "expected ), got '3'");
+    expectRefused(changed("owner", "18\n(", "999999999999\n("), "there are 999999999999 labels");
+    expectRefused(changed("owner", "\n3\n)", "\n-1\n)"), "the number of a cell is -1");
+    expectRefused(changed("owner", "\n3\n)", "\n99\n)"), "names cell 99, but there are 18 faces");
+    expectRefused(changed("neighbour", "\n3\n)", "\n3 3\n)"), "expected ), got '3'");
+    Files files = good;
+    files["owner"] = foamHeader("labelList", "owner") + "17{0}";
+    expectRefused(files, "owner: has 17 labels, but there are 18 faces");
+    files = good;
+    files["neighbour"] = foamHeader("labelList", "neighbour") + "19{0}";
+    expectRefused(files, "neighbour: has 19 labels, but there are 18 faces");
+    files = good;
+    files.erase("owner");
+    expectRefused(files, "owner: cannot open");
+    files = sampleFoam(true);
+    files["faces"] = replaced(files["faces"], "faceCompactList", "faceList");
+    expectRefused(files, "the class is 'faceList', which cannot be read in binary");
+    files = sampleFoam(true);
+    files["faces"] = replaced(files["faces"], "19\n(" + bytesOf(0, std::endian::little),
+                              "19\n(" + bytesOf(1, std::endian::little));
+    expectRefused(files, "the faces have the points 1 to");
+    for (const bool isBinary : {false, true}) {
+        const std::string bytes = sampleFoam(isBinary)["points"];
+        expectPartsRefused("points", bytes, bytes.find("// ***") - 4);
+    }
+}
+
+}  // namespace
+}  // namespace espalier::io

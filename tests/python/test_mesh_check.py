@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+import espalier
+
+
+@pytest.fixture
+def model(tmp_path):
+    """Two cubes beside each other, as a .vtu."""
+    espalier.shapes.box(cells=(2, 1, 1), min=(0, 0, 0), max=(2, 1, 1)).write(tmp_path / "mesh.vtu")
+    return espalier.read_model(tmp_path / "mesh.vtu")
+
+
+def test_cells_are_checked(model):
+    check = espalier.MeshCheck(model)
+    assert check.cell_count == 2 and check.curved_cells == 0 and len(check.bad_at_rest) == 0
+    moved = model.positions * (1, 1, 0.5)
+    np.testing.assert_allclose(check.check(moved).ratios, [0.5, 0.5], rtol=1e-12)
+    assert check.largest_step(moved).length == 1
+    moved = model.positions * (1, 1, -1)
+    assert list(check.check(moved).inverted) == [0, 1]
+    assert check.check(moved).smallest[1] == pytest.approx(-1, rel=1e-12)
+    # The volume is 1 - 2t.
+    assert check.largest_step(moved).length == pytest.approx(0.5, rel=1e-10)
+    assert check.largest_step(model.positions * (1, 1, 0.9), most=20).length == pytest.approx(10, rel=1e-10)
+
+
+def test_quality_has_the_definitions_of_openfoam(model):
+    quality = espalier.MeshCheck(model).quality(model.positions)
+    assert quality == {"scaled_jacobian": 1, "non_orthogonality": 0, "mean_non_orthogonality": 0,
+                       "severely_non_orthogonal": 0, "skewness": pytest.approx(0, abs=1e-15),
+                       "smallest_volume": pytest.approx(1, rel=1e-15),
+                       "non_positive_volumes": 0, "negative_pyramids": 0}
+    # Sheared by 45 degrees, the centres lie on a line along (1, 0, 1), and the face between has the normal (1, 0, 0).
+    sheared = model.positions @ np.array([[1, 0, 1], [0, 1, 0], [0, 0, 1]])
+    assert espalier.MeshCheck(model).quality(sheared)["non_orthogonality"] == pytest.approx(45, rel=1e-7)
+
+
+def test_errors(model, tmp_path):
+    check = espalier.MeshCheck(model)
+    with pytest.raises(ValueError, match="points"):
+        check.check(model.positions[:-1])
+    (tmp_path / "a.obj").write_text("v 0 0 0\n")
+    with pytest.raises(ValueError, match="a.obj has no cells of a volume"):
+        espalier.MeshCheck(espalier.read_model(tmp_path / "a.obj"))
