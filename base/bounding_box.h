@@ -47,8 +47,7 @@ struct BoundingBox {
 
     /// Returns the length of the diagonal; 0 without a point.
     double diagonal() const {
-        const Point3 sides = size();
-        return std::hypot(sides[0], sides[1], sides[2]);
+        return length(size());
     }
 
 private:
