@@ -47,8 +47,6 @@ interface Bound {
   evaluator: Evaluator;
   changes: ChangeEvaluator;
   restPoints: Float32Array;
-  /** points that stay where they are */
-  kept: Int32Array;
 }
 
 function free(...objects: { free(): void }[]): void {
@@ -236,16 +234,6 @@ function changed(object: Lattice, change: (object: Lattice) => void): Lattice {
   }
 }
 
-/** The points that a binding keeps in place. */
-function keptPoints(binding: Binding): Int32Array {
-  return library.scoped((scope) => {
-    const out = scope.allocate(12);
-    library.call("espalier_binding_kept", binding.address, out, out + 4, out + 8);
-    const [count, points] = library.core.HEAP32.subarray(out / 4, out / 4 + 2);
-    return library.core.HEAP32.slice(points / 4, points / 4 + count);
-  });
-}
-
 function bind(settings: BindSettings): Uint32Array {
   const { points } = openModelNow();
   const { refiner, rest } = openLatticeNow();
@@ -263,7 +251,6 @@ function bind(settings: BindSettings): Uint32Array {
     evaluator,
     changes: evaluator.changes(),
     restPoints: Float32Array.from(points),
-    kept: keptPoints(binding),
   };
   const outside: number[] = [];
   binding.statuses().forEach((status, point) => {
@@ -277,14 +264,9 @@ function displacements(pose: Float64Array): Float64Array {
   return pose.map((x, i) => x - rest[i]);
 }
 
-/** The points of the model for a pose, as `espalier deform` computes them: bit for bit. */
+/** The points of the model for a pose, as `espalier deform` computes them. */
 function deformed(pose: Float64Array): Float64Array {
-  const { points } = openModelNow();
-  const { binding, kept } = openOr(bound, "binding");
-  const moved = binding.apply(displacements(pose), points.length / 3);
-  for (const point of kept) moved.fill(0, 3 * point, 3 * point + 3);
-  for (let i = 0; i < moved.length; ++i) moved[i] += points[i];
-  return moved;
+  return openOr(bound, "binding").binding.apply(pose, openModelNow().points.length / 3);
 }
 
 function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
