@@ -38,8 +38,9 @@ const kCancelled = 4;
 export const isCancelled = (error: unknown) =>
   error instanceof EspalierError && error.status === kCancelled;
 
-/** The type of a field of a C struct: the size of the struct, an integer, a double or a pointer. */
-export type FieldType = "size" | "i32" | "f64" | "pointer";
+/** The type of a field of a C struct: the size of the struct, an integer of 32 or 64 bits, a double or
+ * a pointer. */
+export type FieldType = "size" | "i32" | "i64" | "f64" | "pointer";
 
 /** Temporary memory of one call. `free` frees all of it. */
 export class Scope {
@@ -79,11 +80,13 @@ export class Scope {
   /** 64-bit integers, each below 2^53 */
   longs(values: ArrayLike<number>): number {
     const pointer = this.allocate(8 * values.length);
-    for (let i = 0; i < values.length; ++i) {
-      this.core.HEAP32[pointer / 4 + 2 * i] = values[i] | 0;
-      this.core.HEAP32[pointer / 4 + 2 * i + 1] = Math.floor(values[i] / 2 ** 32);
-    }
+    for (let i = 0; i < values.length; ++i) this.setLong(pointer + 8 * i, values[i]);
     return pointer;
+  }
+
+  private setLong(at: number, value: number): void {
+    this.core.HEAP32[at / 4] = value | 0;
+    this.core.HEAP32[at / 4 + 1] = Math.floor(value / 2 ** 32);
   }
 
   bytes(values: Uint8Array): number {
@@ -105,7 +108,7 @@ export class Scope {
     let size = 0;
     let alignment = 4;
     const places = fields.map(([type]) => {
-      const width = type === "f64" ? 8 : 4;
+      const width = type === "f64" || type === "i64" ? 8 : 4;
       alignment = Math.max(alignment, width);
       size = Math.ceil(size / width) * width;
       size += width;
@@ -116,6 +119,7 @@ export class Scope {
     fields.forEach(([type, value = 0], i) => {
       const at = pointer + places[i];
       if (type === "f64") this.core.HEAPF64[at / 8] = value;
+      else if (type === "i64") this.setLong(at, value);
       else this.core.HEAP32[at / 4] = type === "size" ? size : value;
     });
     return pointer;

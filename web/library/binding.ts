@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points that are bound to a lattice.
+
+import { Handle, type CLibrary } from "./c_library.ts";
+import { bytesAt, doublesAt, integersAt } from "./memory.ts";
+import { Table } from "./table.ts";
+
+export interface BindOptions {
+  /** level whose cells hold the points, 1 to 20; default 3 */
+  level?: number;
+  /** binds to the limit instead, within this tolerance: 1e-6 is usual */
+  limitTolerance?: number;
+  /** what happens to points outside; default "keep" */
+  outside?: "keep" | "nearest" | "refuse";
+  tolerance?: number;
+}
+
+/** Where binding found a point. */
+export const enum PointStatus {
+  Inside = 0,
+  Outside = 1,
+  NotConverged = 2,
+}
+
+/** Points that are bound to a lattice. */
+export class Binding extends Handle {
+  constructor(library: CLibrary, pointer: number) {
+    super(library, pointer, "binding");
+  }
+
+  /** A PointStatus for each point. */
+  statuses(): Uint8Array {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(8);
+      this.library.call("espalier_binding_statuses", this.address, out, out + 4);
+      const [count, statuses] = integersAt(this.library.core, out, 2);
+      return bytesAt(this.library.core, statuses, count);
+    });
+  }
+
+  /** The points that stay where they are, because they are outside, ascending. */
+  kept(): Int32Array {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(12);
+      this.library.call("espalier_binding_kept", this.address, out, out + 4, out + 8);
+      const [count, numbers] = integersAt(this.library.core, out, 2);
+      return integersAt(this.library.core, numbers, count);
+    });
+  }
+
+  largestResidual(): number {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(8);
+      this.library.call("espalier_binding_largest_residual", this.address, out);
+      return this.library.core.HEAPF64[out / 8];
+    });
+  }
+
+  /** D: points × vertices of the lattice. */
+  table(): Table {
+    return new Table(this.library, this.library.create("espalier_binding_table", this.address));
+  }
+
+  /** The points for a pose of the lattice. */
+  apply(pose: Float64Array, pointCount: number): Float64Array {
+    return this.library.scoped((scope) => {
+      const points = scope.allocate(24 * pointCount);
+      this.library.call(
+        "espalier_binding_apply",
+        this.address,
+        pose.length / 3,
+        scope.doubles(pose),
+        pointCount,
+        points,
+      );
+      return doublesAt(this.library.core, points, 3 * pointCount);
+    });
+  }
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Models: files with points that a lattice deforms.
+
+import { Handle, type CLibrary } from "./c_library.ts";
+import { doublesAt, integersAt, longAt, longsAt } from "./memory.ts";
+
+/** Faces and their corners: face f has corners[offsets[f]] to corners[offsets[f + 1] - 1]. */
+export interface Polygons {
+  offsets: Int32Array;
+  corners: Int32Array;
+}
+
+/** A file with points that a lattice deforms. */
+export class Model extends Handle {
+  constructor(
+    library: CLibrary,
+    pointer: number,
+    /** with which it is written, such as ".obj" */
+    readonly extension: string,
+  ) {
+    super(library, pointer, "model");
+  }
+
+  /** Three numbers for each point, in the order of the file. */
+  points(): Float64Array {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(8);
+      this.library.call("espalier_model_points", this.address, out, out + 4);
+      const [count, points] = integersAt(this.library.core, out, 2);
+      return doublesAt(this.library.core, points, 3 * count);
+    });
+  }
+
+  faces(): Polygons {
+    const { core } = this.library;
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(16);
+      this.library.call("espalier_model_faces", this.address, out);
+      const [offsetsAt, cornersAt] = integersAt(core, out + 8, 2);
+      const offsets = longsAt(core, offsetsAt, longAt(core, out) + 1);
+      return { offsets, corners: integersAt(core, cornersAt, offsets[offsets.length - 1]) };
+    });
+  }
+
+  hasDirections(): boolean {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(4);
+      this.library.call("espalier_model_has_directions", this.address, out);
+      return this.library.core.HEAP32[out / 4] !== 0;
+    });
+  }
+
+  /** The file with new points. Without a change of points, the file that was read.
+   * @param gradients nine numbers for each point, which carry normals and tangents
+   */
+  write(points: Float64Array, gradients?: Float64Array): Uint8Array {
+    return this.library.file(this.extension, (path) =>
+      this.library.scoped((scope) =>
+        this.library.call(
+          "espalier_model_write",
+          this.address,
+          scope.text(path),
+          points.length / 3,
+          scope.doubles(points),
+          gradients ? scope.doubles(gradients) : 0,
+        ),
+      ),
+    );
+  }
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Selections of vertices, and operations that move them (c/espalier_pose.h).
+
+import type { CLibrary } from "./c_library.ts";
+import type { Point } from "./lattice.ts";
+import { doublesAt, type Scope } from "./memory.ts";
+
+/** The decrease of weights outside a selected region. */
+export interface Falloff {
+  /** at and beyond this distance the weights are 0 */
+  radius: number;
+  /** default "smooth" */
+  profile?: "linear" | "smooth";
+}
+
+export interface PoseOptions {
+  /** one number for each vertex, 0 to 1: the part of the operation that it gets; default 1 for all */
+  weights?: ArrayLike<number>;
+  /** a point on the axis, or the fixed point; default: the middle of the box around the vertices that move */
+  center?: Point;
+  /** twist, bend and taper grow between these two coordinates along the axis; default: the interval of
+   * the vertices that move */
+  range?: [number, number];
+}
+
+/** Selections give one weight for each vertex; operations give new positions. Positions are three numbers for
+ * each vertex; angles are in radians. */
+export class Poses {
+  constructor(private readonly library: CLibrary) {}
+
+  selectBox(positions: Float64Array, corner: Point, opposite: Point, falloff?: Falloff) {
+    return this.select("box", positions, falloff, (scope) => [
+      scope.doubles(corner),
+      scope.doubles(opposite),
+    ]);
+  }
+
+  selectBall(positions: Float64Array, center: Point, radius: number, falloff?: Falloff) {
+    return this.select("ball", positions, falloff, (scope) => [scope.doubles(center), radius]);
+  }
+
+  selectHalfSpace(positions: Float64Array, point: Point, normal: Point, falloff?: Falloff) {
+    return this.select("half_space", positions, falloff, (scope) => [
+      scope.doubles(point),
+      scope.doubles(normal),
+    ]);
+  }
+
+  /** Selects the last layer of vertices along a direction. */
+  selectEnd(positions: Float64Array, direction: Point, falloff?: Falloff) {
+    return this.select("end", positions, falloff, (scope) => [scope.doubles(direction)]);
+  }
+
+  selectNumbers(positions: Float64Array, numbers: ArrayLike<number>, falloff?: Falloff) {
+    return this.select("numbers", positions, falloff, (scope) => [
+      BigInt(numbers.length),
+      scope.integers(numbers),
+    ]);
+  }
+
+  move(positions: Float64Array, offset: Point, options: PoseOptions = {}) {
+    return this.pose("move", positions, options, (scope) => [scope.doubles(offset)]);
+  }
+
+  /** Rotates about an axis through the centre, anticlockwise seen from its tip. */
+  rotate(positions: Float64Array, axis: Point, angle: number, options: PoseOptions = {}) {
+    return this.pose("rotate", positions, options, (scope) => [scope.doubles(axis), angle]);
+  }
+
+  scale(positions: Float64Array, factors: Point, options: PoseOptions = {}) {
+    return this.pose("scale", positions, options, (scope) => [scope.doubles(factors)]);
+  }
+
+  twist(positions: Float64Array, axis: Point, angle: number, options: PoseOptions = {}) {
+    return this.pose("twist", positions, options, (scope) => [scope.doubles(axis), angle]);
+  }
+
+  /** Bends an axis into an arc. @param toward direction that the end of the range bends to */
+  bend(
+    positions: Float64Array,
+    axis: Point,
+    angle: number,
+    toward: Point,
+    options: PoseOptions = {},
+  ) {
+    return this.pose("bend", positions, options, (scope) => [
+      scope.doubles(axis),
+      angle,
+      scope.doubles(toward),
+    ]);
+  }
+
+  /** Scales across an axis: by 1 at the start of the range, by the factor at its end. */
+  taper(positions: Float64Array, axis: Point, factor: number, options: PoseOptions = {}) {
+    return this.pose("taper", positions, options, (scope) => [scope.doubles(axis), factor]);
+  }
+
+  private select(
+    kind: string,
+    positions: Float64Array,
+    falloff: Falloff | undefined,
+    values: (scope: Scope) => (number | bigint)[],
+  ): Float64Array {
+    const count = positions.length / 3;
+    return this.library.scoped((scope) => {
+      const weights = scope.allocate(8 * count);
+      const decrease = falloff
+        ? scope.struct([
+            ["i32", falloff.profile === "linear" ? 0 : 1],
+            ["f64", falloff.radius],
+          ])
+        : 0;
+      const from = scope.doubles(positions);
+      this.library.call(`espalier_select_${kind}`, count, from, ...values(scope), decrease, weights);
+      return doublesAt(this.library.core, weights, count);
+    });
+  }
+
+  private pose(
+    kind: string,
+    positions: Float64Array,
+    { weights, center, range }: PoseOptions,
+    values: (scope: Scope) => (number | bigint)[],
+  ): Float64Array {
+    const count = positions.length / 3;
+    if (weights && weights.length !== count)
+      throw new RangeError(`there are ${weights.length} weights for ${count} vertices`);
+    return this.library.scoped((scope) => {
+      const options = scope.struct([
+        ["size"],
+        ["pointer", weights ? scope.doubles(weights) : 0],
+        ["pointer", center ? scope.doubles(center) : 0],
+        ["pointer", range ? scope.doubles(range) : 0],
+      ]);
+      const pose = scope.doubles(positions);
+      this.library.call(`espalier_pose_${kind}`, count, pose, ...values(scope), options, pose);
+      return doublesAt(this.library.core, pose, 3 * count);
+    });
+  }
+}
