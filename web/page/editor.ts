@@ -349,8 +349,9 @@ export class Editor {
   }
 
   /** The weights of the vertices in an operation, from the selection and the soft selection. */
-  weights(positions = this.document.lattice ? this.positions : new Float64Array(0)): Weights {
-    return softWeights(positions, this.document.selection, this.radius);
+  weights(): Weights {
+    const { lattice, selection } = this.document;
+    return softWeights(lattice?.positions ?? new Float64Array(0), selection, this.radius);
   }
 
   /** Moves the selected vertices by an operation. */

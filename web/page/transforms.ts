@@ -17,19 +17,20 @@ export interface Weights {
   radius: number;
 }
 
-/** Weights that fall smoothly from 1 at the selected vertices to 0 at a distance from them. */
+/** Weights that fall smoothly from 1 at the selected vertices to 0 at a distance from them, which is measured
+ * in the lattice at rest: so the neighbours of a vertex stay its neighbours. */
 export function softWeights(
-  positions: Float64Array,
+  rest: Float64Array,
   selection: readonly number[],
   radius: number,
 ): Weights {
-  const count = positions.length / 3;
+  const count = rest.length / 3;
   const values = new Float64Array(count);
   for (const v of selection) values[v] = 1;
   if (radius > 0)
     for (let v = 0; v < count; ++v) {
       let least = Infinity;
-      for (const s of selection) least = Math.min(least, distance(positions, v, s));
+      for (const s of selection) least = Math.min(least, distance(rest, v, s));
       const u = least / radius;
       if (u < 1) values[v] = 1 - u * u * (3 - 2 * u);
     }
