@@ -47,7 +47,8 @@ struct BoundingBox {
 
     /// Returns the length of the diagonal; 0 without a point.
     double diagonal() const {
-        return length(size());
+        const Point3 sides = size();
+        return std::hypot(sides[0], sides[1], sides[2]);
     }
 
 private:

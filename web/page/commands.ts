@@ -263,10 +263,15 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the deformed model home",
       key: "Ctrl+s",
       needs: "binding",
-      run: take(
-        () => deformedName(editor.document),
-        () => ({ kind: "model", pose: editor.positions }),
-      ),
+      async run() {
+        const product: Product = { kind: "model", pose: editor.positions };
+        page.save(deformedName(editor.document), await editor.write(product));
+        if (editor.document.settings.limit && editor.model!.hasDirections)
+          editor.onMessage(
+            "The normals in the file are as they were. espalier deform --limit deforms them.",
+            false,
+          );
+      },
     },
     "save pose": {
       title: "Take the pose home",

@@ -25,9 +25,10 @@ import type {
   NamedFile,
   Product,
   Recipe,
+  Transform,
 } from "./protocol.ts";
 import { sorted } from "./selection.ts";
-import { optionsOf, softWeights, transformed, type Transform, type Weights } from "./transforms.ts";
+import { optionsOf, softWeights, type Weights } from "./transforms.ts";
 import type { Shown, View } from "./view.ts";
 
 /** What the worker and the view have. */
@@ -348,15 +349,18 @@ export class Editor {
   }
 
   /** The weights of the vertices in an operation, from the selection and the soft selection. */
-  weights(positions = this.document.lattice ? this.positions : new Float64Array(0)): Weights {
-    return softWeights(positions, this.document.selection, this.radius);
+  weights(): Weights {
+    const { lattice, selection } = this.document;
+    return softWeights(lattice?.positions ?? new Float64Array(0), selection, this.radius);
   }
 
   /** Moves the selected vertices by an operation. */
-  transform(transform: Transform): Promise<void> {
+  async transform(transform: Transform): Promise<void> {
     const weights = this.weights();
-    const positions = transformed(this.positions, weights, transform);
-    return this.setPositions(positions, optionsOf(weights, transform));
+    if (weights.selection.length === 0) throw new Error("select vertices first");
+    const { positions } = this;
+    const moved = await this.engine.run("transform", positions, weights.values, transform);
+    await this.setPositions(moved, optionsOf(weights, transform));
   }
 
   /** Shows positions without an edit. */

@@ -10,10 +10,10 @@ import { Engine } from "./engine.ts";
 import { kExamples } from "./examples.ts";
 import { Gizmo } from "./gizmo.ts";
 import { onDrop, Pointer } from "./pointer.ts";
-import type { NamedFile, Recipe } from "./protocol.ts";
+import type { Axis, NamedFile, Recipe, Transform } from "./protocol.ts";
 import * as selecting from "./selection.ts";
 import { Timeline } from "./timeline.ts";
-import { centerOf, type Axis, type Transform } from "./transforms.ts";
+import { centerOf } from "./transforms.ts";
 import { View, type Shown } from "./view.ts";
 import type { Point } from "../library/espalier.ts";
 

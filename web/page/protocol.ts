@@ -17,6 +17,8 @@ export interface ModelShape {
   /** 3 points for each triangle; empty for a cloud of points */
   triangles: Uint32Array;
   faceCount: number;
+  /** whether the file has normals or tangents */
+  hasDirections: boolean;
 }
 
 /** What the page draws of a lattice, and where its vertices are at rest. */
@@ -116,6 +118,15 @@ export interface Pull {
   by: Point;
 }
 
+export type Axis = "x" | "y" | "z";
+
+/** An operation of `espalier pose` on the vertices. */
+export type Transform =
+  | { kind: "move"; offset: Point }
+  | { kind: "scale"; factors: Point }
+  | { kind: "rotate" | "twist" | "bend"; axis: Axis; degrees: number }
+  | { kind: "taper"; axis: Axis; factor: number };
+
 /** A file to take home. */
 export type Product =
   | { kind: "model"; pose: Float64Array }
@@ -144,6 +155,8 @@ export interface Jobs {
   readPose(file: NamedFile): Float64Array;
   /** The displacements of the vertices of the lattice that pull points of the model. */
   pull(pulls: Pull[]): Float64Array;
+  /** The positions after an operation. @param weights one for each vertex, 0 to 1 */
+  transform(positions: Float64Array, weights: Float64Array, transform: Transform): Float64Array;
   write(product: Product): Uint8Array;
   /** The size of the memory of the module, in bytes. */
   memory(): number;

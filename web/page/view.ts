@@ -441,13 +441,15 @@ export class View {
     const bad: number[] = [];
     if (!cells.geometry.getAttribute("position")) this.setSurfacePositions(new Float32Array(3 * vertexCount));
     const colours = new Float32Array(3 * vertexCount);
+    const boundary = this.colours.surface.clone().lerp(this.colours.panel, 0.25);
+    const inside = this.colours.inside.clone().lerp(this.colours.panel, 0.35);
     for (let face = 0; face < quads.length / 4; ++face) {
       const [behind, front] = [sides[2 * face], sides[2 * face + 1]];
       const [a, b, c, d] = quads.subarray(4 * face, 4 * face + 4);
       const triangles = [a, b, c, a, c, d];
       if (isShown(behind) !== isShown(front)) {
         index.push(...triangles);
-        const colour = front < 0 ? this.colours.surface : this.colours.inside;
+        const colour = isShown(behind) && front < 0 ? boundary : inside;
         for (const v of [a, b, c, d]) colour.toArray(colours, 3 * v);
       }
       if (this.folded.has(behind) !== this.folded.has(front)) bad.push(...triangles);

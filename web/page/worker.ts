@@ -11,12 +11,14 @@ import {
   type Evaluator,
   type Lattice,
   type Model,
+  type Point,
   type Refiner,
   type Table,
   type Validity,
 } from "../library/espalier.ts";
 import type {
   Answer,
+  Axis,
   BindSettings,
   BoundaryFace,
   CellSurface,
@@ -29,6 +31,7 @@ import type {
   Recipe,
   Request,
   Start,
+  Transform,
 } from "./protocol.ts";
 
 let library: Espalier;
@@ -158,8 +161,10 @@ function make(recipe: Recipe): Lattice {
   switch (recipe.kind) {
     case "around":
       return library.around(openModelNow().points, recipe.options);
-    case "cage":
-      throw new Error("this build of the library makes no cages");
+    case "cage": {
+      const { file, points } = openModelNow();
+      return library.cage(points, file.faces(), { vertices: recipe.vertices });
+    }
     case "box":
       return library.box(recipe.cells, [-1, -1, -1], [1, 1, 1]);
     case "cylinder":
@@ -272,9 +277,9 @@ function deformed(pose: Float64Array): Float64Array {
 function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
   const { evaluator, changes, restPoints } = openOr(bound, "binding");
   const by = Float32Array.from(displacements(pose));
-  const points = changedVertices ? changes.evaluate(by, changedVertices) : evaluator.evaluate(by);
-  for (let i = 0; i < points.length; ++i) points[i] += restPoints[i];
-  return points;
+  return changedVertices
+    ? changes.evaluate(by, changedVertices)
+    : evaluator.evaluate(by, restPoints);
 }
 
 /** Finer levels of larger lattices would cost more than they show. */
@@ -292,33 +297,35 @@ function checkOfPoses() {
 
 /** The displacements of vertices that pull points: as `espalier fit --pull`. */
 function pull(pulls: Pull[]): Float64Array {
-  const { file, rest } = openLatticeNow();
+  const points = pulls.map((each) => each.point);
+  const misses = pulls.flatMap((each) => each.by);
   const { table } = openOr(bound, "binding");
-  return library.scoped((scope) => {
-    const result = scope.allocate(8 * rest.length);
-    const kTikhonov = 1;
-    library.call(
-      "espalier_lattice_fit",
-      table.address,
-      file.address,
-      pulls.length,
-      scope.integers(pulls.map((each) => each.point)),
-      scope.doubles(pulls.flatMap((each) => each.by)),
-      scope.struct([
-        ["size"],
-        ["i32", kTikhonov],
-        ["i32", 0],
-        ["f64", 1e-3],
-        ["i32", 0], // the two halves of frozen_count
-        ["i32", 0],
-        ["pointer", 0],
-      ]),
-      rest.length / 3,
-      result,
-      0,
-    );
-    return library.core.HEAPF64.slice(result / 8, result / 8 + rest.length);
-  });
+  const { file } = openLatticeNow();
+  return table.fit(file, points, misses, { smoothing: "tikhonov" }).displacements;
+}
+
+const kDirections: Record<Axis, Point> = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
+const kNext: Record<Axis, Axis> = { x: "y", y: "z", z: "x" };
+const radians = (degrees: number) => (degrees * Math.PI) / 180;
+
+function transformed(positions: Float64Array, weights: Float64Array, to: Transform): Float64Array {
+  const { poses } = library;
+  const options = { weights };
+  switch (to.kind) {
+    case "move":
+      return poses.move(positions, to.offset, options);
+    case "scale":
+      return poses.scale(positions, to.factors, options);
+    case "rotate":
+    case "twist":
+      return poses[to.kind](positions, kDirections[to.axis], radians(to.degrees), options);
+    case "bend": {
+      const [axis, toward] = [to.axis, kNext[to.axis]].map((each) => kDirections[each]);
+      return poses.bend(positions, axis, radians(to.degrees), toward, options);
+    }
+    case "taper":
+      return poses.taper(positions, kDirections[to.axis], to.factor, options);
+  }
 }
 
 const jobs: Jobs = {
@@ -333,7 +340,12 @@ const jobs: Jobs = {
       const { offsets, corners } = read.faces();
       closeModel();
       model = { file: read, points };
-      return { points, triangles: trianglesOf(offsets, corners), faceCount: offsets.length - 1 };
+      return {
+        points,
+        triangles: trianglesOf(offsets, corners),
+        faceCount: offsets.length - 1,
+        hasDirections: read.hasDirections(),
+      };
     } catch (error) {
       read.free();
       throw error;
@@ -413,6 +425,7 @@ const jobs: Jobs = {
 
   readPose: (file) => openLatticeNow().file.readPose(file.name, file.bytes),
   pull,
+  transform: transformed,
 
   write(product) {
     switch (product.kind) {
