@@ -9,6 +9,7 @@ import base64
 import json
 import os
 import re
+import shutil
 import sys
 import unittest
 
@@ -73,7 +74,7 @@ class Page(CliTest):
         os.environ.pop("ESPALIER_PAGE", None)
         alone = self.path / "bin/espalier"
         alone.parent.mkdir()
-        os.link(program.ESPALIER, alone) if self.same_device() else self.copy_program(alone)
+        shutil.copy(program.ESPALIER, alone)
         here, program.ESPALIER = program.ESPALIER, str(alone)
         try:
             message = self.error_of("page", "model.obj", "-o", "page.html")
@@ -84,13 +85,6 @@ class Page(CliTest):
             self.run_program("page", "model.obj", "-o", "page.html")
         finally:
             program.ESPALIER = here
-
-    def same_device(self):
-        return os.stat(program.ESPALIER).st_dev == os.stat(self.path).st_dev
-
-    def copy_program(self, to):
-        to.write_bytes(open(program.ESPALIER, "rb").read())
-        to.chmod(0o755)
 
     def refused(self, text, *options, code=1):
         options = [*options] if "--page" in options else [*options, "--page", "empty.html"]
@@ -111,6 +105,7 @@ class Page(CliTest):
         self.refused("is not a pose of rest.vtu", "model.obj", "--rest", "rest.vtu", "--to", "star.vtu")
         os.mkdir(self.path / "case.obj")
         self.refused("is not a file that a page can hold", "case.obj")
+        os.rmdir(self.path / "case.obj")
         self.assertIn(".html", self.error_of("page", "model.obj", "--page", "empty.html", "-o", "p.txt"))
         self.assert_nothing_is_lost_on_a_full_disk("page", "model.obj", "--page", "empty.html",
                                                    output="page.html", room=100)

@@ -44,7 +44,18 @@ after(() => rmSync(folder, { recursive: true, force: true }));
 const file = (name) => join(folder, name);
 const run = (...words) => execFileSync(program, [...words.map(String), "--quiet"], { cwd: folder });
 
-test("the files of a deformation are the program's, byte for byte", () => {
+/** Checks that two texts differ in the last digits of numbers at most. The program's kernels use fused products where
+ * the processor has them; WebAssembly has none. */
+function assertAlike(actual, expected) {
+  const [ours, theirs] = [actual, expected].map((text) => text.split(/(?<=[\s"])/));
+  assert.equal(ours.length, theirs.length);
+  ours.forEach((word, i) => {
+    if (word === theirs[i]) return;
+    assert.ok(Math.abs(Number(word) - Number(theirs[i])) < 1e-15 * 8, `${word} is not ${theirs[i]}`);
+  });
+}
+
+test("the files of a deformation are the program's", () => {
   writeFileSync(file("sphere.obj"), sphere(12));
   run("shape", "cage", "sphere.obj", "--vertices", 60, "-o", "rest.vtu");
   run("pose", "rest.vtu", "--twist", "z", 40, "-o", "pose.vtu");
@@ -67,9 +78,13 @@ test("the files of a deformation are the program's, byte for byte", () => {
   assert.equal(binding.kept().length, 0);
   assert.ok(binding.largestResidual() < 1e-9);
   const moved = binding.apply(pose, model.points().length / 3);
-  assert.deepEqual(Buffer.from(model.write(moved)), readFileSync(file("moved.obj")));
+  assertAlike(textOf(model.write(moved)), readFileSync(file("moved.obj"), "utf8"));
   assert.deepEqual(Buffer.from(model.write(model.points())), readFileSync(file("sphere.obj")));
-  assert.deepEqual(Buffer.from(binding.table().write(".npz")), readFileSync(file("d.npz")));
+  const [d, ofProgram] = [binding.table(), espalier.readTable("d.npz", readFileSync(file("d.npz")))];
+  assert.deepEqual(d.rows().columns, ofProgram.rows().columns);
+  const weights = ofProgram.rows().weights;
+  d.rows().weights.forEach((weight, i) => assert.ok(Math.abs(weight - weights[i]) < 1e-15 * 8));
+  assert.deepEqual(espalier.readTable("same.npz", d.write(".npz")).rows(), d.rows());
 });
 
 test("evaluators follow a drag", () => {
