@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
     for (int i = 0; i < 3 * vertexCount; ++i) pose[i] = (float)positions[i];
     float* moved = malloc(sizeof(float) * 3 * (size_t)count);
 
-    const int few = count > 200000 ? 2 : 5, many = count > 200000 ? 10 : 50;
+    const int few = count > 200000 ? 2 : 5, many = count > 200000 ? 40 : 200;
     printf("{\n  \"points\": %d", count);
     espalier_binding* binding = NULL;
     LEAST("bind", few, {

@@ -19,8 +19,10 @@ export class Evaluator extends Handle {
     this.arrays = arrays;
   }
 
-  /** The table times a source of three numbers for each column; with `addend`, plus the addend. */
-  evaluate(source: Float32Array, addend?: Float32Array): Float32Array {
+  /** The table times a source of three numbers for each column; with `addend`, plus the addend.
+   * @param into receives the result, instead of a new array
+   */
+  evaluate(source: Float32Array, addend?: Float32Array, into?: Float32Array): Float32Array {
     this.arrays.setSource(source);
     if (addend) this.arrays.setAddend(addend);
     this.library.call(
@@ -31,7 +33,7 @@ export class Evaluator extends Handle {
       this.rowCount,
       this.arrays.workspace,
     );
-    return this.arrays.result();
+    return this.arrays.result(into);
   }
 
   /** Prepares evaluations of the rows that depend on a few changed columns. The two share their
@@ -54,7 +56,7 @@ export class ChangeEvaluator extends Handle {
 
   /** Sets the rows that depend on these columns, to the table times the source, plus the addend of
    * the last evaluation if it had one; returns all rows. */
-  evaluate(source: Float32Array, changed: ArrayLike<number>): Float32Array {
+  evaluate(source: Float32Array, changed: ArrayLike<number>, into?: Float32Array): Float32Array {
     this.arrays.setSource(source);
     this.library.scoped((scope) =>
       this.library.call(
@@ -66,7 +68,7 @@ export class ChangeEvaluator extends Handle {
         this.arrays.workspace,
       ),
     );
-    return this.arrays.result();
+    return this.arrays.result(into);
   }
 }
 
@@ -132,7 +134,11 @@ class FloatArrays {
     ];
   }
 
-  result(): Float32Array {
-    return floatsAt(this.library.core, this.destination, 3 * this.rowCount);
+  result(into?: Float32Array): Float32Array {
+    const count = 3 * this.rowCount;
+    if (!into) return floatsAt(this.library.core, this.destination, count);
+    const at = this.destination / 4;
+    into.set(this.library.core.HEAPF32.subarray(at, at + count));
+    return into;
   }
 }

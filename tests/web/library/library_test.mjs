@@ -100,6 +100,9 @@ test("evaluators follow a drag", () => {
   const dragged = changes.evaluate(source, [62]);
   assert.deepEqual(dragged, evaluator.evaluate(source));
   assert.notDeepEqual(dragged, rest);
+  const into = new Float32Array(3000);
+  assert.equal(evaluator.evaluate(source, undefined, into), into);
+  assert.deepEqual(into, dragged);
   const addend = new Float32Array(3000).fill(2);
   assert.equal(evaluator.evaluate(source, addend)[7], Math.fround(dragged[7] + 2));
 
