@@ -202,6 +202,28 @@ describe("against the program", () => {
       await compareWithProgram(page, model);
     }));
 
+  const spot = join(root, "../shared/data/models/spot.obj");
+  test("Spot in a cage", { skip: existsSync(spot) ? false : `${spot} is missing` }, () =>
+    withPage(async (page) => {
+      writeFileSync(file("spot.obj"), readFileSync(spot));
+      await choose(page, "open", file("spot.obj"));
+      await until(page, () => globalThis.espalier.editor.model !== null);
+      await page.click('[data-form="cage"] button');
+      await until(page, () => globalThis.espalier.editor.binding !== null);
+      const { poses } = await documentNow(page);
+      const { length } = Object.keys(poses[0].positions);
+      assert.ok(length / 3 > 0.8 * 150 && length / 3 < 1.2 * 150, `${length / 3} vertices`);
+      // A vertex that nothing hides: the nearest to the eye
+      const vertex = await page.evaluate(() => {
+        const { view, shape } = globalThis.espalier.editor;
+        const depth = (v) => view.screenOf(v).depth;
+        return [...shape.vertexStrata.keys()].reduce((best, v) => (depth(v) < depth(best) ? v : best), 0);
+      });
+      await clickVertex(page, vertex);
+      await dragHandles(page, 40, -30);
+      await compareWithProgram(page, "spot.obj");
+    }));
+
   test("levels, the limit, and points outside are as in the program", () =>
     withPage(async (page) => {
       // A lattice around the front alone leaves points outside.
@@ -582,6 +604,30 @@ describe("the page", () => {
       assert.deepEqual((await documentNow(page)).poses, poses);
       assert.deepEqual(await shownPoints(page), points);
     }));
+
+  test("files are dropped, and vertices are tapped", () =>
+    withPage(
+      async (page) => {
+        run("shape", "box", "--cells", "2", "2", "2", "--min", "0", "0", "0", "--max", "1", "1", "1", "-o", file("dropped.vtu"));
+        const files = [
+          { name: "dropped.ply", text: plyText() },
+          { name: "dropped.vtu", text: readFileSync(file("dropped.vtu"), "latin1") },
+        ];
+        await page.evaluate((files) => {
+          const data = new DataTransfer();
+          for (const { name, text } of files)
+            data.items.add(new File([Uint8Array.from(text, (c) => c.charCodeAt(0))], name));
+          document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
+        }, files);
+        await until(page, () => globalThis.espalier.editor.binding !== null);
+        const at = await page.evaluate(() => globalThis.espalier.editor.view.screenOf(26));
+        await page.locator("#view canvas").tap({ position: { x: at.x + 15, y: at.y } });
+        await settled(page);
+        assert.deepEqual((await documentNow(page)).selection, [26]);
+        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 400);
+      },
+      { viewport: { width: 400, height: 780 }, hasTouch: true, isMobile: true },
+    ));
 
   test("files inside the page are opened", async () => {
     const base64 = (name) => readFileSync(file(name)).toString("base64");
