@@ -49,5 +49,6 @@ void addDeformCommands(CLI::App& program);  ///< deform, bind and apply
 void addBenchCommand(CLI::App& program);
 void addFitCommand(CLI::App& program);
 void addCheckCommand(CLI::App& program);
+void addPageCommand(CLI::App& program);
 
 }  // namespace espalier::cli

@@ -145,6 +145,7 @@ int run(int argumentCount, char** arguments) {
     addBenchCommand(program);
     addFitCommand(program);
     addCheckCommand(program);
+    addPageCommand(program);
     addCompareCommand(program);
     program.footer(
         std::string("espalier help COMMAND lists the options of a command.\nExit codes: ") +

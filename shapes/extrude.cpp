@@ -220,9 +220,10 @@ Lattice extrude(const Lattice& mesh, const ExtrudeOptions& options) {
         imagesOf(mesh, stationsBetween({0, 0, 0}, options.direction, options.layers));
     std::vector<bool> reversed;
     for (Index face = 0; face < mesh.complex.count(2); ++face) {
-        const auto loop = mesh.complex.relation(2, 0)[face];
-        const auto positions = loopPositions(Loop(loop.begin(), loop.end()), mesh.positions);
-        reversed.push_back(facing(positions, options.direction) < 0);
+        std::vector<Point3> corners;
+        for (const Index vertex : mesh.complex.relation(2, 0)[face])
+            corners.push_back(mesh.positions[vertex]);
+        reversed.push_back(facing(corners, options.direction) < 0);
     }
     Lattice lattice = assembled(Sweep(mesh, layerCount, SweepEnds::Open), reversed, layers);
     requireVolumes(mesh, lattice, options.direction);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/io/files/base64.h>
 
 #include <zlib.h>
 
@@ -16,16 +17,13 @@
 namespace espalier::io {
 namespace {
 
-constexpr std::string_view kAlphabet =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr char kPadding = '=';
 constexpr std::uint8_t kNoDigit = 64;
 
 constexpr std::array<std::uint8_t, 256> makeDigits() {
     std::array<std::uint8_t, 256> digits{};
     for (auto& digit : digits) digit = kNoDigit;
-    for (std::size_t i = 0; i < kAlphabet.size(); ++i)
-        digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::uint8_t>(i);
+    for (std::size_t i = 0; i < kBase64Alphabet.size(); ++i)
+        digits[static_cast<unsigned char>(kBase64Alphabet[i])] = static_cast<std::uint8_t>(i);
     return digits;
 }
 
@@ -36,20 +34,6 @@ bool isXmlSpace(char c) {
 }
 
 }  // namespace
-
-std::string encodeBase64(std::string_view bytes) {
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    const auto byteAt = [&](std::size_t at) -> std::uint32_t {
-        return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0;
-    };
-    for (std::size_t at = 0; at < bytes.size(); at += 3) {
-        const std::uint32_t group = byteAt(at) << 16 | byteAt(at + 1) << 8 | byteAt(at + 2);
-        for (std::size_t i = 0; i < 4; ++i)
-            text += at + i > bytes.size() ? kPadding : kAlphabet[group >> (18 - 6 * i) & 63];
-    }
-    return text;
-}
 
 char Base64Reader::nextCharacter() {
     while (position_ < text_.size() && isXmlSpace(text_[position_])) ++position_;
@@ -63,12 +47,12 @@ void Base64Reader::readQuad() {
     for (std::size_t i = 0; i < 4; ++i) {
         const char c = nextCharacter();
         const std::uint8_t digit = kBase64Digits[static_cast<unsigned char>(c)];
-        if (c == kPadding && i >= 2)
+        if (c == kBase64Padding && i >= 2)
             ++padding;
         else if (digit == kNoDigit || padding > 0)
             throw CodingError(concat("character code ", static_cast<unsigned char>(c),
                                      " is out of place in base64 data"));
-        group = group << 6 | (c == kPadding ? 0u : digit);
+        group = group << 6 | (c == kBase64Padding ? 0u : digit);
     }
     for (std::size_t i = 0; i < 3 - padding; ++i)
         left_ += static_cast<char>(group >> (16 - 8 * i) & 0xff);

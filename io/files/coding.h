@@ -8,9 +8,6 @@
 
 namespace espalier::io {
 
-/// Encodes bytes as base64 with padding, in one line.
-std::string encodeBase64(std::string_view bytes);
-
 /// Decodes base64 text step by step. White space is ignored. After padding a new stream begins, so
 /// that consecutive streams read as one.
 class Base64Reader {

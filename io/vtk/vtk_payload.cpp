@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/io/files/base64.h>
 #include <zlib.h>
 
 #include <algorithm>

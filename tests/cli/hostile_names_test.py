@@ -27,6 +27,7 @@ class HostileNames(CliTest):
         super().setUp()
         self.run_program("shape", "box", "--cells", 3, 3, 3, "-o", "rest.vtu", "--quiet")
         self.write_model(icosphere_points(20))
+        self.put("empty.html", '<script type="application/json" id="espalier-files"></script>')
 
     def run_bytes(self, *arguments):
         arguments = [a if isinstance(a, bytes) else str(a).encode() for a in arguments]
@@ -79,6 +80,8 @@ class HostileNames(CliTest):
         yield ("fit", model, "--rest", lattice, "--targets", model, "-n", 1, "-o",
                output + b".vtu")
         yield "check", lattice, "--rest", lattice, "-n", 1, "-o", output + b".vtu"
+        yield ("page", model, "--rest", lattice, "--to", lattice, "--page", "empty.html", "-o",
+               output + b".html")
 
     def test_paths_in_reports(self):
         for i, name in enumerate(HOSTILE):

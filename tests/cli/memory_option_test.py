@@ -55,7 +55,8 @@ class MemoryTest(CliTest):
                                                         code=2))
         for command in (["info"], ["shape", "box"], ["shape", "merge"], ["shape", "around"], ["pose"],
                         ["refine"], ["stencils"],
-                        ["bind"], ["apply"], ["deform"], ["bench"], ["fit"], ["check"], ["compare"]):
+                        ["bind"], ["apply"], ["deform"], ["bench"], ["fit"], ["check"], ["page"],
+                        ["compare"]):
             self.assertIn("--max-memory", self.run_program(*command, "--help").stdout)
 
     def test_claims_are_refused_before_memory_is_taken(self):

@@ -44,6 +44,7 @@ COMMANDS = {
     "fit": ["fit", "model.obj", "--rest", "box.ovm", "--targets", "targets.txt", "-n", 1,
             "-o", "out.ovm"],
     "check": ["check", "pose.ovm", "--rest", "box.ovm", "-n", 1],
+    "page": ["page", "model.obj", "--rest", "box.ovm", "--to", "pose.ovm", "-n", 1, "-o", "out.html"],
     "bench": ["bench", "model.obj", "--rest", "box.ovm", "-n", 1, "--seconds", 0.001],
     "compare": ["compare", "box.ovm", "-n", 1],
 }
@@ -146,6 +147,15 @@ def run_commands(block, folder):
 def alike(text):
     """Returns the text with # for each variable number, and with one space for several."""
     return re.sub(r" +", " ", VARIABLE.sub("#", text))
+
+
+def setUpModule():
+    """Stands in for the page that scripts/web builds."""
+    folder = tempfile.TemporaryDirectory()
+    unittest.addModuleCleanup(folder.cleanup)
+    page = pathlib.Path(folder.name) / "espalier.html"
+    page.write_text('<script type="application/json" id="espalier-files"></script>')
+    os.environ["ESPALIER_PAGE"] = str(page)
 
 
 class Examples(CliTest):

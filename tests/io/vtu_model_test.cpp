@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/files/base64.h>
 #include <espalier/io/model.h>
 
 #include "io/files/coding.h"

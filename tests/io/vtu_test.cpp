@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/files/base64.h>
 #include "lattice_samples.h"
 
 #include <espalier/io/files/file.h>

@@ -41,8 +41,8 @@ static double nextPlace(unsigned* state) {
 
 int main(int argc, char** argv) {
     const int count = argc > 1 ? atoi(argv[1]) : 100000;
-    espalier_executor_scope* scope;
-    check(espalier_executor_scope_create(NULL, NULL, &scope));  // one thread
+    espalier_thread_limit* one;
+    check(espalier_thread_limit_create(1, &one));
 
     const int32_t cells[3] = {4, 4, 4};
     const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};

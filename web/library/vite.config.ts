@@ -24,7 +24,8 @@ export default defineConfig({
       name: "files of the package",
       closeBundle() {
         copyFileSync(`${core}.wasm`, `${out}/espalier.wasm`);
-        for (const name of ["package.json", "README.md"]) copyFileSync(path(name), `${out}/${name}`);
+        copyFileSync(path("package.json"), `${out}/package.json`);
+        copyFileSync(path("../README.md"), `${out}/README.md`);
         copyFileSync(path("../../LICENSE"), `${out}/LICENSE`);
         copyFileSync(path("../LICENCES.md"), `${out}/LICENCES.md`);
       },

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+
+#include <string>
+#include <string_view>
+
+namespace espalier::io {
+
+inline constexpr std::string_view kBase64Alphabet =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+inline constexpr char kBase64Padding = '=';
+
+/// Encodes bytes as base64 with padding, in one line.
+ESPALIER_API std::string encodeBase64(std::string_view bytes);
+
+}  // namespace espalier::io

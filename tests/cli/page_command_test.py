@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`espalier page`: web pages with files inside. tests/web/page opens such a page in a browser.
+
+    page_command_test.py PATH_OF_ESPALIER
+"""
+
+import base64
+import json
+import os
+import re
+import sys
+import unittest
+
+import program
+from program import CliTest, icosphere_points
+
+ELEMENT = '<script type="application/json" id="espalier-files"></script>'
+EMPTY = f"<!DOCTYPE html>\n<title>p</title>{ELEMENT}<p>\u00e4</p>\n"
+
+
+class Page(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.put("empty.html", EMPTY)
+        self.write_model(icosphere_points(20))
+        self.run_program("shape", "box", "-o", "rest.vtu")
+        self.run_program("pose", "rest.vtu", "--move", 0, 0, 1, "-o", "pose.vtu")
+        self.run_program("refine", "pose.vtu", "-n", 0, "-o", "cage.obj")
+
+    def page(self, *options, empty="empty.html", output="page.html"):
+        """Returns the JSON that the page holds."""
+        out = self.run_program("page", *options, "--page", empty, "-o", output).stdout
+        self.assertRegex(out, rf"^{output}: [0-9.]+ kB\n$")
+        before, after = EMPTY.split("</script>")
+        text = self.text(output)
+        self.assertTrue(text.startswith(before) and text.endswith("</script>" + after))
+        return json.loads(text[len(before):len(text) - len(after) - len("</script>")])
+
+    def assert_holds(self, entry, name):
+        self.assertEqual(entry["name"], name)
+        self.assertEqual(base64.b64decode(entry["data"], validate=True), self.bytes(name))
+
+    def test_files_and_options(self):
+        files = self.page("model.obj")
+        self.assertEqual(set(files), {"version", "model", "poses", "options"})
+        self.assertEqual((files["version"], files["poses"]), (1, []))
+        self.assertEqual(files["options"], {"level": 3, "limit": False})
+        self.assert_holds(files["model"], "model.obj")
+        files = self.page("model.obj", "--rest", "rest.vtu", "--to", "pose.vtu", "cage.obj", "-n", 2)
+        self.assert_holds(files["model"], "model.obj")
+        self.assert_holds(files["rest"], "rest.vtu")
+        self.assert_holds(files["poses"][0], "pose.vtu")
+        self.assert_holds(files["poses"][1], "cage.obj")
+        self.assertEqual(files["options"], {"level": 2, "limit": False})
+        self.assertEqual(self.page("model.obj", "--limit")["options"]["limit"], True)
+
+    def test_nothing_in_a_name_ends_the_element(self):
+        name = "<!-- <script> & \" \\ .obj"
+        os.rename(self.path / "model.obj", self.path / name)
+        files = self.page(name)
+        self.assert_holds(files["model"], name)
+        self.assertNotIn("<", re.search('files">(.*?)</script>', self.text("page.html"))[1])
+
+    def test_the_empty_page_is_found(self):
+        os.environ["ESPALIER_PAGE"] = "empty.html"
+        self.addCleanup(os.environ.pop, "ESPALIER_PAGE")
+        self.run_program("page", "model.obj", "-o", "page.html")
+        os.environ["ESPALIER_PAGE"] = "none.html"
+        self.assertIn("none.html", self.error_of("page", "model.obj", "-o", "other.html"))
+
+    def test_a_program_without_a_page_says_what_to_do(self):
+        os.environ.pop("ESPALIER_PAGE", None)
+        alone = self.path / "bin/espalier"
+        alone.parent.mkdir()
+        os.link(program.ESPALIER, alone) if self.same_device() else self.copy_program(alone)
+        here, program.ESPALIER = program.ESPALIER, str(alone)
+        try:
+            message = self.error_of("page", "model.obj", "-o", "page.html")
+            self.assertIn("scripts/web", message)
+            self.assertIn("ESPALIER_PAGE", message)
+            (self.path / "share/espalier").mkdir(parents=True)
+            self.put("share/espalier/espalier.html", EMPTY)
+            self.run_program("page", "model.obj", "-o", "page.html")
+        finally:
+            program.ESPALIER = here
+
+    def same_device(self):
+        return os.stat(program.ESPALIER).st_dev == os.stat(self.path).st_dev
+
+    def copy_program(self, to):
+        to.write_bytes(open(program.ESPALIER, "rb").read())
+        to.chmod(0o755)
+
+    def refused(self, text, *options, code=1):
+        options = [*options] if "--page" in options else [*options, "--page", "empty.html"]
+        self.assertIn(text, self.error_of("page", *options, "-o", "page.html", code=code))
+        self.assertFalse((self.path / "page.html").exists())
+
+    def test_errors(self):
+        self.put("other.html", "<p>")
+        self.refused("is not the empty page", "model.obj", "--page", "other.html")
+        self.put("other.html", EMPTY + ELEMENT)
+        self.refused("is not the empty page", "model.obj", "--page", "other.html")
+        self.put("broken.obj", "v 1 x 2\n")
+        self.refused("broken.obj:1", "broken.obj")
+        self.refused("--rest", "model.obj", "--to", "pose.vtu", code=2)
+        self.refused("--limit", "model.obj", "--limit", "-n", 2, code=2)
+        self.refused("a page opens files that end in .ovm, .vtu, .vtk", "model.obj", "--rest", "cage.obj")
+        self.run_program("shape", "star", "-o", "star.vtu")
+        self.refused("is not a pose of rest.vtu", "model.obj", "--rest", "rest.vtu", "--to", "star.vtu")
+        os.mkdir(self.path / "case.obj")
+        self.refused("is not a file that a page can hold", "case.obj")
+        self.assertIn(".html", self.error_of("page", "model.obj", "--page", "empty.html", "-o", "p.txt"))
+        self.assert_nothing_is_lost_on_a_full_disk("page", "model.obj", "--page", "empty.html",
+                                                   output="page.html", room=100)
+
+
+if __name__ == "__main__":
+    program.ESPALIER = os.path.abspath(sys.argv.pop(1))
+    unittest.main()

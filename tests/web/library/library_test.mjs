@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tests the npm package under Node.js: each class, errors, memory, and the example of web/README.md. Results are
+// compared with what the program makes from the same files.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { EspalierError, isCancelled, load, SHARP } from "../../../out/espalier-npm/espalier.js";
+
+const root = fileURLToPath(new URL("../../..", import.meta.url));
+const program = [
+  process.env.ESPALIER_PROGRAM,
+  ...["demo", "test", "release"].map((preset) => join(root, "build", preset, "cli/espalier")),
+].find((path) => path && existsSync(path));
+assert.ok(program, "build the program first, or name it in ESPALIER_PROGRAM");
+
+const espalier = await load();
+const bytesOf = (text) => new TextEncoder().encode(text);
+const textOf = (bytes) => new TextDecoder().decode(bytes);
+
+/** A sphere of `rows` rings, as OBJ. */
+function sphere(rows) {
+  let text = "# a sphere\n";
+  const around = 2 * rows;
+  for (let i = 0; i <= rows; ++i)
+    for (let k = 0; k < around; ++k) {
+      const [a, b] = [(Math.PI * i) / rows, (2 * Math.PI * k) / around];
+      text += `v ${Math.sin(a) * Math.cos(b)} ${Math.sin(a) * Math.sin(b)} ${Math.cos(a)}\n`;
+    }
+  for (let i = 0; i < rows; ++i)
+    for (let k = 0; k < around; ++k) {
+      const at = (row, place) => 1 + row * around + (place % around);
+      text += `f ${at(i, k)} ${at(i + 1, k)} ${at(i + 1, k + 1)} ${at(i, k + 1)}\n`;
+    }
+  return text;
+}
+
+let folder;
+before(() => (folder = mkdtempSync(join(tmpdir(), "espalier-package-"))));
+after(() => rmSync(folder, { recursive: true, force: true }));
+const file = (name) => join(folder, name);
+const run = (...words) => execFileSync(program, [...words.map(String), "--quiet"], { cwd: folder });
+
+test("the files of a deformation are the program's, byte for byte", () => {
+  writeFileSync(file("sphere.obj"), sphere(12));
+  run("shape", "cage", "sphere.obj", "--vertices", 60, "-o", "rest.vtu");
+  run("pose", "rest.vtu", "--twist", "z", 40, "-o", "pose.vtu");
+  run("deform", "sphere.obj", "--rest", "rest.vtu", "--to", "pose.vtu", "-o", "moved.obj");
+  run("stencils", "rest.vtu", "--points", "sphere.obj", "-n", 3, "-o", "d.npz");
+  run("refine", "rest.vtu", "-n", 0, "-o", "cage.obj");
+  run("refine", "rest.vtu", "-n", 0, "-o", "again.vtu");
+
+  const model = espalier.readModel("sphere.obj", readFileSync(file("sphere.obj")));
+  const cage = espalier.readLattice("rest.vtu", readFileSync(file("rest.vtu")));
+  assert.deepEqual(Buffer.from(cage.write(".vtu")), readFileSync(file("again.vtu")));
+  assert.deepEqual(Buffer.from(cage.writeCage(".obj")), readFileSync(file("cage.obj")));
+  const rest = cage.positions();
+  const pose = cage.readPose("pose.vtu", readFileSync(file("pose.vtu")));
+  const twisted = espalier.poses.twist(rest, [0, 0, 1], (40 * Math.PI) / 180);
+  pose.forEach((coordinate, i) => assert.ok(Math.abs(coordinate - twisted[i]) < 1e-14));
+
+  const binding = cage.refiner().bind(rest, model.points());
+  assert.ok(binding.statuses().every((status) => status === 0));
+  assert.equal(binding.kept().length, 0);
+  assert.ok(binding.largestResidual() < 1e-9);
+  const moved = binding.apply(pose, model.points().length / 3);
+  assert.deepEqual(Buffer.from(model.write(moved)), readFileSync(file("moved.obj")));
+  assert.deepEqual(Buffer.from(model.write(model.points())), readFileSync(file("sphere.obj")));
+  assert.deepEqual(Buffer.from(binding.table().write(".npz")), readFileSync(file("d.npz")));
+});
+
+test("evaluators follow a drag", () => {
+  const lattice = espalier.box([4, 4, 4], [0, 0, 0], [1, 1, 1]);
+  const points = new Float64Array(3000).map((_, i) => 0.02 + 0.96 * ((i * 0.6180339887) % 1));
+  const table = lattice.refiner().bind(lattice.positions(), points).table();
+  const evaluator = table.evaluator();
+  const source = Float32Array.from(lattice.positions());
+  const rest = evaluator.evaluate(source);
+  rest.forEach((value, i) => assert.ok(Math.abs(value - points[i]) < 1e-5));
+  const changes = evaluator.changes();
+  source[3 * 62 + 1] += 0.125;
+  const dragged = changes.evaluate(source, [62]);
+  assert.deepEqual(dragged, evaluator.evaluate(source));
+  assert.notDeepEqual(dragged, rest);
+  const addend = new Float32Array(3000).fill(2);
+  assert.equal(evaluator.evaluate(source, addend)[7], Math.fround(dragged[7] + 2));
+
+  const { displacements, largestMiss } = table.fit(lattice, [5], [0.1, 0, 0]);
+  assert.ok(largestMiss < 1e-12 && displacements.some((value) => value > 0));
+  const still = table.fit(lattice, [5], [0.1, 0, 0], { frozen: [62] }).displacements;
+  assert.equal(still[3 * 62], 0);
+});
+
+test("cages hold their models", () => {
+  const model = espalier.readModel("sphere.obj", bytesOf(sphere(12)));
+  const cage = espalier.cage(model.points(), model.faces(), { vertices: 60 });
+  assert.ok(Math.abs(cage.counts()[0] - 60) <= 12);
+  const binding = cage.refiner().bind(cage.positions(), model.points());
+  assert.ok(binding.statuses().every((status) => status === 0));
+});
+
+test("lattices are edited", () => {
+  const cube = espalier.regularSolid("cube");
+  assert.deepEqual(cube.counts(), [8, 12, 6, 1]);
+  // Outwards from a face is its middle as seen from the origin, the middle of the cube.
+  const { faceVertices } = cube.refiner().cells(0);
+  const outwards = [0, 1, 2].map((axis) =>
+    [0, 1, 2, 3].reduce((sum, i) => sum + cube.positions()[3 * faceVertices[i] + axis], 0),
+  );
+  const two = cube.withPrism(0, outwards);
+  assert.deepEqual(two.counts(), [12, 20, 11, 2]);
+  assert.deepEqual(two.withoutCells([1]).counts(), [8, 12, 6, 1]);
+  assert.deepEqual(cube.withPyramid(0, outwards).counts(), [9, 16, 10, 2]);
+  const boxes = [0, 1].map((x) => espalier.box([1, 1, 1], [x, 0, 0], [x + 1, 1, 1]));
+  assert.deepEqual(espalier.merged(boxes).counts(), [12, 20, 11, 2]);
+  cube.markEdges([0, 1], [1.5]);
+  cube.markVertices([2], [SHARP]);
+  const marks = espalier.readLattice("c.vtu", cube.write(".vtu")).marks();
+  assert.deepEqual([...marks.edgeSharpness, ...marks.vertexSharpness], [1.5, SHARP]);
+  cube.clearMarks();
+  assert.equal(cube.marks().edges.length, 0);
+  const refiner = cube.refiner();
+  refiner.refine(1);
+  assert.deepEqual(refiner.counts(1), [27, 54, 36, 8]);
+  assert.equal(refiner.edges(1).length, 108);
+  assert.equal(refiner.strata(1, 0).filter((stratum) => stratum === 3).length, 1);
+  assert.equal(refiner.cells(1).cellOffsets[8], 48);
+});
+
+test("folded cells are found", () => {
+  const lattice = espalier.box([2, 2, 2], [0, 0, 0], [2, 2, 2]);
+  const rest = lattice.positions();
+  const validity = lattice.refiner().validity(rest, 1);
+  assert.deepEqual(validity.invertedCells(rest), []);
+  const folded = rest.map((coordinate, i) => (i === 3 * 26 ? -3 : coordinate));
+  const inverted = validity.invertedCells(folded);
+  assert.ok(inverted.length > 0);
+  assert.ok(inverted.every((cell) => validity.baseCell(cell) < 8));
+});
+
+test("selections and operations", () => {
+  const rest = espalier.box([1, 1, 2], [0, 0, 0], [1, 1, 2]).positions();
+  const { poses } = espalier;
+  const end = poses.selectEnd(rest, [0, 0, 1]);
+  assert.deepEqual([...end], [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1]);
+  // The end is the last 1 % of the height of 2, so the middle layer is 0.98 away from it.
+  const falling = poses.selectEnd(rest, [0, 0, 1], { radius: 2, profile: "linear" })[4];
+  assert.ok(Math.abs(falling - 0.51) < 1e-14);
+  assert.equal(poses.selectBox(rest, [0, 0, 0], [1, 1, 0])[3], 1);
+  assert.equal(poses.selectBall(rest, [0, 0, 0], 1.1)[3], 0);
+  assert.equal(poses.selectHalfSpace(rest, [0, 0, 1], [0, 0, 1])[4], 1);
+  assert.equal(poses.selectNumbers(rest, [7])[7], 1);
+  const moved = poses.move(rest, [0, 0, 1], { weights: end });
+  assert.equal(moved[3 * 8 + 2], 3);
+  assert.equal(moved[3 * 7 + 2], 1);
+  const scaled = poses.scale(rest, [2, 1, 1], { center: [0, 0, 0] });
+  assert.equal(scaled[3], 2);
+  const turned = poses.rotate(rest, [0, 0, 1], Math.PI / 2, { center: [0, 0, 0] });
+  assert.ok(Math.abs(turned[4] - 1) < 1e-15);
+  const half = poses.taper(rest, [0, 0, 1], 0.5, { center: [0, 0, 0], range: [0, 2] });
+  assert.equal(half[3 * 9], 0.5);
+  const bent = poses.bend(rest, [0, 0, 1], Math.PI / 2, [1, 0, 0]);
+  assert.ok(bent[3 * 8] > 1);
+  assert.throws(() => poses.move(rest, [0, 0, 1], { weights: [1] }), RangeError);
+});
+
+test("errors have the library's messages, and work can be cancelled", () => {
+  const refused = (text, call) =>
+    assert.throws(call, (error) => error instanceof EspalierError && error.message.includes(text));
+  refused("b.obj:1: 'x' is not a number", () => espalier.readModel("b.obj", bytesOf("v 1 x 2\n")));
+  refused("e.obj", () => espalier.readModel("e.obj", bytesOf("")));
+  refused("t.vtu", () => espalier.readLattice("t.vtu", bytesOf("<VTKFile")));
+  refused("cells[0]", () => espalier.around(new Float64Array(6).map((_, i) => i), { cells: [-1, 1, 1] }));
+  const cube = espalier.regularSolid("cube");
+  refused("level", () => cube.refiner().bind(cube.positions(), new Float64Array(3), { level: 99 }));
+  refused("expected 24", () => {
+    const table = cube.refiner().bind(cube.positions(), new Float64Array(3)).table();
+    table.evaluator().evaluate(new Float32Array(3));
+  });
+  let reports = 0;
+  const work = () => cube.refiner().refine(6);
+  espalier.withProgress(() => (++reports, true), work, 0);
+  assert.ok(reports > 1);
+  assert.throws(() => espalier.withProgress(() => false, work, 0), isCancelled);
+  cube.free();
+  assert.throws(() => cube.counts(), /has been freed/);
+});
+
+test("freed memory is used again", () => {
+  const bytes = bytesOf(sphere(60));
+  const once = () => {
+    const model = espalier.readModel("sphere.obj", bytes);
+    const lattice = espalier.around(model.points());
+    const refiner = lattice.refiner();
+    const binding = refiner.bind(lattice.positions(), model.points());
+    const table = binding.table();
+    const evaluator = table.evaluator();
+    const changes = evaluator.changes();
+    evaluator.evaluate(Float32Array.from(lattice.positions()));
+    for (const each of [changes, evaluator, table, binding, refiner, lattice, model]) each.free();
+  };
+  for (let i = 0; i < 5; ++i) once();
+  const before = espalier.core.HEAPU8.length;
+  for (let i = 0; i < 50; ++i) once();
+  assert.equal(espalier.core.HEAPU8.length, before);
+});
+
+test("the example of the README prints a bent plate", async () => {
+  const page = readFileSync(join(root, "web/README.md"), "utf8");
+  const example = /```js\n(.*?)```/s.exec(page)[1];
+  const source = example.replace(`"espalier"`, `"${join(root, "out/espalier-npm/espalier.js")}"`);
+  writeFileSync(file("example.mjs"), source);
+  const out = execFileSync(process.execPath, [file("example.mjs")], { encoding: "utf8" });
+  const points = [...out.matchAll(/^v (\S+) (\S+) (\S+)$/gm)].map((line) => line.slice(1, 4).map(Number));
+  assert.equal(points.length, 4);
+  // The lower edge is below the middle of the bend by as much as the upper edge leans over.
+  assert.ok(points[2][0] > points[0][0] + 0.5);
+  assert.ok(out.endsWith("f 1 2 4 3\n\n"));
+});

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Times the library in Chromium and natively, one after the other, and prints a table with the ratios. Both have one
+// thread. Build first: scripts/web; scripts/build release espalier_c
+//
+//   node bench/speed.mjs [POINTS...]
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+const root = fileURLToPath(new URL("../..", import.meta.url));
+const preset = process.env.ESPALIER_PRESET ?? "release";
+const counts = process.argv.length > 2 ? process.argv.slice(2).map(Number) : [100000, 1000000];
+
+/** Does in the page what speed.c does: the milliseconds, the least of several runs. */
+async function inBrowser({ script, wasm, count }) {
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const url = URL.createObjectURL(new Blob([bytes(script)], { type: "text/javascript" }));
+  const { load } = await import(url);
+  const espalier = await load(bytes(wasm));
+  const result = { points: count };
+  const few = count > 200000 ? 2 : 5;
+  const many = count > 200000 ? 10 : 50;
+  const least = (name, runs, work) => {
+    result[name] = Infinity;
+    for (let run = 0; run < runs; ++run) {
+      const start = performance.now();
+      const made = work();
+      result[name] = Math.min(result[name], performance.now() - start);
+      if (run < runs - 1) made?.free?.();
+      else return made;
+    }
+  };
+  const lattice = espalier.box([4, 4, 4], [0, 0, 0], [1, 1, 1]);
+  const rest = lattice.positions();
+  const refiner = lattice.refiner();
+  const points = new Float64Array(3 * count);
+  for (let i = 0, state = 1; i < points.length; ++i) {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    points[i] = 0.02 + (0.96 * state) / 4294967296;
+  }
+  const pose = Float32Array.from(rest);
+  const binding = least("bind", few, () => refiner.bind(rest, points));
+  const table = binding.table();
+  const evaluator = least("compile", few, () => table.evaluator());
+  // As a page does: the result comes out as a copy.
+  least("pose", many, () => void evaluator.evaluate(pose));
+  const changes = evaluator.changes();
+  least("drag", many, () => void changes.evaluate(pose, [62]));
+  return result;
+}
+
+const folder = mkdtempSync(join(tmpdir(), "espalier-speed-"));
+const browser = await chromium.launch({
+  executablePath: "/usr/bin/chromium",
+  args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"],
+});
+try {
+  const library = join(root, "build", preset, "c");
+  const native = join(folder, "speed");
+  execFileSync("cc", [
+    ...["-O2", "-std=gnu11", `-I${root}/c`, join(root, "web/bench/speed.c"), "-o", native],
+    ...[`-L${library}`, `-Wl,-rpath,${library}`, "-lespalier"],
+  ]);
+  const base64 = (name) => readFileSync(join(root, "out/espalier-npm", name)).toString("base64");
+  console.log("| points | work | native | Chromium | ratio |\n|---:|---|---:|---:|---:|");
+  for (const count of counts) {
+    const page = await browser.newPage();
+    const chrome = await page.evaluate(inBrowser, {
+      script: base64("espalier.js"),
+      wasm: base64("espalier.wasm"),
+      count,
+    });
+    await page.close();
+    const here = JSON.parse(execFileSync(native, [String(count)], { encoding: "utf8" }));
+    for (const work of ["bind", "compile", "pose", "drag"]) {
+      const ratio = (chrome[work] / here[work]).toFixed(2);
+      console.log(
+        `| ${count} | ${work} | ${here[work].toFixed(2)} ms | ${chrome[work].toFixed(2)} ms | ${ratio} |`,
+      );
+    }
+  }
+} finally {
+  await browser.close();
+  rmSync(folder, { recursive: true, force: true });
+}
