@@ -625,6 +625,33 @@ describe("the page", () => {
         const gap = shown[3 * point + c] - before[3 * point + c] - by[c];
         assert.ok(Math.abs(gap) < 0.02 * Math.hypot(...by), String(gap));
       }
+
+      // By hand: a click chooses the point, and its handles pull it.
+      await page.keyboard.press("p");
+      const canvas = page.locator("#view canvas");
+      const { x, y, width, height } = await canvas.boundingBox();
+      await canvas.click({ position: { x: width / 2, y: height / 2 } });
+      const pulled = await page.evaluate(() => globalThis.espalier.gizmo.pulled);
+      const from = await page.evaluate(() => {
+        const { gizmo, editor } = globalThis.espalier;
+        const { points, camera } = editor.view;
+        const place = camera.position
+          .clone()
+          .fromArray(points, 3 * gizmo.pulled)
+          .project(camera);
+        return [place.x, place.y];
+      });
+      const start = { x: x + ((from[0] + 1) / 2) * width, y: y + ((1 - from[1]) / 2) * height };
+      const old = await shownPoints(page);
+      await page.mouse.move(start.x, start.y);
+      await page.mouse.down();
+      await page.mouse.move(start.x + 40, start.y - 40, { steps: 4 });
+      await page.mouse.up();
+      await page.waitForTimeout(300);
+      await settled(page);
+      const now = await shownPoints(page);
+      const moved = Math.hypot(...[0, 1, 2].map((c) => now[3 * pulled + c] - old[3 * pulled + c]));
+      assert.ok(moved > 0.05, `the point moved by ${moved}`);
       await compareWithProgram(page, "dog.obj");
     }));
 
