@@ -23,7 +23,10 @@ function promiseOf<T>(request: IDBRequest<T>): Promise<T> {
   });
 }
 
-async function withStore<T>(mode: IDBTransactionMode, use: (store: IDBObjectStore) => IDBRequest<T>) {
+async function withStore<T>(
+  mode: IDBTransactionMode,
+  use: (store: IDBObjectStore) => IDBRequest<T>,
+) {
   const opened = await database();
   try {
     return await promiseOf(use(opened.transaction(kStore, mode).objectStore(kStore)));

@@ -21,7 +21,10 @@ export interface Page {
   pointer: Pointer;
   timeline: Timeline;
   /** Asks for files, and opens each. */
-  chooseFiles(accept: string, open: (file: { name: string; bytes: Uint8Array }) => Promise<void>): void;
+  chooseFiles(
+    accept: string,
+    open: (file: { name: string; bytes: Uint8Array }) => Promise<void>,
+  ): void;
   save(name: string, content: Blob | Uint8Array): void;
   switchTheme(): void;
   /** Shows the controls as they are: which is chosen, and which can be used. */
@@ -77,7 +80,9 @@ export function commandsFor(page: Page): Record<string, Command> {
     run() {
       const count = shape().positions.length / 3;
       const [first] = selection();
-      return editor.select([first === undefined ? (by > 0 ? 0 : count - 1) : (first + by + count) % count]);
+      return editor.select([
+        first === undefined ? (by > 0 ? 0 : count - 1) : (first + by + count) % count,
+      ]);
     },
   });
 
@@ -361,7 +366,12 @@ export function commandsFor(page: Page): Record<string, Command> {
       },
     },
     "next pose": { title: "Next pose", key: ".", needs: "lattice", run: () => timeline.step(1) },
-    "previous pose": { title: "Pose before", key: ",", needs: "lattice", run: () => timeline.step(-1) },
+    "previous pose": {
+      title: "Pose before",
+      key: ",",
+      needs: "lattice",
+      run: () => timeline.step(-1),
+    },
 
     frame: { title: "Show everything", key: "f", run: () => editor.view.look() },
     theme: { title: "Light or dark", key: "d", run: () => page.switchTheme() },

@@ -78,7 +78,9 @@ export function withChangedLattice(document: Document, lattice: RestLattice): Do
       return x + (pose.positions[from] - old[from]);
     }),
   }));
-  return { ...document, lattice, poses, selection: [] };
+  // Marks leave the vertices as they are.
+  const isSame = old.length === lattice.positions.length;
+  return { ...document, lattice, poses, selection: isSame ? document.selection : [] };
 }
 
 /** A document whose lattice has the same cells, at other positions. */

@@ -285,7 +285,10 @@ export class Editor {
   /** Opens a model, or a lattice, or a pose of the lattice: as the file is. */
   async openFile(file: NamedFile): Promise<void> {
     const extension = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
-    if (extension === ".ovm" || ((extension === ".vtu" || extension === ".vtk") && this.document.model))
+    if (
+      extension === ".ovm" ||
+      ((extension === ".vtu" || extension === ".vtk") && this.document.model)
+    )
       await this.openLatticeOrPose(file);
     else await this.openModel(file);
   }
@@ -316,7 +319,9 @@ export class Editor {
 
   async openLattice(file: NamedFile): Promise<void> {
     const lattice = await this.engine.run("readLattice", file);
-    await this.edit(withLattice(this.document, { ...lattice, command: `# ${file.name} is rest.vtu` }));
+    await this.edit(
+      withLattice(this.document, { ...lattice, command: `# ${file.name} is rest.vtu` }),
+    );
   }
 
   async addPose(name: string, positions: Float64Array): Promise<void> {
@@ -396,11 +401,13 @@ export class Editor {
   get pose(): Pose {
     const { document } = this;
     const pose = Number.isInteger(document.time) ? document.poses[document.time - 1] : undefined;
-    return pose ?? {
-      name: this.isAtRest ? "rest" : "between",
-      positions: this.positions,
-      steps: this.isAtRest ? [] : null,
-    };
+    return (
+      pose ?? {
+        name: this.isAtRest ? "rest" : "between",
+        positions: this.positions,
+        steps: this.isAtRest ? [] : null,
+      }
+    );
   }
 }
 

@@ -42,7 +42,8 @@ export class Gizmo {
   /** Puts the handles where the selection is, or hides them. */
   place(): void {
     if (this.controls.dragging) return;
-    const { document, view } = this.editor;
+    const { document, view, binding } = this.editor;
+    if (!binding || (this.pulled ?? 0) >= view.points.length / 3) this.pulled = null;
     const hasSelection = document.lattice !== null && document.selection.length > 0;
     if (!hasSelection && this.pulled === null) {
       this.controls.detach();

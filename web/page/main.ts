@@ -19,8 +19,9 @@ import type { Point } from "../library/espalier.ts";
 
 const find = <Type extends Element = HTMLElement>(selector: string) =>
   document.querySelector<Type>(selector)!;
-const findAll = <Type extends Element = HTMLElement>(selector: string) =>
-  [...document.querySelectorAll<Type>(selector)];
+const findAll = <Type extends Element = HTMLElement>(selector: string) => [
+  ...document.querySelectorAll<Type>(selector),
+];
 
 const view = new View(find("#view"));
 const editor = new Editor(new Engine(libraryInPage()), view);
@@ -66,7 +67,9 @@ function chooseFiles(accept: string, open: (file: NamedFile) => Promise<void>): 
 
 function save(name: string, content: Blob | Uint8Array): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(content instanceof Blob ? content : new Blob([content as BlobPart]));
+  link.href = URL.createObjectURL(
+    content instanceof Blob ? content : new Blob([content as BlobPart]),
+  );
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
@@ -122,7 +125,11 @@ function keyOf(event: KeyboardEvent): string {
   const isLetter = event.key.length === 1;
   const shift = event.shiftKey && (!isLetter || /\p{Lu}/u.test(event.key)) ? "Shift+" : "";
   const control = event.ctrlKey || event.metaKey;
-  return (control ? "Ctrl+" : "") + shift + (control ? event.key.replace(/^\w$/, (c) => c.toLowerCase()) : event.key);
+  return (
+    (control ? "Ctrl+" : "") +
+    shift +
+    (control ? event.key.replace(/^\w$/, (c) => c.toLowerCase()) : event.key)
+  );
 }
 
 window.addEventListener("keydown", (event) => {
@@ -246,7 +253,11 @@ examples.addEventListener("change", () => {
 for (const control of findAll<HTMLInputElement | HTMLSelectElement>("[data-shown]"))
   control.addEventListener("input", () => {
     const isBox = control instanceof HTMLInputElement && control.type === "checkbox";
-    const value = isBox ? control.checked : control.type === "range" ? Number(control.value) : control.value;
+    const value = isBox
+      ? control.checked
+      : control.type === "range"
+        ? Number(control.value)
+        : control.value;
     void editor.setShown({ ...view.shown, [control.dataset.shown!]: value } as Shown);
   });
 
@@ -262,13 +273,27 @@ const plural = (count: number, one: string) =>
 function refresh(): void {
   const { document: work, model, shape, binding, folded } = editor;
   find("#start").hidden = !isEmpty(work);
-  put("model", work.model && model ? `${work.model.name}, ${plural(model.points.length / 3, "point")}` : "");
-  put("lattice", shape ? `${plural(shape.vertexStrata.length, "vertex")}, ${plural(shape.cells.length, "cell")}` : "");
-  put("selection", shape ? `${number(work.selection.length)} of ${number(shape.vertexStrata.length)}` : "");
+  put(
+    "model",
+    work.model && model ? `${work.model.name}, ${plural(model.points.length / 3, "point")}` : "",
+  );
+  put(
+    "lattice",
+    shape
+      ? `${plural(shape.vertexStrata.length, "vertex")}, ${plural(shape.cells.length, "cell")}`
+      : "",
+  );
+  put(
+    "selection",
+    shape ? `${number(work.selection.length)} of ${number(shape.vertexStrata.length)}` : "",
+  );
   put("pose", work.lattice ? (editor.isAtRest ? "the lattice at rest" : editor.pose.name) : "");
   const outside = binding?.outside.length ?? 0;
   const verb = work.settings.outside === "keep" ? "stay where they are" : "follow the nearest cell";
-  put("outside", outside > 0 ? `${plural(outside, "point")} outside the lattice: they ${verb}` : "");
+  put(
+    "outside",
+    outside > 0 ? `${plural(outside, "point")} outside the lattice: they ${verb}` : "",
+  );
   const folds = folded.length > 0 ? `<b>${plural(folded.length, "cell")} folded</b>` : "";
   find("#status").innerHTML = folds;
 
@@ -279,10 +304,16 @@ function refresh(): void {
     button.disabled = !canRun(command);
     if (command.isChosen) button.setAttribute("aria-checked", String(command.isChosen()));
   }
-  const needsOf: Record<string, Command["needs"]> = { around: "model", cage: "model", extrude: "rest faces", shape: undefined };
+  const needsOf: Record<string, Command["needs"]> = {
+    around: "model",
+    cage: "model",
+    extrude: "rest faces",
+    shape: undefined,
+  };
   for (const form of findAll<HTMLFormElement>("[data-form]")) {
     const name = form.dataset.form!;
-    const usable = name in needsOf ? canRun({ needs: needsOf[name] } as Command) : canRun(commands.none);
+    const usable =
+      name in needsOf ? canRun({ needs: needsOf[name] } as Command) : canRun(commands.none);
     for (const control of form.elements) (control as HTMLInputElement).disabled = !usable;
   }
   refreshPlace();
@@ -295,7 +326,9 @@ function refreshPlace(): void {
   if (!canRun(commands.none) || form.contains(document.activeElement)) return;
   const center = centerOf(editor.positions, editor.weights().values);
   for (const [i, name] of ["x", "y", "z"].entries())
-    (form.elements.namedItem(name) as HTMLInputElement).value = String(Number(center[i].toFixed(6)));
+    (form.elements.namedItem(name) as HTMLInputElement).value = String(
+      Number(center[i].toFixed(6)),
+    );
 }
 
 editor.onChange = () => {

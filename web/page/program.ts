@@ -4,7 +4,8 @@
 import type { Document, Pose } from "./document.ts";
 import { nameOf } from "./editor.ts";
 
-export const fileName = (pose: Pose) => `${pose.name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-")}.vtu`;
+export const fileName = (pose: Pose) =>
+  `${pose.name.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-")}.vtu`;
 
 export function deformedName(document: Document): string {
   const { name } = document.model!;

@@ -60,7 +60,12 @@ function pointMaterial(depthTest: boolean): THREE.ShaderMaterial {
   });
 }
 
-function attribute(geometry: THREE.BufferGeometry, name: string, array: Float32Array, size: number) {
+function attribute(
+  geometry: THREE.BufferGeometry,
+  name: string,
+  array: Float32Array,
+  size: number,
+) {
   geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
 }
 
@@ -224,7 +229,17 @@ export class View {
   /** Takes the colours of the style sheet: again after a change between light and dark. */
   readColours(): void {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["model", "corner", "sharp", "surface", "inside", "accent", "warn", "bad", "panel"])
+    for (const name of [
+      "model",
+      "corner",
+      "sharp",
+      "surface",
+      "inside",
+      "accent",
+      "warn",
+      "bad",
+      "panel",
+    ])
       this.colours[name] = new THREE.Color(style.getPropertyValue(`--${name}`).trim());
     this.model.material.color = this.colours.model;
     (this.cloud.material as THREE.PointsMaterial).color = this.colours.model;
@@ -244,8 +259,7 @@ export class View {
     this.model.geometry = new THREE.BufferGeometry();
     this.cloud.geometry = this.model.geometry;
     this.triangles = triangles;
-    if (triangles.length > 0)
-      this.model.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+    if (triangles.length > 0) this.model.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
     this.setOutside(new Uint32Array(0));
     this.setPoints(points);
   }
@@ -355,8 +369,9 @@ export class View {
     setPositions(this.corners[0].geometry, single);
     setPositions(this.faces.geometry, single);
     this.faces.geometry.boundingSphere = null;
-    const ends = this.lines[0].geometry.getAttribute("instanceStart") as
-      THREE.InterleavedBufferAttribute;
+    const ends = this.lines[0].geometry.getAttribute(
+      "instanceStart",
+    ) as THREE.InterleavedBufferAttribute;
     this.shape.edges.forEach((v, i) => {
       ends.data.array.set(single.subarray(3 * v, 3 * v + 3), 3 * i);
     });
@@ -390,8 +405,9 @@ export class View {
     });
     colours.needsUpdate = sizes.needsUpdate = true;
 
-    const starts = this.lines[0].geometry.getAttribute("instanceColorStart") as
-      THREE.InterleavedBufferAttribute;
+    const starts = this.lines[0].geometry.getAttribute(
+      "instanceColorStart",
+    ) as THREE.InterleavedBufferAttribute;
     edgeStrata.forEach((stratum, edge) => {
       for (let end = 0; end < 2; ++end) {
         const weight = this.weights[edges[2 * edge + end]] ?? 0;
@@ -410,7 +426,10 @@ export class View {
 
   setSurfacePositions(positions: Float32Array): void {
     setPositions(this.cells.geometry, positions);
-    this.foldedFaces.geometry.setAttribute("position", this.cells.geometry.getAttribute("position"));
+    this.foldedFaces.geometry.setAttribute(
+      "position",
+      this.cells.geometry.getAttribute("position"),
+    );
     this.ask();
   }
 
@@ -439,7 +458,8 @@ export class View {
     const isShown = (cell: number) => cell >= 0 && !hidden[cell];
     const index: number[] = [];
     const bad: number[] = [];
-    if (!cells.geometry.getAttribute("position")) this.setSurfacePositions(new Float32Array(3 * vertexCount));
+    if (!cells.geometry.getAttribute("position"))
+      this.setSurfacePositions(new Float32Array(3 * vertexCount));
     const colours = new Float32Array(3 * vertexCount);
     const boundary = this.colours.surface.clone().lerp(this.colours.panel, 0.25);
     const inside = this.colours.inside.clone().lerp(this.colours.panel, 0.35);
@@ -479,10 +499,9 @@ export class View {
   private bounds(): THREE.Box3 {
     const box = new THREE.Box3();
     if (this.shape) return box.setFromArray(this.shape.positions as unknown as number[]);
-    return this.points.length > 0 ? box.setFromArray(this.points as unknown as number[]) : box.set(
-      new THREE.Vector3(-1, -1, -1),
-      new THREE.Vector3(1, 1, 1),
-    );
+    return this.points.length > 0
+      ? box.setFromArray(this.points as unknown as number[])
+      : box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
   }
 
   get size(): number {

@@ -37,7 +37,10 @@ function oneFile(): Plugin {
       const wasm = gzipSync(readFileSync(`${core}.wasm`), { level: 9 }).toString("base64");
       put(/(?<=id="espalier-wasm">)(?=<\/script>)/, wasm);
       const licences = readFileSync(path("../LICENCES.md"), "utf8");
-      put(/(?<=id="licences"[^>]*>)(?=<\/pre>)/, licences.replace(/[&<]/g, (c) => `&#${c.charCodeAt(0)};`));
+      put(
+        /(?<=id="licences"[^>]*>)(?=<\/pre>)/,
+        licences.replace(/[&<]/g, (c) => `&#${c.charCodeAt(0)};`),
+      );
       page.source = html;
     },
     writeBundle({ dir }, bundle) {

@@ -389,7 +389,10 @@ const jobs: Jobs = {
     const level = surfaceLevel();
     refiner.refine(level);
     if (!surface)
-      surface = using(refiner.stencils(level), (table) => ({ level, evaluator: table.evaluator() }));
+      surface = using(refiner.stencils(level), (table) => ({
+        level,
+        evaluator: table.evaluator(),
+      }));
     const baseCells = checkOfPoses().cells;
     const at = cellsAtFaces(refiner, level);
     const quads: number[] = [];

@@ -31,7 +31,8 @@ export async function openPage(browser, { file = pageFile, ...options } = {}) {
     if (line.type() === "error") page.errors.push(line.text());
   });
   page.on("request", (request) => {
-    if (/^(https?|wss?):/.test(request.url())) page.errors.push(`the page asks for ${request.url()}`);
+    if (/^(https?|wss?):/.test(request.url()))
+      page.errors.push(`the page asks for ${request.url()}`);
   });
   await page.goto(`file://${file}`);
   await page.waitForSelector("html[data-ready]");

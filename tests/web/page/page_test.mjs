@@ -202,11 +202,54 @@ describe("against the program", () => {
       await compareWithProgram(page, model);
     }));
 
+  const spot = join(root, "../shared/data/models/spot.obj");
+  test("Spot in a cage", { skip: existsSync(spot) ? false : `${spot} is missing` }, () =>
+    withPage(async (page) => {
+      writeFileSync(file("spot.obj"), readFileSync(spot));
+      await choose(page, "open", file("spot.obj"));
+      await until(page, () => globalThis.espalier.editor.model !== null);
+      await page.click('[data-form="cage"] button');
+      await until(page, () => globalThis.espalier.editor.binding !== null);
+      const { poses } = await documentNow(page);
+      const { length } = Object.keys(poses[0].positions);
+      assert.ok(length / 3 > 0.8 * 150 && length / 3 < 1.2 * 150, `${length / 3} vertices`);
+      // A vertex that nothing hides: the nearest to the eye
+      const vertex = await page.evaluate(() => {
+        const { view, shape } = globalThis.espalier.editor;
+        const depth = (v) => view.screenOf(v).depth;
+        return [...shape.vertexStrata.keys()].reduce(
+          (best, v) => (depth(v) < depth(best) ? v : best),
+          0,
+        );
+      });
+      await clickVertex(page, vertex);
+      await dragHandles(page, 40, -30);
+      await compareWithProgram(page, "spot.obj");
+    }),
+  );
+
   test("levels, the limit, and points outside are as in the program", () =>
     withPage(async (page) => {
       // A lattice around the front alone leaves points outside.
       const model = await openExample(page, "knot");
-      run("shape", "box", "--cells", "2", "2", "2", "--min", "-0.5", "-1", "-1", "--max", "2", "1", "1", "-o", file("part.vtu"));
+      run(
+        "shape",
+        "box",
+        "--cells",
+        "2",
+        "2",
+        "2",
+        "--min",
+        "-0.5",
+        "-1",
+        "-1",
+        "--max",
+        "2",
+        "1",
+        "1",
+        "-o",
+        file("part.vtu"),
+      );
       await choose(page, "open lattice", file("part.vtu"));
       await until(page, () => globalThis.espalier.editor.binding !== null);
       const outside = await page.textContent('[data-show="outside"]');
@@ -249,7 +292,8 @@ describe("against the program", () => {
       const submit = async (form, values) => {
         for (const [name, value] of Object.entries(values)) {
           const control = page.locator(`[data-form="${form}"] [name="${name}"]`);
-          if (await control.evaluate((each) => each.matches("select"))) await control.selectOption(value);
+          if (await control.evaluate((each) => each.matches("select")))
+            await control.selectOption(value);
           else await control.fill(value);
         }
         await page.click(`[data-form="${form}"] button`);
@@ -290,8 +334,7 @@ describe("against the program", () => {
     withPage(async (page) => {
       const model = await openExample(page);
       await makeBox(page, 3);
-      const cellCount = () =>
-        page.evaluate(() => globalThis.espalier.editor.shape.cells.length);
+      const cellCount = () => page.evaluate(() => globalThis.espalier.editor.shape.cells.length);
       const before = await cellCount();
       const pick = (axis, place) =>
         page.evaluate(
@@ -300,14 +343,15 @@ describe("against the program", () => {
             const { positions } = editor.shape;
             const all = [...positions].filter((_, i) => i % 3 === axis);
             const end = place === "max" ? Math.max(...all) : Math.min(...all);
-            return editor.select(
-              [...all.keys()].filter((v) => Math.abs(all[v] - end) < 1e-9),
-            );
+            return editor.select([...all.keys()].filter((v) => Math.abs(all[v] - end) < 1e-9));
           },
           [axis, place],
         );
       const press = async (command) => {
-        await page.evaluate((each) => document.querySelector(`[data-command="${each}"]`).click(), command);
+        await page.evaluate(
+          (each) => document.querySelector(`[data-command="${each}"]`).click(),
+          command,
+        );
         await page.waitForTimeout(50);
         await settled(page);
       };
@@ -318,7 +362,10 @@ describe("against the program", () => {
         return editor.shape.boundary.filter((f) => f.vertices.every((v) => selected.has(v))).length;
       });
       await page.evaluate(() => document.querySelector('[data-form="extrude"]').requestSubmit());
-      await page.waitForFunction((n) => globalThis.espalier.editor.shape.cells.length === n, before + faces);
+      await page.waitForFunction(
+        (n) => globalThis.espalier.editor.shape.cells.length === n,
+        before + faces,
+      );
       await settled(page);
 
       await pick(1, "max");
@@ -343,8 +390,18 @@ describe("against the program", () => {
 });
 
 /** A tetrahedron, as two kinds of files. */
-const kCorners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
-const kFaces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+const kCorners = [
+  [0, 0, 0],
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
+const kFaces = [
+  [0, 2, 1],
+  [0, 1, 3],
+  [1, 2, 3],
+  [2, 0, 3],
+];
 const plyText = () =>
   [
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z",
@@ -355,7 +412,10 @@ const plyText = () =>
 const stlText = () =>
   "solid t\n" +
   kFaces
-    .map((f) => `facet normal 0 0 0\nouter loop\n${f.map((v) => `vertex ${kCorners[v].join(" ")}\n`).join("")}endloop\nendfacet\n`)
+    .map(
+      (f) =>
+        `facet normal 0 0 0\nouter loop\n${f.map((v) => `vertex ${kCorners[v].join(" ")}\n`).join("")}endloop\nendfacet\n`,
+    )
     .join("") +
   "endsolid t\n";
 
@@ -405,16 +465,20 @@ describe("the page", () => {
         const said = await message(page);
         let expected = "";
         try {
-          execFileSync(program, ["info", name], { cwd: folder, stdio: ["ignore", "ignore", "pipe"] });
+          execFileSync(program, ["info", name], {
+            cwd: folder,
+            stdio: ["ignore", "ignore", "pipe"],
+          });
         } catch (error) {
           expected = String(error.stderr);
         }
-        if (name !== "what.xyzzy") assert.ok(expected.includes(said), `${said} is not in ${expected}`);
+        if (name !== "what.xyzzy")
+          assert.ok(expected.includes(said), `${said} is not in ${expected}`);
         assert.ok(said.includes(name), said);
         assert.deepEqual(await documentNow(page), start);
       }
       await page.evaluate(() => document.querySelector("#message button").click());
-      writeFileSync(file("torn.vtu"), "<VTKFile type=\"UnstructuredGrid\">");
+      writeFileSync(file("torn.vtu"), '<VTKFile type="UnstructuredGrid">');
       await choose(page, "open lattice", file("torn.vtu"));
       await page.waitForSelector("#message:not([hidden])");
       assert.match(await message(page), /torn\.vtu/);
@@ -428,7 +492,8 @@ describe("the page", () => {
       // Tab reaches the fields and buttons of the panels.
       const reach = async (selector) => {
         for (let i = 0; i < 80; ++i) {
-          if (await page.evaluate((each) => document.activeElement?.matches(each), selector)) return;
+          if (await page.evaluate((each) => document.activeElement?.matches(each), selector))
+            return;
           await page.keyboard.press("Tab");
         }
         assert.fail(`Tab does not reach ${selector}`);
@@ -492,7 +557,10 @@ describe("the page", () => {
       await page.evaluate(() => globalThis.espalier.editor.select([0]));
       await page.keyboard.press("Shift+X");
       await settled(page);
-      assert.deepEqual(await selected(), Array.from({ length: 16 }, (_, i) => 4 * i));
+      assert.deepEqual(
+        await selected(),
+        Array.from({ length: 16 }, (_, i) => 4 * i),
+      );
       await page.keyboard.press("2");
       const middle = { position: { x: box.width / 2, y: box.height / 2 } };
       await page.locator("#view canvas").click(middle);
@@ -544,7 +612,10 @@ describe("the page", () => {
         async ([point, by]) => {
           const { editor } = globalThis.espalier;
           const moved = await editor.engine.run("pull", [{ point, by }]);
-          await editor.setPositions(editor.positions.map((x, i) => x + moved[i]), null);
+          await editor.setPositions(
+            editor.positions.map((x, i) => x + moved[i]),
+            null,
+          );
         },
         [point, by],
       );
@@ -554,6 +625,33 @@ describe("the page", () => {
         const gap = shown[3 * point + c] - before[3 * point + c] - by[c];
         assert.ok(Math.abs(gap) < 0.02 * Math.hypot(...by), String(gap));
       }
+
+      // By hand: a click chooses the point, and its handles pull it.
+      await page.keyboard.press("p");
+      const canvas = page.locator("#view canvas");
+      const { x, y, width, height } = await canvas.boundingBox();
+      await canvas.click({ position: { x: width / 2, y: height / 2 } });
+      const pulled = await page.evaluate(() => globalThis.espalier.gizmo.pulled);
+      const from = await page.evaluate(() => {
+        const { gizmo, editor } = globalThis.espalier;
+        const { points, camera } = editor.view;
+        const place = camera.position
+          .clone()
+          .fromArray(points, 3 * gizmo.pulled)
+          .project(camera);
+        return [place.x, place.y];
+      });
+      const start = { x: x + ((from[0] + 1) / 2) * width, y: y + ((1 - from[1]) / 2) * height };
+      const old = await shownPoints(page);
+      await page.mouse.move(start.x, start.y);
+      await page.mouse.down();
+      await page.mouse.move(start.x + 40, start.y - 40, { steps: 4 });
+      await page.mouse.up();
+      await page.waitForTimeout(300);
+      await settled(page);
+      const now = await shownPoints(page);
+      const moved = Math.hypot(...[0, 1, 2].map((c) => now[3 * pulled + c] - old[3 * pulled + c]));
+      assert.ok(moved > 0.05, `the point moved by ${moved}`);
       await compareWithProgram(page, "dog.obj");
     }));
 
@@ -573,7 +671,10 @@ describe("the page", () => {
       await settled(page);
       const { lattice, poses } = await documentNow(page);
       const half = await page.evaluate(() => globalThis.espalier.editor.positions[0]);
-      assert.equal(half, lattice.positions[0] + 0.5 * (poses[0].positions[0] - lattice.positions[0]));
+      assert.equal(
+        half,
+        lattice.positions[0] + 0.5 * (poses[0].positions[0] - lattice.positions[0]),
+      );
       const points = await shownPoints(page);
       await page.waitForTimeout(700);
       await page.reload();
@@ -583,23 +684,70 @@ describe("the page", () => {
       assert.deepEqual(await shownPoints(page), points);
     }));
 
-  test("files inside the page are opened", async () => {
-    const base64 = (name) => readFileSync(file(name)).toString("base64");
-    run("shape", "box", "--cells", "2", "2", "2", "--min", "-1", "-1", "-1", "--max", "2", "2", "2", "-o", file("inside-rest.vtu"));
+  test("files are dropped, and vertices are tapped", () =>
+    withPage(
+      async (page) => {
+        run(
+          "shape",
+          "box",
+          "--cells",
+          "2",
+          "2",
+          "2",
+          "--min",
+          "0",
+          "0",
+          "0",
+          "--max",
+          "1",
+          "1",
+          "1",
+          "-o",
+          file("dropped.vtu"),
+        );
+        const files = [
+          { name: "dropped.ply", text: plyText() },
+          { name: "dropped.vtu", text: readFileSync(file("dropped.vtu"), "latin1") },
+        ];
+        await page.evaluate((files) => {
+          const data = new DataTransfer();
+          for (const { name, text } of files)
+            data.items.add(new File([Uint8Array.from(text, (c) => c.charCodeAt(0))], name));
+          document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
+        }, files);
+        await until(page, () => globalThis.espalier.editor.binding !== null);
+        const at = await page.evaluate(() => globalThis.espalier.editor.view.screenOf(26));
+        await page.locator("#view canvas").tap({ position: { x: at.x + 15, y: at.y } });
+        await settled(page);
+        assert.deepEqual((await documentNow(page)).selection, [26]);
+        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 400);
+      },
+      { viewport: { width: 400, height: 780 }, hasTouch: true, isMobile: true },
+    ));
+
+  test("a page of espalier page opens the files in it", async () => {
+    run(
+      "shape",
+      "box",
+      "--cells",
+      "2",
+      "2",
+      "2",
+      "--min",
+      "-1",
+      "-1",
+      "-1",
+      "--max",
+      "2",
+      "2",
+      "2",
+      "-o",
+      file("inside-rest.vtu"),
+    );
     run("pose", "inside-rest.vtu", "--twist", "y", "40", "-o", file("wave.vtu"));
     writeFileSync(file("inside.ply"), plyText());
-    const content = {
-      version: 1,
-      model: { name: "inside.ply", data: base64("inside.ply") },
-      rest: { name: "inside-rest.vtu", data: base64("inside-rest.vtu") },
-      poses: [{ name: "wave.vtu", data: base64("wave.vtu") }],
-      options: { level: 2, limit: false },
-    };
-    const marker = '<script type="application/json" id="espalier-files"></script>';
-    const template = readFileSync(pageFile, "utf8");
-    assert.equal(template.split(marker).length, 2);
-    const filled = marker.replace("><", `>${JSON.stringify(content)}<`);
-    writeFileSync(file("filled.html"), template.replace(marker, () => filled));
+    const inside = ["inside.ply", "--rest", "inside-rest.vtu", "--to", "wave.vtu", "--level", "2"];
+    run("page", ...inside, "--page", pageFile, "-o", file("filled.html"));
     await withPage(
       async (page) => {
         await until(page, () => globalThis.espalier.editor.document.poses[0]?.name === "wave");
@@ -635,7 +783,10 @@ describe("the page", () => {
       const sizes = await page.evaluate(async () => {
         const { editor } = globalThis.espalier;
         // Points on a screw: 2,000 of them need some megabytes with their rows of D.
-        const lines = Array.from({ length: 2000 }, (_, i) => `v ${Math.cos(i)} ${i / 1000} ${Math.sin(i)}`);
+        const lines = Array.from(
+          { length: 2000 },
+          (_, i) => `v ${Math.cos(i)} ${i / 1000} ${Math.sin(i)}`,
+        );
         const bytes = new TextEncoder().encode(lines.join("\n"));
         const sizes = [];
         for (let i = 0; i < 50; ++i) {
