@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements espalier_model.h.
 #include <espalier/base/lazy.h>
-#include <espalier/cages/cage.h>
 #include <espalier/io/model.h>
 
 #include <memory>
@@ -10,7 +9,7 @@
 #include <vector>
 
 #include "espalier_model.h"
-#include "handles.h"
+#include "guard.h"
 
 using namespace espalier;
 
@@ -98,34 +97,5 @@ espalier_status espalier_model_write(const espalier_model* model, const char* pa
         std::vector<io::DeformationGradient> atPoints(moved.size());
         std::memcpy(atPoints.data(), gradients, atPoints.size() * sizeof(io::DeformationGradient));
         own.write(to, moved, atPoints);
-    });
-}
-
-espalier_status espalier_lattice_create_cage(int32_t point_count, const double* points,
-                                             const espalier_polygons* faces,
-                                             const espalier_cage_options* options,
-                                             espalier_lattice** lattice) {
-    return c::result(lattice, "lattice", [&] {
-        const auto places = c::positions(points, point_count, "points");
-        const espalier_polygons& given = c::deref(faces, "faces");
-        const auto offsets =
-            c::array(given.offsets, std::int64_t{given.face_count} + 1, "faces.offsets");
-        for (std::size_t face = 0; face < offsets.size(); ++face)
-            if (offsets[face] < (face == 0 ? 0 : offsets[face - 1]) || offsets[0] != 0)
-                throw Error(concat("faces.offsets[", face, "] is ", offsets[face],
-                                   "; expected 0 first, and ascending numbers"));
-        const auto chosen = c::optionsOrDefaults(options, espalier_default_cage_options(),
-                                                 "espalier_default_cage_options");
-        const std::vector<std::size_t> ends(offsets.begin() + 1, offsets.end());
-        return new espalier_lattice{c::withNamesOfC([&] {
-            return cages::cage({.points = places,
-                                .corners = c::array(given.corners, offsets.back(), "faces.corners"),
-                                .ends = ends},
-                               {.vertices = chosen.vertices,
-                                .cellSize = chosen.cell_size,
-                                .margin = chosen.margin,
-                                .shell = chosen.shell,
-                                .keepApart = chosen.keep_apart != 0});
-        })};
     });
 }

@@ -398,6 +398,27 @@ static void test_inventory(void) {
         const double odd[6] = {0, 0, 0, 4, 2, doubles[i]};
         record(espalier_lattice_create_around(2, odd, NULL, &made_lattice));
     }
+    static const int64_t offsets[2] = {0, 3};
+    static const int32_t triangle[3] = {0, 1, 2};
+    static const double corner_points[9] = {0, 0, 0, 4, 0, 0, 0, 2, 1};
+    const espalier_polygons faces = {1, offsets, triangle};
+    TRY_SHAPE(cage, espalier_lattice_create_cage(3, corner_points, &faces, &options, &made_lattice),
+              vertices, 1, cell_size, 1);
+    espalier_cage_options of_cage = espalier_default_cage_options();
+    of_cage.vertices = 8; /* a wide margin takes long with many vertices */
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        of_cage.margin = doubles[i];
+        record(espalier_lattice_create_cage(3, corner_points, &faces, &of_cage, &made_lattice));
+    }
+    of_cage.margin = 0;
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        of_cage.shell = doubles[i];
+        record(espalier_lattice_create_cage(3, corner_points, &faces, &of_cage, &made_lattice));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        const espalier_polygons wrong = {lengths[i], offsets, triangle};
+        REFUSES(espalier_lattice_create_cage(3, corner_points, &wrong, NULL, &made_lattice));
+    }
     TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &made_lattice), segments, 4, up[0], 3);
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         espalier_arm_options options = espalier_default_arm_options();
@@ -486,50 +507,18 @@ static void test_models(void) {
     static const char four[] =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
     espalier_model* model = NULL;
-    espalier_polygons faces;
     const double* points = NULL;
     int32_t count = 0;
     OK(espalier_model_read_bytes("four.obj", sizeof four - 1, four, &model));
     OK(espalier_model_points(model, &count, &points));
-    OK(espalier_model_faces(model, &faces));
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         REFUSES(espalier_model_read_bytes("four.obj", lengths[i], four, &made_model));
-        espalier_polygons odd = faces;
-        odd.face_count = lengths[i];
-        REFUSES(espalier_lattice_create_cage(count, points, &odd, NULL, &made_lattice));
-        int64_t offsets[5] = {0, 3, 6, 9, lengths[i]};
-        odd = faces;
-        odd.offsets = offsets;
-        REFUSES(espalier_lattice_create_cage(count, points, &odd, NULL, &made_lattice));
         REFUSES(espalier_lattice_marks(lattice, lengths[i], NULL, NULL, 0, NULL, NULL));
         REFUSES(espalier_lattice_marks(lattice, 0, NULL, NULL, lengths[i], NULL, NULL));
     }
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
         if (n != count) REFUSES(espalier_model_write(model, "none.obj", n, points, NULL));
-        if (n < count)
-            REFUSES(espalier_lattice_create_cage(n, points, &faces, NULL, &made_lattice));
-        int32_t corners[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, n};
-        espalier_polygons odd = faces;
-        odd.corners = corners;
-        espalier_cage_options options = espalier_default_cage_options();
-        options.vertices = 8;
-        record(espalier_lattice_create_cage(count, points, &odd, &options, &made_lattice));
-        options.keep_apart = n;
-        options.vertices = i % 2 == 0 ? n : 8;
-        if (options.vertices < 100)
-            record(espalier_lattice_create_cage(count, points, &faces, &options, &made_lattice));
-    }
-    for (size_t i = 0; i < COUNT(doubles); ++i) {
-        double odd[12];
-        memcpy(odd, points, sizeof odd);
-        odd[4] = doubles[i];
-        espalier_cage_options options = espalier_default_cage_options();
-        options.vertices = 8;
-        record(espalier_lattice_create_cage(count, odd, &faces, &options, &made_lattice));
-        options.cell_size = doubles[i];
-        if (options.cell_size == 0 || options.cell_size >= 0.1)
-            record(espalier_lattice_create_cage(count, points, &faces, &options, &made_lattice));
     }
     espalier_model_destroy(model);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tests models, cages, and the functions that edit lattices for a user interface. */
+/* Tests models, and the functions that edit lattices for a user interface. */
 
 #include <math.h>
 
@@ -75,49 +75,6 @@ static void test_reading(const char* path) {
     INVALID(espalier_model_points(NULL, &count, &points), "model is null");
     CHECK(model == NULL);
     espalier_model_destroy(NULL);
-}
-
-static void test_cage(void) {
-    espalier_model* model = tetrahedron();
-    int32_t count = 0;
-    const double* points = NULL;
-    espalier_polygons faces;
-    OK(espalier_model_points(model, &count, &points));
-    OK(espalier_model_faces(model, &faces));
-    espalier_cage_options options = espalier_default_cage_options();
-    options.vertices = 27;
-    espalier_lattice* cage = NULL;
-    OK(espalier_lattice_create_cage(count, points, &faces, &options, &cage));
-    int32_t counts[4];
-    OK(espalier_lattice_counts(cage, counts));
-    CHECK(counts[0] >= 0.8 * 27 && counts[0] <= 1.2 * 27);
-
-    /* All points are inside. */
-    espalier_refiner* refiner = NULL;
-    espalier_binding* binding = NULL;
-    const double* rest = NULL;
-    OK(espalier_lattice_positions(cage, &counts[0], &rest));
-    OK(espalier_refiner_create(cage, NULL, &refiner));
-    espalier_bind_options bound = espalier_default_bind_options();
-    bound.outside = ESPALIER_OUTSIDE_REFUSE;
-    OK(espalier_binding_create(refiner, counts[0], rest, count, points, &bound, &binding));
-    espalier_binding_destroy(binding);
-    espalier_refiner_destroy(refiner);
-    espalier_lattice_destroy(cage);
-    cage = NULL;
-
-    options.vertices = 3;
-    INVALID(espalier_lattice_create_cage(count, points, &faces, &options, &cage), "vertices is 3");
-    options = espalier_default_cage_options();
-    options.cell_size = -1;
-    INVALID(espalier_lattice_create_cage(count, points, &faces, &options, &cage), "cell_size is");
-    const int64_t descending[3] = {0, 3, 2};
-    const espalier_polygons wrong = {2, descending, faces.corners};
-    INVALID(espalier_lattice_create_cage(count, points, &wrong, NULL, &cage),
-            "faces.offsets[2] is 2");
-    INVALID(espalier_lattice_create_cage(count, points, NULL, NULL, &cage), "faces is null");
-    CHECK(cage == NULL);
-    espalier_model_destroy(model);
 }
 
 /* Grows a cell on a cube and removes it again. */
@@ -203,7 +160,6 @@ int main(int argc, char** argv) {
     char path[1000];
     snprintf(path, sizeof path, "%s/model.obj", argv[1]);
     test_reading(path);
-    test_cage();
     test_editing();
     return 0;
 }
