@@ -91,7 +91,7 @@ class MakeLattice(EspalierOperator, bpy.types.Operator):
         cells = closed_parts(mesh)
         if not cells:
             raise LatticeError(f"{object.name}: no part of the mesh is closed, with each edge in two faces")
-        lattice_object._set_ids(mesh, list(range(1, len(mesh.vertices) + 1)))
+        lattice_object.set_vertex_ids(mesh, list(range(1, len(mesh.vertices) + 1)))
         mesh[lattice_object.CELLS] = lattice_object.topology.pack(
             [[[v + 1 for v in loop] for loop in cell] for cell in cells])
         lattice_object.lattice_of(object, engine.load())
@@ -240,7 +240,7 @@ def mark_cells(lattice, cells):
     """Selects the faces of cells, puts their vertices into a group, and colors them red."""
     mesh = lattice.data
     topology = lattice_object.topology
-    vertex_of = {number: v for v, number in enumerate(lattice_object._ids(mesh))}
+    vertex_of = {number: v for v, number in enumerate(lattice_object.vertex_ids(mesh))}
     stored = topology.unpack(mesh[lattice_object.CELLS])
     keys = {topology.key_of([vertex_of[n] for n in loop]) for cell in cells for loop in stored[cell]}
     vertices = sorted(set().union(*keys)) if keys else []
