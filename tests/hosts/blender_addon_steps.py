@@ -401,6 +401,45 @@ def marks():
     check((1.0, 0.1, 0.05, 1.0) in colors, colors)
 
 
+def linked():
+    """Objects that share a mesh get meshes of their own when they are bound."""
+    enable()
+    clear()
+    from espalier_lattice import binding
+    first = sphere("first", 3)
+    second = first.copy()
+    second.name = "second"
+    second.location = (0.5, 0, 0)
+    bpy.context.collection.objects.link(second)
+    alone = second.copy()
+    alone.name, alone.data = "alone", second.data.copy()
+    bpy.context.collection.objects.link(alone)
+    first.data.use_fake_user = True  # This is no other object.
+    lattice = add_lattice(first, second, alone, kind="BOX", cells=2)
+    check(first.data != second.data, "two meshes")
+    move_lattice(lattice, twist)
+    check(not binding.problems, binding.problems)
+    check(np.array_equal(evaluated(second), evaluated(alone)), "the second object follows as one with its own mesh")
+    check(np.abs(evaluated(first) - evaluated(second)).max() > 0.1, "the first follows in its own way")
+
+    # A linked duplicate of a bound object.
+    third = second.copy()
+    third.name = "third"
+    third.location = (0.25, 0, 0)
+    bpy.context.collection.objects.link(third)
+    move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.1))
+    for object in (second, third):
+        check("shares its mesh" in binding.problems.get(object.name, "")
+              and "Rebind" in binding.problems[object.name], binding.problems)
+    select(third)
+    check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+    check(third.data != second.data and third.data.shape_keys is None, "the third has its own mesh at rest")
+    check(np.array_equal(evaluated(third), binding.rest_points(second).astype(np.float32)), "at rest")
+    move_lattice(lattice, lambda co: (co[0] + 0.1, co[1], co[2]))
+    check(not binding.problems, binding.problems)
+    check(np.array_equal(evaluated(second), evaluated(alone)), "the second follows again")
+
+
 def speed():
     """Times 100,000 points without drawing."""
     enable()

@@ -88,8 +88,37 @@ def in_object(object, lattice, positions, depsgraph):
     return positions @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+def sharing(object):
+    """Returns the names of the other objects that have the mesh of an object."""
+    mesh = object.data
+    if mesh.users - mesh.use_fake_user < 2:
+        return []
+    return [o.name for o in bpy.data.objects if o.data == mesh and o != object]
+
+
+def check_not_shared(object):
+    """A shape key belongs to a mesh, so that objects with one mesh cannot follow a lattice each in its way."""
+    others = sharing(object)
+    if others:
+        raise LatticeError(f"{object.name}: it shares its mesh with {', '.join(others)}; run Rebind, which gives it "
+                           "a mesh of its own")
+
+
+def give_own_mesh(object):
+    """Gives an object a copy of its mesh if other objects have the same mesh. Returns the names of the others."""
+    others = sharing(object)
+    if others:
+        object.data = object.data.copy()
+        keys = object.data.shape_keys
+        if keys and keys.animation_data and keys.animation_data.action:
+            keys.animation_data.action = keys.animation_data.action.copy()
+        forget(object)
+    return others
+
+
 def bound_of(object):
     """Returns the Bound of an object, which is made if there is none."""
+    check_not_shared(object)
     found = _bound.get(object.name_full)
     if found is None or len(found.points) != len(object.data.vertices):
         found = _bound[object.name_full] = Bound(object)
@@ -102,7 +131,8 @@ def forget(object):
 
 
 def bind(object, lattice, depsgraph):
-    """Binds an object to a lattice as it is now. Returns the Bound."""
+    """Binds an object, whose mesh no other object has, to a lattice as it is now. Returns the Bound."""
+    check_not_shared(object)
     if object.mode == "EDIT" or lattice.mode == "EDIT":
         raise LatticeError("leave edit mode before binding")
     forget(object)
@@ -131,7 +161,9 @@ def key_names(object):
 
 
 def unbind(object):
-    """Removes a binding and its shape key, so that the object has its shape at rest."""
+    """Removes a binding and its shape key, so that the object, whose mesh no other object has, has its shape at
+    rest."""
+    check_not_shared(object)
     forget(object)
     if KEY in key_names(object):
         object.shape_key_remove(object.data.shape_keys.key_blocks[KEY])

@@ -26,6 +26,14 @@ class EspalierOperator:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
 
+    def give_own_meshes(self, objects):
+        """Gives each object a mesh of its own, and reports the objects whose mesh was shared."""
+        for object in objects:
+            others = binding.give_own_mesh(object)
+            if others:
+                self.report({"INFO"}, f"{object.name} shared its mesh with {', '.join(others)}; it has a copy of "
+                                      "its own now")
+
 
 def selected_meshes(context):
     return [o for o in context.selected_objects
@@ -57,6 +65,8 @@ class AddLattice(EspalierOperator, bpy.types.Operator):
         object_mode(context)
         depsgraph = context.evaluated_depsgraph_get()
         objects = selected_meshes(context)
+        if self.bind:
+            self.give_own_meshes(objects)
         points = make.points_of(objects, depsgraph)
         lattice = make.around(espalier, self.kind, points, self.cells, self.margin)
         added = lattice_object.object_of(lattice, "Espalier " + self.kind.lower(), context.collection)
@@ -142,6 +152,7 @@ class Bind(EspalierOperator, bpy.types.Operator):
         objects = selected_meshes(context)
         if not objects:
             raise LatticeError("select objects to bind, and last the lattice")
+        self.give_own_meshes(objects)
         depsgraph = context.evaluated_depsgraph_get()
         outside = points = 0
         for object in objects:
@@ -174,6 +185,7 @@ class Rebind(EspalierOperator, bpy.types.Operator):
     def run(self, context):
         object_mode(context)
         objects = bound_selection(context)
+        self.give_own_meshes(objects)
         for object in objects:
             binding.bind(object, object.espalier.lattice, context.evaluated_depsgraph_get())
         self.report({"INFO"}, f"{len(objects)} objects bound again")
@@ -189,6 +201,7 @@ class Unbind(EspalierOperator, bpy.types.Operator):
     def run(self, context):
         object_mode(context)
         objects = bound_selection(context)
+        self.give_own_meshes(objects)
         for object in objects:
             binding.unbind(object)
         self.report({"INFO"}, f"{len(objects)} objects unbound")
@@ -400,6 +413,7 @@ class BakeShapeKeys(BakeBase, bpy.types.Operator):
     def run(self, context):
         object_mode(context)
         objects = bound_selection(context)
+        self.give_own_meshes(objects)
         frames = frames_of(self, context)
 
         def take(object, frame, points):
@@ -436,6 +450,7 @@ class BakePointCache(BakeBase, ExportHelper, bpy.types.Operator):
         object = context.active_object
         if not binding.is_bound(object):
             raise LatticeError("select a bound object")
+        self.give_own_meshes([object])
         frames = frames_of(self, context)
         with open(self.filepath, "wb") as file:
             # The header of the format: version, points, first frame, frames per sample, samples.
@@ -462,7 +477,9 @@ class FollowAgain(EspalierOperator, bpy.types.Operator):
 
     def run(self, context):
         object_mode(context)
-        for object in bound_selection(context):
+        objects = bound_selection(context)
+        self.give_own_meshes(objects)
+        for object in objects:
             keys = object.data.shape_keys
             for key in [k for k in keys.key_blocks if k.name.startswith(binding.KEY + " ")]:
                 object.shape_key_remove(key)
