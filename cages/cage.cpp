@@ -143,10 +143,9 @@ private:
     Way way_;
 };
 
-void requireNumber(double value, const char* name) {
-    if (!(value >= 0 && value <= 1e90))
-        throw Error(
-            concat("cage: ", name, " is ", textOf(value), "; expected a finite number, 0 or more"));
+void requireNumber(double value, const char* name, double max) {
+    if (!(value >= 0 && value <= max))
+        throw Error(concat("cage: ", name, " is ", textOf(value), "; expected 0 to ", textOf(max)));
 }
 
 CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
@@ -154,12 +153,12 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     if (options.vertices < 8 || options.vertices > kMaxVertices)
         throw Error(
             concat("cage: vertices is ", options.vertices, "; expected 8 to ", kMaxVertices));
-    requireNumber(options.cellSize, "cellSize");
-    requireNumber(options.margin, "margin");
-    requireNumber(options.shell, "shell");
+    requireNumber(options.cellSize, "cellSize", 1e90);
+    requireNumber(options.margin, "margin", 1);
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
     diagonal_ = Box(points).diagonal();
     if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
+    requireNumber(options.shell, "shell", 2 * diagonal_);
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
     // At least two voxels along each edge, in memory for kMaxVoxels.

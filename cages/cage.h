@@ -35,11 +35,12 @@ struct CageOptions {
     double cellSize = 0;
 
     /// Least distance between the model and the boundary of the limit volume, as a fraction of the
-    /// diagonal of the smallest box with sides along the axes that holds the model: 0 or more.
+    /// diagonal of the smallest box with sides along the axes that holds the model: 0 to 1.
     double margin = 0;
 
     /// Above 0: the lattice is made around the surface only, and contains all points within half of
-    /// this distance, in the units of the model. 0: around the solid.
+    /// this distance, in the units of the model, at most twice the diagonal of the model. 0: around
+    /// the solid.
     double shell = 0;
 
     /// True: parts of the model that are nearer to each other than a cell stay separate. Parts
