@@ -440,6 +440,72 @@ def linked():
     check(np.array_equal(evaluated(second), evaluated(alone)), "the second follows again")
 
 
+def changed():
+    """Changes of the object or the lattice after binding are told; Rebind takes them."""
+    enable()
+    clear()
+    from espalier_lattice import binding, lattice_object
+
+    def edit_mesh(object, change):
+        import bmesh
+        select(object)
+        bpy.ops.object.mode_set(mode="EDIT")
+        editable = bmesh.from_edit_mesh(object.data)
+        editable.verts.ensure_lookup_table()
+        change(bmesh, editable)
+        bmesh.update_edit_mesh(object.data)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.context.view_layer.update()
+
+    def told(expected):
+        move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
+        check(expected in binding.problems.get("model", ""), (expected, binding.problems))
+        check("rebind" in binding.problems["model"], binding.problems)
+        binding.on_load()  # Opening the file again changes nothing of it.
+        move_lattice(lattice, lambda co: (co[0], co[1], co[2] - 0.05))
+        check(expected in binding.problems.get("model", ""), (expected, binding.problems))
+        select(model)
+        check(bpy.ops.espalier.rebind() == {"FINISHED"}, expected)
+        check(not binding.problems, binding.problems)
+        before = evaluated(model)
+        check(np.array_equal(before, binding.rest_points(model).astype(np.float32)), "at rest")
+        move_lattice(lattice, lambda co: (co[0] + 0.05, co[1], co[2]))
+        check(not binding.problems, binding.problems)
+        check(np.abs(evaluated(model) - before - (0.05, 0, 0)).max() < 1e-6, "all of it follows")
+
+    model = sphere("model", 3)
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    move_lattice(lattice, lambda co: (co[0] + 0.05, co[1], co[2]))
+    check(not binding.problems, binding.problems)
+
+    def move_point(_, editable):
+        editable.verts[0].co *= 0.5
+
+    def add_point(bmesh, editable):
+        bmesh.ops.poke(editable, faces=[next(iter(editable.faces))])
+
+    edit_mesh(model, move_point)
+    told("points of model have moved")
+    edit_mesh(model, add_point)
+    told("model has 163 points; it had 162")
+    values = np.zeros(len(lattice.data.edges))
+    values[3] = 0.5
+    lattice_object.set_creases(lattice.data, values)
+    told("creases of Espalier box have changed")
+    # Faces of the model do not matter.
+    edit_mesh(model, lambda bmesh, editable: bmesh.ops.delete(editable, geom=[next(iter(editable.faces))],
+                                                              context="FACES_ONLY"))
+    move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
+    check(not binding.problems, binding.problems)
+    # Another shape key of the user does not matter, either.
+    key = model.shape_key_add(name="smile", from_mix=False)
+    model.active_shape_key_index = len(model.data.shape_keys.key_blocks) - 1
+    edit_mesh(model, move_point)
+    check(key.data[0].co != model.data.shape_keys.key_blocks[0].data[0].co, "the key is edited")
+    move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
+    check(not binding.problems, binding.problems)
+
+
 def speed():
     """Times 100,000 points without drawing."""
     enable()

@@ -81,6 +81,9 @@ class BlenderAddOn(CliTest):
     def test_objects_that_share_a_mesh_get_their_own(self):
         self.blender("linked")
 
+    def test_changes_after_binding_are_told(self):
+        self.blender("changed")
+
     def test_the_speed_of_100000_points_is_printed(self):
         """A figure, not a timed test: the load of this machine is not known. Frames per second of processor time, of
         all cores together, do not depend on the load."""

@@ -6,6 +6,8 @@ in the property `espalier_cells` of the mesh, as topology.pack() writes them, by
 which are in the attribute `espalier_id`. All of this is saved in the .blend file, and copied with the mesh.
 """
 
+import hashlib
+
 import bpy
 import numpy as np
 
@@ -28,6 +30,8 @@ def vertex_ids(mesh):
     attribute = mesh.attributes.get(IDS)
     ids = np.zeros(len(mesh.vertices), dtype=np.int32)
     if attribute is not None and attribute.domain == "POINT":
+        if len(attribute.data) != len(ids):  # Blender hides attributes in edit mode.
+            raise LatticeError(f"{mesh.name}: leave the edit mode of the lattice")
         attribute.data.foreach_get("value", ids)
     return ids.tolist()
 
@@ -168,11 +172,24 @@ def lattice_of(object, espalier, positions=None, use_creases=True):
 
 
 def topology_text(object):
-    """Returns a text that changes if the cells, the number of vertices or the creases change."""
-    import hashlib
-    digest = hashlib.sha256(np.asarray(list(object.data[CELLS]), dtype=np.int64).tobytes())
-    digest.update(creases(object.data).tobytes())
-    return f"{len(object.data.vertices)} {digest.hexdigest()[:24]}"
+    """Returns three words: the number of vertices, a hash of the cells and a hash of the creases."""
+    if not is_lattice(object):
+        raise LatticeError(f"{object.name} is no lattice any more")
+    mesh = object.data
+    cells = hashlib.sha256(np.asarray(mesh[CELLS], dtype=np.int64).tobytes())
+    cells.update(np.asarray(vertex_ids(mesh), dtype=np.int64).tobytes())
+    sharp = hashlib.sha256(creases(mesh).tobytes())
+    return f"{len(mesh.vertices)} {cells.hexdigest()[:24]} {sharp.hexdigest()[:24]}"
+
+
+def topology_change(object, before):
+    """Returns what has changed since topology_text() was `before`, as a sentence; "" if nothing has."""
+    now = topology_text(object)
+    if now == before:
+        return ""
+    if now.split()[:2] == before.split()[:2]:
+        return f"the creases of {object.name} have changed"
+    return f"the cells of {object.name} have changed"
 
 
 def posed_positions(object, depsgraph):

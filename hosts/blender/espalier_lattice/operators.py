@@ -294,6 +294,8 @@ class UpdateCells(EspalierOperator, bpy.types.Operator):
         mode = lattice.mode
         object_mode(context)
         result = lattice_object.sync(lattice)
+        changed = [o for o in binding.bound_objects(lattice=lattice)
+                   if lattice_object.topology_change(lattice, o[binding.TOPOLOGY])]
         if mode == "EDIT":
             bpy.ops.object.mode_set(mode="EDIT")
         parts = [f"{len(result.cells)} cells"]
@@ -305,8 +307,6 @@ class UpdateCells(EspalierOperator, bpy.types.Operator):
                     f"{lattice.name}: " + ", ".join(parts)
                     + "".join(f"; {sentence}" for sentence in result.lost[:5])
                     + (f"; and {len(result.lost) - 5} more" if len(result.lost) > 5 else ""))
-        changed = [o for o in binding.bound_objects(lattice=lattice)
-                   if o[binding.TOPOLOGY] != lattice_object.topology_text(lattice)]
         if changed:
             self.report({"WARNING"}, f"rebind: {', '.join(o.name for o in changed)}")
         return {"FINISHED"}
