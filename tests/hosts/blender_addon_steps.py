@@ -506,6 +506,119 @@ def changed():
     check(not binding.problems, binding.problems)
 
 
+def keys():
+    """Only what the add-on has made is removed, and all of it."""
+    enable()
+    clear()
+    from espalier_lattice import binding
+    model = sphere("model", 3)
+    mine = ["Basis", "Espalier", "Espalier smile", "Espalier 2"]
+    for name in mine:
+        model.shape_key_add(name=name, from_mix=False)
+    blocks = model.data.shape_keys.key_blocks
+    blocks["Espalier smile"].data[0].co = (0, 0, 2)
+    for frame, value in ((1, 0.0), (9, 1.0)):
+        blocks["Espalier smile"].value = value
+        blocks["Espalier smile"].keyframe_insert("value", frame=frame)
+    own_modifier = model.modifiers.new("Espalier", "MESH_CACHE")
+    own_modifier.show_viewport = False
+
+    def curves():
+        data = model.data.shape_keys.animation_data
+        return [curve.data_path for curve in data.action.fcurves] if data and data.action else []
+
+    def check_mine(when):
+        check(list(model.data.shape_keys.key_blocks.keys()) == mine, (when, list(blocks.keys())))
+        check(curves() == ['key_blocks["Espalier smile"].value'], (when, curves()))
+        curve = model.data.shape_keys.animation_data.action.fcurves[0]
+        check([p.interpolation for p in curve.keyframe_points] == ["BEZIER"] * 2, when)
+        check(list(model.modifiers.keys()) == ["Espalier"], (when, list(model.modifiers.keys())))
+
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    animate(lattice)
+    bpy.context.scene.frame_end = 4
+    bpy.context.scene.frame_set(4)
+    posed = evaluated(model)
+    check(len(model.data.shape_keys.key_blocks) == len(mine) + 1, "one key is added")
+
+    # Baked twice, in two ways, the model moves once.
+    cache = str(FOLDER / "keys.pc2")
+    for action in (bpy.ops.espalier.bake_shape_keys, bpy.ops.espalier.bake_shape_keys,
+                   lambda: bpy.ops.espalier.bake_point_cache(filepath=cache), bpy.ops.espalier.bake_shape_keys):
+        select(model)
+        check(action() == {"FINISHED"}, "bake")
+    check(len(model.data.shape_keys.key_blocks) == len(mine) + 1 + 4, list(model.data.shape_keys.key_blocks.keys()))
+    bpy.context.scene.frame_set(4)
+    check(np.abs(evaluated(model) - posed).max() < 1e-6, "baked")
+    check(bpy.ops.espalier.follow_again() == {"FINISHED"}, "follow_again")
+    check(len(model.data.shape_keys.key_blocks) == len(mine) + 1, list(model.data.shape_keys.key_blocks.keys()))
+    check(np.abs(evaluated(model) - posed).max() < 1e-6, "follows again")
+    check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+    check_mine("unbound")
+
+    # Bake, and unbind without Follow Again.
+    for bake_it in (bpy.ops.espalier.bake_shape_keys, lambda: bpy.ops.espalier.bake_point_cache(filepath=cache)):
+        select(model, lattice)
+        check(bpy.ops.espalier.bind() == {"FINISHED"}, "bind")
+        select(model)
+        check(model.espalier.is_live and bake_it() == {"FINISHED"}, "bake")
+        check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+        check_mine("unbound after baking")
+        bpy.context.scene.frame_set(1)
+        check(np.array_equal(evaluated(model), binding.rest_points(model).astype(np.float32)), "at rest")
+
+    # A Basis of the user stays, also alone; one of the add-on goes.
+    for has_basis in (True, False):
+        clear()
+        model = sphere("model", 3)
+        before = evaluated(model)
+        if has_basis:
+            model.shape_key_add(name="Basis", from_mix=False)
+        lattice = add_lattice(model, kind="BOX", cells=2)
+        move_lattice(lattice, twist)
+        select(model)
+        check(bpy.ops.espalier.bake_shape_keys(use_scene_range=False, first=1, last=2) == {"FINISHED"}, "bake")
+        check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+        found = list(model.data.shape_keys.key_blocks.keys()) if model.data.shape_keys else []
+        check(found == ["Basis"] * has_basis, found)
+        check(np.array_equal(evaluated(model), before), "at rest")
+
+
+def frames():
+    """Frames below zero are baked, too."""
+    enable()
+    clear()
+    model = sphere("model", 3)
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    animate(lattice)
+    scene = bpy.context.scene
+    curve = lattice.data.shape_keys.animation_data.action.fcurves[0]
+    curve.keyframe_points[0].co.x = -3
+    curve.keyframe_points[1].co.x = 3
+    curve.update()
+    expected = {}
+    for frame in range(-3, 4):
+        scene.frame_set(frame)
+        expected[frame] = evaluated(model)
+    select(model)
+    cache = str(FOLDER / "frames.pc2")
+    for first, last in ((-1, 2), (-3, -1), (-1, -1)):
+        settings = {"use_scene_range": False, "first": first, "last": last}
+        check(bpy.ops.espalier.bake_shape_keys(**settings) == {"FINISHED"}, "bake_shape_keys")
+        check(len(model.espalier.baked_keys) == last - first + 1, "one key per frame")
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            check(np.abs(evaluated(model) - expected[frame]).max() < 1e-6, f"shape keys, frame {frame}")
+        check(bpy.ops.espalier.bake_point_cache(filepath=cache, **settings) == {"FINISHED"}, "bake_point_cache")
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            check(np.abs(evaluated(model) - expected[frame]).max() < 1e-6, f"point cache, frame {frame}")
+        bpy.ops.espalier.follow_again()
+    scene.frame_start, scene.frame_end = 2, 3
+    check(bpy.ops.espalier.bake_shape_keys(first=-1, last=-1) == {"FINISHED"}, "the range of the scene")
+    check(len(model.espalier.baked_keys) == 2, "the range of the scene")
+
+
 def speed():
     """Times 100,000 points without drawing."""
     enable()

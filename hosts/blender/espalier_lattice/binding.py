@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Objects that follow a lattice.
 
-A bound object has a shape key "Espalier", whose points are computed whenever the lattice moves: by a
+A bound object has a shape key of the add-on, named "Espalier" if that is free, whose points are computed whenever the lattice moves: by a
 handler, in the viewport and in renders. Points x of the object become x + D (q' - q): q are the vertices of
 the lattice in the coordinates of the object when it was bound, and q' they are now. So the object follows if
 the lattice moves against it, and stays as it is if both move together.
@@ -144,11 +144,17 @@ def give_own_mesh(object):
     others = sharing(object)
     if others:
         object.data = object.data.copy()
-        keys = object.data.shape_keys
-        if keys and keys.animation_data and keys.animation_data.action:
-            keys.animation_data.action = keys.animation_data.action.copy()
+        if object.data.shape_keys:
+            give_own_action(object.data.shape_keys)
         forget(object)
     return others
+
+
+def give_own_action(keys):
+    """Gives shape keys a copy of their animation if other shape keys have the same animation."""
+    data = keys.animation_data
+    if data and data.action and data.action.users - data.action.use_fake_user > 1:
+        data.action = data.action.copy()
 
 
 def bound_of(object):
@@ -172,8 +178,7 @@ def bind(object, lattice, depsgraph):
     if object.mode == "EDIT" or lattice.mode == "EDIT":
         raise LatticeError("leave edit mode before binding")
     forget(object)
-    if object.espalier.lattice not in (None, lattice) or KEY in key_names(object):
-        unbind(object)
+    unbind(object)
     lattice_object.sync(lattice)
     pose = lattice_object.posed_positions(lattice, depsgraph)
     object.espalier.lattice = lattice
@@ -189,8 +194,10 @@ def bind(object, lattice, depsgraph):
         raise
     if object.data.shape_keys is None:
         object.shape_key_add(name="Basis", from_mix=False)
+        object.espalier.has_made_basis = True
     key = object.shape_key_add(name=KEY, from_mix=False)
     key.value = 1
+    object.espalier.key = key.name
     return bound
 
 
@@ -198,15 +205,67 @@ def key_names(object):
     return object.data.shape_keys.key_blocks.keys() if object.data.shape_keys else []
 
 
+def following_key(object):
+    """Returns the shape key that follows the lattice; None if there is none."""
+    name = object.espalier.key
+    return object.data.shape_keys.key_blocks[name] if name and name in key_names(object) else None
+
+
+def key_curves(keys, name):
+    """Returns the animation curves of a shape key."""
+    data = keys.animation_data
+    if not data or not data.action:
+        return []
+    path = f'key_blocks["{bpy.utils.escape_identifier(name)}"].'
+    return [curve for curve in data.action.fcurves if curve.data_path.startswith(path)]
+
+
+def remove_key(object, name):
+    """Removes a shape key and its animation. Does nothing if it is gone."""
+    if name not in key_names(object):
+        return
+    keys = object.data.shape_keys
+    give_own_action(keys)
+    for curve in key_curves(keys, name):
+        keys.animation_data.action.fcurves.remove(curve)
+    data = keys.animation_data
+    if data and data.action and not data.action.fcurves and not data.drivers and not data.nla_tracks:
+        keys.animation_data_clear()
+    object.shape_key_remove(keys.key_blocks[name])
+
+
+def remove_baked(object):
+    """Removes the shape keys and the modifier that baking has made. Then the object follows its lattice again,
+    if baking has made some."""
+    settings = object.espalier
+    if not settings.baked_keys and not settings.cache_modifier:
+        return
+    for name in [each.name for each in settings.baked_keys]:
+        remove_key(object, name)
+    settings.baked_keys.clear()
+    modifier = object.modifiers.get(settings.cache_modifier) if settings.cache_modifier else None
+    if modifier is not None:
+        object.modifiers.remove(modifier)
+    settings.cache_modifier = ""
+    settings.is_live = True
+    key = following_key(object)
+    if key is not None:
+        key.value = 1
+
+
 def unbind(object):
     """Removes a binding and its shape key, so that the object, whose mesh no other object has, has its shape at
     rest."""
     check_not_shared(object)
     forget(object)
-    if KEY in key_names(object):
-        object.shape_key_remove(object.data.shape_keys.key_blocks[KEY])
-    if list(key_names(object)) == ["Basis"]:
-        object.shape_key_remove(object.data.shape_keys.key_blocks["Basis"])
+    settings = object.espalier
+    remove_baked(object)
+    if settings.key:
+        remove_key(object, settings.key)
+        settings.key = ""
+    if settings.has_made_basis and len(key_names(object)) == 1:
+        object.shape_key_remove(object.data.shape_keys.key_blocks[0])
+    settings.has_made_basis = False
     group = object.vertex_groups.get(OUTSIDE_GROUP)
     if group is not None:
         object.vertex_groups.remove(group)
@@ -218,10 +277,13 @@ def unbind(object):
 
 def update(object, depsgraph):
     """Moves the points of a bound object after its lattice. Returns True if they moved."""
-    if not object.espalier.is_live or KEY not in key_names(object):
+    if not object.espalier.is_live:
         return False
     lattice = object.espalier.lattice
+    key = following_key(object)
     try:
+        if key is None:
+            raise LatticeError(f"{object.name}: its shape key {object.espalier.key or KEY} is gone; rebind")
         pose = lattice_object.posed_positions(lattice, depsgraph)
         bound = bound_of(object)
         if len(pose) != len(bound.rest):
@@ -232,7 +294,6 @@ def update(object, depsgraph):
         problems[object.name_full] = str(error)
         return False
     problems.pop(object.name_full, None)
-    key = object.data.shape_keys.key_blocks[KEY]
     new = points.astype(np.float32).ravel()
     if bound.written is None:
         bound.written = np.empty_like(new)

@@ -374,16 +374,20 @@ class ExtrudeCell(EspalierOperator, bpy.types.Operator):
 
 def frames_of(operator, context):
     scene = context.scene
-    first = scene.frame_start if operator.first < 0 else operator.first
-    last = scene.frame_end if operator.last < 0 else operator.last
+    first, last = operator.first, operator.last
+    if operator.use_scene_range:
+        first, last = scene.frame_start, scene.frame_end
     if last < first:
         raise LatticeError(f"the last frame, {last}, is before the first, {first}")
     return range(first, last + 1, operator.step)
 
 
 def bake(context, objects, frames, take):
-    """Calls take(object, frame, points) for each object in each frame. Returns to the current frame."""
+    """Calls take(object, frame, points) for each object in each frame. Returns to the current frame. What was
+    baked before is removed first."""
     scene = context.scene
+    for object in objects:
+        binding.remove_baked(object)
     before = scene.frame_current
     try:
         for frame in frames:
@@ -394,14 +398,36 @@ def bake(context, objects, frames, take):
                 pose = lattice_object.posed_positions(lattice, depsgraph)
                 bound = binding.bound_of(object)
                 take(object, frame, bound.deform(binding.in_object(object, lattice, pose, depsgraph)))
+    except Exception:
+        for object in objects:
+            binding.remove_baked(object)
+        raise
     finally:
         scene.frame_set(before)
+    for object in objects:
+        object.espalier.is_live = False
+        key = binding.following_key(object)
+        if key is not None:
+            key.value = 0
 
 
 class BakeBase(EspalierOperator):
-    first: bpy.props.IntProperty(name="First Frame", default=-1, description="-1: the first of the scene")
-    last: bpy.props.IntProperty(name="Last Frame", default=-1, description="-1: the last of the scene")
+    use_scene_range: bpy.props.BoolProperty(name="Scene Range", default=True,
+                                            description="Bake from the first to the last frame of the scene")
+    first: bpy.props.IntProperty(name="First Frame", default=1,
+                                 description="The first frame to bake, if Scene Range is off")
+    last: bpy.props.IntProperty(name="Last Frame", default=250,
+                                description="The last frame to bake, if Scene Range is off")
     step: bpy.props.IntProperty(name="Step", min=1, default=1)
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.prop(self, "use_scene_range")
+        frames = column.column(align=True)
+        frames.enabled = not self.use_scene_range
+        frames.prop(self, "first")
+        frames.prop(self, "last")
+        column.prop(self, "step")
 
 
 class BakeShapeKeys(BakeBase, bpy.types.Operator):
@@ -418,19 +444,17 @@ class BakeShapeKeys(BakeBase, bpy.types.Operator):
 
         def take(object, frame, points):
             key = object.shape_key_add(name=f"{binding.KEY} {frame}", from_mix=False)
+            object.espalier.baked_keys.add().name = key.name
             key.data.foreach_set("co", points.astype(np.float32).ravel())
             for other, value in ((frame - self.step, 0.0), (frame, 1.0), (frame + self.step, 0.0)):
                 if other in frames or other == frame:
                     key.value = value
                     key.keyframe_insert("value", frame=other)
-            for curve in object.data.shape_keys.animation_data.action.fcurves:
+            for curve in binding.key_curves(object.data.shape_keys, key.name):
                 for point in curve.keyframe_points:
                     point.interpolation = "LINEAR"
 
         bake(context, objects, frames, take)
-        for object in objects:
-            object.espalier.is_live = False
-            object.data.shape_keys.key_blocks[binding.KEY].value = 0
         context.scene.frame_set(context.scene.frame_current)
         self.report({"INFO"}, f"{len(frames)} shape keys for each of {len(objects)} objects")
         return {"FINISHED"}
@@ -458,9 +482,8 @@ class BakePointCache(BakeBase, ExportHelper, bpy.types.Operator):
                                    float(frames[0]), float(self.step), len(frames)))
             bake(context, [object], frames,
                  lambda _, frame, points: file.write(points.astype("<f4").tobytes()))
-        object.espalier.is_live = False
-        object.data.shape_keys.key_blocks[binding.KEY].value = 0
-        modifier = object.modifiers.get(binding.KEY) or object.modifiers.new(binding.KEY, "MESH_CACHE")
+        modifier = object.modifiers.new(binding.KEY, "MESH_CACHE")
+        object.espalier.cache_modifier = modifier.name
         modifier.cache_format = "PC2"
         modifier.filepath = self.filepath
         modifier.frame_start = frames[0]
@@ -480,13 +503,7 @@ class FollowAgain(EspalierOperator, bpy.types.Operator):
         objects = bound_selection(context)
         self.give_own_meshes(objects)
         for object in objects:
-            keys = object.data.shape_keys
-            for key in [k for k in keys.key_blocks if k.name.startswith(binding.KEY + " ")]:
-                object.shape_key_remove(key)
-            modifier = object.modifiers.get(binding.KEY)
-            if modifier is not None:
-                object.modifiers.remove(modifier)
-            keys.key_blocks[binding.KEY].value = 1
+            binding.remove_baked(object)
             object.espalier.is_live = True
             binding.update(object, context.evaluated_depsgraph_get())
         return {"FINISHED"}
