@@ -619,6 +619,79 @@ def frames():
     check(len(model.espalier.baked_keys) == 2, "the range of the scene")
 
 
+def cage():
+    """A cage follows the evaluated faces of the selected objects, in the coordinates of the world."""
+    enable()
+    clear()
+    from espalier_lattice import binding, engine, lattice_object
+    espalier = engine.load()
+
+    def parts(lattice):
+        """Returns the number of connected parts of a lattice."""
+        parents = list(range(len(lattice.positions)))
+
+        def root(vertex):
+            while parents[vertex] != vertex:
+                vertex = parents[vertex]
+            return vertex
+
+        for cell in lattice.cells:
+            vertices = [v for loop in cell for v in loop]
+            for vertex in vertices[1:]:
+                parents[root(vertex)] = root(vertices[0])
+        return len({root(v) for v in range(len(parents))})
+
+    def check_cage(object, vertices, count):
+        lattice = lattice_object.lattice_of(object, espalier)
+        check(parts(lattice) == count, f"{parts(lattice)} parts, expected {count}")
+        check(0.8 * vertices <= len(lattice.positions) <= 1.2 * vertices, len(lattice.positions))
+        for bound in binding.bound_objects(lattice=object):
+            check(not np.asarray(binding.bound_of(bound).binding.statuses).any(), f"{bound.name}: points outside")
+        return lattice
+
+    # The faces count, not the points: a cube has few points.
+    bpy.ops.mesh.primitive_cube_add()
+    check_cage(add_lattice(bpy.context.active_object, kind="CAGE", vertices=60), 60, 1)
+
+    # A narrow object that is rotated, scaled and subdivided, and one far away.
+    clear()
+    bpy.ops.mesh.primitive_cube_add(location=(4, 0, 0), rotation=(0, 0.7, 0.4), scale=(3, 0.3, -0.5))
+    narrow = bpy.context.active_object
+    subdivision = narrow.modifiers.new("subdivision", "SUBSURF")
+    subdivision.levels = 3
+    bpy.context.view_layer.update()
+    world = np.array(narrow.matrix_world)
+    points = evaluated(narrow) @ world[:3, :3].T + world[:3, 3]
+    check(len(points) > 100, "subdivided")
+    other = sphere("other", 3, location=(-5, 2, 1))
+    lattice = check_cage(add_lattice(narrow, other, kind="CAGE", vertices=150, margin=0.02), 150, 2)
+    check(not np.asarray(espalier.bind(lattice, points, 3).statuses).any(), "the subdivided points are inside")
+    volume = 4 / 3 * math.pi * 1 + abs(np.linalg.det(world[:3, :3])) * 8
+    box = np.prod(lattice.positions.max(axis=0) - lattice.positions.min(axis=0))
+    check(box > 10 * volume, "the box around both is large")
+    # The cells fill little of the box.
+    filled = sum(abs(np.linalg.det(np.stack([p[1] - p[0], p[3] - p[0], p[4] - p[0]])))
+                 for p in lattice.positions[lattice.hexahedra])
+    check(filled < 0.5 * box, (filled, box))
+
+    # Points without faces have no cage.
+    clear()
+    mesh = bpy.data.meshes.new("points")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 1)], [], [])
+    cloud = bpy.data.objects.new("points", mesh)
+    bpy.context.collection.objects.link(cloud)
+    select(cloud)
+    try:
+        bpy.ops.espalier.add_lattice(kind="CAGE")
+        check(False, "no error")
+    except RuntimeError as error:
+        check("no faces" in str(error) and "Box" in str(error), error)
+    # Without a selection, it is a cage around a cube.
+    clear()
+    check(bpy.ops.espalier.add_lattice(kind="CAGE", vertices=60) == {"FINISHED"}, "no selection")
+    check_cage(bpy.context.active_object, 60, 1)
+
+
 def speed():
     """Times 100,000 points without drawing."""
     enable()

@@ -90,6 +90,9 @@ class BlenderAddOn(CliTest):
     def test_frames_below_zero_are_baked(self):
         self.blender("frames")
 
+    def test_a_cage_follows_the_faces(self):
+        self.blender("cage")
+
     def test_the_speed_of_100000_points_is_printed(self):
         """A figure, not a timed test: the load of this machine is not known. Frames per second of processor time, of
         all cores together, do not depend on the load."""

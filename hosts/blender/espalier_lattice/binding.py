@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Objects that follow a lattice.
 
-A bound object has a shape key of the add-on, named "Espalier" if that is free, whose points are computed whenever the lattice moves: by a
-handler, in the viewport and in renders. Points x of the object become x + D (q' - q): q are the vertices of
-the lattice in the coordinates of the object when it was bound, and q' they are now. So the object follows if
-the lattice moves against it, and stays as it is if both move together.
+A bound object has a shape key of the add-on, named "Espalier" if that is free, whose points are computed
+whenever the lattice moves: by a handler, in the viewport and in renders. Points x of the object become x + D
+(q' - q): q are the vertices of the lattice in the coordinates of the object when it was bound, and q' they
+are now. So the object follows if the lattice moves against it, and stays as it is if both move together.
 
 q and the settings are saved in the .blend file. D is computed again when the file is opened and the lattice
 moves for the first time: the same lattice and points give the same D, bit for bit. The file also has hashes of
@@ -135,8 +135,8 @@ def check_not_shared(object):
     """A shape key belongs to a mesh, so that objects with one mesh cannot follow a lattice each in its way."""
     others = sharing(object)
     if others:
-        raise LatticeError(f"{object.name}: it shares its mesh with {', '.join(others)}; run Rebind, which gives it "
-                           "a mesh of its own")
+        raise LatticeError(f"{object.name}: it shares its mesh with {', '.join(others)}; run Rebind, which gives "
+                           "it a mesh of its own")
 
 
 def give_own_mesh(object):

@@ -53,23 +53,34 @@ class AddLattice(EspalierOperator, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(name="Kind", items=make.KINDS, default="BOX")
     cells: bpy.props.IntProperty(name="Cells", min=1, max=64, default=3,
-                                 description="Cells along the longest side of a box or a cage")
+                                 description="Cells along the longest side of a box")
+    vertices: bpy.props.IntProperty(name="Vertices", min=8, max=100000, soft_max=2000, default=200,
+                                    description="About the number of vertices of a cage; with more of them, it "
+                                                "follows the objects more closely")
     margin: bpy.props.FloatProperty(name="Margin", min=0, max=2, default=0.05,
                                     description="Distance from the objects to the sides of the lattice, as a "
                                                 "fraction of their size")
     bind: bpy.props.BoolProperty(name="Bind", default=True,
                                  description="Bind the selected objects to the lattice")
 
+    def draw(self, context):
+        column = self.layout.column()
+        column.prop(self, "kind")
+        if self.kind in ("BOX", "CAGE"):
+            column.prop(self, "cells" if self.kind == "BOX" else "vertices")
+        column.prop(self, "margin")
+        column.prop(self, "bind")
+
     def run(self, context):
         espalier = engine.load()
         object_mode(context)
         depsgraph = context.evaluated_depsgraph_get()
         objects = selected_meshes(context)
+        model = make.model_of(objects, depsgraph, with_rest=self.bind)
+        lattice = make.around(espalier, self.kind, model, self.cells, self.vertices, self.margin)
+        added = lattice_object.object_of(lattice, "Espalier " + self.kind.lower(), context.collection)
         if self.bind:
             self.give_own_meshes(objects)
-        points = make.points_of(objects, depsgraph)
-        lattice = make.around(espalier, self.kind, points, self.cells, self.margin)
-        added = lattice_object.object_of(lattice, "Espalier " + self.kind.lower(), context.collection)
         context.view_layer.update()
         depsgraph = context.evaluated_depsgraph_get()
         outside = 0

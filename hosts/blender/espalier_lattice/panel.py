@@ -62,10 +62,8 @@ class LatticePanel(bpy.types.Panel):
         if problem:
             box = layout.box()
             box.alert = True
-            for i, line in enumerate(textwrap.wrap(problem, 40)):
-                box.label(text=line, icon="NONE" if i else "ERROR")
-            if "rebind" in problem.lower():
-                box.operator("espalier.rebind", icon="FILE_REFRESH")
+            for i, line in enumerate(textwrap.wrap(problem, 26)):
+                box.label(text=line, icon="BLANK1" if i else "ERROR")
         column = layout.column(align=True)
         column.operator("espalier.rebind")
         column.operator("espalier.unbind")
