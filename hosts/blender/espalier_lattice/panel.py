@@ -62,8 +62,9 @@ class LatticePanel(bpy.types.Panel):
         if problem:
             box = layout.box()
             box.alert = True
-            for i, line in enumerate(textwrap.wrap(problem, 26)):
-                box.label(text=line, icon="BLANK1" if i else "ERROR")
+            lines = box.column(align=True)
+            for i, line in enumerate(textwrap.wrap(problem, 22)):
+                lines.label(text=line, icon="BLANK1" if i else "ERROR")
         column = layout.column(align=True)
         column.operator("espalier.rebind")
         column.operator("espalier.unbind")
