@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/base/index.h>
 
 #include <algorithm>
@@ -11,10 +12,9 @@
 namespace espalier {
 
 /// Sorts numbers and removes duplicates.
-inline void sortUnique(std::vector<Index>& numbers) {
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
+/// \cost O(n) if the numbers are dense: at least one for each 64 values between the smallest and
+///       the largest; otherwise O(n log n)
+ESPALIER_API void sortUnique(std::vector<Index>& numbers);
 
 /// Returns the smallest number that a list names twice; nothing if it names none twice.
 inline std::optional<Index> repeatedIn(std::span<const Index> numbers) {

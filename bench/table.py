@@ -311,7 +311,7 @@ def growth(best):
         f"""**Binding, by level** (levels 1 to 6, 30,000 points in 1,000 cells). From the first level to the
         last the number of cells grows {levels_up:,.0f} times, and the time {level_cost:.1f} times.
         Only cells that hold points are refined, and the cells around them that the rules need.""",
-        f"""**Binding, by number of base cells** (2³ to 20³ cells, 100,000 points at level 3). The number of
+        f"""**Binding, by number of base cells** (2³ to 100³ cells, 100,000 points at level 3). The number of
         cells grows {cells_up:,.0f} times, and the time {cell_cost:.1f} times.""")
     return "\n".join(wrap(item, "- ") for item in items)
 

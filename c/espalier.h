@@ -167,6 +167,14 @@ typedef struct espalier_cells {
     const int32_t* face_vertices;  ///< face_offsets[face_count] numbers
 } espalier_cells;
 
+/// Faces of points, such as the faces of a model. Face f has the points corners[i], offsets[f] <= i
+/// < offsets[f + 1], in the order around the face. offsets[0] is 0.
+typedef struct espalier_polygons {
+    int64_t face_count;
+    const int64_t* offsets;  ///< face_count + 1 numbers
+    const int32_t* corners;  ///< offsets[face_count] numbers
+} espalier_polygons;
+
 /// A control lattice: cells, positions of the vertices, and marks.
 typedef struct espalier_lattice espalier_lattice;
 

@@ -69,6 +69,53 @@ ESPALIER_C_API espalier_status
 espalier_lattice_create_around(int64_t point_count, const double* points,
                                const espalier_around_options* options, espalier_lattice** lattice);
 
+/// A lattice that follows the shape of a model (cages/cage.h). Start from
+/// espalier_default_cage_options(): later versions may add fields, and `size` tells the library
+/// which fields exist.
+typedef struct espalier_cage_options {
+    size_t size;         ///< sizeof(espalier_cage_options)
+    int32_t vertices;    ///< number of vertices, 8 to 100,000; the result has between 0.8 and 1.2
+                         ///< times as many; default 200
+    int32_t keep_apart;  ///< nonzero: parts of the model that are nearer to each other than a cell
+                         ///< stay separate; default 0
+    double cell_size;    ///< edge of the cells before they are fitted, in the units of the points,
+                         ///< above 0; `vertices` is not used then; default 0: not set
+    double margin;       ///< least distance from the model to the boundary of the limit volume, as
+                         ///< a fraction of the diagonal of the box around the model: 0 to 1;
+                         ///< default 0
+    double shell;        ///< above 0: the lattice is made around the surface only, and contains all
+                         ///< points within half of this distance; default 0: around the solid
+} espalier_cage_options;
+
+static inline espalier_cage_options espalier_default_cage_options(void) {
+    espalier_cage_options options;
+    options.size = sizeof options;
+    options.vertices = 200;
+    options.keep_apart = 0;
+    options.cell_size = 0;
+    options.margin = 0;
+    options.shell = 0;
+    return options;
+}
+
+/// Makes a lattice of hexahedra that follows the shape of a model. The faces may be any polygons,
+/// in any order, wound in any way; they may intersect, leave gaps, or occur several times. The
+/// result is proved: it contains every point of the model, at level 3 and in the limit, and every
+/// patch of its limit volume has a positive Jacobian.
+///
+/// \param points 3 · point_count numbers
+/// \param options null for the defaults
+/// \retval ESPALIER_ERROR_INPUT there are no faces; a face names a point that does not exist; a
+/// point
+///         is not finite; all points are at one place; an option is out of range; or no lattice of
+///         about this size can be fitted, which happens for tangled models and few vertices
+/// \cost on one thread about 5 s for 100,000 triangles and 500 vertices; docs/cages.md has times
+ESPALIER_C_API espalier_status espalier_lattice_create_cage(int32_t point_count,
+                                                            const double* points,
+                                                            const espalier_polygons* faces,
+                                                            const espalier_cage_options* options,
+                                                            espalier_lattice** lattice);
+
 /// The cells in the middle of a disk (shapes/section.h).
 enum {
     ESPALIER_CORE_WEDGES = 0,  ///< a vertex with triangles around it, which are swept to wedges

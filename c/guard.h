@@ -62,6 +62,20 @@ std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t
     return {values, static_cast<std::size_t>(count * perEntity)};
 }
 
+/// Checks the offsets of `count` rows and returns them.
+/// \throws Error if they do not start with 0, or do not ascend
+inline std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, std::int64_t count,
+                                                    const char* name) {
+    if (count < 0) throw Error(concat(name, ": the count is ", count, "; expected 0 or more"));
+    const auto checked = array(offsets, count + 1, name);
+    if (checked[0] != 0) throw Error(concat(name, "[0] is ", checked[0], "; expected 0"));
+    for (std::size_t i = 1; i < checked.size(); ++i)
+        if (checked[i] < checked[i - 1])
+            throw Error(concat(name, "[", i, "] is ", checked[i], ", below the ", checked[i - 1],
+                               " before it"));
+    return checked;
+}
+
 /// Copies an array of positions.
 /// \param count number of positions; the array has three times as many numbers
 inline std::vector<Point3> positions(const double* values, std::int64_t count, const char* name) {

@@ -17,20 +17,6 @@ std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* v
     return {values + offsets[index], static_cast<std::size_t>(offsets[index + 1] - offsets[index])};
 }
 
-/// Checks the offsets of `count` rows and returns them.
-/// \throws Error if they do not start with 0, or do not ascend
-std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index count,
-                                             const char* name) {
-    if (count < 0) throw Error(concat(name, ": the count is ", count, "; expected 0 or more"));
-    const auto checked = array(offsets, std::int64_t{count} + 1, name);
-    if (checked[0] != 0) throw Error(concat(name, "[0] is ", checked[0], "; expected 0"));
-    for (std::size_t i = 1; i < checked.size(); ++i)
-        if (checked[i] < checked[i - 1])
-            throw Error(concat(name, "[", i, "] is ", checked[i], ", below the ", checked[i - 1],
-                               " before it"));
-    return checked;
-}
-
 /// Throws if there are more vertices than the cells can name, before anything is read or allocated
 /// for each vertex.
 /// \param named number of vertices that the cells name, with repetitions

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/cages/cage.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
@@ -63,6 +64,28 @@ espalier_status espalier_lattice_create_around(int64_t point_count, const double
                                    .cellsAlongLongest = chosen.cells_along_longest,
                                    .margin = chosen.margin,
                                    .oriented = chosen.oriented != 0});
+        })};
+    });
+}
+
+espalier_status espalier_lattice_create_cage(int32_t point_count, const double* points,
+                                             const espalier_polygons* faces,
+                                             const espalier_cage_options* options,
+                                             espalier_lattice** lattice) {
+    return c::result(lattice, "lattice", [&] {
+        const auto places = c::positions(points, point_count, "points");
+        const auto& given = c::deref(faces, "faces");
+        const auto offsets = c::checkedOffsets(given.offsets, given.face_count, "offsets");
+        const auto corners = c::array(given.corners, offsets.back(), "corners");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_cage_options(),
+                                                 "espalier_default_cage_options");
+        const std::vector<std::size_t> ends(offsets.begin() + 1, offsets.end());
+        return new espalier_lattice{c::withNamesOfC([&] {
+            return cages::cage({places, corners, ends}, {.vertices = chosen.vertices,
+                                                         .cellSize = chosen.cell_size,
+                                                         .margin = chosen.margin,
+                                                         .shell = chosen.shell,
+                                                         .keepApart = chosen.keep_apart != 0});
         })};
     });
 }

@@ -32,6 +32,10 @@ constexpr double kWantedLeast = 0.94, kWantedMost = 1.04;
 /// Largest number of vertices that can be asked for.
 constexpr Index kMaxVertices = 100000;
 
+/// Range of the diagonal of the box around a model. The energy of a fit has sixth powers of the
+/// edges of cells, which a double can hold then.
+constexpr double kMinDiagonal = 1e-40, kMaxDiagonal = 1e40;
+
 /// The number of vertices grows about as this power of 1 / size.
 constexpr double kPower = 2.4;
 
@@ -143,10 +147,9 @@ private:
     Way way_;
 };
 
-void requireNumber(double value, const char* name) {
-    if (!(value >= 0 && value <= 1e90))
-        throw Error(
-            concat("cage: ", name, " is ", textOf(value), "; expected a finite number, 0 or more"));
+void requireNumber(double value, const char* name, double max) {
+    if (!(value >= 0 && value <= max))
+        throw Error(concat("cage: ", name, " is ", textOf(value), "; expected 0 to ", textOf(max)));
 }
 
 CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
@@ -154,12 +157,16 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     if (options.vertices < 8 || options.vertices > kMaxVertices)
         throw Error(
             concat("cage: vertices is ", options.vertices, "; expected 8 to ", kMaxVertices));
-    requireNumber(options.cellSize, "cellSize");
-    requireNumber(options.margin, "margin");
-    requireNumber(options.shell, "shell");
+    requireNumber(options.cellSize, "cellSize", 1e90);
+    requireNumber(options.margin, "margin", 1);
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
     diagonal_ = Box(points).diagonal();
     if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
+    if (diagonal_ < kMinDiagonal || diagonal_ > kMaxDiagonal)
+        throw Error(concat("cage: the diagonal of the model is ", textOf(diagonal_), "; expected ",
+                           textOf(kMinDiagonal), " to ", textOf(kMaxDiagonal),
+                           "; scale the model"));
+    requireNumber(options.shell, "shell", 2 * diagonal_);
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
     // At least two voxels along each edge, in memory for kMaxVoxels.
@@ -358,6 +365,15 @@ std::vector<FitPoint> CageMaker::samples(const Frame& frame, double cellSize,
     return result;
 }
 
+/// Names a point that is in no face, and so may be far from the faces by mistake.
+std::string loosePointText(const ModelSurface& surface) {
+    for (const Triangle& t : surface.triangles())
+        if (t[0] == t[1] && t[1] == t[2])
+            return concat("; the lattice must hold the point ", textOf(surface.points()[t[0]]),
+                          ", too, which is in no face");
+    return {};
+}
+
 Lattice CageMaker::make() {
     std::string failure;
     for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
@@ -375,6 +391,7 @@ Lattice CageMaker::make() {
                                    : concat("of about ", options_.vertices, " vertices");
     throw Error(concat("cage: found no lattice ", wanted, " that follows the model",
                        failure.empty() ? "" : "; the last one that was tried: ", failure,
+                       loosePointText(surface_),
                        options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",
                        options_.keepApart ? ", or without keeping parts apart" : ""));
 }

@@ -35,11 +35,12 @@ struct CageOptions {
     double cellSize = 0;
 
     /// Least distance between the model and the boundary of the limit volume, as a fraction of the
-    /// diagonal of the smallest box with sides along the axes that holds the model: 0 or more.
+    /// diagonal of the smallest box with sides along the axes that holds the model: 0 to 1.
     double margin = 0;
 
     /// Above 0: the lattice is made around the surface only, and contains all points within half of
-    /// this distance, in the units of the model. 0: around the solid.
+    /// this distance, in the units of the model, at most twice the diagonal of the model. 0: around
+    /// the solid.
     double shell = 0;
 
     /// True: parts of the model that are nearer to each other than a cell stay separate. Parts
@@ -59,13 +60,14 @@ struct CageOptions {
 /// - every patch of the limit volume has a positive Jacobian.
 ///
 /// The lattice has the connected parts, handles and cavities of the model at the scale of its
-/// cells; its boundary is a manifold, without marks. The same faces in another order, turned
-/// around, or with duplicates give the same bits; so does any number of threads.
+/// cells; its boundary is a manifold, without marks. The same faces in another order, with
+/// duplicates, or with triangles that start at another corner give the same bits; so does any
+/// number of threads.
 ///
 /// \throws Error if there are no faces, a face names a point that does not exist, a point is not
-///         finite or beyond ±1e90, or all points are at one place; for an option out of range; if
-///         no lattice of about this size can be fitted, which happens for tangled models and few
-///         vertices
+///         finite or beyond ±1e90, or the diagonal of the model is not between 1e-40 and 1e40; for
+///         an option out of range; if no lattice of about this size can be fitted, which happens
+///         for tangled models and few vertices
 /// \cost on one thread about 5 s for 100,000 triangles and 500 vertices, 14 s and 770 MB for 1.1
 ///       million triangles. Grows with the number of vertices; docs/cages.md has times
 ESPALIER_API Lattice cage(const SurfaceModel& model, const CageOptions& options = {});

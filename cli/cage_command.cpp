@@ -37,11 +37,8 @@ void runCage(const CageCommandOptions& options) {
             throw io::FileError(path,
                                 "has no faces, so that it bounds no solid; make a box around "
                                 "its points: espalier shape around");
-        const auto firstPoint = static_cast<Index>(points.size());
-        const std::size_t firstCorner = faces.corners.size();
+        faces.append(own, static_cast<Index>(points.size()));
         points.insert(points.end(), model->positions().begin(), model->positions().end());
-        for (const Index corner : own.corners) faces.corners.push_back(firstPoint + corner);
-        for (const std::size_t end : own.ends) faces.ends.push_back(firstCorner + end);
     }
     const Lattice lattice = stages.run("building", [&] {
         return ofFile(options.models.front(), [&] {
@@ -79,8 +76,8 @@ void addCageCommand(CLI::App& shape) {
     command
         .add_option("--margin", options.cage.margin,
                     "Least distance from the model to the boundary of the lattice, as a fraction "
-                    "of the diagonal of the box around the model")
-        ->check(CLI::NonNegativeNumber)
+                    "of the diagonal of the box around the model: 0 to 1")
+        ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
     command
         .add_option("--shell", options.cage.shell,

@@ -14,8 +14,8 @@ pictures and this page.
 
 To repeat the commands, put the program and the examples on the path, and run them in the folder of
 their inputs: `out/gallery/NAME/` for `figures/gallery/NAME.png`, and `out/` for the star, the
-barbell and the arm. The colours are those of Okabe and Ito, which colour-blind readers can tell
-apart.
+barbell, the arm and the cage. The colours are those of Okabe and Ito, which colour-blind readers can
+tell apart.
 """
 
 REFERENCES = """## The papers
@@ -30,7 +30,7 @@ REFERENCES = """## The papers
   B-splines.*
 """
 
-DEMO_SOURCE = "MacCracken & Joy 1996, Figure {}"
+MACCRACKEN_JOY = "MacCracken & Joy 1996, Figure {}"
 
 
 @dataclass
@@ -45,27 +45,34 @@ class Entry:
 
 
 def demo_entries():
-    """The three panels that scripts/demo draws."""
+    """The pictures that scripts/demo draws."""
     return [
-        demo_entry("star", "A disk becomes a star", 7,
+        demo_entry("star", "A disk becomes a star",
+                   MACCRACKEN_JOY.format(7),
                    "A round lattice of ten sectors, the refined lattice, the disk inside it, and "
                    "the result after the outermost vertices are moved out and in by turns. In this "
                    "picture and the next two, the model at rest is grey and the lattice has the "
                    "colours of the first picture; the deformed model has its own colours, and its "
                    "lattice is orange."),
-        demo_entry("barbell", "A block becomes a barbell", 8,
+        demo_entry("barbell", "A block becomes a barbell",
+                   MACCRACKEN_JOY.format(8),
                    "The lattice is a flat mesh in the shape of a block, extruded. Its pose is a "
                    "barbell. The checkerboard runs without seams from the bar into the ends."),
-        demo_entry("figure", "An arm is lifted", 9,
+        demo_entry("figure", "An arm is lifted",
+                   MACCRACKEN_JOY.format(9),
                    "The lattice is built around the arm alone, along its bones. Its pose lifts the "
                    "arm and turns the palm to the viewer. Everything outside the lattice stays."),
+        demo_entry("cage", "A figure waves",
+                   "shape cage",
+                   "A cage around the whole figure, made from the model alone. The arm and the head move by "
+                   "their own vertices; no point of the legs and the hips moves by a bit."),
     ]
 
 
-def demo_entry(scene, title, number, caption):
+def demo_entry(scene, title, source, caption):
     model = scenes.MODELS[scene]
     commands = [f"# {model}.obj: the {model} of scripts/demo", *scenes.commands(scene)]
-    return Entry(title, DEMO_SOURCE.format(number), caption, f"figures/{scene}.png", commands)
+    return Entry(title, source, caption, f"figures/{scene}.png", commands)
 
 
 def write_page(path, sections):

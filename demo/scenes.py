@@ -4,7 +4,7 @@ faces +z, so that its left arm is at +x.
 
     scenes.py SCENE
 
-prints the commands that make a scene (figure, star or barbell), to run in the folder of its model.
+prints the commands that make a scene (figure, star, barbell or cage), to run in the folder of its model.
 scripts/demo runs them, and docs/gallery.md shows them. Both poses of a scene's lattice have the same
 topology.
 """
@@ -28,7 +28,7 @@ def chain(start, bones):
 
 
 #: The model of each scene.
-MODELS = {"figure": "figure", "star": "disk", "barbell": "block"}
+MODELS = {"figure": "figure", "star": "disk", "barbell": "block", "cage": "figure"}
 
 # The figure's left arm is slightly away from the body.
 SHOULDER, ELBOW, WRIST, HAND_TIP = chain(
@@ -99,12 +99,27 @@ def shape_options():
     }
 
 
-def commands(scene):
-    """The lattice in both poses, its refinement for the picture, and the deformed model."""
+def cage_commands():
+    """A lattice around the whole figure. The left arm and the head move by their own vertices: the arm about the
+    shoulder, the forearm and the hand about the elbow, the head about the neck."""
+    arm, forearm = "box 0.31 0.5 -0.4 1 1.3 0.4", "box 0.44 0.5 -0.4 1 1.3 0.4"
+    return ["espalier shape cage figure.obj --vertices 300 -o cage-rest.vtu",
+            f"espalier pose cage-rest.vtu --select {arm} --falloff smooth 0.08 --center 0.26 1.2 0 "
+            f"--rotate z 55 --select {forearm} --center 0.45 1.32 0 --rotate z 45 "
+            "--select half-space 0 1.36 0 0 1 0 --center 0 1.3 0 --rotate y -35 -o cage-posed.vtu"]
+
+
+def shape_commands(scene):
     options = shape_options()
-    shapes = [" ".join(["espalier shape", *options[scene, pose], f"-o {scene}-{pose}.vtu"])
-              for pose in ("rest", "posed")]
-    return [*shapes, f"espalier refine {scene}-rest.vtu -n 2 -o {scene}-refined.vtu",
+    return [" ".join(["espalier shape", *options[scene, pose], f"-o {scene}-{pose}.vtu"])
+            for pose in ("rest", "posed")]
+
+
+def commands(scene):
+    """The lattice in both poses, its refinement if the picture shows it, and the deformed model."""
+    shapes = cage_commands() if scene == "cage" else shape_commands(scene)
+    refined = [f"espalier refine {scene}-rest.vtu -n 2 -o {scene}-refined.vtu"] if scene != "cage" else []
+    return [*shapes, *refined,
             f"espalier deform {MODELS[scene]}.obj --rest {scene}-rest.vtu --to {scene}-posed.vtu "
             f"-n 3 -o {scene}-deformed.obj"]
 

@@ -26,12 +26,12 @@ public:
     }
 
     /// Writes a row.
-    /// \param shift is added to its columns
+    /// \param numberOf numberOf(column) returns the number of a column here
+    template <class NumberOf>
     void set(Index row, std::span<const Index> columns, std::span<const double> weights,
-             Index shift) {
+             NumberOf numberOf) {
         const Offset to = offsets_[row];
-        std::transform(columns.begin(), columns.end(), columns_.begin() + to,
-                       [&](Index column) { return column + shift; });
+        std::transform(columns.begin(), columns.end(), columns_.begin() + to, numberOf);
         std::copy(weights.begin(), weights.end(), weights_.begin() + to);
     }
 
@@ -47,12 +47,11 @@ private:
 };
 
 /// Puts the rows of the points of all parts into one table, and empties the rows of the parts.
-/// \param shifts for each part, the number added to its columns
 /// \param rowsOf returns the rows of a part's points from the part's table
-template <class Table, class RowsOf>
+/// \param numberOf numberOf(p, column) returns the number in the result of a column of part p
+template <class Table, class RowsOf, class NumberOf>
 stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowCount,
-                                            Index columnCount, std::span<const Index> shifts,
-                                            RowsOf rowsOf) {
+                                            Index columnCount, RowsOf rowsOf, NumberOf numberOf) {
     Array<Offset> lengths(static_cast<std::size_t>(rowCount) + 1, 0);
     for (BoundPart<Table>& part : parts) {
         const stencils::StencilTable<double>& rows = rowsOf(part.table);
@@ -68,7 +67,8 @@ stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts
             stencils::StencilTable<double>& rows = rowsOf(part.table);
             for (Index i = 0; i < rows.rowCount(); ++i)
                 if (!rows.columns(i).empty())
-                    scattered.set(part.points[i], rows.columns(i), rows.weights(i), shifts[p]);
+                    scattered.set(part.points[i], rows.columns(i), rows.weights(i),
+                                  [&](Index column) { return numberOf(p, column); });
             rows = {};
         }
     });
@@ -79,12 +79,12 @@ stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts
 
 void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::StencilTable<double>& result) {
-    const std::vector<Index> none(parts.size(), 0);
-    result =
-        gatherPoints(parts, rowCount, columnCount, none,
-                     [](stencils::StencilTable<double>& table) -> stencils::StencilTable<double>& {
-                         return table;
-                     });
+    result = gatherPoints(
+        parts, rowCount, columnCount,
+        [](stencils::StencilTable<double>& table) -> stencils::StencilTable<double>& {
+            return table;
+        },
+        [&](Offset p, Index column) { return parts[p].baseVertex(column); });
 }
 
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
@@ -107,17 +107,19 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
     ScatteredRows scattered(std::move(lengths));
     parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
-            const auto part = static_cast<std::size_t>(p);
-            const stencils::StencilTable<double>& vertices = parts[part].table.vertices;
+            const auto& part = parts[p];
+            const stencils::StencilTable<double>& vertices = part.table.vertices;
             for (Index row = 0; row < vertices.rowCount(); ++row)
-                scattered.set(shifts[part] + row, vertices.columns(row), vertices.weights(row), 0);
+                scattered.set(shifts[p] + row, vertices.columns(row), vertices.weights(row),
+                              [&](Index column) { return part.baseVertex(column); });
         }
     });
-    stencils::StencilTable<double> points =
-        gatherPoints(parts, rowCount, vertexCount, shifts,
-                     [](stencils::FactoredTable<double>& table) -> stencils::StencilTable<double>& {
-                         return table.points;
-                     });
+    stencils::StencilTable<double> points = gatherPoints(
+        parts, rowCount, vertexCount,
+        [](stencils::FactoredTable<double>& table) -> stencils::StencilTable<double>& {
+            return table.points;
+        },
+        [&](Offset p, Index column) { return column + shifts[p]; });
     result = {scattered.take(columnCount), std::move(points)};
 }
 

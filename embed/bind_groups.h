@@ -26,7 +26,13 @@ struct BoundPart {
     std::vector<Index> points;  ///< their indices in the group
     std::vector<PointStatus> statuses;
     double largestResidual = 0;
-    Table table;  ///< one row per point; empty if the point has no place
+    Table table;                           ///< one row per point; empty if the point has no place
+    std::vector<Index> baseVertices = {};  ///< for each vertex that the table starts from, its
+                                           ///< number in the base; empty if the numbers are equal
+
+    Index baseVertex(Index column) const {
+        return baseVertices.empty() ? column : baseVertices[column];
+    }
 };
 
 /// Binds a group of neighbouring points. Any number of threads may call it at once.

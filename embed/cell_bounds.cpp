@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/sort_unique.h>
 #include <espalier/embed/cell_bounds.h>
 #include <espalier/embed/cell_frame.h>
 #include <espalier/embed/regular_cells.h>
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 
 namespace espalier::embed {
 
@@ -17,6 +15,8 @@ CellBounds::CellBounds(const far::Level& level, std::span<const Point3> position
     : level_(level),
       positions_(positions),
       mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()),
+      isRegular_(level.complex.count(0)),
+      secondDifferenceAround_(level.complex.count(0)),
       aroundVertex_(level.complex.count(0)),
       staysInHull_(level.complex.count(0)) {}
 
@@ -24,8 +24,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
     CellBound bound;
     if (inherited) bound.drift = *inherited / 4;
     // Three axes, with a sixth of the second difference each.
-    if (!bound.drift && isRegularCell(level_, cell))
-        bound.drift = largestSecondDifference(ringOf(cell)) / 2;
+    if (!bound.drift && isRegular(cell)) bound.drift = largestSecondDifference(cell) / 2;
     if (bound.drift) {
         if (!bound.drift->allFinite()) return std::nullopt;  // Coordinates near the largest double.
         bound.box = ownBox(cell).box;
@@ -109,16 +108,6 @@ Eigen::Matrix3d CellBounds::axesOf(Index cell) const {
     return axes;
 }
 
-std::vector<Index> CellBounds::ringOf(Index cell) const {
-    std::vector<Index> ring;
-    for (const Index vertex : level_.complex.relation(3, 0)[cell]) {
-        const auto cells = level_.complex.relation(0, 3)[vertex];
-        ring.insert(ring.end(), cells.begin(), cells.end());
-    }
-    sortUnique(ring);
-    return ring;
-}
-
 /// Returns true if no new point around a cell has a negative weight, on this level or a later one.
 bool CellBounds::staysInHull(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
@@ -144,60 +133,72 @@ bool CellBounds::isConvexAround(Index vertex) const {
     return level_.strata.smoothStratum({0, vertex}) != 2 || surfaceEdges != 2;
 }
 
-namespace {
+/// Returns true if the cell is regular: see isRegularCell().
+bool CellBounds::isRegular(Index cell) {
+    const auto vertices = level_.complex.relation(3, 0)[cell];
+    return std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+        auto& isRegular = isRegular_[vertex];
+        if (!isRegular) isRegular = isRegularVertex(level_, vertex);
+        return *isRegular;
+    });
+}
 
-/// The neighbours of a vertex in a grid, at most 6.
-struct Neighbours {
-    std::array<Index, 6> vertices = {};
-    std::size_t count = 0;
-    std::array<unsigned, 6> together = {};  ///< bit k: some cell contains this neighbour and
-                                            ///< vertices[k]
-
-    /// Returns the position of a neighbour in `vertices`. Adds it if it is new.
-    std::size_t placeOf(Index neighbour) {
-        const auto at = std::find(vertices.begin(), vertices.begin() + count, neighbour);
-        if (at == vertices.begin() + count) vertices[count++] = neighbour;
-        return static_cast<std::size_t>(at - vertices.begin());
-    }
-};
-
-}  // namespace
-
-/// Returns, for each coordinate, the largest |P₋ − 2P + P₊| over the vertices P of `ring`, which is
-/// a grid of cells. P₋ and P₊ are neighbours of P along one axis: neighbours that no cell has in
-/// common.
-Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) {
-    std::vector<Index> vertices;
-    for (const Index cell : ring) {
-        const auto& corners = hexahedron(cell).corners;
-        vertices.insert(vertices.end(), corners.begin(), corners.end());
-    }
-    sortUnique(vertices);
-    std::vector<Neighbours> around(vertices.size());
-    for (const Index cell : ring)
-        for (std::size_t i = 0; i < 8; ++i) {
-            const auto& corners = hexahedron(cell).corners;
-            const auto at = std::lower_bound(vertices.begin(), vertices.end(), corners[i]);
-            Neighbours& neighbours = around[at - vertices.begin()];
-            std::array<std::size_t, 3> places;
-            unsigned together = 0;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                places[axis] = neighbours.placeOf(corners[i ^ std::size_t{1} << axis]);
-                together |= 1U << places[axis];
-            }
-            for (const std::size_t place : places) neighbours.together[place] |= together;
-        }
+/// Returns, for each coordinate, the largest |P₋ − 2P + P₊| over the vertices P of the cells around
+/// a regular cell, which are a grid. P₋ and P₊ are the neighbours of P along one axis; all three
+/// must be vertices of these cells.
+///
+/// P₋, P and P₊ are on two edges that leave a face with P on its two sides. The faces between two
+/// cells of the grid are the faces with two cells that contain a corner of the middle cell.
+Vector3d CellBounds::largestSecondDifference(Index cell) {
     Vector3d largest = Vector3d::Zero();
-    for (std::size_t v = 0; v < vertices.size(); ++v)
-        for (std::size_t i = 0; i < around[v].count; ++i)
-            for (std::size_t k = 0; k < i; ++k) {
-                if ((around[v].together[i] >> k & 1U) != 0) continue;
-                const Vector3d difference = positionOf(around[v].vertices[i]) -
-                                            2 * positionOf(vertices[v]) +
-                                            positionOf(around[v].vertices[k]);
-                largest = largest.cwiseMax(difference.cwiseAbs());
-            }
+    for (const Index corner : level_.complex.relation(3, 0)[cell])
+        largest = largest.cwiseMax(secondDifferenceAround(corner));
     return largest;
+}
+
+/// Returns the largest second difference across the faces around a regular vertex.
+const Vector3d& CellBounds::secondDifferenceAround(Index vertex) {
+    auto& largest = secondDifferenceAround_[vertex];
+    if (!largest) {
+        largest = Vector3d::Zero();
+        for (const Index face : level_.complex.relation(0, 2)[vertex])
+            if (level_.complex.relation(2, 3)[face].size() == 2)
+                *largest = largest->cwiseMax(secondDifferenceAcross(face));
+    }
+    return *largest;
+}
+
+/// Returns the largest second difference at the corners of a face, along the edges that leave the
+/// face in its two cells, which are hexahedra.
+const Vector3d& CellBounds::secondDifferenceAcross(Index face) {
+    // Allocated on first use: lattices without regular cells never need it.
+    if (secondDifferenceAcross_.empty()) secondDifferenceAcross_.resize(level_.complex.count(2));
+    auto& largest = secondDifferenceAcross_[face];
+    if (!largest) {
+        const auto corners = level_.complex.relation(2, 0)[face];
+        const auto cells = level_.complex.relation(2, 3)[face];
+        largest = Vector3d::Zero();
+        const auto& before = hexahedron(cells[0]);
+        const auto& after = hexahedron(cells[1]);
+        for (const Index corner : corners) {
+            const Vector3d difference = positionOf(beyond(before, corners, corner)) -
+                                        2 * positionOf(corner) +
+                                        positionOf(beyond(after, corners, corner));
+            *largest = largest->cwiseMax(difference.cwiseAbs());
+        }
+    }
+    return *largest;
+}
+
+/// Returns the vertex of a hexahedron that an edge joins to a corner of a face, outside the face.
+Index CellBounds::beyond(const CellFrame& frame, std::span<const Index> face, Index corner) {
+    const auto& corners = frame.corners;
+    const auto at = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), corner) -
+                                             corners.begin());
+    for (std::size_t axis = 0; axis < 2; ++axis)
+        if (const Index end = corners[at ^ std::size_t{1} << axis]; !far::contains(face, end))
+            return end;
+    return corners[at ^ std::size_t{4}];
 }
 
 }  // namespace espalier::embed

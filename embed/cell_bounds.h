@@ -70,8 +70,11 @@ private:
     const Box& boxAround(Index vertex);
     bool staysInHull(Index cell);
     bool isConvexAround(Index vertex) const;
-    Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring);
-    std::vector<Index> ringOf(Index cell) const;
+    bool isRegular(Index cell);
+    Eigen::Vector3d largestSecondDifference(Index cell);
+    const Eigen::Vector3d& secondDifferenceAround(Index vertex);
+    const Eigen::Vector3d& secondDifferenceAcross(Index face);
+    static Index beyond(const CellFrame& frame, std::span<const Index> face, Index corner);
     const CellFrame& hexahedron(Index cell);
 
     Eigen::Vector3d positionOf(Index vertex) const {
@@ -84,9 +87,12 @@ private:
 
     // Each entry is computed when it is first needed. Every cell of a vertex needs the vertex, and
     // every vertex of a cell needs the cell: without these caches, a cell with 40,000 vertices
-    // takes 10 s. A hexahedron in a grid is in the surroundings of 27 cells.
+    // takes 10 s. A face in a grid is in the surroundings of 18 cells.
+    std::vector<std::optional<bool>> isRegular_;
     std::vector<std::optional<CellFrame>> hexahedra_;
-    std::vector<std::optional<Box>> ofCell_;        ///< corners of each cell
+    std::vector<std::optional<Eigen::Vector3d>> secondDifferenceAcross_;  ///< of each face
+    std::vector<std::optional<Eigen::Vector3d>> secondDifferenceAround_;  ///< of each vertex
+    std::vector<std::optional<Box>> ofCell_;                              ///< corners of each cell
     std::vector<std::optional<Box>> aroundVertex_;  ///< corners of all cells of each vertex
     std::vector<std::optional<bool>> staysInHull_;
 };

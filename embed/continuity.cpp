@@ -153,8 +153,8 @@ std::vector<Index> verticesHoldingPoints(const RestLattice& lattice, std::span<c
                 if (located.place) holding.push_back(located.place->cell.value);
             }
             if (!part.levels) return;
-            const auto own = columnsAround(*part.levels, holding);
-            ofGroup.insert(ofGroup.end(), own.begin(), own.end());
+            for (const Index column : columnsAround(*part.levels, holding))
+                ofGroup.push_back(part.baseVertices[column]);
         });
     });
     if (options.embedding.outside == OutsidePolicy::Error) checkAllInside(points, statuses);

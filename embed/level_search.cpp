@@ -110,7 +110,10 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent ext
         part.embedding.points.push_back(
             located.value_or(LocatedPoint{PointStatus::Outside, {}, 0, 0}));
     }
-    if (found) part.levels = std::move(found->levels);
+    if (found) {
+        part.levels = std::move(found->levels);
+        part.baseVertices = std::move(found->baseVertices);
+    }
     return part;
 }
 
@@ -134,6 +137,7 @@ LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points) cons
             solver.locateOutsideCells(point, CellId(nearest.second), seekNearest_));
     }
     part.levels = std::move(found->levels);
+    part.baseVertices = std::move(found->baseVertices);
     return part;
 }
 

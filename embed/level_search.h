@@ -43,6 +43,9 @@ struct LocatedPart {
     /// The embedding is in the finest of these levels, which were refined for the points. Nothing
     /// if the search uses the whole level, or if no cell can contain a point.
     std::optional<stencils::Levels> levels;
+
+    /// For each vertex of level 0 of `levels`, its number in the base.
+    std::vector<Index> baseVertices;
 };
 
 /// Locates neighbouring points in a level: either in the whole level, which all groups share, or in

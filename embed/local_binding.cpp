@@ -56,6 +56,7 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
             part.table = rowsIn<Table>(*located.levels, located.embedding);
         else if (search.whole())
             part.table = rowsIn<Table>(*search.whole(), located.embedding);
+        part.baseVertices = std::move(located.baseVertices);
         parts.push_back(std::move(part));
     });
     return parts;

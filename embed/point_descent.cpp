@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/sort_unique.h>
+#include <espalier/embed/place_points.h>
 #include <espalier/embed/point_descent.h>
 #include <espalier/embed/regular_cells.h>
+#include <espalier/far/star.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,11 +84,15 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
       unbounded_(cellsWith(bounds_, false)),
       tree_(boxesOf(bounds_, bounded_, margin_)) {}
 
+/// Returns the base cells that may contain a point or have descendants that do.
 Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
-    std::vector<std::vector<Index>> pointsOf(bounds_.size());
+    std::vector<std::pair<Index, Index>> pairs;  // Cell and point.
     std::vector<Index> found;
     for (std::size_t point = 0; point < points.size(); ++point) {
-        const auto add = [&](Index cell) { pointsOf[cell].push_back(static_cast<Index>(point)); };
+        const auto add = [&](Index cell) {
+            if (remainsInLimit(lattice_.base.level(0), cell))
+                pairs.emplace_back(cell, static_cast<Index>(point));
+        };
         for (const Index cell : unbounded_) add(cell);
         found.clear();
         const Vector3d position(points[point].data());
@@ -104,23 +111,34 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         }
         for (const Index i : found) add(bounded_[i]);
     }
+    std::sort(pairs.begin(), pairs.end());
     Candidates candidates;
-    for (std::size_t cell = 0; cell < bounds_.size(); ++cell) {
-        candidates.points.insert(candidates.points.end(), pointsOf[cell].begin(),
-                                 pointsOf[cell].end());
-        candidates.endCell(static_cast<Index>(cell), bounds_[cell]);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto [cell, point] = pairs[i];
+        candidates.points.push_back(point);
+        if (i + 1 == pairs.size() || pairs[i + 1].first != cell)
+            candidates.endCell(cell, bounds_[cell]);
     }
     return candidates;
 }
 
 Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
-    const std::span<const Point3> positions = lattice_.positions;
-    Descent descent{stencils::Levels(lattice_.base, {positions.begin(), positions.end()}),
-                    baseCandidates(points, sought), margin_};
-    descent.candidates.filter([&](std::size_t i, Index) {
-        return remainsInLimit(lattice_.base.level(0), descent.candidates.cells[i]);
-    });
-    return descent;
+    const far::Level& base = lattice_.base.level(0);
+    Candidates candidates = baseCandidates(points, sought);
+    std::vector<Index> corners;
+    for (const Index cell : candidates.cells) {
+        const auto row = base.complex.relation(3, 0)[cell];
+        corners.insert(corners.end(), row.begin(), row.end());
+    }
+    sortUnique(corners);
+    far::RefinerOptions options = lattice_.base.options();
+    far::Star star = far::starOf(base, corners, far::ringsAround(base, options.creasing));
+    for (Index& cell : candidates.cells) cell = placeIn(star.entities[3], cell);
+    // The strata contain the marks, which have the numbers of the base.
+    options.marks = {};
+    return {stencils::Levels(far::TopologyRefiner(std::move(star.level), options),
+                             chosenPoints(lattice_.positions, star.entities[0])),
+            std::move(star.entities[0]), std::move(candidates), margin_};
 }
 
 void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,

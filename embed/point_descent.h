@@ -95,13 +95,14 @@ enum class Bounding {
     Corners     ///< contains the cell's own corners only
 };
 
-/// The levels of a lattice, refined as far as some points need, and the cells of the finest level
-/// that may contain the points or have descendants that do.
+/// The levels of a part of a lattice, refined as far as some points need, and the cells of the
+/// finest level that may contain the points or have descendants that do.
 struct Descent {
-    stencils::Levels levels;
-    Candidates candidates;  ///< in the finest level
-    double margin;          ///< distance within which a point outside a cell's box still counts as
-                            ///< in it
+    stencils::Levels levels;          ///< level 0 has only the base cells around candidates
+    std::vector<Index> baseVertices;  ///< for each vertex of level 0, its number in the base;
+                                      ///< ascending
+    Candidates candidates;            ///< in the finest level
+    double margin;  ///< distance within which a point outside a cell's box still counts as in it
 };
 
 /// Refines a lattice only where given points need it: level by level, around the cells that can
@@ -111,7 +112,9 @@ public:
     /// \param lattice its base and positions must outlive this object
     PointDescent(const RestLattice& lattice, CellSolver::Scale scale);
 
-    /// Returns level 0, before any refinement. The margin is the tolerance plus the rounding error.
+    /// Returns level 0 around the cells that may contain the points, before any refinement. The
+    /// margin is the tolerance plus the rounding error.
+    /// \cost O(points × log base cells), whatever the number of base cells
     Descent begin(std::span<const Point3> points, Sought sought) const;
 
     /// The smallest margin: the rounding error of boxes.

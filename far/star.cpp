@@ -13,15 +13,18 @@ namespace {
 /// ascending.
 ByEntity<Index> entitiesAround(const CellComplex& complex, std::span<const Index> vertices) {
     ByEntity<Index> entities;
-    for (const Index vertex : vertices)
-        for (int upper = 0; upper <= complex.dimension(); ++upper)
-            for (const Index entity : complex.relation(0, upper)[vertex])
-                for (int d = 0; d <= upper; ++d) {
-                    const auto parts = complex.relation(upper, d)[entity];
-                    auto& of = entities[d];
-                    of.insert(of.end(), parts.begin(), parts.end());
-                }
-    for (auto& of : entities) sortUnique(of);
+    for (int d = complex.dimension(); d >= 0; --d) {
+        auto& of = entities[d];
+        const auto add = [&](std::span<const Index> row) {
+            of.insert(of.end(), row.begin(), row.end());
+        };
+        // Every face and edge of a lattice is in a cell.
+        if (d == complex.dimension() || complex.dimension() < kMaxDimension)
+            for (const Index vertex : vertices) add(complex.relation(0, d)[vertex]);
+        if (d < complex.dimension())
+            for (const Index upper : entities[d + 1]) add(complex.boundary(d + 1)[upper]);
+        sortUnique(of);
+    }
     return entities;
 }
 
@@ -42,32 +45,22 @@ CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entitie
     return {complex.dimension(), static_cast<Index>(entities[0].size()), std::move(boundaries)};
 }
 
-Strata strataOf(const CellComplex& complex, const Strata& strata, const ByEntity<Index>& entities) {
-    Strata::Numbers smooth, isOpen;
-    SharpnessValues sharpness;
-    for (int d = 0; d <= complex.dimension(); ++d)
-        for (const Index index : entities[d]) {
-            const Entity entity{d, index};
-            smooth[d].push_back(static_cast<std::uint8_t>(strata.smoothStratum(entity)));
-            isOpen[d].push_back(strata.isOpen(entity));
-            if (d == 0) sharpness.vertices.push_back(strata.sharpness(entity));
-            if (d == 1) sharpness.edges.push_back(strata.sharpness(entity));
-        }
-    return {complex, std::move(smooth), std::move(isOpen), std::move(sharpness)};
-}
-
 }  // namespace
 
-Star starOf(const Level& level, Index vertex, int rings) {
-    if (vertex < 0 || vertex >= level.complex.count(0))
-        throw Error(concat("there is no vertex ", vertex, " to take the star of"));
+Star starOf(const Level& level, std::span<const Index> vertices, int rings) {
+    for (const Index vertex : vertices)
+        if (vertex < 0 || vertex >= level.complex.count(0))
+            throw Error(concat("there is no vertex ", vertex, " to take the star of"));
     Star star;
-    star.entities = entitiesAround(level.complex, {&vertex, 1});
+    star.entities = entitiesAround(level.complex, vertices);
     if (rings > 1) star.entities = entitiesAround(level.complex, star.entities[0]);
-    star.vertex = placeIn(star.entities[0], vertex);
     star.level.complex = complexOf(level.complex, star.entities);
-    star.level.strata = strataOf(star.level.complex, level.strata, star.entities);
+    star.level.strata = level.strata.select(star.entities);
     return star;
+}
+
+int ringsAround(const Level& level, Creasing creasing) {
+    return creasing == Creasing::Chaikin && level.strata.hasSemiSharp() ? 2 : 1;
 }
 
 }  // namespace espalier::far

@@ -27,10 +27,34 @@ Strata::Strata(const CellComplex& complex, Numbers smoothStrata, Numbers isOpen,
         else if (sharpEdges[vertex] == 2)
             strata_[0][vertex] = 1;
     }
+    findSemiSharp();
+}
+
+void Strata::findSemiSharp() {
     const auto anySemiSharp = [](const std::vector<float>& values) {
         return std::any_of(values.begin(), values.end(), isSemiSharp);
     };
     hasSemiSharp_ = anySemiSharp(sharpness_.vertices) || anySemiSharp(sharpness_.edges);
+}
+
+Strata Strata::select(const ByEntity<Index>& entities) const {
+    const auto chosen = [](const auto& values, const std::vector<Index>& numbers) {
+        std::remove_cvref_t<decltype(values)> result;
+        if (values.empty()) return result;
+        result.reserve(numbers.size());
+        for (const Index number : numbers) result.push_back(values[number]);
+        return result;
+    };
+    Strata part;
+    for (std::size_t d = 0; d < entities.size(); ++d) {
+        part.smoothStrata_[d] = chosen(smoothStrata_[d], entities[d]);
+        part.strata_[d] = chosen(strata_[d], entities[d]);
+        part.isOpen_[d] = chosen(isOpen_[d], entities[d]);
+    }
+    part.sharpness_ = {chosen(sharpness_.vertices, entities[0]),
+                       chosen(sharpness_.edges, entities[1])};
+    part.findSemiSharp();
+    return part;
 }
 
 Index Strata::count(int dimension, int stratum) const {

@@ -80,6 +80,10 @@ public:
     Strata(const CellComplex& complex, Numbers smoothStrata, Numbers isOpen,
            SharpnessValues sharpness);
 
+    /// Returns the strata of some entities of the complex, as they are here.
+    /// \param entities for each entity of the part of the complex, its number here
+    Strata select(const ByEntity<Index>& entities) const;
+
     int of(Entity entity) const { return valueAt(strata_, entity); }
 
     /// Returns the stratum without sharpness: 2 on the surface of a lattice and 3 inside it, 2 on a
@@ -117,6 +121,8 @@ public:
     Index count(int dimension, int stratum) const;
 
 private:
+    void findSemiSharp();
+
     static std::uint8_t valueAt(const Numbers& values, Entity entity) {
         return values[entity.dimension][entity.index];
     }

@@ -33,6 +33,13 @@ struct ModelFaces {
     /// Ends a face, whose corners have been added.
     void endFace() { ends.push_back(corners.size()); }
 
+    /// Appends the faces of another model, whose points follow `firstPoint` other points.
+    void append(const ModelFaces& others, Index firstPoint) {
+        const std::size_t firstCorner = corners.size();
+        for (const Index corner : others.corners) corners.push_back(firstPoint + corner);
+        for (const std::size_t end : others.ends) ends.push_back(firstCorner + end);
+    }
+
     friend bool operator==(const ModelFaces&, const ModelFaces&) = default;
 };
 

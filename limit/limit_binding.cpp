@@ -25,7 +25,10 @@ const stencils::StencilTable<double>& pointRows(const LimitTable& table) {
 void gatherRows(std::vector<embed::BoundPart<LimitTable>>& parts, Index rowCount, Index columnCount,
                 LimitTable& result) {
     std::vector<embed::BoundPart<stencils::StencilTable<double>>> rows(parts.size());
-    for (std::size_t p = 0; p < parts.size(); ++p) rows[p].points = std::move(parts[p].points);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        rows[p].points = std::move(parts[p].points);
+        rows[p].baseVertices = std::move(parts[p].baseVertices);
+    }
     const auto gather = [&](auto tableOf) {
         for (std::size_t p = 0; p < parts.size(); ++p)
             rows[p].table = std::move(tableOf(parts[p].table));
@@ -147,8 +150,7 @@ public:
     /// \param lattice positions in units; its base and positions must outlive this
     LimitBinder(const embed::RestLattice& lattice, const embed::LengthUnit& unit,
                 const LimitOptions& options)
-        : positions_(lattice.positions),
-          perLength_(unit.toUnits(1.0)),
+        : perLength_(unit.toUnits(1.0)),
           gradients_(options.gradients),
           search_(lattice, forGradients(options)) {}
 
@@ -201,14 +203,14 @@ private:
             LimitTable& table = ofLevels[level].table;
             table.points = std::move(tables[level]);
             if (gradients_) {
-                table.gradients = gradientsOf(directions[level], positions_, perLength_);
+                table.gradients = gradientsOf(directions[level], levels.positions(0), perLength_);
             }
+            ofLevels[level].baseVertices = found.descent.baseVertices;
             parts.push_back(std::move(ofLevels[level]));
         }
         if (!without.points.empty()) parts.push_back(std::move(without));
     }
 
-    std::span<const Point3> positions_;
     double perLength_;  ///< number of units in a length of 1
     bool gradients_;
     LimitSearch search_;

@@ -96,16 +96,16 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, I
     if (options.rules == far::Rules::Rats)
         throw Error(
             "limits are not known under the rules of RATS, which look beyond the ring of a vertex");
-    const bool looksFurther =
-        options.creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp();
-    const far::Star star = far::starOf(level, vertex, looksFurther ? 2 : 1);
+    const far::Star star =
+        far::starOf(level, {&vertex, 1}, far::ringsAround(level, options.creasing));
     if (level.strata.isOpen({0, vertex}))
         throw Error("vertex " + std::to_string(vertex) +
                     " is on the open boundary, and has no limit");
     const int dimension = level.complex.dimension();
     if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
 
-    Chain chain{stencils::Levels(far::TopologyRefiner(star.level, options)), star.vertex};
+    Chain chain{stencils::Levels(far::TopologyRefiner(star.level, options)),
+                placeIn(star.entities[0], vertex)};
     std::vector<Entity> entities;
     do {
         entities = entitiesAt(chain.level().complex, chain.vertex);

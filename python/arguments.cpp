@@ -120,4 +120,21 @@ std::vector<Index> toIndices(const py::handle& object, const std::string& name) 
     return {array.data(), array.data() + array.size()};
 }
 
+std::optional<IndexRows> indexRows(const py::object& object, const std::string& name,
+                                   const std::string& expected) {
+    if (!py::isinstance<py::array>(object)) return std::nullopt;
+    IndexRows rows{indexArray(object, name)};
+    if (rows.array.ndim() != 2)
+        throw Error(name + ": expected an array of shape " + expected + ", got " +
+                    shapeText(rows.array));
+    return rows;
+}
+
+py::sequence sequenceOf(const py::handle& object, const std::string& name,
+                        const std::string& expected) {
+    if (!py::isinstance<py::sequence>(object) || py::isinstance<py::str>(object))
+        throw Error(name + ": expected " + expected + ", got " + typeName(object));
+    return py::reinterpret_borrow<py::sequence>(object);
+}
+
 }  // namespace espalier::python

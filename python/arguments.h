@@ -78,6 +78,28 @@ py::array_t<Index> indexArray(const py::handle& object, const std::string& name)
 /// Returns the integers of a one-dimensional array.
 std::vector<Index> toIndices(const py::handle& object, const std::string& name);
 
+/// The rows of a two-dimensional array of integers.
+struct IndexRows {
+    py::array_t<Index> array;
+    std::size_t count() const { return array.shape(0); }
+    std::size_t length() const { return array.shape(1); }
+    std::span<const Index> operator[](std::size_t row) const {
+        return {array.data() + row * length(), length()};
+    }
+};
+
+/// Returns the rows of an array of integers, or nothing if the object is not an array.
+/// \param expected the shape, for the message: "(F, k)"
+/// \throws Error if the array does not have two dimensions
+std::optional<IndexRows> indexRows(const py::object& object, const std::string& name,
+                                   const std::string& expected);
+
+/// Returns an object as a sequence.
+/// \param expected for the message: "a list of loops"
+/// \throws Error if it is none, or a str
+py::sequence sequenceOf(const py::handle& object, const std::string& name,
+                        const std::string& expected);
+
 /// Returns a read-only array over numbers that belong to `owner`. The array keeps the owner alive.
 template <class T>
 py::array viewOf(std::span<const T> values, std::vector<py::ssize_t> shape, py::handle owner) {

@@ -51,38 +51,11 @@ std::optional<StandardCell> standardCell(std::size_t vertexCount) {
     return std::nullopt;
 }
 
-py::sequence sequenceOf(const py::handle& object, const std::string& name,
-                        const std::string& expected) {
-    if (!py::isinstance<py::sequence>(object) || py::isinstance<py::str>(object))
-        throw Error(name + ": expected " + expected + ", got " + typeName(object));
-    return py::reinterpret_borrow<py::sequence>(object);
-}
-
 [[noreturn]] void refuseCell(const std::string& name, std::size_t vertexCount) {
     throw Error(concat(name,
                        ": expected the 4, 5, 6 or 8 vertices of a tetrahedron, pyramid, wedge or "
                        "hexahedron, or loops of vertices, got ",
                        vertexCount, " vertices"));
-}
-
-/// The rows of a two-dimensional array of integers.
-struct IndexRows {
-    py::array_t<Index> array;
-    std::size_t count() const { return array.shape(0); }
-    std::size_t length() const { return array.shape(1); }
-    std::span<const Index> operator[](std::size_t row) const {
-        return {array.data() + row * length(), length()};
-    }
-};
-
-std::optional<IndexRows> rowsOf(const py::object& object, const std::string& name,
-                                const std::string& expected) {
-    if (!py::isinstance<py::array>(object)) return std::nullopt;
-    IndexRows rows{indexArray(object, name)};
-    if (rows.array.ndim() != 2)
-        throw Error(name + ": expected an array of shape " + expected + ", got " +
-                    shapeText(rows.array));
-    return rows;
 }
 
 /// Returns true if the entries of a cell are loops (lists or arrays), and false if they are numbers
@@ -150,7 +123,7 @@ std::vector<std::int64_t> entriesOf(const py::array& array) {
 /// first cell that is neither; TopologyError as far::ComplexBuilder
 far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     far::ComplexBuilder builder(3, vertexCount);
-    if (const auto rows = rowsOf(cells, "cells", "(C, 4), (C, 5), (C, 6) or (C, 8)")) {
+    if (const auto rows = indexRows(cells, "cells", "(C, 4), (C, 5), (C, 6) or (C, 8)")) {
         const auto kind = standardCell(rows->length());
         if (!kind) refuseCell("cells", rows->length());
         return withoutGil([&] {
@@ -169,7 +142,7 @@ far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
 /// Builds the complex of faces: an array (F, k), or a list of loops.
 far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     far::ComplexBuilder builder(2, vertexCount);
-    if (const auto rows = rowsOf(faces, "faces", "(F, k)"))
+    if (const auto rows = indexRows(faces, "faces", "(F, k)"))
         return withoutGil([&] {
             for (std::size_t i = 0; i < rows->count(); ++i) builder.addFace((*rows)[i]);
             return builder.build();
@@ -272,7 +245,7 @@ FaceVaryingAttribute texturesOf(const far::CellComplex& mesh, const ArrayLike& c
         throw Error("texture_coordinates: expected an array of shape (T, 2), got " +
                     shapeText(values));
     FaceVaryingAttribute result{2, {values.data(), values.data() + values.size()}, {}};
-    const auto rows = rowsOf(corners, "texture_corners", "(F, k)");
+    const auto rows = indexRows(corners, "texture_corners", "(F, k)");
     const auto list =
         rows ? py::sequence() : sequenceOf(corners, "texture_corners", "an array or a list");
     const std::size_t count = rows ? rows->count() : list.size();

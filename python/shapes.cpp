@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/base/printable.h>
+#include <espalier/cages/cage.h>
+#include <espalier/io/model.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
@@ -17,6 +20,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "binding.h"
 
 namespace espalier::python {
 
@@ -233,6 +237,98 @@ parallel to the axes
 )");
 }
 
+/// The points and the faces of one or more models.
+struct PointsAndFaces {
+    std::vector<Point3> points;
+    io::ModelFaces faces;
+};
+
+/// Adds the points and the faces of a model.
+/// \throws Error if it has no faces
+void append(const ModelFile& file, PointsAndFaces& all) {
+    const io::ModelFaces faces = file.model->readSurface().faces;
+    if (faces.count() == 0)
+        throw Error(concat("cage: ", printable(file.name),
+                           " has no faces; shapes.around() makes a box around points"));
+    const auto points = file.model->positions();
+    all.faces.append(faces, static_cast<Index>(all.points.size()));
+    all.points.insert(all.points.end(), points.begin(), points.end());
+}
+
+/// Converts an array (F, k) or a list of loops.
+io::ModelFaces modelFacesOf(const py::object& faces) {
+    io::ModelFaces result;
+    const auto add = [&](std::span<const Index> loop) {
+        result.corners.insert(result.corners.end(), loop.begin(), loop.end());
+        result.endFace();
+    };
+    if (const auto rows = indexRows(faces, "faces", "(F, k)")) {
+        for (std::size_t i = 0; i < rows->count(); ++i) add((*rows)[i]);
+    } else {
+        const auto list = sequenceOf(faces, "faces", "an array or a list of loops");
+        for (std::size_t i = 0; i < list.size(); ++i)
+            add(toIndices(list[i], concat("faces[", i, "]")));
+    }
+    return result;
+}
+
+/// Converts a model, a list of models, or points with faces.
+PointsAndFaces pointsAndFacesOf(const py::object& model, const py::object& faces) {
+    PointsAndFaces all;
+    if (!faces.is_none()) {
+        all.points = toPoints(model, "model");
+        all.faces = modelFacesOf(faces);
+    } else if (py::isinstance<ModelFile>(model)) {
+        append(model.cast<const ModelFile&>(), all);
+    } else if (py::isinstance<py::list>(model) || py::isinstance<py::tuple>(model)) {
+        for (const py::handle one : model) {
+            if (!py::isinstance<ModelFile>(one))
+                throw Error("model: expected a list of Model, got one with " + typeName(one) +
+                            "; points need the argument `faces`");
+            append(one.cast<const ModelFile&>(), all);
+        }
+    } else {
+        throw Error("model: expected a Model or a list of Model, got " + typeName(model) +
+                    "; points need the argument `faces`");
+    }
+    return all;
+}
+
+void addCage(py::module_& module) {
+    const cages::CageOptions usual;
+    module.def(
+        "cage",
+        [](const py::object& model, const py::object& faces, Index vertices, double cellSize,
+           double margin, double shell, bool keepApart) {
+            const PointsAndFaces all = pointsAndFacesOf(model, faces);
+            return makeBy([&] {
+                return cages::cage({all.points, all.faces.corners, all.faces.ends},
+                                   {.vertices = vertices,
+                                    .cellSize = cellSize,
+                                    .margin = margin,
+                                    .shell = shell,
+                                    .keepApart = keepApart});
+            });
+        },
+        "model"_a, "faces"_a = py::none(), py::kw_only(), "vertices"_a = usual.vertices,
+        "cell_size"_a = usual.cellSize, "margin"_a = usual.margin, "shell"_a = usual.shell,
+        "keep_apart"_a = usual.keepApart, R"(
+A lattice of hexahedra that follows the shape of a model. It contains every point of the model, and
+no cell of its limit volume is folded; both are proved.
+
+model : Model with faces, or a list of them; or, with `faces`, the points: (N, 3) array of float
+faces : (F, k) array of int, or a list of loops of points; any polygons, wound in any way
+vertices : number of vertices, 8 to 100,000; the result has between 0.8 and 1.2 times as many
+cell_size : instead of `vertices`, the edge of the cells before they are fitted
+margin : least distance from the model to the boundary of the lattice, as a fraction of the diagonal
+of the box around the model: 0 to 1
+shell : if above 0, the lattice is made around the surface only, and contains all points within half
+of this distance
+keep_apart : if True, parts of the model stay separate even if they are nearer to each other than a
+cell
+)");
+}
+
 }  // namespace
 
 void addShapes(py::module_& module) {
@@ -253,6 +349,7 @@ Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions res
 1, cells[1] + 1, cells[0] + 1, 3) are indexed by [k, j, i].
 )");
     addAround(shapesModule);
+    addCage(shapesModule);
     addRoundShapes(shapesModule);
     addJointedShapes(shapesModule);
     addSolids(shapesModule);

@@ -11,13 +11,13 @@ FaceCentre faceCentre(std::span<const Index> loop, std::span<const Point3> posit
                       std::vector<double>* weights) {
     const std::size_t size = loop.size();
     const double count = static_cast<double>(size);
-    if (weights) weights->assign(size, 1 / count);
     // All points relative to the first, so that a face far from the origin loses no digits.
     const Point3& origin = positions[loop[0]];
     const auto at = [&](std::size_t i) { return difference(positions[loop[i % size]], origin); };
     Point3 middle{};
     for (std::size_t i = 1; i < size; ++i) middle = sum(middle, at(i));
     middle = scaled(middle, 1 / count);
+    if (weights) weights->assign(size, 1 / count);
     if (size == 3) return {sum(origin, middle), scaled(cross(at(1), at(2)), 0.5)};
 
     Point3 area{}, moment{};
@@ -28,18 +28,25 @@ FaceCentre faceCentre(std::span<const Index> loop, std::span<const Point3> posit
     for (std::size_t i = 0; i < size; ++i) {
         const Point3 twice = normal(i);
         const double share = length(twice);
+        if (weights) (*weights)[i] = share;
         area = sum(area, scaled(twice, 0.5));
         moment = sum(moment, scaled(sum(sum(at(i), at(i + 1)), middle), share / 3));
         total += share;
     }
-    if (!(total > std::numeric_limits<double>::min())) return {sum(origin, middle), {0, 0, 0}};
+    if (!(total > std::numeric_limits<double>::min())) {
+        if (weights) weights->assign(size, 1 / count);
+        return {sum(origin, middle), {0, 0, 0}};
+    }
     if (weights) {
-        weights->assign(size, 1 / (3 * count));
+        // A point gets a third of the weight of each of its two triangles, and of the middle.
+        const double last = weights->back() / (3 * total);
+        double before = 0;
         for (std::size_t i = 0; i < size; ++i) {
-            const double third = length(normal(i)) / (3 * total);
-            (*weights)[i] += third;
-            (*weights)[(i + 1) % size] += third;
+            const double third = (*weights)[i] / (3 * total);
+            (*weights)[i] = 1 / (3 * count) + before + third;
+            before = third;
         }
+        weights->front() += last;
     }
     return {sum(origin, scaled(moment, 1 / total)), area};
 }

@@ -45,15 +45,20 @@ constexpr double kUnit = std::numeric_limits<double>::epsilon();
 /// 512 units of rounding; a unit is half of epsilon.
 constexpr double kRounding = 256 * kUnit;
 
+/// Returns the rounding error of a coefficient.
+/// \param exact, longer volumes of the box of the lengths, and of their upper bounds
+double floorOf(double exact, double longer, double rounding) {
+    // Below the smallest normal number, products lose digits.
+    return longer - exact + rounding * longer + std::numeric_limits<double>::min();
+}
+
 /// Returns the rounding error that coefficients may have while a piece changes from `first` to
 /// `last`.
 std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, double rounding) {
     const auto exact = volumes(first.lengths, last.lengths);
     const auto longer = volumes(longest(first), longest(last));
     std::array<double, 4> floor;
-    // Below the smallest normal number, products lose digits.
-    for (std::size_t i = 0; i < 4; ++i)
-        floor[i] = longer[i] - exact[i] + rounding * longer[i] + std::numeric_limits<double>::min();
+    for (std::size_t i = 0; i < 4; ++i) floor[i] = floorOf(exact[i], longer[i], rounding);
     return floor;
 }
 
@@ -65,11 +70,14 @@ double sizeOf(const Point3& derivative) {
     return std::sqrt(dot(derivative, derivative));
 }
 
+double largestCoordinate(const Point3& point) {
+    return std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
+}
+
 double largestCoordinate(std::span<const Index> vertices, Positions positions) {
     double largest = 0;
     for (const Index vertex : vertices)
-        for (const double coordinate : positions[vertex])
-            largest = std::max(largest, std::abs(coordinate));
+        largest = std::max(largest, largestCoordinate(positions[vertex]));
     return largest;
 }
 
@@ -174,6 +182,18 @@ MeshPieces::MeshPieces(const far::VolumeMesh& mesh, Positions rest) : mesh_(mesh
         if (!mesh.kind(cell)) polyhedra.push_back(cell);
     if (polyhedra.empty()) return;
 
+    std::size_t rowCount = polyhedra.size(), valueCount = 0;
+    for (const Index cell : polyhedra) {
+        valueCount += mesh.faces(cell).size();
+        for (const Index face : mesh.faces(cell))
+            if (mesh.owner(face) == cell || mesh.kind(mesh.owner(face))) {
+                ++rowCount;
+                valueCount += mesh.face(face).size();
+            }
+    }
+    centres_.offsets.reserve(rowCount + 1);
+    centres_.values.reserve(valueCount);
+
     Index next = mesh.pointCount();
     std::vector<Point3> faceCentres(mesh.faceCount()), faceAreas(mesh.faceCount());
     centreOfFace_.assign(mesh.faceCount(), 0);
@@ -260,20 +280,45 @@ Piece<1> MeshPieces::hexahedron(Index cell, Positions positions) const {
     return piece;
 }
 
-Piece<0> MeshPieces::centreTetrahedron(Index cell, Index face, std::size_t edge,
-                                       Positions positions) const {
-    const auto loop = mesh_.face(face);
-    Index from = loop[edge], to = loop[(edge + 1) % loop.size()];
-    if (mesh_.owner(face) != cell) std::swap(from, to);
-    Piece<0> piece = tetrahedronOf(positions, {centreOfCell_[cell], centreOfFace_[face], from, to});
-    // The centres are sums over the points of a face and the faces of a cell.
-    const double terms = static_cast<double>(loop.size() + mesh_.faces(cell).size()) + 8;
-    piece.size.uncertainty += terms * kUnit * std::ranges::max(piece.size.lengths);
+MeshPieces::Fan::Fan(const MeshPieces& pieces, Index cell, Index face, Positions positions)
+    : positions_(positions),
+      loop_(pieces.mesh_.face(face)),
+      isOwner_(pieces.mesh_.owner(face) == cell),
+      // The centres are sums over the points of a face and the faces of a cell.
+      rounding_((static_cast<double>(loop_.size() + pieces.mesh_.faces(cell).size()) + 8) * kUnit),
+      apex_(positions[pieces.centreOfCell_[cell]]),
+      toFace_(spokeTo(pieces.centreOfFace_[face])),
+      toPoint_(spokeTo(loop_[0])) {
+    largest_ = std::max(largestCoordinate(apex_), toFace_.largest);
+}
+
+MeshPieces::Fan::Spoke MeshPieces::Fan::spokeTo(Index point) const {
+    const Point3& end = positions_[point];
+    const Point3 edge = difference(end, apex_);
+    return {edge, sizeOf(edge), largestCoordinate(end)};
+}
+
+Piece<0> MeshPieces::Fan::next() {
+    const Spoke before = toPoint_;
+    toPoint_ = spokeTo(loop_[nextPoint_ == loop_.size() ? 0 : nextPoint_]);
+    ++nextPoint_;
+    const Spoke& from = isOwner_ ? before : toPoint_;
+    const Spoke& to = isOwner_ ? toPoint_ : before;
+    Piece<0> piece;
+    piece.derivatives[0][0] = toFace_.edge;
+    piece.derivatives[1][0] = from.edge;
+    piece.derivatives[2][0] = to.edge;
+    piece.size.lengths = {toFace_.length, from.length, to.length};
+    piece.size.uncertainty = 2 * kUnit * std::max({largest_, from.largest, to.largest}) +
+                             rounding_ * std::ranges::max(piece.size.lengths);
     return piece;
 }
 
 double determinantFloor(const PieceSize& size) {
-    return floorOf(size, size, kRounding)[0];
+    const auto volume = [](const std::array<double, 3>& lengths) {
+        return lengths[0] * lengths[1] * lengths[2];
+    };
+    return floorOf(volume(size.lengths), volume(longest(size)), kRounding);
 }
 
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "bernstein.h"
@@ -116,9 +117,9 @@ public:
             visit(tetrahedron(cell, positions)...);
         } else {
             for (const Index face : mesh_.faces(cell)) {
-                const std::size_t size = mesh_.face(face).size();
-                for (std::size_t edge = 0; edge < size; ++edge)
-                    visit(centreTetrahedron(cell, face, edge, positions)...);
+                std::tuple fans(Fan(*this, cell, face, positions)...);
+                for (std::size_t edge = 0; edge < mesh_.face(face).size(); ++edge)
+                    std::apply([&](auto&... fan) { visit(fan.next()...); }, fans);
             }
         }
     }
@@ -129,7 +130,34 @@ private:
     Piece<0> pyramid(Index cell, std::size_t corner, Positions positions) const;
     Piece<1> wedge(Index cell, std::size_t edge, Positions positions) const;
     Piece<1> hexahedron(Index cell, Positions positions) const;
-    Piece<0> centreTetrahedron(Index cell, Index face, std::size_t edge, Positions positions) const;
+
+    /// The tetrahedra of a face of a polyhedron, which join the centres of the cell and the face to
+    /// the edges of the face. Neighbouring tetrahedra share edges, so each edge is measured once.
+    class Fan {
+    public:
+        Fan(const MeshPieces& pieces, Index cell, Index face, Positions positions);
+
+        /// Returns the tetrahedron of the next edge of the face; there must be one.
+        Piece<0> next();
+
+    private:
+        /// An edge of a tetrahedron that starts in the cell's centre.
+        struct Spoke {
+            Point3 edge;
+            double length;
+            double largest;  ///< coordinate of the edge's end
+        };
+        Spoke spokeTo(Index point) const;
+
+        Positions positions_;
+        std::span<const Index> loop_;
+        bool isOwner_;
+        double rounding_;  ///< of the centres, relative to the longest edge
+        Point3 apex_;
+        double largest_;  ///< coordinate of the two centres
+        Spoke toFace_, toPoint_;
+        std::size_t nextPoint_ = 1;
+    };
 
     /// A centre is the sum of weights times positions.
     struct Weight {

@@ -9,6 +9,7 @@ __all__ = [
     "barbell",
     "bipyramid",
     "box",
+    "cage",
     "cube",
     "cylinder",
     "dodecahedron",

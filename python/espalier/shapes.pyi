@@ -3,7 +3,7 @@ from typing import Literal, Sequence
 
 from numpy.typing import ArrayLike
 
-from . import Lattice
+from . import Lattice, Model
 
 _Core = Literal["wedges", "polygon"]
 
@@ -17,6 +17,16 @@ def around(
     cell_size: float = 0.0,
     margin: float = 0.05,
     oriented: bool = False,
+) -> Lattice: ...
+def cage(
+    model: Model | Sequence[Model] | ArrayLike,
+    faces: ArrayLike | Sequence[ArrayLike] | None = None,
+    *,
+    vertices: int = 200,
+    cell_size: float = 0.0,
+    margin: float = 0.0,
+    shell: float = 0.0,
+    keep_apart: bool = False,
 ) -> Lattice: ...
 def cylinder(
     *,

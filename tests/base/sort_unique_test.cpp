@@ -3,12 +3,30 @@
 
 #include <numeric>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "support/test.h"
 
 namespace espalier {
 namespace {
+
+// Dense lists, sparse lists and short lists are sorted in different ways.
+TEST(SortUnique, SortsAndRemovesDuplicates) {
+    std::mt19937 random(1);
+    for (const std::size_t size : {0, 1, 2, 32, 33, 64, 1000})
+        for (const Index span : {1, 3, 64, 65, 5000, 64'000, 70'000, 1 << 30}) {
+            std::vector<Index> numbers(size);
+            for (Index& number : numbers) number = static_cast<Index>(random() % span) - span / 2;
+            const std::set<Index> expected(numbers.begin(), numbers.end());
+            sortUnique(numbers);
+            EXPECT_TRUE(std::ranges::equal(numbers, expected)) << size << " in " << span;
+        }
+    std::vector<Index> extremes(40, kMaxIndex);
+    extremes[7] = -kMaxIndex - 1;
+    sortUnique(extremes);
+    EXPECT_EQ(extremes, (std::vector<Index>{-kMaxIndex - 1, kMaxIndex}));
+}
 
 TEST(RepeatedIn, NamesTheSmallest) {
     EXPECT_EQ(repeatedIn(std::vector<Index>{}), std::nullopt);

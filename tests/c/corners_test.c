@@ -396,6 +396,27 @@ static void test_inventory(void) {
         const double odd[6] = {0, 0, 0, 4, 2, doubles[i]};
         record(espalier_lattice_create_around(2, odd, NULL, &made_lattice));
     }
+    static const int64_t offsets[2] = {0, 3};
+    static const int32_t triangle[3] = {0, 1, 2};
+    static const double corner_points[9] = {0, 0, 0, 4, 0, 0, 0, 2, 1};
+    const espalier_polygons faces = {1, offsets, triangle};
+    TRY_SHAPE(cage, espalier_lattice_create_cage(3, corner_points, &faces, &options, &made_lattice),
+              vertices, 1, cell_size, 1);
+    espalier_cage_options of_cage = espalier_default_cage_options();
+    of_cage.vertices = 8; /* a wide margin takes long with many vertices */
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        of_cage.margin = doubles[i];
+        record(espalier_lattice_create_cage(3, corner_points, &faces, &of_cage, &made_lattice));
+    }
+    of_cage.margin = 0;
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        of_cage.shell = doubles[i];
+        record(espalier_lattice_create_cage(3, corner_points, &faces, &of_cage, &made_lattice));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        const espalier_polygons wrong = {lengths[i], offsets, triangle};
+        REFUSES(espalier_lattice_create_cage(3, corner_points, &wrong, NULL, &made_lattice));
+    }
     TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &made_lattice), segments, 4, up[0], 3);
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         espalier_arm_options options = espalier_default_arm_options();

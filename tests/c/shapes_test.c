@@ -199,6 +199,62 @@ static void test_around(void) {
     CHECK(l == NULL);
 }
 
+static void test_cage(void) {
+    /* The sides of a box of 4 × 2 × 1. */
+    static const double points[3 * 8] = {0, 0, 0, 4, 0, 0, 0, 2, 0, 4, 2, 0,
+                                         0, 0, 1, 4, 0, 1, 0, 2, 1, 4, 2, 1};
+    static const int64_t offsets[7] = {0, 4, 8, 12, 16, 20, 24};
+    static const int32_t corners[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
+                                        2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+    espalier_polygons faces = {6, offsets, corners};
+    espalier_cage_options options = espalier_default_cage_options();
+    espalier_lattice* l = NULL;
+    espalier_binding* binding = NULL;
+    int32_t counts[4];
+    options.vertices = 60;
+    OK(espalier_lattice_create_cage(8, points, &faces, &options, &l));
+    OK(espalier_lattice_counts(l, counts));
+    CHECK(counts[0] >= 48 && counts[0] <= 72);
+    /* The lattice contains every point. */
+    espalier_refiner* refiner = NULL;
+    int32_t vertex_count = 0;
+    const double* positions = NULL;
+    espalier_bind_options bind = espalier_default_bind_options();
+    bind.outside = ESPALIER_OUTSIDE_REFUSE;
+    OK(espalier_refiner_create(l, NULL, &refiner));
+    OK(espalier_lattice_positions(l, &vertex_count, &positions));
+    OK(espalier_binding_create(refiner, vertex_count, positions, 8, points, &bind, &binding));
+    espalier_refiner_destroy(refiner);
+    espalier_binding_destroy(binding);
+    espalier_lattice_destroy(l);
+    options.cell_size = 1;
+    options.margin = 0.1;
+    OK(espalier_lattice_create_cage(8, points, &faces, &options, &l));
+    CHECK(largest(l, 0) > 4.3);
+    espalier_lattice_destroy(l);
+    l = NULL;
+
+    options.cell_size = -1;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l), "cell_size is -1");
+    options = espalier_default_cage_options();
+    options.vertices = 7;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l), "vertices is 7");
+    options.size = 0;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
+            "espalier_default_cage_options()");
+    INVALID(espalier_lattice_create_cage(7, points, &faces, NULL, &l), "point 7");
+    INVALID(espalier_lattice_create_cage(8, NULL, &faces, NULL, &l), "points is null");
+    INVALID(espalier_lattice_create_cage(8, points, NULL, NULL, &l), "faces is null");
+    INVALID(espalier_lattice_create_cage(8, points, &faces, NULL, NULL), "lattice is null");
+    faces.corners = NULL;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, NULL, &l), "corners is null");
+    faces.face_count = -1;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, NULL, &l), "offsets: the count is -1");
+    faces.face_count = 0;
+    INVALID(espalier_lattice_create_cage(8, points, &faces, NULL, &l), "no faces");
+    CHECK(l == NULL);
+}
+
 static void test_solids(void) {
     espalier_lattice* l = NULL;
     static const int32_t vertices[5] = {4, 8, 6, 20, 12}, over_pentagon[3] = {10, 6, 7};
@@ -231,6 +287,7 @@ int main(void) {
     test_memory();
     test_arm();
     test_around();
+    test_cage();
     test_solids();
     return 0;
 }

@@ -170,7 +170,8 @@ TEST(Cage, hasTheSameBitsForAnyOrderOfTheFacesAndThreads) {
 TEST(Cage, worksAtAnyScaleAndPlace) {
     FaceModel ball = test::ballModel(3);
     const Lattice made = cage(ball, {.vertices = 60});
-    for (const double scale : {1e-30, 1e30}) {
+    // 1e-39 and 1e39 are near the limits of the contract.
+    for (const double scale : {1e-39, 1e39}) {
         FaceModel other = ball;
         for (Point3& p : other.points) p = scaled(p, scale);
         const Lattice copy = cage(other, {.vertices = 60});
@@ -257,6 +258,11 @@ TEST(Cage, refusesBadArguments) {
     EXPECT_REFUSED(Error, "margin is nan", cage(ball, {.margin = kNan}));
     EXPECT_REFUSED(Error, "shell is inf", cage(ball, {.shell = kInfinity}));
     EXPECT_REFUSED(Error, "the model has no faces", cage(FaceModel()));
+    FaceModel tiny = ball;
+    for (Point3& p : tiny.points) p = scaled(p, 1e-200);
+    EXPECT_REFUSED(Error, "expected 1e-40 to 1e+40; scale the model", cage(tiny));
+    EXPECT_REFUSED(Error, "margin is 2; expected 0 to 1", cage(ball, {.margin = 2}));
+    EXPECT_REFUSED(Error, "shell is 10; expected 0 to ", cage(ball, {.shell = 10}));
     FaceModel point;
     point.points = {{1, 2, 3}, {1, 2, 3}};
     point.addFace({0, 1, 0});
@@ -264,6 +270,10 @@ TEST(Cage, refusesBadArguments) {
 }
 
 TEST(Cage, saysThatThereIsNoLattice) {
+    FaceModel stray = test::ballModel(2);
+    stray.points.push_back({1e6, 2e6, 3e6});
+    EXPECT_REFUSED(Error, "hold the point (1e+06, 2e+06, 3e+06), too, which is in no face",
+                   cage(stray, {.vertices = 60}));
     // Two linked rings, which need more than 8 vertices to stay apart.
     EXPECT_REFUSED(Error, "cage: found no lattice of about 8 vertices that follows the model",
                    cage(linkedRings(), {.vertices = 8, .keepApart = true}));

@@ -26,8 +26,7 @@ TEST(PointDescent, KeepsTheCellsThatMayBeNearest) {
     EXPECT_THAT(descent.begin(points, Sought::Nearest).candidates.cells, ElementsAre(0));
 
     // Of all cells, the same one is kept.
-    Descent found = descent.begin(points, Sought::Nearest);
-    found.candidates = {};
+    Descent found{stencils::Levels(base, positions), {}, {}, descent.rounding()};
     CellBounds bounds(base.level(0), positions, far::Creasing::Uniform);
     for (Index cell = 0; cell < n[0]; ++cell) {
         found.candidates.points.push_back(0);
@@ -37,6 +36,68 @@ TEST(PointDescent, KeepsTheCellsThatMayBeNearest) {
     descent.keepNearest(found, points, nearest);
     EXPECT_THAT(found.candidates.cells, ElementsAre(0));
     EXPECT_DOUBLE_EQ(nearest[0], std::sqrt(9.5));
+}
+
+// Level 0 of a descent has the cell that may contain the point and the 26 cells around it.
+TEST(PointDescent, BeginsWithTheBaseCellsAroundThePoints) {
+    const std::array<Index, 3> n = {6, 6, 6};
+    const TopologyRefiner base(grid(n));
+    const std::vector<Point3> positions = gridPositions(n);
+    const std::vector<Point3> points = {{2.5, 3.5, 1.5}};
+    const Descent found = descentInto(base, positions).begin(points, Sought::Containing);
+    const far::CellComplex& complex = found.levels.finestLevel().complex;
+    EXPECT_EQ(complex.count(3), 27);
+    ASSERT_THAT(found.candidates.cells, ElementsAre(13));
+    ASSERT_EQ(found.baseVertices.size(), 64U);
+    for (const Index corner : complex.relation(3, 0)[13]) {
+        const Point3& position = positions[found.baseVertices[corner]];
+        EXPECT_EQ(position, found.levels.finestPositions()[corner]);
+        EXPECT_LT((vec(position) - vec(points[0])).norm(), 1);
+    }
+}
+
+// Level 0 of a descent gives the same rows around the candidates as the whole lattice, with
+// semi-sharp edges too.
+TEST(PointDescent, RefinesThePartAsTheWhole) {
+    const std::array<Index, 3> n = {12, 4, 4};
+    const auto vertexAt = [&](Index i) { return gridVertex(n, i, 2, 2); };
+    for (const far::Creasing creasing : {far::Creasing::Uniform, far::Creasing::Chaikin}) {
+        TopologyRefiner whole(grid(n), {.creasing = creasing,
+                                        .marks = {.edges = {{{vertexAt(1), vertexAt(2)}, 1.5F},
+                                                            {{vertexAt(2), vertexAt(3)}, 0.5F},
+                                                            {{vertexAt(3), vertexAt(4)}, 2.5F}}}});
+        const std::vector<Point3> positions = gridPositions(n);
+        const std::vector<Point3> points = {{1.5, 1.5, 1.5}};
+        Descent found = descentInto(whole, positions).begin(points, Sought::Containing);
+        const far::CellComplex complex = found.levels.finestLevel().complex;
+        EXPECT_LT(complex.count(3), whole.level(0).complex.count(3));
+        std::vector<Index> corners;
+        for (const Index cell : found.candidates.cells)
+            for (const Index vertex : complex.relation(3, 0)[cell]) corners.push_back(vertex);
+        found.levels.refineAround(found.candidates.cells);
+        whole.refineUniform(1);
+        const auto rows = stencils::buildStencils(whole, 1);
+        const stencils::StencilTable<double>& part = found.levels.tables().front();
+        const far::Refinement& refinement = found.levels.refiner().refinement(1);
+        for (const Index corner : corners) {
+            const Index there = found.baseVertices[corner];
+            for (int d = 0; d <= 3; ++d) {
+                const auto entities = complex.relation(0, d)[corner];
+                const auto inWhole = whole.level(0).complex.relation(0, d)[there];
+                ASSERT_EQ(entities.size(), inWhole.size());
+                for (std::size_t i = 0; i < entities.size(); ++i) {
+                    const Entity here{d, entities[i]}, original{d, inWhole[i]};
+                    const Index row = refinement.childOf({here, here})->index;
+                    const Index same = whole.refinement(1).childOf({original, original})->index;
+                    std::vector<Index> columns;
+                    for (const Index column : part.columns(row))
+                        columns.push_back(found.baseVertices[column]);
+                    EXPECT_TRUE(std::ranges::equal(columns, rows.columns(same)));
+                    EXPECT_TRUE(std::ranges::equal(part.weights(row), rows.weights(same)));
+                }
+            }
+        }
+    }
 }
 
 // A block with a row of cells at one corner. Without boundary control the row vanishes, since all

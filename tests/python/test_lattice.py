@@ -255,7 +255,8 @@ def test_the_inventory_is_valid(name):
     shape = getattr(espalier.shapes, name)
     box = espalier.shapes.box()
     arguments = {"merge": [[box, box.transformed(np.eye(3), (1, 0, 0))]],
-                 "around": [box.positions]}
+                 "around": [box.positions],
+                 "cage": [box.positions, box.faces]}
     lattice = shape(*arguments.get(name, []))
     refined = espalier.refine(lattice)
     assert refined.counts[3] >= 4
@@ -301,6 +302,48 @@ def test_a_box_around_points():
             around(corners, **options)
     with pytest.raises(ValueError, match="there are no points"):
         around(np.zeros((0, 3)))
+
+
+def test_a_cage_follows_a_model(tmp_path):
+    """The same lattice comes from a model, from its points and faces in another order, and from the model twice."""
+    cage = espalier.shapes.cage
+    surface = espalier.refine(espalier.shapes.torus(), 1)
+    corners = [surface.faces[face] for face in surface.boundary_faces]
+    surface = espalier.Lattice.mesh(surface.positions, corners)
+    surface.write(tmp_path / "torus.obj")
+    model = espalier.read_model(tmp_path / "torus.obj")
+    made = cage(model, vertices=60)
+    assert 48 <= made.counts[0] <= 72
+    assert len(espalier.ValidityCheck(made, limit=True).bad_at_rest) == 0
+    binding = espalier.bind(made, model, outside="error", limit=True)
+    np.testing.assert_allclose(binding.deform(made), model.positions, atol=1e-12)
+    for other in (cage(model.positions, np.array(corners), vertices=60),
+                  cage(model.positions, corners[::-1], vertices=60), cage([model, model], vertices=60)):
+        np.testing.assert_array_equal(other.positions, made.positions)
+        assert other.topology_difference(made) is None
+    # Smaller cells are more; a margin makes the lattice wider.
+    assert cage(model, cell_size=0.6).counts[0] > made.counts[0]
+    around = cage(model, vertices=60, margin=0.05).positions
+    assert np.ptp(around, axis=0)[0] > np.ptp(made.positions, axis=0)[0] + 0.1
+
+
+def test_a_cage_names_what_is_wrong(tmp_path):
+    cage = espalier.shapes.cage
+    box = espalier.shapes.box()
+    (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\n")
+    points = espalier.read_model(tmp_path / "points.obj")
+    for arguments, options, message in [
+            ([points], {}, r"cage: points.obj has no faces; shapes.around\(\) makes a box"),
+            ([box.positions], {}, "model: expected a Model or a list of Model, got ndarray; points need the argument `fa"),
+            ([[box.positions]], {}, "model: expected a list of Model, got one with ndarray"),
+            ([box.positions, 3], {}, "faces: expected an array or a list of loops, got int"),
+            ([box.positions, [[0, 1, 8]]], {}, "cage: .*point 8"),
+            ([box.positions, []], {}, "cage: the model has no faces"),
+            ([box.positions, box.faces], {"vertices": 7}, "cage: vertices is 7; expected 8 to 100000"),
+            ([box.positions, box.faces], {"cell_size": -1}, "cage: cell_size is -1"),
+            ([box.positions, box.faces], {"shell": np.nan}, "cage: shell is nan")]:
+        with pytest.raises(ValueError, match=message):
+            cage(*arguments, **options)
 
 
 def test_what_a_lattice_looks_like():
