@@ -98,7 +98,7 @@ void check(benchmark::State& state, Cells cells, bool isInverted) {
             timed(measuring, [&] { return solve::meshQuality(made.mesh, made.rest); });
         const auto after = timed(measuring, [&] { return solve::meshQuality(made.mesh, pose); });
         benchmark::DoNotOptimize(after);
-        if (!validity.badAtRest().empty() || before.nonPositiveVolumes > 0)
+        if (!validity.badAtRest().empty() || !before.nonPositiveVolumes.empty())
             state.SkipWithError("cells are bad at rest");
         if (found.inverted.empty() == isInverted || (step.length < 1) != isInverted)
             state.SkipWithError("the answer is wrong");

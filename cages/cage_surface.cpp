@@ -191,17 +191,21 @@ struct HullBox {
     std::array<Point3, 3> axes;  ///< the last one is the normal
     std::array<double, 3> low, high;
 
-    bool contains(const Point3& point) const {
+    /// Returns true if the distance of a point from the box is at most `margin`.
+    bool isNear(const Point3& point, double margin) const {
+        double square = 0;
         for (int axis = 2; axis >= 0; --axis) {
             const double value = dot(axes[axis], point);
-            if (value < low[axis] || value > high[axis]) return false;
+            const double away = std::max({low[axis] - value, value - high[axis], 0.0});
+            if (away > margin) return false;
+            square += away * away;
         }
-        return true;
+        return square <= margin * margin;
     }
 };
 
 HullBox boxAround(std::span<const Index> hull, const std::array<Index, 4>& face,
-                  std::span<const Point3> vertices, double margin) {
+                  std::span<const Point3> vertices) {
     const Point3 along = difference(vertices[face[2]], vertices[face[0]]);
     Point3 normal = cross(along, difference(vertices[face[3]], vertices[face[1]]));
     const double size = length(normal);
@@ -219,8 +223,8 @@ HullBox boxAround(std::span<const Index> hull, const std::array<Index, 4>& face,
         bounds.include({dot(box.axes[0], at), dot(box.axes[1], at), dot(box.axes[2], at)});
     }
     for (int axis = 0; axis < 3; ++axis) {
-        box.low[axis] = bounds.min[axis] - margin;
-        box.high[axis] = bounds.max[axis] + margin;
+        box.low[axis] = bounds.min[axis];
+        box.high[axis] = bounds.max[axis];
     }
     return box;
 }
@@ -298,8 +302,8 @@ private:
 /// The boxes to use: around the hull of each face, or around its four corners.
 enum class Around { Hull, Corners };
 
-/// Returns the groups in `tried` that have a point in a box, or a point around which the triangles
-/// of the faces do not wind once.
+/// Returns the groups in `tried` that have a point within `margin` of a box, or a point around
+/// which the triangles of the faces do not wind once.
 std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
                                 std::span<const Point3> vertices, const PointGroups& points,
                                 std::span<const Index> tried, double margin) {
@@ -311,8 +315,8 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
     for (Index face = 0; face < faceCount; ++face) {
         boxes[face] = boxAround(
             around == Around::Hull ? surface.hull(face) : std::span<const Index>(faces[face]),
-            faces[face], vertices, margin);
-        Point3 centre = {0, 0, 0}, reach = {0, 0, 0};
+            faces[face], vertices);
+        Point3 centre = {0, 0, 0}, reach = {margin, margin, margin};
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis) {
                 const Point3& way = boxes[face].axes[k];
@@ -352,7 +356,7 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
                     const Point3& way = box.axes[k];
                     const double value = dot(way, middle);
                     const double reach = std::abs(way[0]) * half[0] + std::abs(way[1]) * half[1] +
-                                         std::abs(way[2]) * half[2] + 1e-9 * grid.size;
+                                         std::abs(way[2]) * half[2] + margin + 1e-9 * grid.size;
                     isApart = value + reach < box.low[k] || value - reach > box.high[k];
                 }
                 if (!isApart) near.push_back(face);
@@ -363,8 +367,9 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
                 double depth = -1;
                 Index deepest = -1;
                 for (const Index face : near) {
-                    if (!boxes[face].contains(point)) continue;
-                    const double here = dot(boxes[face].axes[2], point) - boxes[face].low[2];
+                    if (!boxes[face].isNear(point, margin)) continue;
+                    const double here =
+                        dot(boxes[face].axes[2], point) - boxes[face].low[2] + margin;
                     if (here <= depth) continue;
                     depth = here;
                     deepest = face;

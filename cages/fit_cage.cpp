@@ -14,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,10 +35,16 @@ constexpr double kMaxGrowth = 2;
 /// How far a point may be outside the start, in edges of the start.
 constexpr double kMaxOutside = 1;
 
-/// Rounds after the first proof that try to improve cells with a scaled Jacobian below
-/// kGoodJacobian.
+/// After the first proof, at most kPolishes rounds give more weight to cells with a scaled Jacobian
+/// below kGoodJacobian. Better cells move the boundary, so other rounds repair the proof.
 constexpr int kPolishes = 3;
 constexpr double kGoodJacobian = 0.3;
+
+/// An attempt is given up if this many rounds of repair leave more than kLeftOver of the failures.
+/// A few failures may come and go before the last one is repaired.
+constexpr std::size_t kPatience = 3;
+constexpr double kLeftOver = 0.75;
+constexpr double kFewFailures = 4;
 
 /// Steps of an attempt before the first proof.
 constexpr int kSteps = 12;
@@ -62,6 +67,21 @@ void checkFinite(const Point3& point, const char* name, std::size_t number) {
             throw Error(concat(
                 "fitting a cage: ", name, " ", number,
                 std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
+}
+
+/// Returns true if more rounds of repair will hardly help.
+/// \param failures of all rounds so far: groups of points and cells without proof
+bool isStuck(std::span<const std::size_t> failures) {
+    if (failures.size() < 2) return false;
+    const auto leastUpTo = [&](std::size_t count) {
+        return static_cast<double>(
+            *std::min_element(failures.begin(), failures.begin() + static_cast<Offset>(count)));
+    };
+    const auto last = static_cast<double>(failures.back());
+    // The number grows where two parts push each other.
+    if (last > 2 * leastUpTo(failures.size() - 1) + 20) return true;
+    return failures.size() > kPatience &&
+           last > kLeftOver * leastUpTo(failures.size() - kPatience) + kFewFailures;
 }
 
 /// The state of a fit.
@@ -153,7 +173,7 @@ private:
     std::vector<double> pull_;  ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
     Weights weights_;
-    std::size_t uncoveredCount_ = 0;  ///< groups without proof at the last certify()
+    std::size_t failureCount_ = 0;  ///< groups and cells without proof at the last certify()
     std::string failure_;
 };
 
@@ -390,7 +410,6 @@ bool Fit::certify() {
     associate();
     bool isProved = true;
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
-    uncoveredCount_ = uncovered.size();
     double deepest = 0;
     raise_.assign(groups_.groups().size(), 0);
     for (const Uncovered& group : uncovered) {
@@ -425,6 +444,7 @@ bool Fit::certify() {
         if (raise_[g] > 0) isRaised_[g] = 1;
     }
     const solve::ValidityCheck check(parts_, positions_);
+    failureCount_ = uncovered.size() + check.badAtRest().size();
     std::vector<char> isBad(shapes_.cellCount(), 0);
     const far::CellComplex& complex = base_.level(0).complex;
     shapes_.examine(check.badAtRest());
@@ -478,7 +498,7 @@ void Fit::polish() {
     std::vector<double> shapes = shapes_.leastJacobians(positions_);
     double best = *std::min_element(shapes.begin(), shapes.end());
     std::vector<Point3> kept = positions_;
-    for (int round = 0; round < kPolishes && best < kGoodJacobian; ++round) {
+    const auto favourPoorCells = [&] {
         std::vector<Index> poor;
         for (Index cell = 0; cell < shapes_.cellCount(); ++cell) {
             if (shapes[cell] >= kGoodJacobian) continue;
@@ -489,11 +509,20 @@ void Fit::polish() {
                     shapes_.scaleWeight(near, 1.2);
         }
         shapes_.examine(poor);
+    };
+    bool isProved = true;
+    for (int polishes = 0, repairs = 0; best < kGoodJacobian;) {
+        if (isProved) {
+            if (polishes++ == kPolishes) break;
+            favourPoorCells();
+        } else if (repairs++ == options_.maxRounds) {
+            break;
+        }
         for (int step = 0; step < 2; ++step) {
             associate();
             optimise(25);
         }
-        const bool isProved = certify();
+        isProved = certify();
         shapes = shapes_.leastJacobians(positions_);
         const double least = *std::min_element(shapes.begin(), shapes.end());
         if (isProved && least > best) {
@@ -515,16 +544,15 @@ std::vector<Point3> Fit::run() {
             // Early steps are short, because faces then change their nearest points.
             optimise(step < kSteps / 2 ? 8 : 20);
         }
-        std::optional<std::size_t> least;
+        std::vector<std::size_t> failures;
         for (int round = 0; round < options_.maxRounds; ++round) {
             if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
             if (certify()) {
                 polish();
                 return std::move(positions_);
             }
-            // Where fitting works, the number falls. It grows where two parts push each other.
-            if (least && uncoveredCount_ > 2 * *least + 20) break;
-            least = std::min(least.value_or(uncoveredCount_), uncoveredCount_);
+            failures.push_back(failureCount_);
+            if (isStuck(failures)) break;
             for (int step = 0; step < 3; ++step) {
                 associate();
                 optimise(25);

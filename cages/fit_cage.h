@@ -25,7 +25,8 @@ struct FitOptions {
     /// Level to which limit::LimitParts refines irregular features for the proof of validity.
     int levelOfParts = 2;
 
-    /// Largest number of proofs that may fail before fitting starts anew with less pull.
+    /// Largest number of proofs that may fail before fitting starts anew with less pull; and, while
+    /// the worst cells are improved, before the last proved lattice is kept.
     int maxRounds = 8;
 
     /// Largest number of times that fitting starts, 1 to 4. The fourth time does not pull.

@@ -113,27 +113,28 @@ std::vector<char> within(double radius, const CubeGrid& grid, std::span<const ch
     const Index far = std::numeric_limits<Index>::max() / 2;
     std::vector<Index> squares(marks.size());
     for (std::size_t i = 0; i < marks.size(); ++i) squares[i] = marks[i] != 0 ? 0 : far;
-    std::vector<Index> line, next;
+    std::vector<Index> line;
     Index stride = 1;
     for (int axis = 0; axis < 3; stride *= grid.counts[axis], ++axis) {
         const Index count = grid.counts[axis];
         line.resize(count);
-        next.resize(count);
-        for (Index start = 0; start < grid.cubeCount(); ++start) {
-            if (start / stride % count != 0) continue;
+        const auto spread = [&](Index start) {
             bool isEmpty = true;
             for (Index i = 0; i < count; ++i) {
                 line[i] = squares[start + i * stride];
                 isEmpty = isEmpty && line[i] == far;
             }
-            if (isEmpty) continue;
+            if (isEmpty) return;
             for (Index i = 0; i < count; ++i) {
+                if (line[i] == 0) continue;
                 Index least = far;
                 for (Index j = std::max(0, i - reach); j <= std::min(count - 1, i + reach); ++j)
                     if (line[j] < far) least = std::min(least, line[j] + (i - j) * (i - j));
                 squares[start + i * stride] = least;
             }
-        }
+        };
+        for (Index slab = 0; slab < grid.cubeCount(); slab += count * stride)
+            for (Index start = slab; start < slab + stride; ++start) spread(start);
     }
     std::vector<char> result(marks.size());
     for (std::size_t i = 0; i < marks.size(); ++i) result[i] = squares[i] <= cubes * cubes ? 1 : 0;

@@ -151,7 +151,7 @@ void addAroundCommand(CLI::App& shape) {
     command
         .add_option("--size", options.shape.cellSize,
                     "Largest edge of a cell, in the units of the model")
-        ->check(CLI::PositiveNumber)
+        ->check(aboveZero())
         ->excludes(cells);
     command
         .add_option("--margin", options.shape.margin,

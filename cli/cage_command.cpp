@@ -32,7 +32,9 @@ void runCage(const CageCommandOptions& options) {
     io::ModelFaces faces;
     for (const std::string& path : options.models) {
         const auto model = stages.read(path, [&] { return io::readModel(path); });
-        const io::ModelFaces own = model->readSurface().faces;
+        io::ModelFaces own = model->readSurface().faces;
+        // The mesh of a volume may have cells only.
+        if (own.count() == 0) own = io::boundaryFaces(model->readVolume().mesh);
         if (own.count() == 0)
             throw io::FileError(path,
                                 "has no faces, so that it bounds no solid; make a box around "
@@ -71,7 +73,7 @@ void addCageCommand(CLI::App& shape) {
     command
         .add_option("--size", options.cage.cellSize,
                     "Edge of the cells before they are fitted, in the units of the model")
-        ->check(CLI::PositiveNumber)
+        ->check(aboveZero())
         ->excludes(vertices);
     command
         .add_option("--margin", options.cage.margin,
@@ -83,7 +85,7 @@ void addCageCommand(CLI::App& shape) {
         .add_option("--shell", options.cage.shell,
                     "Make a lattice around the surface only, at least this thick, in the units of "
                     "the model")
-        ->check(CLI::PositiveNumber);
+        ->check(aboveZero());
     command.add_flag("--keep-apart", options.cage.keepApart,
                      "Keep parts of the model separate that are nearer to each other than a cell");
     addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();

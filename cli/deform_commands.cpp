@@ -118,6 +118,20 @@ struct Deformation {
     }
 };
 
+/// Calls f, which checks the cells of a mesh. If the user has not asked for the check, an error of
+/// it becomes a warning that begins with `what`, and does not stop the deformation.
+template <class F>
+void orWarning(const DeformOptions& options, const std::string& what, F f) {
+    try {
+        f();
+    } catch (const MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        if (options.mesh.noInverted || options.mesh.largestStep) throw;
+        printError(("warning: " + what + error.what()).c_str());
+    }
+}
+
 /// The reports on the mesh in each pose.
 struct MeshReports {
     std::string text;
@@ -138,12 +152,13 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
     MeshReports reports;
     const auto pointsOf = [&](std::size_t i) {
         auto points = deformation.pointsAt(poses[i], stages);
-        if (check) {
+        if (!check) return points;
+        orWarning(options, io::shownPath(options.poses[i]) + ": cells not checked: ", [&] {
             const MeshVerdict verdict = check->check(points, options.mesh, stages);
             reports.text += check->text(verdict, options.poses[i]);
             reports.json.push_back(check->toJson(verdict, options.poses[i]));
             if (!options.common.quiet) check->warn(verdict, options.poses[i]);
-        }
+        });
         return points;
     };
     if (io::isAnimationFile(options.output)) {
@@ -164,19 +179,25 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
 }
 
 /// Returns the check if the model has cells; null if not.
-/// \throws FileError if an option asks for a check of a model without cells
+/// \throws FileError if an option asks for a check of a model without cells that can be checked
 const MeshCheck* requiredCheck(const std::optional<MeshCheck>& check,
                                const DeformOptions& options) {
-    if (check && check->hasCells()) return &*check;
-    if (options.mesh.noInverted || options.mesh.largestStep)
+    if (!check) return nullptr;
+    const bool isRequired = options.mesh.noInverted || options.mesh.largestStep;
+    if (check->hasCells()) return &*check;
+    if (!isRequired)
+        return check->curvedCells() > 0 || check->unknownElements() > 0 ? &*check : nullptr;
+    const char* option = options.mesh.noInverted ? "--no-inverted" : "--largest-step";
+    if (check->curvedCells() > 0)
         throw io::FileError(
             options.model,
-            concat("has no cells of a volume, which ",
-                   options.mesh.noInverted ? "--no-inverted" : "--largest-step", " could check",
-                   options.rest.empty() ? "; the faces of an OpenFOAM mesh are not "
-                                          "in a binding: use espalier deform"
-                                        : ""));
-    return nullptr;
+            concat("has ", check->curvedCells(), " cells of a volume, all with curved edges, and ",
+                   option, " checks only cells with straight edges"));
+    throw io::FileError(
+        options.model, concat("has no cells of a volume, so there is nothing to check for ", option,
+                              options.rest.empty() ? "; the faces of an OpenFOAM mesh are not "
+                                                     "in a binding: use espalier deform"
+                                                   : ""));
 }
 
 void print(const RunReport& report, const MeshReports& meshes, const DeformOptions& options) {
@@ -206,7 +227,10 @@ void runDeform(const DeformOptions& options) {
     const bool isChecked =
         !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
     std::optional<MeshCheck> check;
-    if (isChecked) check.emplace(options.model, *model, stages);
+    if (isChecked)
+        orWarning(options, "cells not checked: ", [&] {
+            check.emplace(options.model, *model, options.output, stages);
+        });
     const MeshReports meshes =
         writePoses({*model, bound.binding, rest.positions, gradients}, options, poses, paths,
                    requiredCheck(check, options), stages);
@@ -263,7 +287,7 @@ void runApply(const DeformOptions& options) {
     // Checking takes much longer than applying, so only on request.
     std::optional<MeshCheck> check;
     if (options.mesh.noInverted || options.mesh.largestStep)
-        check.emplace(options.model, *model, stages);
+        check.emplace(options.model, *model, options.output, stages);
     const MeshReports meshes =
         writePoses({*model, bound.binding, bound.rest, bound.gradients}, options, poses, paths,
                    requiredCheck(check, options), stages);
@@ -286,7 +310,7 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         ->required();
     command
         .add_option("--frame-rate", options.framesPerSecond, "Poses per second in an .mdd or .glb")
-        ->check(CLI::PositiveNumber)
+        ->check(aboveZero())
         ->capture_default_str();
 }
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh_check.h"
 
+#include <espalier/io/animations/animation_file.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -33,7 +36,7 @@ OrderedJson qualityJson(const solve::MeshQuality& quality) {
             {"severely_non_orthogonal", quality.severelyNonOrthogonal},
             {"skewness", valueOrNull(quality.largestSkewness)},
             {"smallest_volume", valueOrNull(quality.smallestVolume)},
-            {"non_positive_volumes", quality.nonPositiveVolumes},
+            {"non_positive_volumes", quality.nonPositiveVolumes.size()},
             {"negative_pyramids", quality.negativePyramids}};
 }
 
@@ -45,6 +48,17 @@ OrderedJson cellsJson(const std::vector<Index>& cells) {
 template <class Value>
 std::string valueText(const std::optional<Value>& value) {
     return value ? fmt::format("{:.4g}", value->value) : "none";
+}
+
+/// Returns a share of the way to a pose as text, rounded down, since no cell is inverted up to it.
+std::string shareText(double share, int digits = 12) {
+    const auto textOf = [&](double value) { return fmt::format("{:.{}g}", value, digits); };
+    const std::string text = textOf(share);
+    double rounded = 0;
+    if (share <= 0 || !io::parseNumber(text, rounded) || rounded <= share) return text;
+    // The text is at most half a unit of its last digit above the share.
+    const double unit = std::pow(10, std::floor(std::log10(share)) + 1 - digits);
+    return textOf(share - unit / 2);
 }
 
 /// Returns the point at a share of the way from rest to a pose.
@@ -73,8 +87,9 @@ void addMeshOptions(CLI::App& command, MeshOptions& options) {
         ->excludes(none);
 }
 
-MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model, Stages& stages)
-    : path_(path), model_(model) {
+MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
+                     const std::filesystem::path& output, Stages& stages)
+    : path_(path), output_(output), model_(model) {
     volume_ = stages.run("reading", [&] {
         stages.addBytes(0);  // The bytes of the file have been counted.
         return model.readVolume();
@@ -96,18 +111,18 @@ bool MeshCheck::isSound(const solve::PoseValidity& validity,
     // OpenFOAM computes new centres of faces in the pose. With these centres, a polyhedron with
     // bent faces may have no positive volume, although each of its tetrahedra in `validity` is
     // valid.
-    return validity.inverted.empty() && quality.nonPositiveVolumes <= before_.nonPositiveVolumes;
+    return validity.inverted.empty() &&
+           std::ranges::includes(before_.nonPositiveVolumes, quality.nonPositiveVolumes);
 }
 
 std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
-    if (model_.storage() == io::CoordinateStorage::Float)
-        for (Point3& point : points)
-            for (double& coordinate : point) coordinate = static_cast<float>(coordinate);
-    return points;
+    return io::isAnimationFile(output_) ? io::storedInAnimation(output_, model_, std::move(points))
+                                        : model_.stored(std::move(points));
 }
 
 MeshVerdict MeshCheck::check(std::vector<Point3>& points, const MeshOptions& options,
                              Stages& stages) const {
+    if (!hasCells()) return {};
     return stages.run("checking cells", [&] {
         MeshVerdict verdict;
         const std::vector<Point3> pose = stored(points);
@@ -130,25 +145,38 @@ MeshVerdict MeshCheck::check(std::vector<Point3>& points, const MeshOptions& opt
             if (isSound(validity, verdict.quality)) return verdict;
             verdict.written = std::max(0.0, verdict.step.length * (1 - shorten));
         }
-        points.assign(model_.positions().begin(), model_.positions().end());
-        verdict.quality = before_;
+        points = stored({model_.positions().begin(), model_.positions().end()});
+        verdict.quality = solve::meshQuality(volume_.mesh, points);
+        if (!isSound(check_->check(points), verdict.quality))
+            throw Finding(
+                fmt::format("{}: rounded to the floats of this format, cells of {} are inside out "
+                            "even at rest; "
+                            "write the poses in the format of the mesh",
+                            io::shownPath(output_), io::shownPath(path_)));
         return verdict;
     });
 }
 
 void MeshCheck::requireValid(const MeshVerdict& verdict, const std::string& pose) const {
+    const auto firstOf = [&](const std::vector<Index>& now) {
+        const auto& before = before_.nonPositiveVolumes;
+        return *std::ranges::find_if_not(
+            now, [&](Index cell) { return std::ranges::binary_search(before, cell); });
+    };
     const auto& inverted = verdict.validity.inverted;
     if (!inverted.empty())
         throw Finding(fmt::format(
             "{}: this pose turns {} of {} cells of {} inside out, the first cell {}; nothing was "
-            "written. --largest-step goes {:.6g} of the way",
+            "written. --largest-step goes {} of the way",
             io::shownPath(pose), inverted.size(), volume_.mesh.cellCount(), io::shownPath(path_),
-            inverted.front(), verdict.step.length));
+            inverted.front(), shareText(verdict.step.length, 6)));
     if (!isSound(verdict.validity, verdict.quality))
-        throw Finding(fmt::format(
-            "{}: in this pose, {} cells of {} have no positive volume by "
-            "OpenFOAM's formula; nothing was written",
-            io::shownPath(pose), verdict.quality.nonPositiveVolumes, io::shownPath(path_)));
+        throw Finding(
+            fmt::format("{}: in this pose, cell {} of {} has no positive volume by OpenFOAM's "
+                        "formula; nothing was "
+                        "written",
+                        io::shownPath(pose), firstOf(verdict.quality.nonPositiveVolumes),
+                        io::shownPath(path_)));
 }
 
 void MeshCheck::warn(const MeshVerdict& verdict, const std::string& pose) const {
@@ -156,10 +184,10 @@ void MeshCheck::warn(const MeshVerdict& verdict, const std::string& pose) const 
     if (inverted.empty() || verdict.written < 1) return;
     printError(
         fmt::format("warning: {} turns {} of {} cells of the mesh inside out, the first cell "
-                    "{}. --largest-step goes as far as no cell is inverted, {:.6g} of the "
+                    "{}. --largest-step goes as far as no cell is inverted, {} of the "
                     "way; --no-inverted writes nothing",
                     io::shownPath(pose), inverted.size(), volume_.mesh.cellCount(),
-                    inverted.front(), verdict.step.length)
+                    inverted.front(), shareText(verdict.step.length, 6))
             .c_str());
 }
 
@@ -180,9 +208,12 @@ std::string MeshCheck::text(const MeshVerdict& verdict, const std::string& pose)
     };
     const auto& [validity, step, after, written] = verdict;
     line("mesh of {}\n", io::shownPath(pose));
-    line("  cells             {}\n", kindsText());
+    if (hasCells()) line("  cells             {}\n", kindsText());
     if (volume_.curvedCells > 0)
         line("  not checked       {} cells with curved edges\n", volume_.curvedCells);
+    if (volume_.unknownElements > 0)
+        line("  not checked       {} elements of unknown types\n", volume_.unknownElements);
+    if (!hasCells()) return text;
     if (const auto& bad = check_->badAtRest(); !bad.empty())
         line("  folded at rest    {}, the first cell {}; they do not count below\n", bad.size(),
              bad.front());
@@ -195,12 +226,12 @@ std::string MeshCheck::text(const MeshVerdict& verdict, const std::string& pose)
         line("  worst ratio       {:.3g} (volume in the pose : at rest), cell {}\n",
              validity.smallest->value, validity.smallest->cell);
     if (step.limitingCell)
-        line("  largest step      {}{:.12g} of the pose inverts no cell; then cell {} {}\n",
-             step.isTight ? "" : "at least ", step.length, *step.limitingCell,
+        line("  largest step      {}{} of the pose inverts no cell; then cell {} {}\n",
+             step.isTight ? "" : "at least ", shareText(step.length), *step.limitingCell,
              step.isTight ? "folds" : "may fold");
     else
         line("  largest step      1: no share of the pose inverts a cell\n");
-    if (written < 1) line("  written           {:.12g} of the pose\n", written);
+    if (written < 1) line("  written           {} of the pose\n", shareText(written));
     line("  quality               before      after\n");
     const auto row = [&line](const char* name, const std::string& before, const std::string& now,
                              const char* meaning) {
@@ -214,8 +245,8 @@ std::string MeshCheck::text(const MeshVerdict& verdict, const std::string& pose)
         fmt::format("{:.4g}", after.meanNonOrthogonality), "degrees");
     row("skewness", valueText(before_.largestSkewness), valueText(after.largestSkewness),
         "at most");
-    row("volumes below 0", std::to_string(before_.nonPositiveVolumes),
-        std::to_string(after.nonPositiveVolumes), "cells, by OpenFOAM's formula");
+    row("volumes below 0", std::to_string(before_.nonPositiveVolumes.size()),
+        std::to_string(after.nonPositiveVolumes.size()), "cells, by OpenFOAM's formula");
     row("pyramids below 0", std::to_string(before_.negativePyramids),
         std::to_string(after.negativePyramids), "sides of faces, as checkMesh counts them");
     return text;
@@ -224,12 +255,14 @@ std::string MeshCheck::text(const MeshVerdict& verdict, const std::string& pose)
 OrderedJson MeshCheck::toJson(const MeshVerdict& verdict, const std::string& pose) const {
     OrderedJson cells = OrderedJson::object();
     for (std::size_t kind = 0; kind < kinds_.size(); ++kind) cells[kKindNames[kind]] = kinds_[kind];
+    OrderedJson json = {{"pose", pose},
+                        {"cells", cells},
+                        {"curved_cells", volume_.curvedCells},
+                        {"unknown_elements", volume_.unknownElements}};
+    if (!hasCells()) return json;
     const auto& smallest = verdict.validity.smallest;
     const auto& limiting = verdict.step.limitingCell;
-    return {
-        {"pose", pose},
-        {"cells", cells},
-        {"curved_cells", volume_.curvedCells},
+    json.update(OrderedJson{
         {"bad_at_rest", cellsJson(check_->badAtRest())},
         {"inverted", cellsJson(verdict.validity.inverted)},
         {"smallest_ratio",
@@ -240,7 +273,8 @@ OrderedJson MeshCheck::toJson(const MeshVerdict& verdict, const std::string& pos
           {"limiting_cell", limiting ? OrderedJson(*limiting) : OrderedJson(nullptr)},
           {"is_tight", verdict.step.isTight}}},
         {"written", verdict.written},
-        {"quality", {{"before", qualityJson(before_)}, {"after", qualityJson(verdict.quality)}}}};
+        {"quality", {{"before", qualityJson(before_)}, {"after", qualityJson(verdict.quality)}}}});
+    return json;
 }
 
 }  // namespace espalier::cli

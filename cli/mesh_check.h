@@ -41,16 +41,24 @@ class MeshCheck {
 public:
     /// Reads the cells of a model in the stage "reading".
     /// \param path of the model, for messages
-    MeshCheck(const std::filesystem::path& path, const io::Model& model, Stages& stages);
+    /// \param output the file that will hold the poses, in its own format or as an animation
+    MeshCheck(const std::filesystem::path& path, const io::Model& model,
+              const std::filesystem::path& output, Stages& stages);
 
-    /// False if the model has no cells of a volume.
+    /// False if the model has no cells that can be checked.
     bool hasCells() const { return volume_.mesh.cellCount() > 0; }
+
+    /// Number of cells that are not checked, since their edges are curved.
+    Index curvedCells() const { return volume_.curvedCells; }
+
+    /// Number of elements that are not checked, since their types are not known.
+    Index unknownElements() const { return volume_.unknownElements; }
 
     /// Checks a pose in the stage "checking cells". With --largest-step, moves `points` back
     /// towards rest until no cell is inverted.
     ///
-    /// \param points deformed points, one per point of the model; they are rounded as the file will
-    ///        hold them
+    /// \param points deformed points, one per point of the model; the check and the quality are
+    ///        those of the points rounded as the output will hold them
     MeshVerdict check(std::vector<Point3>& points, const MeshOptions& options,
                       Stages& stages) const;
 
@@ -63,7 +71,8 @@ public:
     /// Prints a warning to standard error if a pose inverts cells.
     void warn(const MeshVerdict& verdict, const std::string& pose) const;
 
-    /// Returns a report of several lines.
+    /// Returns a report of several lines. Of a mesh without cells that can be checked, it tells
+    /// only what is not checked.
     std::string text(const MeshVerdict& verdict, const std::string& pose) const;
 
     /// Returns an object with these keys:
@@ -71,6 +80,10 @@ public:
     ///     pose                its path
     ///     cells               {tetrahedra, pyramids, wedges, hexahedra, polyhedra}: their numbers
     ///     curved_cells        number of cells that are not checked, since their edges are curved
+    ///     unknown_elements    number of elements of types that are not known here
+    ///
+    /// and if there are cells to check:
+    ///
     ///     bad_at_rest         {count, first}: cells that are flat or folded at rest; first is null
     ///                         if there are none
     ///     inverted            {count, first}: cells that the whole pose inverts
@@ -91,6 +104,7 @@ private:
     std::string kindsText() const;
 
     std::filesystem::path path_;
+    std::filesystem::path output_;
     const io::Model& model_;
     io::ModelVolume volume_;
     std::array<Index, 5> kinds_ = {};  ///< numbers of the standard cells, and of polyhedra

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -187,6 +188,17 @@ void throwWithNamesOfOptions(const CLI::App& command, const Error& error) {
     }
     if (text.starts_with("--")) throw CLI::ValidationError(text, CLI::ExitCodes::ValidationError);
     throw Error(message);
+}
+
+CLI::Validator aboveZero() {
+    return CLI::Validator(
+        [](std::string& text) {
+            double number = 0;
+            const bool isOne = CLI::detail::lexical_cast(text, number) && number > 0 &&
+                               number <= std::numeric_limits<double>::max();
+            return isOne ? std::string() : "expected a number above 0, got " + text;
+        },
+        "POSITIVE");
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {

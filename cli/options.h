@@ -144,6 +144,10 @@ auto withNamesOfOptions(const CLI::App& command, const Call& call) {
     }
 }
 
+/// Accepts finite numbers above 0. (CLI::PositiveNumber accepts infinity, and its message has a
+/// number of 309 digits.)
+CLI::Validator aboveZero();
+
 /// Adds -n to a command.
 void addLevelOption(CLI::App& command, int& level, int least);
 

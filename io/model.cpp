@@ -20,6 +20,7 @@
 #include <string>
 #include <utility>
 
+#include "models/coordinates.h"
 #include "models/model_conversion.h"
 #include "models/surface_writers.h"
 #include "vtk/vtk_surface_writers.h"
@@ -152,6 +153,23 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
     auto other = std::ranges::find(others, kind, &OtherData::kind);
     if (other == others.end()) other = others.insert(others.end(), {kind, {}});
     if (!name.empty() && std::ranges::count(other->names, name) == 0) other->names.push_back(name);
+}
+
+ModelFaces boundaryFaces(const far::VolumeMesh& mesh) {
+    ModelFaces faces;
+    for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face) {
+        const auto loop = mesh.face(face);
+        faces.corners.insert(faces.corners.end(), loop.begin(), loop.end());
+        faces.endFace();
+    }
+    return faces;
+}
+
+std::vector<Point3> Model::stored(std::vector<Point3> points) const {
+    if (storage() == CoordinateStorage::Float)
+        for (Point3& point : points)
+            for (double& coordinate : point) roundToFloat(coordinate);
+    return points;
 }
 
 std::string Model::checkTarget(const std::filesystem::path& name) const {

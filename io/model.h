@@ -51,7 +51,15 @@ struct ModelVolume {
 
     /// Number of cells with curved edges, such as quadratic ones. They are not in `mesh`.
     Index curvedCells = 0;
+
+    /// Number of elements of types that the reader does not know. They are not in `mesh`, and may
+    /// be cells of the volume or not.
+    Index unknownElements = 0;
 };
+
+/// Returns the faces that only one cell of a volume has, each anticlockwise seen from outside.
+/// \cost O(points of faces)
+ESPALIER_API ModelFaces boundaryFaces(const far::VolumeMesh& mesh);
 
 /// The surface of a model without its points, and the names of all other data in its file.
 struct ModelSurface {
@@ -145,6 +153,11 @@ public:
 
     /// How the file stores the coordinates. If parts of a file differ, the least precise of them.
     virtual CoordinateStorage storage() const = 0;
+
+    /// Returns points, one per point of the model, as a file that write() makes in the format of
+    /// the model holds them: where it has single precision, rounded to the nearest float, which is
+    /// infinite for a coordinate that write() refuses. Formats of text and doubles change nothing.
+    virtual std::vector<Point3> stored(std::vector<Point3> points) const;
 
     /// Extension of the format, in lower case: ".obj"; "points" for OpenFOAM, whose file has this
     /// name.

@@ -21,6 +21,10 @@ namespace {
 /// \throws Error if the model has no cells of a volume
 io::ModelVolume volumeOf(const ModelFile& model) {
     io::ModelVolume volume = model.model->readVolume();
+    if (volume.mesh.cellCount() == 0 && volume.curvedCells > 0)
+        throw Error(concat("model: ", printable(model.name), " has ", volume.curvedCells,
+                           " cells of a volume, all with curved edges; only cells with straight "
+                           "edges can be checked"));
     if (volume.mesh.cellCount() == 0)
         throw Error(concat("model: ", printable(model.name), " has no cells of a volume"));
     return volume;
@@ -61,7 +65,7 @@ py::dict toDict(const solve::MeshQuality& quality) {
     dict["severely_non_orthogonal"] = quality.severelyNonOrthogonal;
     dict["skewness"] = valueOrNone(quality.largestSkewness);
     dict["smallest_volume"] = valueOrNone(quality.smallestVolume);
-    dict["non_positive_volumes"] = quality.nonPositiveVolumes;
+    dict["non_positive_volumes"] = quality.nonPositiveVolumes.size();
     dict["negative_pyramids"] = quality.negativePyramids;
     return dict;
 }
@@ -85,6 +89,9 @@ model : Model with cells of a volume, such as the mesh of an OpenFOAM case, or a
         .def_property_readonly(
             "curved_cells", [](const MeshCheck& self) { return self.volume().curvedCells; },
             "Number of cells with curved edges, which are not checked: int.")
+        .def_property_readonly(
+            "unknown_elements", [](const MeshCheck& self) { return self.volume().unknownElements; },
+            "Number of elements of types that are not known here, which are not checked: int.")
         .def_property_readonly(
             "bad_at_rest", [](const MeshCheck& self) { return toArray(self.check().badAtRest()); },
             "The cells that are flat or folded at rest, ascending: array of int32.")

@@ -208,7 +208,7 @@ MeshQuality meshQuality(const far::VolumeMesh& mesh, std::span<const Point3> pos
     MeshQuality quality;
     for (Index cell = 0; cell < mesh.cellCount(); ++cell) {
         keepSmallest(quality.smallestVolume, {cell, centres.volumes[cell]});
-        quality.nonPositiveVolumes += centres.volumes[cell] < kVerySmall ? 1 : 0;
+        if (centres.volumes[cell] < kVerySmall) quality.nonPositiveVolumes.push_back(cell);
         if (mesh.kind(cell)) keepSmallest(quality.smallestScaledJacobian, {cell, jacobians[cell]});
     }
     std::optional<FaceValue> smallestCosine;

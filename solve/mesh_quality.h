@@ -9,6 +9,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 // Measures the quality of volume meshes, with the definitions of OpenFOAM's checkMesh.
 namespace espalier::solve {
@@ -34,8 +35,9 @@ struct MeshQuality {
     /// inside out.
     std::optional<CellValue> smallestVolume;
 
-    /// Number of cells whose volume is not positive, as checkMesh counts them (at most 1e-300).
-    Index nonPositiveVolumes = 0;
+    /// The cells whose volume is not positive, as checkMesh counts them (at most 1e-300),
+    /// ascending.
+    std::vector<Index> nonPositiveVolumes;
 
     /// Number of pyramids from the centre of a cell to one of its faces whose volume is negative
     /// (below −1e-15), as checkMesh counts them. A face between two cells has two pyramids.
@@ -48,7 +50,8 @@ struct MeshQuality {
     /// The angle whose cosine is the mean of the cosines of these angles, in degrees.
     double meanNonOrthogonality = 0;
 
-    /// Number of internal faces whose angle is above 70 degrees, which checkMesh calls severe.
+    /// Number of internal faces whose angle is above 70 degrees: the faces that checkMesh calls
+    /// severe, and those above 90 degrees, which it counts apart as errors.
     Index severelyNonOrthogonal = 0;
 
     /// The largest skewness of a face: the distance of its centre from the line between the centres

@@ -7,13 +7,16 @@
     deform.SetInputDataObject(0, model)        # any vtkPointSet: a surface, a volume mesh, a curvilinear grid
     deform.SetInputDataObject(1, rest)         # the lattice at rest: a vtkUnstructuredGrid around the model
     deform.SetInputDataObject(2, pose)         # the same lattice with its points moved
-    deform.SetLevel(3)                   # or SetLimit(True)
+    deform.SetLevel(3)                         # or SetLimit(True)
     deform.Update()
     moved = deform.GetOutputDataObject(0)
 
 The output is the model with moved points. Its point data has the array "espalier_status": 0 for points inside
 the lattice, 1 for points outside, 2 for points that could not be placed. The binding is kept: a new pose
 costs one sparse product.
+
+VTK lets no exception out of Update(): on an error it prints the error, and the output is empty. GetError()
+returns the message of the last update, and None if there was no error.
 
 The file is also a plugin of ParaView (Tools > Manage Plugins > Load New); then the filter is in the menu
 Filters. Python must find the modules espalier and numpy.
@@ -87,6 +90,20 @@ def lattice_of(grid):
     return espalier.Lattice(positions_of(grid)[used], cells), used
 
 
+def have_same_cells(one, other):
+    """Returns True if two grids have the same volume cells, in the same order. Costs little if VTK stores the
+    cells of both in the same way."""
+    def arrays(grid):
+        cells = grid.GetCells()
+        stored = (grid.GetCellTypesArray(), cells.GetOffsetsArray(), cells.GetConnectivityArray(), grid.GetFaces())
+        return [np.zeros(0) if array is None else numpy_support.vtk_to_numpy(array) for array in stored]
+
+    if 0 not in (one.GetNumberOfCells(), other.GetNumberOfCells()) and all(
+            np.array_equal(a, b) for a, b in zip(arrays(one), arrays(other))):
+        return True
+    return cells_of(one) == cells_of(other)
+
+
 class EspalierDeform(VTKPythonAlgorithmBase):
     """Espalier deform: moves the points of a model as a lattice around it moves."""
 
@@ -97,6 +114,7 @@ class EspalierDeform(VTKPythonAlgorithmBase):
         self._outside = "keep"
         self._binding = None
         self._bound_to = None  # what the binding depends on
+        self._error = None
 
     def FillInputPortInformation(self, port, information):
         information.Set(self.INPUT_REQUIRED_DATA_TYPE(), "vtkPointSet" if port == 0 else "vtkUnstructuredGrid")
@@ -135,41 +153,61 @@ class EspalierDeform(VTKPythonAlgorithmBase):
         """Returns the espalier.Binding of the last update; None before."""
         return self._binding
 
+    def GetError(self):
+        """Returns the message of the error of the last update; None if there was none."""
+        return self._error
+
     def _set(self, name, value):
         if getattr(self, name) != value:
             setattr(self, name, value)
             self.Modified()
 
     def RequestData(self, request, inputs, outputs):
-        model = vtkPointSet.GetData(inputs[0])
-        rest, pose = (vtkUnstructuredGrid.GetData(inputs[port]) for port in (1, 2))
-        output = vtkPointSet.GetData(outputs)
-        output.ShallowCopy(model)
+        self._error = None
+        try:
+            self._deform(vtkPointSet.GetData(inputs[0]),
+                         *(vtkUnstructuredGrid.GetData(inputs[port]) for port in (1, 2)),
+                         vtkPointSet.GetData(outputs))
+        except Exception as error:
+            self._error = str(error)
+            raise
+        return 1
+
+    def _bind(self, points, rest, key):
+        """Binds the points to the lattice, unless they are bound to it already."""
+        if key == self._bound_to:
+            return
+        lattice, used = lattice_of(rest)
+        options = {"limit": True} if self._limit else {"level": self._level}
+        binding = espalier.bind(lattice, points, outside=self._outside, **options)
+        self._compiled = espalier.CompiledTable(binding)
+        self._lattice, self._used, self._binding, self._bound_to = lattice, used, binding, key
+
+    def _deform(self, model, rest, pose, output):
+        """Fills the output, or raises an error before it does."""
         points = positions_of(model)
-        key = (model.GetPoints().GetMTime() if len(points) else 0, rest.GetMTime(), self._level, self._limit,
-               self._outside)
-        if key != self._bound_to:
-            self._lattice, self._used = lattice_of(rest)
-            options = {"limit": True} if self._limit else {"level": self._level}
-            self._binding = espalier.bind(self._lattice, points, outside=self._outside, **options)
-            self._compiled = espalier.CompiledTable(self._binding)
-            self._bound_to = key
+        self._bind(points, rest, (model.GetPoints().GetMTime() if len(points) else 0, rest.GetMTime(),
+                                  self._level, self._limit, self._outside))
         if pose.GetNumberOfPoints() != rest.GetNumberOfPoints():
             raise ValueError(f"the pose has {pose.GetNumberOfPoints()} points; the lattice at rest has "
                              f"{rest.GetNumberOfPoints()}")
+        if not have_same_cells(rest, pose):
+            raise ValueError("the cells of the pose are not the cells of the lattice at rest; move the points "
+                             "of the lattice at rest to make a pose")
         posed = positions_of(pose)[self._used]
         # Displacements, so that points that do not move keep their coordinates exactly.
         moved = points + self._compiled.evaluate(posed - self._lattice.positions)
-        moved_points = vtkPoints()
-        moved_points.SetDataType(model.GetPoints().GetDataType())
-        array = numpy_support.numpy_to_vtk(moved, deep=True, array_type=model.GetPoints().GetDataType())
-        array.SetName("Points")
-        moved_points.SetData(array)
-        output.SetPoints(moved_points)
         statuses = numpy_support.numpy_to_vtk(np.asarray(self._binding.statuses, dtype=np.uint8), deep=True)
         statuses.SetName("espalier_status")
+        output.ShallowCopy(model)
+        if len(points):
+            moved_points = vtkPoints()
+            moved_points.SetDataType(model.GetPoints().GetDataType())
+            array = numpy_support.numpy_to_vtk(moved, deep=True, array_type=model.GetPoints().GetDataType())
+            array.SetName("Points")
+            moved_points.SetData(array)
+            output.SetPoints(moved_points)
         output.GetPointData().AddArray(statuses)
-        return 1
 
 
 try:

@@ -42,8 +42,7 @@ std::endian writeHeader(std::ostream& out, AnimationFormat format, std::int32_t 
     }
     ByteOutput bytes(out, std::endian::big);
     bytes.number(frameCount, pointCount);
-    for (std::size_t frame = 0; frame < animation.frameCount; ++frame)
-        bytes.number(static_cast<float>(static_cast<double>(frame) / animation.framesPerSecond));
+    bytes.numbers(std::span<const float>(timesOf(animation)));
     return std::endian::big;
 }
 
@@ -58,12 +57,44 @@ std::vector<float> floatsOf(std::span<const Point3> points, std::size_t expected
     floats.reserve(3 * points.size());
     for (std::size_t point = 0; point < points.size(); ++point)
         for (const double coordinate : points[point]) {
-            if (!(std::abs(coordinate) <= std::numeric_limits<float>::max()))
+            if (!fitsFloat(coordinate))
                 throw Error(concat("in frame ", frame, ", point ", point, " has the coordinate ",
                                    formatNumber(coordinate), ", which a float cannot hold"));
             floats.push_back(static_cast<float>(coordinate));
         }
     return floats;
+}
+
+bool fitsFloat(double number) {
+    // Numbers just above the largest float are rounded to it.
+    return std::isfinite(static_cast<float>(number));
+}
+
+std::vector<float> timesOf(const Animation& animation) {
+    std::vector<float> times;
+    for (std::size_t frame = 0; frame < animation.frameCount; ++frame) {
+        const double time = static_cast<double>(frame) / animation.framesPerSecond;
+        if (!fitsFloat(time) || (frame > 0 && static_cast<float>(time) <= times.back()))
+            throw Error(concat("with ", formatNumber(animation.framesPerSecond),
+                               " frames per second, frame ", frame, " is at ", formatNumber(time),
+                               " seconds, which a float cannot hold, or cannot tell from the "
+                               "frame before"));
+        times.push_back(static_cast<float>(time));
+    }
+    return times;
+}
+
+std::vector<Point3> storedInAnimation(const std::filesystem::path& path, const Model& model,
+                                      std::vector<Point3> points) {
+    const bool isGlb = animationFormatOf(path) == AnimationFormat::Glb;
+    for (std::size_t point = 0; point < points.size(); ++point)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            double& coordinate = points[point][axis];
+            const auto now = static_cast<float>(coordinate);
+            const auto rest = static_cast<float>(model.positions()[point][axis]);
+            coordinate = isGlb ? rest + (now - rest) : now;
+        }
+    return points;
 }
 
 bool isAnimationFile(const std::filesystem::path& path) {

@@ -39,13 +39,20 @@ struct Animation {
 /// Returns true if the extension names one of the formats, in upper or lower case.
 ESPALIER_API bool isAnimationFile(const std::filesystem::path& path);
 
+/// Returns a frame as programs that read the file see it: rounded to floats, and in a .glb the
+/// sum of the rounded rest and the rounded movement. A coordinate that is too large for a float
+/// becomes infinite.
+ESPALIER_API std::vector<Point3> storedInAnimation(const std::filesystem::path& path,
+                                                   const Model& model, std::vector<Point3> points);
+
 /// Writes all frames, in the format that the extension names.
 ///
 /// \throws Error if there are no frames or more than 2³¹ − 1, if framesPerSecond is not a finite
-///         number above 0, if a frame does not have one finite position per point, or if a
-///         coordinate is too large for a float; FileError if the extension is none of the formats,
-///         if the file cannot be written, or for .glb if the model has no faces or the file would
-///         have 4 GiB or more
+///         number above 0, if a frame does not have one finite position per point, if a coordinate
+///         (or a movement in a .glb) is too large for a float, or if the times of the frames are
+///         too large or too close together for floats; FileError if the extension is none of the
+///         formats, if the file cannot be written, or for .glb if the model has no faces or the
+///         file would have 4 GiB or more
 ESPALIER_API void writeAnimation(const std::filesystem::path& path, const Model& model,
                                  const Animation& animation);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <ostream>
@@ -49,6 +50,14 @@ std::string boundsOf(std::span<const float> points) {
                formatNumber(values[2]) + "]";
     };
     return ",\"min\":" + list(low) + ",\"max\":" + list(high);
+}
+
+/// \throws FileError if a file of this size is too large
+void checkSize(const std::filesystem::path& path, std::size_t frameCount, double bytes) {
+    if (bytes > std::numeric_limits<std::uint32_t>::max())
+        throw FileError(path, concat("cannot be written: a .glb file of ", frameCount,
+                                     " poses would have ", formatNumber(bytes),
+                                     " bytes or more, and at most 4294967295 are possible"));
 }
 
 /// Collects the accessors of a file, each over a view of its own, and their data.
@@ -96,6 +105,12 @@ void writeMorphTargets(const std::filesystem::path& path, const Model& model,
         throw FileError(path, "cannot be written: the model has no faces, and glTF holds faces");
     const std::size_t pointCount = model.positions().size();
     const std::size_t frameCount = animation.frameCount;
+    // Refuse what cannot be written before the frames are computed. The texts come on top.
+    checkSize(path, frameCount,
+              4.0 * static_cast<double>(corners.size()) +
+                  12.0 * static_cast<double>(pointCount) * (static_cast<double>(frameCount) + 1) +
+                  4.0 * static_cast<double>(frameCount) * (static_cast<double>(frameCount) + 1));
+    const std::vector<float> times = timesOf(animation);
     GltfBuffer buffer;
     const std::vector<float> rest = floatsOf(model.positions(), pointCount, 0);
     const std::size_t indices =
@@ -105,17 +120,20 @@ void writeMorphTargets(const std::filesystem::path& path, const Model& model,
     std::string targets;
     for (std::size_t frame = 0; frame < frameCount; ++frame) {
         std::vector<float> moves = floatsOf(animation.frame(frame), pointCount, frame);
-        for (std::size_t i = 0; i < moves.size(); ++i) moves[i] -= rest[i];
+        for (std::size_t i = 0; i < moves.size(); ++i) {
+            moves[i] -= rest[i];
+            if (!std::isfinite(moves[i]))
+                throw Error(concat("in frame ", frame, ", point ", i / 3, " moves from ",
+                                   formatNumber(rest[i]), " by more than a float can hold"));
+        }
         targets += concat(
             frame > 0 ? "," : "", "{\"POSITION\":",
             buffer.add(std::span<const float>(moves), "VEC3", kArrayBuffer, boundsOf(moves)), "}");
     }
     // Frame i has weight 1 for target i, and 0 for all others.
-    std::vector<float> times, weights(frameCount * frameCount, 0.0F);
-    for (std::size_t frame = 0; frame < frameCount; ++frame) {
-        times.push_back(static_cast<float>(static_cast<double>(frame) / animation.framesPerSecond));
+    std::vector<float> weights(frameCount * frameCount, 0.0F);
+    for (std::size_t frame = 0; frame < frameCount; ++frame)
         weights[frame * frameCount + frame] = 1;
-    }
     const std::size_t timesAt = buffer.add(std::span<const float>(times), "SCALAR", 0,
                                            concat(",\"min\":[", formatNumber(times.front()),
                                                   "],\"max\":[", formatNumber(times.back()), "]"));
@@ -140,10 +158,7 @@ void writeMorphTargets(const std::filesystem::path& path, const Model& model,
         buffer.accessors(), "]}");
     json.append((4 - json.size() % 4) % 4, ' ');
     const std::size_t size = 12 + 8 + json.size() + 8 + buffer.data().size();
-    if (size > std::numeric_limits<std::uint32_t>::max())
-        throw FileError(
-            path, concat("cannot be written: a .glb file of ", frameCount, " poses would have ",
-                         size, " bytes, and at most 4294967295 are possible"));
+    checkSize(path, frameCount, static_cast<double>(size));
     constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A,
                             kBinary = 0x004E4942;
     writeFile(path, [&](std::ostream& out) {

@@ -14,6 +14,13 @@ namespace espalier::io {
 std::vector<float> floatsOf(std::span<const Point3> points, std::size_t expected,
                             std::size_t frame);
 
+/// Returns true if a number rounded to a float is finite.
+bool fitsFloat(double number);
+
+/// Returns the times of the frames in seconds, ascending, rounded to floats.
+/// \throws Error if floats cannot hold them, or cannot tell them apart
+std::vector<float> timesOf(const Animation& animation);
+
 /// Writes an animation as binary glTF 2.0 (.glb).
 /// \throws as writeAnimation()
 void writeMorphTargets(const std::filesystem::path& path, const Model& model,

@@ -9,16 +9,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "../files/descriptor.h"
 #include "../meshes/surface_faces.h"
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
@@ -36,22 +37,38 @@ std::mutex& libraryMutex() {
 class TemporaryFile {
 public:
     explicit TemporaryFile(std::string_view bytes) {
-        path_ = (std::filesystem::temp_directory_path() / "espalier-XXXXXX").string();
-        const int descriptor = ::mkstemp(path_.data());
-        if (descriptor < 0) throw FileError(path_, "a temporary file cannot be made");
-        ::close(descriptor);
-        std::ofstream(path_, std::ios::binary) << bytes;
+        std::error_code error;
+        path_ = (std::filesystem::temp_directory_path(error) / "espalier-XXXXXX").string();
+        if (error) fail("the folder of temporary files cannot be found", error.value());
+        const Descriptor file(::mkstemp(path_.data()));
+        if (!file) fail("a temporary file cannot be made", errno);
+        while (!bytes.empty()) {
+            const auto written =
+                uninterrupted([&] { return ::write(file.number(), bytes.data(), bytes.size()); });
+            if (written < 0) {
+                const int reason = errno;
+                remove();
+                fail("a temporary file cannot be written", reason);
+            }
+            bytes.remove_prefix(static_cast<std::size_t>(written));
+        }
     }
-    ~TemporaryFile() {
-        std::error_code ignored;
-        std::filesystem::remove(path_, ignored);
-    }
+    ~TemporaryFile() { remove(); }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 
     const char* path() const { return path_.c_str(); }
 
 private:
+    void remove() const {
+        std::error_code ignored;
+        std::filesystem::remove(path_, ignored);
+    }
+    [[noreturn]] void fail(const char* what, int error) const {
+        throw FileError(path_, concat(what, ": ", systemMessage(error),
+                                      "; the variable TMPDIR names another folder for it"));
+    }
+
     std::string path_;
 };
 
@@ -72,7 +89,8 @@ struct Zone {
 /// Opens a file by the library's lower level, which reads and writes whole nodes.
 class NodeFile {
 public:
-    NodeFile(const std::filesystem::path& shown, const char* path, int mode) : shown_(shown) {
+    NodeFile(const std::filesystem::path& shown, const char* path, int mode)
+        : shown_(shown), path_(path) {
         check(cgio_open_file(path, mode, CGIO_FILE_NONE, &number_));
         check(cgio_get_root_id(number_, &root_));
     }
@@ -106,22 +124,33 @@ public:
     }
     template <class Real>
     void write(double id, const std::vector<Real>& values) const {
-        check(cgio_write_all_data(number_, id, values.data()));
+        checkWritten(cgio_write_all_data(number_, id, values.data()));
     }
     void close() {
         const int number = std::exchange(number_, 0);
-        check(cgio_close_file(number));
+        checkWritten(cgio_close_file(number));
     }
 
 private:
     void check(int code) const {
-        if (code == CGIO_ERR_NONE) return;
+        if (code != CGIO_ERR_NONE)
+            throw FileError(shown_, "CGNS's library refuses the file: " + message());
+    }
+    void checkWritten(int code) const {
+        if (code != CGIO_ERR_NONE)
+            throw FileError(path_,
+                            "CGNS's library cannot write this temporary file (is its disk "
+                            "full?): " +
+                                message());
+    }
+    static std::string message() {
         std::array<char, CGIO_MAX_ERROR_LENGTH + 1> text{};
         cgio_error_message(text.data());
-        throw FileError(shown_, concat("CGNS's library refuses the file: ", text.data()));
+        return text.data();
     }
 
     const std::filesystem::path& shown_;
+    std::filesystem::path path_;
     int number_ = 0;
     double root_ = 0;
 };
@@ -258,13 +287,20 @@ private:
                     visitPolyhedron(row, loops);
                 } else if (section.type == CGNS_ENUMV(MIXED)) {
                     if (row.empty()) file_.fail("an element of a MIXED section is empty");
-                    const auto type = static_cast<CGNS_ENUMT(ElementType_t)>(row.front());
-                    visitElement(type, row.subspan(1));
+                    visitElement(typeOf(row.front()), row.subspan(1));
                 } else {
                     visitElement(section.type, row);
                 }
             }
         }
+    }
+
+    /// Returns the type of an element of a MIXED section.
+    CGNS_ENUMT(ElementType_t) typeOf(cgsize_t number) const {
+        if (number < 0 || number >= NofValidElementTypes)
+            file_.fail(concat("an element of a MIXED section has the type ", number,
+                              "; the types of CGNS are 0 to ", NofValidElementTypes - 1));
+        return static_cast<CGNS_ENUMT(ElementType_t)>(number);
     }
 
     std::vector<Section> readSections() const {
@@ -280,6 +316,9 @@ private:
             file_.check(cg_section_read(number, zone_.base, zone_.number, i, name.data(),
                                         &section.type, &start, &end, &boundary, &parents));
             file_.check(cg_ElementDataSize(number, zone_.base, zone_.number, i, &size));
+            if (const int type = section.type; type < 0 || type >= NofValidElementTypes)
+                file_.fail(concat("the section '", name.data(), "' has elements of the type ", type,
+                                  "; the types of CGNS are 0 to ", NofValidElementTypes - 1));
             if (end < start || size < 0)
                 file_.fail(concat("the section '", name.data(), "' has no elements"));
             section.first = static_cast<std::size_t>(start);
@@ -368,6 +407,13 @@ private:
             case CGNS_ENUMV(HEXA_8):
                 kind = far::StandardCell::Hexahedron;
                 break;
+            case CGNS_ENUMV(ElementTypeNull):
+            case CGNS_ENUMV(ElementTypeUserDefined):
+            case CGNS_ENUMV(MIXED):
+            case CGNS_ENUMV(NGON_n):
+            case CGNS_ENUMV(NFACE_n):
+                file_.fail(concat("an element has the type ", ElementTypeName[type],
+                                  ", whose points are not known"));
             default:
                 return visitor_.curvedCell(dimensionOf(type));
         }
@@ -408,6 +454,15 @@ public:
             for (const CoordinateArray& array : zone.coordinates)
                 if (array.precision == Precision::Float) return CoordinateStorage::Float;
         return CoordinateStorage::Double;
+    }
+
+    std::vector<Point3> stored(std::vector<Point3> points) const override {
+        for (const Zone& zone : zones_)
+            for (std::size_t axis = 0; axis < zone.coordinates.size(); ++axis)
+                if (zone.coordinates[axis].precision == Precision::Float)
+                    for (std::size_t i = 0; i < zone.pointCount; ++i)
+                        roundToFloat(points[zone.firstPoint + i][axis]);
+        return points;
     }
 
     ModelSurface readSurface() const override {

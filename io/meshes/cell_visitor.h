@@ -4,7 +4,9 @@
 #include <espalier/base/index.h>
 #include <espalier/far/standard_cells.h>
 
+#include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace espalier::io {
@@ -34,6 +36,10 @@ public:
     /// one, and more.
     /// \param dimension 1 to 3
     virtual void curvedCell(int dimension) = 0;
+
+    /// An element of a type that the reader does not know.
+    /// \param line, cause the place of the element and a message, for a visitor that needs all
+    virtual void unknownElement(std::size_t line, const std::string& cause) = 0;
 };
 
 }  // namespace espalier::io

@@ -119,15 +119,19 @@ private:
         if (!order_) text_.fail("the binary number after the version is not 1");
     }
 
-    /// Goes to the line after $name. Skips other sections.
-    void seek(const std::string& name) {
+    /// Goes to the line after $name, or after $other if that comes first. Skips other sections.
+    /// Returns the section that was found, "$name".
+    std::string seek(const std::string& name, const std::string& other = {}) {
         const std::string wanted = "$" + name;
         while (true) {
             if (text_.atEnd()) text_.fail("the file ends; expected " + wanted);
             const std::string_view keyword = text_.token("a section, such as $Nodes");
             if (!keyword.starts_with('$'))
                 text_.fail("expected a section such as $Nodes, got " + inQuotes(keyword));
-            if (keyword == wanted) break;
+            if (keyword == wanted || (!other.empty() && keyword == "$" + other)) {
+                text_.restOfLine();
+                return std::string(keyword);
+            }
             const std::string end = "$End" + std::string(keyword.substr(1));
             text_.restOfLine();
             const std::size_t at = bytes_.find(end, text_.position());
@@ -135,7 +139,6 @@ private:
                 text_.fail("the section " + inQuotes(keyword) + " does not end");
             skipTo(at + end.size());
         }
-        text_.restOfLine();
     }
 
     /// Skips to a place, and counts the lines before it.
@@ -151,8 +154,8 @@ private:
     }
 
     /// Ends a section.
-    void expectEnd(const char* name) {
-        const std::string_view keyword = text_.token(name);
+    void expectEnd(const std::string& name) {
+        const std::string_view keyword = text_.token(name.c_str());
         if (keyword != name) text_.fail(concat("expected ", name, ", got ", inQuotes(keyword)));
         text_.restOfLine();
     }
@@ -192,20 +195,26 @@ private:
     /// Reads $Nodes. Calls readCoordinates(tag) for each node, which must read three coordinates.
     template <class ReadCoordinates>
     void readNodes(ReadCoordinates readCoordinates) {
-        seek("Nodes");
+        const std::string section = isVersion4_ ? seek("Nodes") : seek("Nodes", "ParametricNodes");
         if (isVersion4_)
             readNodes4(readCoordinates);
         else
-            readNodes2(readCoordinates);
-        expectEnd("$EndNodes");
+            readNodes2(readCoordinates, section == "$ParametricNodes");
+        expectEnd("$End" + section.substr(1));
     }
 
     template <class ReadCoordinates>
-    void readNodes2(ReadCoordinates readCoordinates) {
+    void readNodes2(ReadCoordinates readCoordinates, bool isParametric) {
         const std::size_t nodeCount = text_.count("the number of nodes", isBinary_ ? 28 : 8);
         if (isBinary_) text_.restOfLine();
-        for (std::size_t i = 0; i < nodeCount; ++i)
+        for (std::size_t i = 0; i < nodeCount; ++i) {
             readCoordinates(integer<std::int32_t>("the number of a node"));
+            if (!isParametric) continue;
+            // The entity that the node lies on, and one parameter on a curve or two on a surface.
+            const std::int64_t dimension = integer<std::int32_t>("the dimension of an entity");
+            integer<std::int32_t>("the tag of an entity");
+            for (std::int64_t axis = 0; dimension <= 2 && axis < dimension; ++axis) skipParameter();
+        }
     }
 
     template <class ReadCoordinates>
@@ -266,10 +275,23 @@ private:
         text_.fail(concat("an element names node ", tag, ", which does not exist"));
     }
 
-    const ElementType& typeOf(std::int64_t number) const {
+    /// Returns a type; nothing if its number of nodes is not known.
+    /// \throws FileError if it is not known in a binary file, where nothing can be skipped
+    std::optional<ElementType> typeOf(std::int64_t number) const {
         for (const ElementType& type : kElementTypes)
             if (type.number == number) return type;
-        text_.fail(concat("an element has the type ", number, ", which is not known here"));
+        if (isBinary_) text_.fail(unknownType(number));
+        return std::nullopt;
+    }
+
+    static std::string unknownType(std::int64_t number) {
+        return concat("an element has the type ", number, ", which is not known here");
+    }
+
+    /// Passes an element of an unknown type to a visitor, and skips the rest of its line.
+    void visitUnknown(std::int64_t number, CellVisitor& visitor) {
+        visitor.unknownElement(text_.line(), unknownType(number));
+        text_.restOfLine();
     }
 
     void visit(const ElementType& type, CellVisitor& visitor) {
@@ -304,7 +326,13 @@ private:
             // In binary, elements of one type follow a common header.
             std::size_t inBlock = 1;
             if (!isBinary_) integer<std::int32_t>("the number of an element");
-            const ElementType& type = typeOf(integer<std::int32_t>("the type of an element"));
+            const std::int64_t number = integer<std::int32_t>("the type of an element");
+            const std::optional<ElementType> type = typeOf(number);
+            if (!type) {
+                visitUnknown(number, visitor);
+                ++read;
+                continue;
+            }
             if (isBinary_) inBlock = count<std::int32_t>("the number of elements of a block", 8);
             const std::size_t tagCount =
                 count<std::int32_t>("the number of tags of an element", isBinary_ ? 4 : 2);
@@ -315,8 +343,8 @@ private:
                 if (isBinary_) integer<std::int32_t>("the number of an element");
                 for (std::size_t tag = 0; tag < tagCount; ++tag)
                     integer<std::int32_t>("a tag of an element");
-                readElementNodes<std::int32_t>(type);
-                visit(type, visitor);
+                readElementNodes<std::int32_t>(*type);
+                visit(*type, visitor);
             }
             read += inBlock;
         }
@@ -333,13 +361,18 @@ private:
         for (std::size_t block = 0; block < blockCount; ++block) {
             integer<std::int32_t>("the dimension of an entity");
             integer<std::int32_t>("the tag of an entity");
-            const ElementType& type = typeOf(integer<std::int32_t>("the type of an element"));
+            const std::int64_t number = integer<std::int32_t>("the type of an element");
+            const std::optional<ElementType> type = typeOf(number);
             const std::size_t inBlock =
                 count<std::uint64_t>("the number of elements of a block", 4);
             for (std::size_t i = 0; i < inBlock; ++i) {
                 integer<std::uint64_t>("the tag of an element");
-                readElementNodes<std::uint64_t>(type);
-                visit(type, visitor);
+                if (!type) {
+                    visitUnknown(number, visitor);
+                    continue;
+                }
+                readElementNodes<std::uint64_t>(*type);
+                visit(*type, visitor);
             }
             total += inBlock;
         }

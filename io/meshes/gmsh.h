@@ -17,7 +17,9 @@
 ///
 /// The points are the nodes, in the order of the file; the tags of nodes may be any numbers. The
 /// elements of the types 4 (tetrahedron), 5 (hexahedron), 6 (prism) and 7 (pyramid) are cells; the
-/// types 2 (triangle) and 3 (quadrangle) are faces. Elements of higher order are curved.
+/// types 2 (triangle) and 3 (quadrangle) are faces. Elements of higher order are curved. In ASCII,
+/// elements of types that are not known here are counted; in binary they are refused, since their
+/// length is not known. Version 2.2 may have $ParametricNodes instead of $Nodes.
 
 namespace espalier::io {
 

@@ -34,6 +34,10 @@ void LatticeCells::curvedCell(int dimension) {
     ++skipped_[dimension];
 }
 
+void LatticeCells::unknownElement(std::size_t line, const std::string& cause) {
+    throw FileError(path_, line, cause);
+}
+
 far::ComplexBuilder LatticeCells::takeBuilder() {
     if (cellCount_ == 0 && skipped_ != std::array<Index, 3>{})
         throw far::TopologyError(

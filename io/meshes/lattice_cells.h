@@ -28,6 +28,9 @@ public:
     /// \throws FileError if the cell is of dimension 3
     void curvedCell(int dimension) override;
 
+    /// \throws FileError with the line and the cause
+    void unknownElement(std::size_t line, const std::string& cause) override;
+
     /// Returns the numbers of skipped cells, by dimension.
     const std::array<Index, 3>& skipped() const { return skipped_; }
 

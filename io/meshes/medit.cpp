@@ -68,6 +68,8 @@ public:
                 }
                 text_.token("the reference of a vertex");
             }
+            readSection_ = *keyword;
+            nextKeyword();  // Refuses further rows.
             return points;
         }
         text_.fail("the file ends; expected Vertices");
@@ -76,7 +78,10 @@ public:
     void readCells(Index pointCount, CellVisitor& visitor) {
         while (const auto keyword = nextKeyword())
             for (const ElementSection& section : kElementSections)
-                if (section.keyword == *keyword) readElements(section, pointCount, visitor);
+                if (section.keyword == *keyword) {
+                    readElements(section, pointCount, visitor);
+                    readSection_ = *keyword;
+                }
     }
 
 private:
@@ -85,13 +90,19 @@ private:
         return dimension_;
     }
 
-    /// Returns the next keyword, and skips numbers before it; nothing at the end of the file.
+    /// Returns the next keyword; nothing at the end of the file. Skips the numbers of sections that
+    /// are not read.
+    /// \throws FileError if numbers follow a section that has been read
     std::optional<std::string_view> nextKeyword() {
         while (!text_.atEnd()) {
             const std::string_view word = text_.token("a keyword");
             const char first = word[0];
             const bool isLetter = (first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z');
+            if (!isLetter && !readSection_.empty())
+                text_.fail(
+                    concat("more rows follow than the number after ", readSection_, " says"));
             if (!isLetter) continue;
+            readSection_ = {};
             if (word == "End") return std::nullopt;
             if (word != "Dimension") return word;
             dimension_ = text_.number<std::uint8_t>("the dimension");
@@ -129,6 +140,7 @@ private:
     std::string_view bytes_;
     TextReader text_;
     std::size_t dimension_ = 0;
+    std::string_view readSection_;  ///< keyword of the section that was read last, until the next
 };
 
 constexpr MeshFormat kMedit = {

@@ -40,7 +40,7 @@ public:
 
     ModelVolume readVolume() const override {
         if (format_.readVolume)
-            return {format_.readVolume(path_, static_cast<Index>(points_.positions.size())), 0};
+            return {format_.readVolume(path_, static_cast<Index>(points_.positions.size()))};
         VolumeCells cells;
         readCells(cells);
         return withPathInErrors(path_, [&] { return cells.finish(points_.positions); });

@@ -19,9 +19,21 @@ using Path = std::filesystem::path;
 
 const Path kPolyMesh = "polyMesh", kConstant = "constant";
 
+/// Returns whether a file exists.
+/// \throws FileError if only its compressed form exists, "NAME.gz"
+bool existsUncompressed(const Path& path) {
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) return true;
+    const Path compressed = Path(path) += ".gz";
+    if (std::filesystem::exists(compressed, ignored))
+        throw FileError(compressed, "is compressed; run gunzip on the files of the mesh first");
+    return false;
+}
+
 /// Reads one of the files of a mesh.
 template <class Read>
 auto readFoamFile(const Path& path, Read read) {
+    existsUncompressed(path);
     const std::string bytes = readFile(path);
     FoamFile file(path, bytes);
     auto result = read(file);
@@ -33,10 +45,8 @@ auto readFoamFile(const Path& path, Read read) {
 std::optional<Path> facesFolder(const Path& points) {
     const Path own = points.parent_path();
     const Path ofCase = own / ".." / ".." / kConstant / kPolyMesh;
-    std::error_code ignored;
-    if (std::filesystem::exists(own / "faces", ignored)) return own;
-    if (own.filename() == kPolyMesh && std::filesystem::exists(ofCase / "faces", ignored))
-        return ofCase;
+    if (existsUncompressed(own / "faces")) return own;
+    if (own.filename() == kPolyMesh && existsUncompressed(ofCase / "faces")) return ofCase;
     return std::nullopt;
 }
 
@@ -71,6 +81,11 @@ FoamCells readFoamCells(const Path& points) {
         throw FileError(*folder / "neighbour",
                         concat("has ", cells.neighbours.size(), " labels, but there are ",
                                faceCount, " faces"));
+    for (std::size_t face = 0; face < cells.neighbours.size(); ++face)
+        if (cells.neighbours[face] == cells.owners[face])
+            throw FileError(*folder / "neighbour",
+                            concat("face ", face, " has cell ", cells.owners[face],
+                                   " as its owner and as its neighbour"));
     for (const auto* list : {&cells.owners, &cells.neighbours})
         for (const Index cell : *list) cells.cellCount = std::max(cells.cellCount, cell);
     if (faceCount > 0) cells.cellCount += cells.cellCount < kMaxIndex ? 1 : 0;
@@ -83,7 +98,7 @@ FoamCells readFoamCells(const Path& points) {
 
 /// Makes a mesh, which checks all numbers. Errors name the file of faces.
 far::VolumeMesh meshOf(const Path& points, Index pointCount, FoamCells cells) {
-    return withPathInErrors(points.parent_path(), [&] {
+    return withPathInErrors(facesFolder(points).value_or(points.parent_path()) / "faces", [&] {
         return far::VolumeMesh(pointCount, cells.cellCount, std::move(cells.faces),
                                std::move(cells.owners), std::move(cells.neighbours));
     });
@@ -148,13 +163,9 @@ bool isFoamPath(const Path& path) {
 std::filesystem::path foamPointsOf(const Path& path) {
     const auto folder = caseFolderOf(path);
     if (!folder) return path;
-    std::error_code ignored;
     const auto polyMesh = polyMeshOf(*folder);
     const Path points = polyMesh.value_or(*folder) / kFoamPoints;
-    if (std::filesystem::exists(points, ignored)) return points;
-    const Path compressed = Path(points) += ".gz";
-    if (std::filesystem::exists(compressed, ignored))
-        throw FileError(compressed, "is compressed; run gunzip on the files of the mesh first");
+    if (existsUncompressed(points)) return points;
     throw FileError(path, polyMesh ? "has a folder polyMesh without a file of points"
                                    : "is a folder without a mesh of OpenFOAM (constant/polyMesh)");
 }

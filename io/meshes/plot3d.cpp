@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    static bool isSeparator(char c) { return c <= ' ' || c == ','; }
+    static bool isSeparator(char c) { return static_cast<unsigned char>(c) <= ' ' || c == ','; }
 
     /// Returns the next word; empty at the end.
     std::string_view word() {

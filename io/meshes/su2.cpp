@@ -5,6 +5,7 @@
 #include <espalier/io/meshes/su2.h>
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "mesh_format.h"
@@ -22,7 +23,7 @@ public:
         PlacedPoints points;
         bool isFound = false;
         forEachSection([&](std::string_view keyword, std::string_view value) {
-            if (keyword != "NPOIN") return;
+            if (keyword != "NPOIN") return false;
             isFound = true;
             const std::size_t pointCount = countOf(value, "NPOIN", 2 * dimension());
             for (std::size_t i = 0; i < pointCount; ++i) {
@@ -36,6 +37,7 @@ public:
                     places[axis] = word.data() - bytes_.data();
                 }
             }
+            return true;
         });
         if (!isFound) text_.fail("the file ends; expected NPOIN=");
         points.dimension = dimension();
@@ -47,12 +49,17 @@ public:
             if (keyword == "NPOIN") {
                 const std::size_t inZone = countOf(value, "NPOIN", 2 * dimension());
                 for (std::size_t i = 0; i < inZone; ++i) nextLine("a point");
-                zoneEnd_ = zoneBegin_ + static_cast<Index>(inZone);
-            } else if (keyword == "NELEM" || keyword == "MARKER_ELEMS") {
+                zoneEnd_ += static_cast<Index>(inZone);
+                return true;
+            }
+            if (keyword == "NELEM" || keyword == "MARKER_ELEMS") {
                 const std::size_t elementCount = countOf(value, std::string(keyword).c_str(), 4);
                 for (std::size_t i = 0; i < elementCount; ++i) readElement(pointCount, visitor);
+                return true;
             }
+            return false;
         });
+        checkZone();
     }
 
 private:
@@ -61,13 +68,21 @@ private:
         return dimension_;
     }
 
-    /// Calls visit(keyword, value) for each line with a keyword, "KEYWORD= value".
+    /// Calls visit(keyword, value) for each line with a keyword, "KEYWORD= value". It returns
+    /// whether it has read the rows of the section; then no further row may follow.
     template <class Visit>
     void forEachSection(Visit visit) {
+        std::string_view readSection;
         while (!text_.atEnd()) {
             const std::string_view line = withoutComment(text_.restOfLine());
             const std::size_t equals = line.find('=');
-            if (equals == std::string_view::npos) continue;
+            if (equals == std::string_view::npos) {
+                std::string_view rest = line;
+                double number = 0;
+                if (!readSection.empty() && parseNumber(takeWord(rest), number))
+                    text_.fail(concat("more rows follow than ", readSection, "= says"));
+                continue;
+            }
             std::string_view before = line.substr(0, equals), value = line.substr(equals + 1);
             const std::string_view keyword = takeWord(before);
             if (keyword == "NDIME") {
@@ -78,10 +93,20 @@ private:
                     text_.fail(concat("NDIME is ", number, "; it was ", dimension_, " before"));
                 dimension_ = number;
             } else if (keyword == "IZONE") {
+                checkZone();
                 zoneBegin_ = zoneEnd_;
             }
-            visit(keyword, value);
+            readSection = visit(keyword, value) ? keyword : std::string_view();
         }
+    }
+
+    /// Ends a zone, whose elements may come before its number of points.
+    void checkZone() {
+        if (lastNode_ && *lastNode_ >= zoneEnd_)
+            throw FileError(path_, lastNodeLine_,
+                            concat("an element names point ", *lastNode_ - zoneBegin_,
+                                   "; there are ", zoneEnd_ - zoneBegin_, " in its zone"));
+        lastNode_.reset();
     }
 
     static std::string_view withoutComment(std::string_view line) {
@@ -114,6 +139,10 @@ private:
         if (const std::string_view word = takeWord(line); !parseNumber(word, type))
             text_.fail(inQuotes(word) + " is not the type of an element");
         const std::size_t nodeCount = nodeCountOf(type);
+        if (nodeCount == 0)
+            return visitor.unknownElement(text_.line(),
+                                          concat("an element has the type ", type,
+                                                 "; expected 1, 3, 5, 9, 10, 12, 13 or 14"));
         nodes_.clear();
         for (std::size_t i = 0; i < nodeCount; ++i) {
             const std::string_view word = takeWord(line);
@@ -126,6 +155,10 @@ private:
                 text_.fail(concat("an element names point ", node, "; there are ",
                                   pointCount - zoneBegin_));
             nodes_.push_back(zoneBegin_ + static_cast<Index>(node));
+            if (!lastNode_ || nodes_.back() > *lastNode_) {
+                lastNode_ = nodes_.back();
+                lastNodeLine_ = text_.line();
+            }
         }
         switch (type) {
             case 1:
@@ -146,7 +179,8 @@ private:
         }
     }
 
-    std::size_t nodeCountOf(std::int64_t type) const {
+    /// Returns the number of points of an element; 0 for an unknown type.
+    static std::size_t nodeCountOf(std::int64_t type) {
         switch (type) {
             case 1:
                 return 1;
@@ -164,8 +198,7 @@ private:
             case 14:
                 return 5;
             default:
-                text_.fail(concat("an element has the type ", type,
-                                  "; expected 1, 3, 5, 9, 10, 12, 13 or 14"));
+                return 0;
         }
     }
 
@@ -174,7 +207,9 @@ private:
     TextReader text_;
     std::size_t dimension_ = 0;
     Index zoneBegin_ = 0,
-          zoneEnd_ = 0;         ///< the points of the current zone, as far as they are read
+          zoneEnd_ = 0;              ///< the points of the current zone, as far as they are read
+    std::optional<Index> lastNode_;  ///< the largest that an element of the zone names
+    std::size_t lastNodeLine_ = 0;
     std::vector<Index> nodes_;  ///< of the current element
 };
 

@@ -17,7 +17,7 @@
 ///
 /// The points are the lines of NPOIN=, zone after zone. The elements of NELEM= of the types 10
 /// (tetrahedron), 12 (hexahedron), 13 (wedge) and 14 (pyramid) are cells; triangles (5) and
-/// quadrilaterals (9) of NELEM= and of the markers are faces.
+/// quadrilaterals (9) of NELEM= and of the markers are faces. Elements of other types are counted.
 
 namespace espalier::io {
 

@@ -27,18 +27,24 @@ public:
     void smallCell(int) override {}
     void curvedCell(int dimension) override { cellCount_ += dimension == 3 ? 1 : 0; }
 
+    void unknownElement(std::size_t, const std::string&) override { ++unknownCount_; }
+
     /// Returns the surface, which names the cells of volumes as other shapes. This must not be used
     /// afterwards.
     ModelSurface take() {
         if (cellCount_ > 0)
             surface_.otherShapes.push_back(
                 concat(cellCount_, cellCount_ == 1 ? " cell" : " cells", " of a volume"));
+        if (unknownCount_ > 0)
+            surface_.otherShapes.push_back(concat(
+                unknownCount_, unknownCount_ == 1 ? " element" : " elements", " of unknown types"));
         return std::move(surface_);
     }
 
 private:
     ModelSurface surface_;
     std::size_t cellCount_ = 0;
+    std::size_t unknownCount_ = 0;
 };
 
 }  // namespace espalier::io

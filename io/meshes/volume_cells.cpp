@@ -139,7 +139,7 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
             builder.addCell(ofCell);
         }
     }
-    return {builder.build(), curvedCells_};
+    return {builder.build(), curvedCells_, unknownElements_};
 }
 
 }  // namespace espalier::io

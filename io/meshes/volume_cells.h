@@ -30,6 +30,8 @@ public:
     void smallCell(int) override {}
     void curvedCell(int dimension) override { curvedCells_ += dimension == 3 ? 1 : 0; }
 
+    void unknownElement(std::size_t, const std::string&) override { ++unknownElements_; }
+
     /// Returns the mesh. If most standard cells of a kind have a negative volume, all cells of this
     /// kind are turned; the cells of this kind that had a positive volume then are inside out. Each
     /// polyhedron gets faces that agree along their edges, and a positive volume.
@@ -49,6 +51,7 @@ private:
     std::vector<Index> points_;  ///< of standard cells
     std::vector<std::vector<Index>> loops_;
     Index curvedCells_ = 0;
+    Index unknownElements_ = 0;
 };
 
 }  // namespace espalier::io

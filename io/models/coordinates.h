@@ -43,6 +43,11 @@ ESPALIER_API const char* axisName(std::size_t axis);
 /// \throws Error naming the point, if the value exceeds the largest float
 ESPALIER_API double roundTo(Precision precision, double value, std::size_t point);
 
+/// Rounds a coordinate to the nearest float, which may be infinite.
+inline void roundToFloat(double& coordinate) {
+    coordinate = static_cast<float>(coordinate);
+}
+
 /// Reads the number at offset `place` of binary data; it may be infinite or NaN.
 double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order);
 

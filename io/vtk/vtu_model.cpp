@@ -141,6 +141,15 @@ public:
         return storage;
     }
 
+    std::vector<Point3> stored(std::vector<Point3> points) const override {
+        for (const PlacedArray& placed : arrays_) {
+            if (placed.carry || precisionOf(*placed.array.type) != Precision::Float) continue;
+            for (std::size_t i = 0; i < placed.pointCount; ++i)
+                for (double& coordinate : points[placed.firstPoint + i]) roundToFloat(coordinate);
+        }
+        return points;
+    }
+
 private:
     /// The array of a piece that holds its points, or directions at them.
     struct PlacedArray {

@@ -3,6 +3,7 @@
 
 #include <espalier/base/bounding_box.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/far/complex_builder.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -125,6 +126,38 @@ TEST(FindUncovered, countsTheMargin) {
     const PointGroups groups(test::fitPoints(centre), CubeGrid({-3, -3, -3}, {3, 3, 3}, 0.5));
     EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 0.1), IsEmpty());
     EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 2), SizeIs(1));
+}
+
+/// Three cubes in the shape of an L, with the edge 3. The inner edge of the L is sharp and lies on
+/// the z axis.
+Lattice angle() {
+    const auto vertexAt = [](Index x, Index y, Index z) { return 8 * z + 3 * y + x; };
+    Lattice lattice;
+    for (const double z : {-1.5, 1.5})
+        for (Index square = 0; square < 8; ++square)  // without the vertex at (3, 3)
+            lattice.positions.push_back({3.0 * (square % 3) - 3, 3.0 * (square / 3) - 3, z});
+    far::ComplexBuilder builder(3, 16);
+    for (const auto& [x, y] : {std::pair<Index, Index>{0, 0}, {1, 0}, {0, 1}}) {
+        std::vector<Index> corners;
+        for (const Index z : {0, 1})
+            for (const auto& [i, j] : {std::pair<Index, Index>{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+                corners.push_back(vertexAt(x + i, y + j, z));
+        builder.addCell(far::StandardCell::Hexahedron, corners);
+    }
+    lattice.complex = builder.build();
+    lattice.marks.edges.push_back({{vertexAt(1, 1, 0), vertexAt(1, 1, 1)}});
+    return lattice;
+}
+
+TEST(FindUncovered, measuresTheMarginAsADistance) {
+    const Lattice lattice = angle();
+    const CageSurface surface(far::TopologyRefiner(lattice.complex, refinerOptions(lattice)));
+    // The inner edge of the L is nearest, √2 away, but only 1 away along each axis. The boxes
+    // around the faces at the edge reach over it by up to a quarter of a face of level 2.
+    const std::vector<Point3> point = {{-1, -1, 0}};
+    const PointGroups groups(test::fitPoints(point), CubeGrid({-4, -4, -4}, {4, 4, 4}, 0.5));
+    EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 1.2), IsEmpty());
+    EXPECT_THAT(findUncovered(surface, lattice.positions, groups, 1.42), SizeIs(1));
 }
 
 }  // namespace

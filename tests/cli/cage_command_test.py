@@ -114,6 +114,15 @@ class Cage(CliTest):
         self.assertIn("point.obj: cage: all points of the model are at one place",
                       self.error_of("shape", "cage", "point.obj", "-o", "x.ovm"))
 
+    def test_the_cells_of_a_volume_have_a_boundary(self):
+        self.run_program("shape", "box", "--cells", 3, 3, 3, "-o", "mesh.vtu")
+        self.run_program("shape", "cage", "mesh.vtu", "--vertices", 20, "-o", "cage.ovm")
+        self.put("a.su2", "NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nNMARK= 0\n")
+        self.put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        for name in ("a.su2", "a.obj"):
+            self.run_program("shape", "cage", name, "--vertices", 20, "-o", name + ".ovm")
+        self.assertEqual(self.text("a.su2.ovm"), self.text("a.obj.ovm"))
+
     def test_the_output_cannot_be_a_model(self):
         before = self.bytes("tube.obj")
         self.error_of("shape", "cage", "tube.obj", "-o", "tube.obj")

@@ -5,8 +5,10 @@
     mesh_test.py PATH_OF_ESPALIER
 """
 
+import fractions
 import json
 import shutil
+import struct
 import sys
 import unittest
 
@@ -50,7 +52,7 @@ class Mesh(CliTest):
         for line in ["mesh of pose.ovm\n", "  cells             1 tetrahedra\n",
                      "  inverted          1, the first cell 0\n",
                      "  worst ratio       -1 (volume in the pose : at rest), cell 0\n",
-                     "  largest step      0.5 of the pose inverts no cell; then cell 0 folds\n",
+                     "  largest step      0.499999999999 of the pose inverts no cell; then cell 0 folds\n",
                      "    volumes below 0            0          1  cells"]:
             self.assertIn(line, result.stdout)
         self.assertIn("warning: pose.ovm turns 1 of 1 cells of the mesh inside out, the first cell 0.",
@@ -77,7 +79,7 @@ class Mesh(CliTest):
     def test_no_inverted_writes_nothing(self):
         error = self.deform_mesh("--no-inverted", code=3).stderr
         self.assertRegex(error, r"^espalier: pose.ovm: this pose turns 1 of 1 cells of a.su2 inside out, the "
-                                r"first cell 0; nothing was written. --largest-step goes 0.5 of the way\n$")
+                                r"first cell 0; nothing was written. --largest-step goes 0.499999 of the way\n$")
         self.assertFalse((self.path / "out.su2").exists())
         # A good pose before it is not written either.
         self.write_pose("good.ovm", "rest.ovm", lambda p: (p[0], p[1], 2 * p[2]))
@@ -116,6 +118,71 @@ class Mesh(CliTest):
         self.assertEqual(report["meshes"][0]["bad_at_rest"]["count"], 0)
         self.assertGreater(report["meshes"][0]["quality"]["before"]["smallest_volume"], 0)
 
+    def test_the_largest_step_allows_for_the_floats_of_an_animation(self):
+        # The text could hold any number, but the floats of an animation are 6e-5 apart at x = 1000.
+        self.put("a.su2", "NDIME= 3\nNELEM= 1\n10 0 1 2 3\nNPOIN= 4\n1000 0 0\n1000 1 0\n1000 0 1\n"
+                          "1001 0 0.25\nNMARK= 1\nMARKER_TAG= a\nMARKER_ELEMS= 4\n5 0 2 1\n5 0 1 3\n"
+                          "5 1 2 3\n5 2 0 3\n")
+        self.run_program("shape", "box", "--min", 999, -1, -1, "--max", 1002, 2, 2, "-o", "rest.ovm")
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (2000 - p[0], p[1], p[2] + 0.3 * p[0]))
+        mesh, = self.report("--largest-step", out="out.pc2")["meshes"]
+        self.assertTrue(0 < mesh["written"] < mesh["largest_step"]["length"], mesh["written"])
+        self.assertGreater(mesh["quality"]["after"]["smallest_volume"], 0)
+        a, b, c, d = (struct.unpack_from("<3f", (self.path / "out.pc2").read_bytes(), 32 + 12 * i)
+                      for i in range(4))
+        u, v, w = ([fractions.Fraction(q) - fractions.Fraction(p) for p, q in zip(a, x)] for x in (b, c, d))
+        self.assertGreater(sum(u[i] * (v[i - 2] * w[i - 1] - v[i - 1] * w[i - 2]) for i in range(3)), 0)
+        for out in ("out.mdd", "out.glb"):
+            mesh, = self.report("--largest-step", out=out)["meshes"]
+            self.assertGreater(mesh["quality"]["after"]["smallest_volume"], 0)
+        # A pose that is valid in doubles, and flat in floats.
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (1000 + 1e-6 * (p[0] - 1000), p[1], p[2]))
+        self.deform_mesh("--no-inverted")
+        self.assertIn("turns 1 of 1 cells of a.su2 inside out",
+                      self.deform_mesh("--no-inverted", out="out.mdd", code=3).stderr)
+
+    def test_the_step_is_rounded_down(self):
+        # The determinant is 1 - t (1 + 2e-13), so the step is just below 1.
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (p[0], p[1], -2e-13 * p[2]))
+        result = self.deform_mesh()
+        self.assertIn("  inverted          1, the first cell 0\n", result.stdout)
+        self.assertIn("  largest step      0.99999999999", result.stdout)
+        self.assertIn("0.999999 of the way", result.stderr)
+
+    def test_a_check_that_nobody_asked_for_does_not_stop_the_deformation(self):
+        self.put("a.su2", SU2.replace("10 0 1 2 3", "10 0 1 2 9"))
+        result = self.deform_mesh()
+        self.assertIn("warning: cells not checked: a.su2:3: an element names point 9", result.stderr)
+        self.assertIn("\n0 0 -1\n", self.text("out.su2"))
+        for option in ("--no-inverted", "--largest-step"):
+            self.assertIn("espalier: a.su2:3: an element names point 9",
+                          self.deform_mesh(option, code=1).stderr)
+        # Elements of unknown types are counted.
+        self.put("a.su2", SU2.replace("NELEM= 1\n", "NELEM= 3\n22 0 1 2 3\n22 0 1 2 3\n"))
+        self.assertIn("  not checked       2 elements of unknown types\n", self.deform_mesh().stdout)
+        mesh, = self.report()["meshes"]
+        self.assertEqual((mesh["unknown_elements"], mesh["inverted"]["count"]), (2, 1))
+
+    def test_meshes_of_curved_cells_only(self):
+        points = POINTS + [".5 0 0", ".5 .5 0", "0 .5 0", "0 0 .5", "0 .5 .5", ".5 0 .5"]
+        self.put("q.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n" + "".join(
+            f"{i + 1} {p}\n" for i, p in enumerate(points)) +
+            "$EndNodes\n$Elements\n1\n1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n")
+        result = self.deform_mesh(model="q.msh", out="out.msh")
+        self.assertIn("mesh of pose.ovm\n  not checked       1 cells with curved edges\n", result.stdout)
+        self.assertNotIn("inverted", result.stdout)
+        mesh, = self.report(model="q.msh", out="out.msh")["meshes"]
+        self.assertEqual(mesh["curved_cells"], 1)
+        self.assertNotIn("inverted", mesh)
+        for option in ("--no-inverted", "--largest-step"):
+            self.assertIn(f"q.msh: has 1 cells of a volume, all with curved edges, and {option} checks only",
+                          self.deform_mesh(option, model="q.msh", out="out.msh", code=1).stderr)
+
+    def test_frame_rates_are_above_0(self):
+        for rate in ("0", "-1", "inf", "nan", "x"):
+            error = self.deform_mesh("--frame-rate", rate, out="out.mdd", code=2).stderr
+            self.assertIn(f"--frame-rate: expected a number above 0, got {rate}", error)
+
     def test_volumes_of_vtk(self):
         self.run_program("refine", "rest.ovm", "-n", 2, "-o", "m.vtu")
         self.run_program("refine", "rest.ovm", "-n", 2, "-o", "m.vtk")
@@ -128,7 +195,7 @@ class Mesh(CliTest):
         self.write_model([(0, 0, 0.5), (1, 0, 0.5), (0, 1, 0.5)], "m.obj")
         self.assertNotIn("meshes", self.report(model="m.obj", out="out.obj"))
         for option in ("--no-inverted", "--largest-step"):
-            self.assertIn(f"m.obj: has no cells of a volume, which {option} could check",
+            self.assertIn(f"m.obj: has no cells of a volume, so there is nothing to check for {option}",
                           self.deform_mesh(option, model="m.obj", out="out.obj", code=1).stderr)
 
     def test_cells_that_are_folded_at_rest_do_not_count(self):
@@ -166,7 +233,7 @@ class Mesh(CliTest):
         self.run_program("bind", "case", "--rest", "rest.ovm", "-n", 1, "-o", "m.espb")
         self.run_program("apply", "m.espb", "--to", "pose.ovm", "-o", "copy")
         self.assertIn("(0 0 -1)", self.text("copy/constant/polyMesh/points"))
-        self.assertIn("m.espb: has no cells of a volume, which --largest-step could check; the faces of",
+        self.assertIn("m.espb: has no cells of a volume, so there is nothing to check for --largest-step; the faces",
                       self.error_of("apply", "m.espb", "--to", "pose.ovm", "-o", "copy", "--largest-step"))
 
     def test_apply_checks_on_request(self):

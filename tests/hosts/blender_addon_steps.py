@@ -401,6 +401,297 @@ def marks():
     check((1.0, 0.1, 0.05, 1.0) in colors, colors)
 
 
+def linked():
+    """Objects that share a mesh get meshes of their own when they are bound."""
+    enable()
+    clear()
+    from espalier_lattice import binding
+    first = sphere("first", 3)
+    second = first.copy()
+    second.name = "second"
+    second.location = (0.5, 0, 0)
+    bpy.context.collection.objects.link(second)
+    alone = second.copy()
+    alone.name, alone.data = "alone", second.data.copy()
+    bpy.context.collection.objects.link(alone)
+    first.data.use_fake_user = True  # This is no other object.
+    lattice = add_lattice(first, second, alone, kind="BOX", cells=2)
+    check(first.data != second.data, "two meshes")
+    move_lattice(lattice, twist)
+    check(not binding.problems, binding.problems)
+    check(np.array_equal(evaluated(second), evaluated(alone)), "the second object follows as one with its own mesh")
+    check(np.abs(evaluated(first) - evaluated(second)).max() > 0.1, "the first follows in its own way")
+
+    # A linked duplicate of a bound object.
+    third = second.copy()
+    third.name = "third"
+    third.location = (0.25, 0, 0)
+    bpy.context.collection.objects.link(third)
+    move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.1))
+    for object in (second, third):
+        check("shares its mesh" in binding.problems.get(object.name, "")
+              and "Rebind" in binding.problems[object.name], binding.problems)
+    select(third)
+    check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+    check(third.data != second.data and third.data.shape_keys is None, "the third has its own mesh at rest")
+    check(np.array_equal(evaluated(third), binding.rest_points(second).astype(np.float32)), "at rest")
+    move_lattice(lattice, lambda co: (co[0] + 0.1, co[1], co[2]))
+    check(not binding.problems, binding.problems)
+    check(np.array_equal(evaluated(second), evaluated(alone)), "the second follows again")
+
+
+def changed():
+    """Changes of the object or the lattice after binding are told; Rebind takes them."""
+    enable()
+    clear()
+    from espalier_lattice import binding, lattice_object
+
+    def edit_mesh(object, change):
+        import bmesh
+        select(object)
+        bpy.ops.object.mode_set(mode="EDIT")
+        editable = bmesh.from_edit_mesh(object.data)
+        editable.verts.ensure_lookup_table()
+        change(bmesh, editable)
+        bmesh.update_edit_mesh(object.data)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.context.view_layer.update()
+
+    def told(expected):
+        move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
+        check(expected in binding.problems.get("model", ""), (expected, binding.problems))
+        check("rebind" in binding.problems["model"], binding.problems)
+        binding.on_load()  # Opening the file again changes nothing of it.
+        move_lattice(lattice, lambda co: (co[0], co[1], co[2] - 0.05))
+        check(expected in binding.problems.get("model", ""), (expected, binding.problems))
+        select(model)
+        check(bpy.ops.espalier.rebind() == {"FINISHED"}, expected)
+        check(not binding.problems, binding.problems)
+        before = evaluated(model)
+        check(np.array_equal(before, binding.rest_points(model).astype(np.float32)), "at rest")
+        move_lattice(lattice, lambda co: (co[0] + 0.05, co[1], co[2]))
+        check(not binding.problems, binding.problems)
+        check(np.abs(evaluated(model) - before - (0.05, 0, 0)).max() < 1e-6, "all of it follows")
+
+    model = sphere("model", 3)
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    move_lattice(lattice, lambda co: (co[0] + 0.05, co[1], co[2]))
+    check(not binding.problems, binding.problems)
+
+    def move_point(_, editable):
+        editable.verts[0].co *= 0.5
+
+    def add_point(bmesh, editable):
+        bmesh.ops.poke(editable, faces=[next(iter(editable.faces))])
+
+    edit_mesh(model, move_point)
+    told("points of model have moved")
+    edit_mesh(model, add_point)
+    told("model has 163 points; it had 162")
+    values = np.zeros(len(lattice.data.edges))
+    values[3] = 0.5
+    lattice_object.set_creases(lattice.data, values)
+    told("creases of Espalier box have changed")
+    # Faces of the model do not matter.
+    edit_mesh(model, lambda bmesh, editable: bmesh.ops.delete(editable, geom=[next(iter(editable.faces))],
+                                                              context="FACES_ONLY"))
+    move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
+    check(not binding.problems, binding.problems)
+    # Another shape key of the user does not matter, either.
+    key = model.shape_key_add(name="smile", from_mix=False)
+    model.active_shape_key_index = len(model.data.shape_keys.key_blocks) - 1
+    edit_mesh(model, move_point)
+    check(key.data[0].co != model.data.shape_keys.key_blocks[0].data[0].co, "the key is edited")
+    move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
+    check(not binding.problems, binding.problems)
+
+
+def keys():
+    """Only what the add-on has made is removed, and all of it."""
+    enable()
+    clear()
+    from espalier_lattice import binding
+    model = sphere("model", 3)
+    mine = ["Basis", "Espalier", "Espalier smile", "Espalier 2"]
+    for name in mine:
+        model.shape_key_add(name=name, from_mix=False)
+    blocks = model.data.shape_keys.key_blocks
+    blocks["Espalier smile"].data[0].co = (0, 0, 2)
+    for frame, value in ((1, 0.0), (9, 1.0)):
+        blocks["Espalier smile"].value = value
+        blocks["Espalier smile"].keyframe_insert("value", frame=frame)
+    own_modifier = model.modifiers.new("Espalier", "MESH_CACHE")
+    own_modifier.show_viewport = False
+
+    def curves():
+        data = model.data.shape_keys.animation_data
+        return [curve.data_path for curve in data.action.fcurves] if data and data.action else []
+
+    def check_mine(when):
+        check(list(model.data.shape_keys.key_blocks.keys()) == mine, (when, list(blocks.keys())))
+        check(curves() == ['key_blocks["Espalier smile"].value'], (when, curves()))
+        curve = model.data.shape_keys.animation_data.action.fcurves[0]
+        check([p.interpolation for p in curve.keyframe_points] == ["BEZIER"] * 2, when)
+        check(list(model.modifiers.keys()) == ["Espalier"], (when, list(model.modifiers.keys())))
+
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    animate(lattice)
+    bpy.context.scene.frame_end = 4
+    bpy.context.scene.frame_set(4)
+    posed = evaluated(model)
+    check(len(model.data.shape_keys.key_blocks) == len(mine) + 1, "one key is added")
+
+    # Baked twice, in two ways, the model moves once.
+    cache = str(FOLDER / "keys.pc2")
+    for action in (bpy.ops.espalier.bake_shape_keys, bpy.ops.espalier.bake_shape_keys,
+                   lambda: bpy.ops.espalier.bake_point_cache(filepath=cache), bpy.ops.espalier.bake_shape_keys):
+        select(model)
+        check(action() == {"FINISHED"}, "bake")
+    check(len(model.data.shape_keys.key_blocks) == len(mine) + 1 + 4, list(model.data.shape_keys.key_blocks.keys()))
+    bpy.context.scene.frame_set(4)
+    check(np.abs(evaluated(model) - posed).max() < 1e-6, "baked")
+    check(bpy.ops.espalier.follow_again() == {"FINISHED"}, "follow_again")
+    check(len(model.data.shape_keys.key_blocks) == len(mine) + 1, list(model.data.shape_keys.key_blocks.keys()))
+    check(np.abs(evaluated(model) - posed).max() < 1e-6, "follows again")
+    check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+    check_mine("unbound")
+
+    # Bake, and unbind without Follow Again.
+    for bake_it in (bpy.ops.espalier.bake_shape_keys, lambda: bpy.ops.espalier.bake_point_cache(filepath=cache)):
+        select(model, lattice)
+        check(bpy.ops.espalier.bind() == {"FINISHED"}, "bind")
+        select(model)
+        check(model.espalier.is_live and bake_it() == {"FINISHED"}, "bake")
+        check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+        check_mine("unbound after baking")
+        bpy.context.scene.frame_set(1)
+        check(np.array_equal(evaluated(model), binding.rest_points(model).astype(np.float32)), "at rest")
+
+    # A Basis of the user stays, also alone; one of the add-on goes.
+    for has_basis in (True, False):
+        clear()
+        model = sphere("model", 3)
+        before = evaluated(model)
+        if has_basis:
+            model.shape_key_add(name="Basis", from_mix=False)
+        lattice = add_lattice(model, kind="BOX", cells=2)
+        move_lattice(lattice, twist)
+        select(model)
+        check(bpy.ops.espalier.bake_shape_keys(use_scene_range=False, first=1, last=2) == {"FINISHED"}, "bake")
+        check(bpy.ops.espalier.unbind() == {"FINISHED"}, "unbind")
+        found = list(model.data.shape_keys.key_blocks.keys()) if model.data.shape_keys else []
+        check(found == ["Basis"] * has_basis, found)
+        check(np.array_equal(evaluated(model), before), "at rest")
+
+
+def frames():
+    """Frames below zero are baked, too."""
+    enable()
+    clear()
+    model = sphere("model", 3)
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    animate(lattice)
+    scene = bpy.context.scene
+    curve = lattice.data.shape_keys.animation_data.action.fcurves[0]
+    curve.keyframe_points[0].co.x = -3
+    curve.keyframe_points[1].co.x = 3
+    curve.update()
+    expected = {}
+    for frame in range(-3, 4):
+        scene.frame_set(frame)
+        expected[frame] = evaluated(model)
+    select(model)
+    cache = str(FOLDER / "frames.pc2")
+    for first, last in ((-1, 2), (-3, -1), (-1, -1)):
+        settings = {"use_scene_range": False, "first": first, "last": last}
+        check(bpy.ops.espalier.bake_shape_keys(**settings) == {"FINISHED"}, "bake_shape_keys")
+        check(len(model.espalier.baked_keys) == last - first + 1, "one key per frame")
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            check(np.abs(evaluated(model) - expected[frame]).max() < 1e-6, f"shape keys, frame {frame}")
+        check(bpy.ops.espalier.bake_point_cache(filepath=cache, **settings) == {"FINISHED"}, "bake_point_cache")
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            check(np.abs(evaluated(model) - expected[frame]).max() < 1e-6, f"point cache, frame {frame}")
+        bpy.ops.espalier.follow_again()
+    scene.frame_start, scene.frame_end = 2, 3
+    check(bpy.ops.espalier.bake_shape_keys(first=-1, last=-1) == {"FINISHED"}, "the range of the scene")
+    check(len(model.espalier.baked_keys) == 2, "the range of the scene")
+
+
+def cage():
+    """A cage follows the evaluated faces of the selected objects, in the coordinates of the world."""
+    enable()
+    clear()
+    from espalier_lattice import binding, engine, lattice_object
+    espalier = engine.load()
+
+    def parts(lattice):
+        """Returns the number of connected parts of a lattice."""
+        parents = list(range(len(lattice.positions)))
+
+        def root(vertex):
+            while parents[vertex] != vertex:
+                vertex = parents[vertex]
+            return vertex
+
+        for cell in lattice.cells:
+            vertices = [v for loop in cell for v in loop]
+            for vertex in vertices[1:]:
+                parents[root(vertex)] = root(vertices[0])
+        return len({root(v) for v in range(len(parents))})
+
+    def check_cage(object, vertices, count):
+        lattice = lattice_object.lattice_of(object, espalier)
+        check(parts(lattice) == count, f"{parts(lattice)} parts, expected {count}")
+        check(0.8 * vertices <= len(lattice.positions) <= 1.2 * vertices, len(lattice.positions))
+        for bound in binding.bound_objects(lattice=object):
+            check(not np.asarray(binding.bound_of(bound).binding.statuses).any(), f"{bound.name}: points outside")
+        return lattice
+
+    # The faces count, not the points: a cube has few points.
+    bpy.ops.mesh.primitive_cube_add()
+    check_cage(add_lattice(bpy.context.active_object, kind="CAGE", vertices=60), 60, 1)
+
+    # A narrow object that is rotated, scaled and subdivided, and one far away.
+    clear()
+    bpy.ops.mesh.primitive_cube_add(location=(4, 0, 0), rotation=(0, 0.7, 0.4), scale=(3, 0.3, -0.5))
+    narrow = bpy.context.active_object
+    subdivision = narrow.modifiers.new("subdivision", "SUBSURF")
+    subdivision.levels = 3
+    bpy.context.view_layer.update()
+    world = np.array(narrow.matrix_world)
+    points = evaluated(narrow) @ world[:3, :3].T + world[:3, 3]
+    check(len(points) > 100, "subdivided")
+    other = sphere("other", 3, location=(-5, 2, 1))
+    lattice = check_cage(add_lattice(narrow, other, kind="CAGE", vertices=150, margin=0.02), 150, 2)
+    check(not np.asarray(espalier.bind(lattice, points, 3).statuses).any(), "the subdivided points are inside")
+    volume = 4 / 3 * math.pi * 1 + abs(np.linalg.det(world[:3, :3])) * 8
+    box = np.prod(lattice.positions.max(axis=0) - lattice.positions.min(axis=0))
+    check(box > 10 * volume, "the box around both is large")
+    # The cells fill little of the box.
+    filled = sum(abs(np.linalg.det(np.stack([p[1] - p[0], p[3] - p[0], p[4] - p[0]])))
+                 for p in lattice.positions[lattice.hexahedra])
+    check(filled < 0.5 * box, (filled, box))
+
+    # Points without faces have no cage.
+    clear()
+    mesh = bpy.data.meshes.new("points")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 1)], [], [])
+    cloud = bpy.data.objects.new("points", mesh)
+    bpy.context.collection.objects.link(cloud)
+    select(cloud)
+    try:
+        bpy.ops.espalier.add_lattice(kind="CAGE")
+        check(False, "no error")
+    except RuntimeError as error:
+        check("no faces" in str(error) and "Box" in str(error), error)
+    # Without a selection, it is a cage around a cube.
+    clear()
+    check(bpy.ops.espalier.add_lattice(kind="CAGE", vertices=60) == {"FINISHED"}, "no selection")
+    check_cage(bpy.context.active_object, 60, 1)
+
+
 def speed():
     """Times 100,000 points without drawing."""
     enable()

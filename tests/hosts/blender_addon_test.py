@@ -78,6 +78,21 @@ class BlenderAddOn(CliTest):
     def test_points_outside_and_folded_cells_are_marked(self):
         self.blender("marks")
 
+    def test_objects_that_share_a_mesh_get_their_own(self):
+        self.blender("linked")
+
+    def test_changes_after_binding_are_told(self):
+        self.blender("changed")
+
+    def test_only_what_was_made_is_removed(self):
+        self.blender("keys")
+
+    def test_frames_below_zero_are_baked(self):
+        self.blender("frames")
+
+    def test_a_cage_follows_the_faces(self):
+        self.blender("cage")
+
     def test_the_speed_of_100000_points_is_printed(self):
         """A figure, not a timed test: the load of this machine is not known. Frames per second of processor time, of
         all cores together, do not depend on the load."""

@@ -5,6 +5,8 @@
     vtk_filter_test.py PATH_OF_ESPALIER FOLDER_OF_THE_PYTHON_MODULE
 """
 
+import contextlib
+import io
 import pathlib
 import sys
 import unittest
@@ -17,6 +19,7 @@ from program import CliTest  # noqa: E402
 try:
     import vtkmodules.vtkIOXML as vtk_io
     from vtkmodules.vtkFiltersSources import vtkSphereSource
+    from vtkmodules.vtkCommonCore import vtkIdList, vtkObject
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
     from vtkmodules.util import numpy_support
     import numpy as np
@@ -98,6 +101,82 @@ class VtkFilter(CliTest):
         deform.SetLevel(2)
         deform.Update()
         self.assertIsNot(deform.GetBinding(), binding)
+
+    def assert_error(self, deform, expected):
+        """The output is empty, and GetError() says why."""
+        output = deform.GetOutputDataObject(0)
+        self.assertEqual((output.GetNumberOfPoints(), output.GetNumberOfCells()), (0, 0))
+        self.assertRegex(deform.GetError(), expected)
+
+    def test_an_error_leaves_an_empty_output(self):
+        """VTK prints the error; the model must not pass as deformed."""
+        self.run_program("refine", "rest.vtu", "-n", 1, "-o", "model.vtu")
+        model, rest = self.read("model.vtu"), self.read("rest.vtu")
+        self.run_program("shape", "cube", "-o", "cube.vtu")
+        with self.printed_errors():
+            deform = self.filter(model, Level=99)
+            self.assert_error(deform, "level")
+            # A correct input after an error.
+            deform.SetLevel(2)
+            deform.Update()
+            self.assertIsNone(deform.GetError())
+            good = self.positions(deform.GetOutputDataObject(0))
+            self.assertEqual(len(good), model.GetNumberOfPoints())
+            # A lattice that does not hold the model, and the first lattice again.
+            deform.SetOutside("error")
+            deform.SetInputDataObject(1, self.read("cube.vtu"))
+            deform.SetInputDataObject(2, self.read("cube.vtu"))
+            deform.Update()
+            self.assert_error(deform, "outside")
+            deform.SetOutside("keep")
+            deform.SetInputDataObject(1, rest)
+            deform.SetInputDataObject(2, self.read("pose.vtu"))
+            deform.Update()
+            np.testing.assert_array_equal(self.positions(deform.GetOutputDataObject(0)), good)
+
+    def test_a_pose_with_other_cells_is_refused(self):
+        self.run_program("refine", "rest.vtu", "-n", 1, "-o", "model.vtu")
+        deform = self.filter(self.read("model.vtu"))
+        rest = self.read("rest.vtu")
+        fewer = vtkUnstructuredGrid()
+        fewer.SetPoints(rest.GetPoints())
+        import espalier_vtk
+        for cell in espalier_vtk.cells_of(rest)[1:]:
+            self.insert_polyhedron(fewer, cell)
+        other = vtkUnstructuredGrid()
+        other.SetPoints(rest.GetPoints())
+        for cell in espalier_vtk.cells_of(rest)[::-1]:
+            self.insert_polyhedron(other, cell)
+        with self.printed_errors():
+            for pose in (fewer, other):
+                self.assertEqual(pose.GetNumberOfPoints(), rest.GetNumberOfPoints())
+                deform.SetInputDataObject(2, pose)
+                deform.Update()
+                self.assert_error(deform, "the cells of the pose are not the cells of the lattice at rest")
+        # The same cells, written in another way.
+        same = vtkUnstructuredGrid()
+        same.SetPoints(rest.GetPoints())
+        for cell in espalier_vtk.cells_of(rest):
+            self.insert_polyhedron(same, cell)
+        deform.SetInputDataObject(2, same)
+        deform.Update()
+        self.assertIsNone(deform.GetError())
+
+    def insert_polyhedron(self, grid, cell):
+        stream = vtkIdList()
+        for number in (len(cell), *(number for loop in cell for number in (len(loop), *loop))):
+            stream.InsertNextId(number)
+        grid.InsertNextCell(42, stream)
+
+    @contextlib.contextmanager
+    def printed_errors(self):
+        """Keeps VTK's messages out of the output of the test."""
+        vtkObject.GlobalWarningDisplayOff()
+        try:
+            with contextlib.redirect_stderr(io.StringIO()):
+                yield
+        finally:
+            vtkObject.GlobalWarningDisplayOn()
 
     def test_a_mesh_without_cells_of_a_volume_is_no_lattice(self):
         import espalier_vtk

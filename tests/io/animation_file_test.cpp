@@ -78,6 +78,19 @@ TEST(Animation, GlbHasTheMovementsAsMorphTargets) {
         EXPECT_THAT(json, HasSubstr(part));
 }
 
+TEST(Animation, StoredPointsAreTheSumsThatProgramsCompute) {
+    const auto model = readModel("a.obj", "v 1000.1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::vector<Point3> points = {{1e-5, 0.1, 0}, {1, 0, 0}, {0, 1, 0}};
+    auto expected = points;
+    for (const char* name : {"a.pc2", "a.mdd"}) {
+        expected[0] = {double{1e-5F}, double{0.1F}, 0};
+        EXPECT_EQ(storedInAnimation(name, *model, points), expected);
+    }
+    expected[0][0] = double{1000.1F + (1e-5F - 1000.1F)};
+    EXPECT_NE(expected[0][0], double{1e-5F});
+    EXPECT_EQ(storedInAnimation("a.glb", *model, points), expected);
+}
+
 TEST(Animation, WrongFramesAndFilesAreRefused) {
     const TemporaryFolder folder;
     const auto model = readModel("a.obj", kSquare);
@@ -105,6 +118,22 @@ TEST(Animation, WrongFramesAndFilesAreRefused) {
                        2, 24},
                       "which a float cannot hold");
     }
+    for (const char* name : {"a.mdd", "a.glb"})
+        for (const double rate : {1e-39, 1e300})
+            expectRefused(name, {framePoints, 2, rate}, "frames per second, frame 1 is at ");
+    const auto far = readModel("a.obj", "v 3e38 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 1\nf 1 2 3 4\n");
+    const Animation opposite = {[](std::size_t) {
+                                    return std::vector<Point3>(4, {-3e38, 0, 0});
+                                },
+                                1, 24};
+    EXPECT_REFUSED(Error, "in frame 0, point 0 moves from",
+                   writeAnimation(folder / "a.glb", *far, opposite));
+    // The size is known before the frames are.
+    const Animation large = {
+        [](std::size_t) -> std::vector<Point3> { throw std::logic_error("asked"); },
+        std::size_t{1} << 20, 24};
+    EXPECT_REFUSED(FileError, "a .glb file of 1048576 poses would have",
+                   writeAnimation(folder / "a.glb", *model, large));
     EXPECT_FALSE(isAnimationFile("a.abc"));
     expectRefused("a.abc", {framePoints, 2, 24}, "expected .pc2, .mdd or .glb");
     EXPECT_REFUSED(FileError, "the model has no faces",

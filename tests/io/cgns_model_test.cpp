@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/cgns/cgns_model.h>
 #include <io/model_files.h>
+#include <io/replaced.h>
 
 #include <cgnslib.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdlib>
 
 #include "support/test.h"
 
@@ -197,6 +202,94 @@ TEST(CgnsModel, BadFilesAreRefused) {
     }
     EXPECT_REFUSED(FileError, "an element names point 5; there are 4, counted from 1",
                    readCgnsModel("c.cgns", readFile(folder / "c.cgns"))->readVolume());
+}
+
+// The library does not check the types of the elements in a MIXED section.
+TEST(CgnsModel, ElementsOfUnknownTypesAreRefused) {
+    const TemporaryFolder folder;
+    {
+        CgnsFile file(folder / "a.cgns", CG_FILE_HDF5);
+        const int zone = file.unstructured("Z", 4, 1);
+        for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
+            file.coordinates<double>(zone, name, {0, 1, 2, 3});
+        file.section(zone, "Cells", CGNS_ENUMV(MIXED), 1, 1, {CGNS_ENUMV(TETRA_4), 1, 2, 3, 4},
+                     {0, 5});
+    }
+    const std::string good = readFile(folder / "a.cgns");
+    const auto bytesOfType = [](cgsize_t type) {
+        const cgsize_t row[] = {type, 1, 2, 3, 4};
+        return std::string(reinterpret_cast<const char*>(row), sizeof row);
+    };
+    const auto volumeOf = [&](cgsize_t type) {
+        return readCgnsModel("a.cgns",
+                             replaced(good, bytesOfType(CGNS_ENUMV(TETRA_4)), bytesOfType(type)))
+            ->readVolume();
+    };
+    EXPECT_EQ(volumeOf(CGNS_ENUMV(TETRA_4)).mesh.cellCount(), 1);
+    for (const cgsize_t type : {9999, 2147483647, -5, NofValidElementTypes})
+        EXPECT_REFUSED(FileError,
+                       concat("an element of a MIXED section has the type ", type,
+                              "; the types of CGNS are 0 to ", NofValidElementTypes - 1),
+                       volumeOf(type));
+    for (const auto type : {CGNS_ENUMV(ElementTypeNull), CGNS_ENUMV(ElementTypeUserDefined),
+                            CGNS_ENUMV(MIXED), CGNS_ENUMV(NGON_n), CGNS_ENUMV(NFACE_n)})
+        EXPECT_REFUSED(
+            FileError,
+            concat("an element has the type ", ElementTypeName[type], ", whose points are not"),
+            volumeOf(type));
+    EXPECT_EQ(volumeOf(CGNS_ENUMV(NODE)).curvedCells, 0);
+    EXPECT_EQ(volumeOf(CGNS_ENUMV(TETRA_10)).curvedCells, 1);
+}
+
+TEST(CgnsModel, EachArrayRoundsByItsOwnPrecision) {
+    const TemporaryFolder folder;
+    {
+        CgnsFile file(folder / "a.cgns", CG_FILE_HDF5);
+        const int zone = file.unstructured("Z", 2, 1);
+        file.coordinates<double>(zone, "CoordinateX", {0, 1});
+        file.coordinates<float>(zone, "CoordinateY", {0, 1});
+        file.coordinates<double>(zone, "CoordinateZ", {0, 1});
+    }
+    const auto model = readCgnsModel("a.cgns", readFile(folder / "a.cgns"));
+    const std::vector<Point3> moved = {{0.1, 0.1, 0.1}, {0.7, 0.7, 0.7}};
+    const std::vector<Point3> stored = {{0.1, double{0.1F}, 0.1}, {0.7, double{0.7F}, 0.7}};
+    EXPECT_EQ(model->stored(moved), stored);
+    EXPECT_EQ(copyOf(readCgnsModel("a.cgns", written(*model, moved))->positions()), stored);
+}
+
+TEST(CgnsModel, ErrorsOfTheTemporaryFileNameIt) {
+    const TemporaryFolder folder;
+    writeSample(folder / "a.cgns", CG_FILE_HDF5);
+    const std::string bytes = readFile(folder / "a.cgns");
+    const char* before = std::getenv("TMPDIR");
+    const std::string old = before ? before : "";
+    const auto expectRefused = [&](const std::string& message) {
+        try {
+            readCgnsModel("a.cgns", bytes);
+            ADD_FAILURE();
+        } catch (const FileError& error) {
+            EXPECT_THAT(error.what(), HasSubstr(message));
+            EXPECT_THAT(error.what(), HasSubstr("the variable TMPDIR names another folder"));
+            EXPECT_THAT(error.what(), Not(HasSubstr("a.cgns")));
+        }
+    };
+    ::setenv("TMPDIR", (folder / "none").c_str(), 1);
+    expectRefused("the folder of temporary files cannot be found");
+    std::filesystem::create_directories(folder / "small");
+    ::setenv("TMPDIR", (folder / "small").c_str(), 1);
+    rlimit limit{};
+    ::getrlimit(RLIMIT_FSIZE, &limit);
+    const rlimit small{1000, limit.rlim_max};
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    expectRefused("a temporary file cannot be written: File too large");
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::signal(SIGXFSZ, handler);
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "small"));
+    if (before)
+        ::setenv("TMPDIR", old.c_str(), 1);
+    else
+        ::unsetenv("TMPDIR");
 }
 
 }  // namespace

@@ -30,6 +30,35 @@ TEST(Gmsh, UnusedNodesAreDropped) {
     EXPECT_THAT(notes.droppedVertices, ElementsAre(11));
 }
 
+TEST(Gmsh, ElementsOfUnknownTypesAreCounted) {
+    const std::string two = replaced(sampleGmsh2(), "6 7 2 0 1", "6 555 2 0 1 77");
+    const std::string four = replaced(sampleGmsh4(), "3 1 7 1", "3 1 555 1");
+    for (const std::string& text : {two, four}) {
+        const ModelVolume volume = readGmshModel("a.msh", text)->readVolume();
+        EXPECT_EQ(volume.mesh.cellCount(), 3);
+        EXPECT_EQ(volume.unknownElements, 1);
+        EXPECT_REFUSED(FileError, "an element has the type 555, which is not known here",
+                       readGmsh("a.msh", text));
+    }
+}
+
+// `gmsh -parametric -format msh22` writes the nodes so: the dimension and the tag of the entity,
+// and one parameter on a curve, two on a surface.
+TEST(Gmsh, NodesOfVersion2MayHaveParameters) {
+    std::string text = replaced(sampleGmsh2(), "$Nodes", "$ParametricNodes");
+    text = replaced(text, "$EndNodes", "$EndParametricNodes");
+    for (std::size_t i = 0; i < 12; ++i)
+        text = replaced(text, "\n" + std::to_string(i + 1) + " " + coordinates(i) + "\n",
+                        "\n" + std::to_string(i + 1) + " " + coordinates(i) +
+                            std::array{" 0 5\n", " 1 5 0.5\n", " 2 5 0.5 0.25\n", " 3 5\n"}[i % 4]);
+    const auto model = readGmshModel("a.msh", text);
+    EXPECT_EQ(copyOf(model->positions()), samplePoints());
+    EXPECT_EQ(model->readVolume().mesh.cellCount(), 4);
+    auto moved = copyOf(model->positions());
+    moved[11][0] = 3.5;
+    EXPECT_EQ(written(*model, moved), replaced(text, "12 3 1 3 3 5", "12 3.5 1 3 3 5"));
+}
+
 TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
     const std::string good = sampleGmsh2();
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
@@ -53,8 +82,6 @@ TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
                   "an element names node 13, which does not exist");
     expectRefused(replaced(good, "5 5 2 0 1 1 2", "5 5 2 0 1 1 0"),
                   "an element names node 0, which does not exist");
-    expectRefused(replaced(good, "5 5 2", "5 555 2"),
-                  "an element has the type 555, which is not known here");
     expectRefused(replaced(sampleGmsh2(2, 2), "\n4 2.00", "\n2 2.00"), "two nodes have the tag 2");
     const std::string four = sampleGmsh4();
     expectRefused(replaced(four, "3 1 0 8\n", "3 1 0 7\n"), "a.msh:");
@@ -67,6 +94,9 @@ TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
     std::string wrong = binary;
     wrong[wrong.find("8\n") + 2] = 7;
     expectRefused(wrong, "the binary number after the version is not 1");
+    wrong = binary;
+    wrong[wrong.find("$Elements\n6\n") + 12] = 99;  // The type of the block.
+    expectRefused(wrong, "an element has the type 99, which is not known here");
     wrong = binary;
     wrong[wrong.find("$Elements\n6\n") + 12 + 4] = 9;  // The number of triangles of the block.
     expectRefused(wrong, "a block has 9 elements, but 6 are left");

@@ -49,6 +49,10 @@ TEST(Medit, MalformedFilesAreRefusedWithTheLine) {
     expectRefused(replaced("Pyramids\n1\n 5 6", "Pyramids\n1\n 5 13"),
                   "an element names vertex 13; there are 12, counted from 1");
     expectRefused(replaced("Pyramids\n1\n 5 6", "Pyramids\n1\n 5 0"), "an element names vertex 0");
+    expectRefused(replaced("Vertices 12", "Vertices 11"),
+                  "a.mesh:17: more rows follow than the number after Vertices says");
+    expectRefused(replaced("Pyramids\n1\n", "Pyramids\n1\n1 2 3 4 5 0\n"),
+                  "more rows follow than the number after Pyramids says");
     expectRefused(replaced("Pyramids\n1\n 5 6", "Pyramids\n1\n 5 x"),
                   "'x' is not a number; expected a vertex of an element");
 }

@@ -166,7 +166,7 @@ TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
     expectRefused(changed("points", "(3 1 3)\n)", "(3 1 3)\n) more"),
                   "expected the end of the file after the list");
     expectRefused(changed("faces", "4(4 5 6 7)", "4(4 5 6 12)"),
-                  "face 0 names point 12; there are 12");
+                  "m/faces: face 0 names point 12; there are 12");
     expectRefused(changed("faces", "4(4 5 6 7)", "5(4 5 6 7)"), "')' is not a number");
     expectRefused(changed("faces", "4(4 5 6 7)", "2(4 5)"), "face 0 has fewer than 3 points");
     expectRefused(changed("owner", "18\n(", "17\n("), "expected ), got '3'");
@@ -180,6 +180,15 @@ TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
     files = good;
     files["neighbour"] = foamHeader("labelList", "neighbour") + "19{0}";
     expectRefused(files, "neighbour: has 19 labels, but there are 18 faces");
+    files = good;
+    files["neighbour"] = foamHeader("labelList", "neighbour") + "1{0}";
+    expectRefused(files, "neighbour: face 0 has cell 0 as its owner and as its neighbour");
+    for (const char* name : {"faces", "owner", "neighbour"}) {
+        files = good;
+        files[std::string(name) + ".gz"] = files[name];
+        files.erase(name);
+        expectRefused(files, concat(name, ".gz: is compressed; run gunzip on the files"));
+    }
     files = good;
     files.erase("owner");
     expectRefused(files, "owner: cannot open");

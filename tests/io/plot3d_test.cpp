@@ -69,6 +69,8 @@ TEST(Plot3d, VariantsOfTextAreToldByTheirNumbers) {
     EXPECT_EQ(written(*plane, moved), "2, 2\n0, 1.5, 0 1.0d0\n0 0 1 1\n");
     moved[1][2] = 1;
     EXPECT_REFUSED(Error, "the mesh is of two dimensions", written(*plane, moved));
+    // Bytes above 127 separate nothing.
+    EXPECT_REFUSED(FileError, "is not a number", readModel("a.xyz", "2 2\n0 1 0 1\n0 0 1\xB7 1\n"));
 }
 
 TEST(Plot3d, BinaryVariantsAreToldByTheirExtent) {

@@ -48,6 +48,35 @@ TEST(Su2, ZonesFollowEachOther) {
                    readSu2Model("a.su2", text)->readVolume());
 }
 
+// A zone may list its elements before its points.
+TEST(Su2, ElementsNameThePointsOfTheirZone) {
+    const auto zone = [](const std::string& nodes, bool pointsFirst) {
+        const std::string elements = "NELEM= 1\n10 " + nodes + " 0\n";
+        const std::string points = "NPOIN= 4\n0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n";
+        return "NDIME= 3\n" + (pointsFirst ? points + elements : elements + points);
+    };
+    for (const bool pointsFirst : {false, true}) {
+        const std::string good = zone("0 1 2 3", pointsFirst), bad = zone("0 1 2 4", pointsFirst);
+        EXPECT_REFUSED(FileError,
+                       concat("a.su2:", pointsFirst ? 10 : 5,
+                              ": an element names point 4; there are 4 in its zone"),
+                       readSu2Model("a.su2", "NZONE= 2\nIZONE= 1\n" + bad + "IZONE= 2\n" + good)
+                           ->readVolume());
+    }
+}
+
+TEST(Su2, ElementsOfUnknownTypesAreCounted) {
+    std::string text = kPlane;
+    text.replace(text.find("5 0 1 2 0"), 9, "7 0 1 2 5");
+    const auto model = readSu2Model("a.su2", text);
+    EXPECT_EQ(model->readVolume().unknownElements, 1);
+    EXPECT_EQ(model->readSurface().faces.count(), 1u);
+    EXPECT_THAT(model->readSurface().otherShapes, ElementsAre("1 element of unknown types"));
+    EXPECT_REFUSED(FileError,
+                   "a.su2:3: an element has the type 7; expected 1, 3, 5, 9, 10, 12, 13 or 14",
+                   readSu2("a.su2", text));
+}
+
 TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
     const auto replaced = [](const std::string& before, const std::string& after) {
         std::string text = kPlane;
@@ -71,8 +100,10 @@ TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
                   "a.su2:3: the line ends; an element of the type 5 has 3 points");
     expectRefused(replaced("5 0 1 2 0", "5 0 1 x"), "a.su2:3: 'x' is not the number of a point");
     expectRefused(replaced("5 0 1 2 0", "5 0 1 -1"), "a.su2:3: an element names point -1");
-    expectRefused(replaced("5 0 1 2 0", "7 0 1 2"),
-                  "a.su2:3: an element has the type 7; expected 1, 3");
+    expectRefused(replaced("NELEM= 2", "NELEM= 1"), "a.su2:4: more rows follow than NELEM= says");
+    expectRefused(replaced("NPOIN= 5", "NPOIN= 4"), "a.su2:10: more rows follow than NPOIN= says");
+    expectRefused(replaced("MARKER_ELEMS= 1\n3 0 1", "MARKER_ELEMS= 1\n3 0 1\n% more\n\n3 1 2"),
+                  "a.su2:17: more rows follow than MARKER_ELEMS= says");
     expectRefused(replaced("5 0 1 2 0", "x"), "a.su2:3: 'x' is not the type of an element");
     expectRefused(replaced("MARKER_ELEMS= 1\n3 0 1\n", "MARKER_ELEMS= 1\n%    \n"),
                   "the file ends; expected an element");

@@ -44,3 +44,14 @@ def test_errors(model, tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\n")
     with pytest.raises(ValueError, match="a.obj has no cells of a volume"):
         espalier.MeshCheck(espalier.read_model(tmp_path / "a.obj"))
+    (tmp_path / "q.mesh").write_text(
+        "MeshVersionFormatted 2\nDimension 3\nVertices 10\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n.5 0 0 0\n.5 .5 0 0\n"
+        "0 .5 0 0\n0 0 .5 0\n.5 0 .5 0\n0 .5 .5 0\nTetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 0\nEnd\n")
+    with pytest.raises(ValueError, match="q.mesh has 1 cells of a volume, all with curved edges"):
+        espalier.MeshCheck(espalier.read_model(tmp_path / "q.mesh"))
+
+
+def test_elements_of_unknown_types_are_counted(tmp_path):
+    (tmp_path / "a.su2").write_text("NDIME= 3\nNELEM= 2\n10 0 1 2 3\n22 0 1 2 3\nNPOIN= 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
+    check = espalier.MeshCheck(espalier.read_model(tmp_path / "a.su2"))
+    assert (check.cell_count, check.unknown_elements) == (1, 1)

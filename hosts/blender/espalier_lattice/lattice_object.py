@@ -6,6 +6,8 @@ in the property `espalier_cells` of the mesh, as topology.pack() writes them, by
 which are in the attribute `espalier_id`. All of this is saved in the .blend file, and copied with the mesh.
 """
 
+import hashlib
+
 import bpy
 import numpy as np
 
@@ -23,15 +25,19 @@ def is_lattice(object):
     return object is not None and object.type == "MESH" and CELLS in object.data
 
 
-def _ids(mesh):
+def vertex_ids(mesh):
+    """Returns the ids of the vertices of a lattice's mesh, 0 for vertices without one: list of V numbers."""
     attribute = mesh.attributes.get(IDS)
     ids = np.zeros(len(mesh.vertices), dtype=np.int32)
     if attribute is not None and attribute.domain == "POINT":
+        if len(attribute.data) != len(ids):  # Blender hides attributes in edit mode.
+            raise LatticeError(f"{mesh.name}: leave the edit mode of the lattice")
         attribute.data.foreach_get("value", ids)
     return ids.tolist()
 
 
-def _set_ids(mesh, ids):
+def set_vertex_ids(mesh, ids):
+    """Gives the vertices of a mesh their ids: V numbers above 0, all different."""
     attribute = mesh.attributes.get(IDS) or mesh.attributes.new(IDS, "INT", "POINT")
     attribute.data.foreach_set("value", np.asarray(ids, dtype=np.int32))
 
@@ -80,7 +86,7 @@ def mesh_of(lattice, name):
     mesh.from_pydata([tuple(p) for p in lattice.positions], [], faces)
     mesh.update()
     ids = list(range(1, len(mesh.vertices) + 1))
-    _set_ids(mesh, ids)
+    set_vertex_ids(mesh, ids)
     mesh[CELLS] = topology.pack([[[v + 1 for v in loop] for loop in cell] for cell in cells])
     if lattice.edge_sharpness:
         number = {frozenset(edge.vertices): i for i, edge in enumerate(mesh.edges)}
@@ -106,11 +112,11 @@ def sync(object):
     topology.Sync. The object must not be in edit mode."""
     mesh = object.data
     cells = topology.unpack(mesh[CELLS])
-    result = topology.Sync(cells, _ids(mesh), [list(p.vertices) for p in mesh.polygons],
+    result = topology.Sync(cells, vertex_ids(mesh), [list(p.vertices) for p in mesh.polygons],
                            [tuple(e.vertices) for e in mesh.edges])
     if result.new_faces:
         _add_faces(mesh, result.new_faces)
-    _set_ids(mesh, result.ids)
+    set_vertex_ids(mesh, result.ids)
     mesh[CELLS] = topology.pack([[[result.ids[v] for v in loop] for loop in cell]
                                  for cell in result.cells])
     return result
@@ -134,7 +140,7 @@ def lattice_of(object, espalier, positions=None, use_creases=True):
     positions: array (V, 3) in place of the positions of its mesh. Raises a LatticeError if the mesh was
     edited so that no cell is left, or has vertices without a cell."""
     mesh = object.data
-    vertex_of = {number: vertex for vertex, number in enumerate(_ids(mesh))}
+    vertex_of = {number: vertex for vertex, number in enumerate(vertex_ids(mesh))}
     try:
         cells = [[[vertex_of[number] for number in loop] for loop in cell]
                  for cell in topology.unpack(mesh[CELLS])]
@@ -166,11 +172,24 @@ def lattice_of(object, espalier, positions=None, use_creases=True):
 
 
 def topology_text(object):
-    """Returns a text that changes if the cells, the number of vertices or the creases change."""
-    import hashlib
-    digest = hashlib.sha256(np.asarray(list(object.data[CELLS]), dtype=np.int64).tobytes())
-    digest.update(creases(object.data).tobytes())
-    return f"{len(object.data.vertices)} {digest.hexdigest()[:24]}"
+    """Returns three words: the number of vertices, a hash of the cells and a hash of the creases."""
+    if not is_lattice(object):
+        raise LatticeError(f"{object.name} is no lattice any more")
+    mesh = object.data
+    cells = hashlib.sha256(np.asarray(mesh[CELLS], dtype=np.int64).tobytes())
+    cells.update(np.asarray(vertex_ids(mesh), dtype=np.int64).tobytes())
+    sharp = hashlib.sha256(creases(mesh).tobytes())
+    return f"{len(mesh.vertices)} {cells.hexdigest()[:24]} {sharp.hexdigest()[:24]}"
+
+
+def topology_change(object, before):
+    """Returns what has changed since topology_text() was `before`, as a sentence; "" if nothing has."""
+    now = topology_text(object)
+    if now == before:
+        return ""
+    if now.split()[:2] == before.split()[:2]:
+        return f"the creases of {object.name} have changed"
+    return f"the cells of {object.name} have changed"
 
 
 def posed_positions(object, depsgraph):

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes lattices around objects."""
 
-import bpy
 import numpy as np
+
+from . import lattice_object
+from .lattice_object import LatticeError
 
 KINDS = (
     ("BOX", "Box", "A box of cells around the selected objects"),
-    ("CAGE", "Cage", "The cells of a box that the selected objects pass through, and the cells around these"),
+    ("CAGE", "Cage", "Cells that follow the shape of the selected objects"),
     ("CYLINDER", "Cylinder", "Cells in sectors and layers, along z"),
     ("TORUS", "Torus", ""),
     ("STAR", "Star", ""),
@@ -23,28 +25,51 @@ KINDS = (
 )
 
 
-def points_of(objects, depsgraph):
-    """Returns the points of mesh objects in the coordinates of the world: array (N, 3)."""
-    parts = []
+def model_of(objects, depsgraph, with_rest):
+    """Returns the points of mesh objects with their shape keys and modifiers, in the coordinates of the world,
+    and their faces as triangles: arrays (N, 3) and (T, 3).
+
+    with_rest: add the points and faces at rest, before modifiers, which are what a lattice binds"""
+    points, triangles, count = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0
     for object in objects:
-        mesh = object.evaluated_get(depsgraph).data
-        points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-        mesh.vertices.foreach_get("co", points)
-        matrix = np.array(object.matrix_world)
-        parts.append(points.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
-    return np.concatenate(parts) if parts else np.zeros((0, 3))
+        evaluated = object.evaluated_get(depsgraph)
+        matrix = np.array(evaluated.matrix_world)
+        meshes = [evaluated.data]
+        if with_rest and not np.array_equal(lattice_object.base_positions(object.data),
+                                            lattice_object.base_positions(evaluated.data)):
+            meshes.append(object.data)
+        for mesh in meshes:
+            points.append(lattice_object.base_positions(mesh) @ matrix[:3, :3].T + matrix[:3, 3])
+            mesh.calc_loop_triangles()
+            corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+            mesh.loop_triangles.foreach_get("vertices", corners)
+            triangles.append(corners.reshape(-1, 3).astype(np.int64) + count)
+            count += len(points[-1])
+    return np.concatenate(points), np.concatenate(triangles)
 
 
-def around(espalier, kind, points, cells, margin):
-    """Returns a lattice of a kind around points; around a cube of side 2 if there are none.
+def cube(espalier):
+    """Returns the points and triangles of a cube of side 2, the model of an empty selection."""
+    lattice = espalier.shapes.cube()
+    faces = [loop for cell in lattice.cells for loop in cell]
+    size = np.abs(lattice.positions).max()
+    return lattice.positions / size, np.array([(loop[0], loop[i], loop[i + 1]) for loop in faces
+                                               for i in range(1, len(loop) - 1)])
 
-    cells: number of cells along the longest side of a box or a cage"""
-    if len(points) == 0:
-        points = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+
+def around(espalier, kind, model, cells, vertices, margin):
+    """Returns a lattice of a kind around a model, or around a cube if the model has no points.
+
+    model: points (N, 3) and triangles (T, 3)
+    cells: number of cells along the longest side of a box
+    vertices: about the number of vertices of a cage"""
+    points, triangles = model if len(model[0]) else cube(espalier)
     if kind == "BOX":
         return espalier.shapes.around(points, cells=cells, margin=margin)
     if kind == "CAGE":
-        return cage(espalier, points, cells, margin)
+        if len(triangles) == 0:
+            raise LatticeError("the selected objects have no faces for a cage to follow; use Box")
+        return espalier.shapes.cage(points, triangles, vertices=vertices, margin=margin)
     ready = getattr(espalier.shapes, kind.lower())()
     return fitted(espalier, ready, points, margin)
 
@@ -63,36 +88,3 @@ def fitted(espalier, lattice, points, margin):
         if (statuses == int(espalier.PointStatus.INSIDE)).all():
             return moved
     return sizes[0]
-
-
-def cage(espalier, points, cells, margin):
-    """Keeps the cells of a box that hold points, and adds rings of cells around these until all points are
-    inside the second level, which is smaller than the cells."""
-    box = espalier.shapes.around(points, cells=cells, margin=margin)
-    corners = box.positions[box.hexahedra]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    size = np.array(sorted(map(tuple, np.unique(np.round(high - low, 12), axis=0))))[0]
-    first = low.min(axis=0)
-    place = np.round((low - first) / size).astype(int)
-    count = place.max(axis=0) + 1
-    number = -np.ones(count, dtype=int)
-    number[tuple(place.T)] = np.arange(len(place))
-    at = np.clip(((points - first) / size).astype(int), 0, count - 1)
-    chosen = np.zeros(count, dtype=bool)
-    chosen[tuple(at.T)] = True
-    sample = points[:: max(1, len(points) // 20000)]
-    while True:
-        ring = np.zeros_like(chosen)
-        padded = np.pad(chosen, 1)
-        for x in range(3):
-            for y in range(3):
-                for z in range(3):
-                    ring |= padded[x:x + count[0], y:y + count[1], z:z + count[2]]
-        chosen = ring
-        kept = number[chosen]
-        hexahedra = box.hexahedra[np.sort(kept)]
-        used, inverse = np.unique(hexahedra, return_inverse=True)
-        lattice = espalier.Lattice(box.positions[used], inverse.reshape(hexahedra.shape))
-        statuses = np.asarray(espalier.bind(lattice, sample, 2).statuses)
-        if chosen.all() or (statuses == int(espalier.PointStatus.INSIDE)).all():
-            return lattice

@@ -26,6 +26,14 @@ class EspalierOperator:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
 
+    def give_own_meshes(self, objects):
+        """Gives each object a mesh of its own, and reports the objects whose mesh was shared."""
+        for object in objects:
+            others = binding.give_own_mesh(object)
+            if others:
+                self.report({"INFO"}, f"{object.name} shared its mesh with {', '.join(others)}; it has a copy of "
+                                      "its own now")
+
 
 def selected_meshes(context):
     return [o for o in context.selected_objects
@@ -45,21 +53,34 @@ class AddLattice(EspalierOperator, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(name="Kind", items=make.KINDS, default="BOX")
     cells: bpy.props.IntProperty(name="Cells", min=1, max=64, default=3,
-                                 description="Cells along the longest side of a box or a cage")
+                                 description="Cells along the longest side of a box")
+    vertices: bpy.props.IntProperty(name="Vertices", min=8, max=100000, soft_max=2000, default=200,
+                                    description="About the number of vertices of a cage; with more of them, it "
+                                                "follows the objects more closely")
     margin: bpy.props.FloatProperty(name="Margin", min=0, max=2, default=0.05,
                                     description="Distance from the objects to the sides of the lattice, as a "
                                                 "fraction of their size")
     bind: bpy.props.BoolProperty(name="Bind", default=True,
                                  description="Bind the selected objects to the lattice")
 
+    def draw(self, context):
+        column = self.layout.column()
+        column.prop(self, "kind")
+        if self.kind in ("BOX", "CAGE"):
+            column.prop(self, "cells" if self.kind == "BOX" else "vertices")
+        column.prop(self, "margin")
+        column.prop(self, "bind")
+
     def run(self, context):
         espalier = engine.load()
         object_mode(context)
         depsgraph = context.evaluated_depsgraph_get()
         objects = selected_meshes(context)
-        points = make.points_of(objects, depsgraph)
-        lattice = make.around(espalier, self.kind, points, self.cells, self.margin)
+        model = make.model_of(objects, depsgraph, with_rest=self.bind)
+        lattice = make.around(espalier, self.kind, model, self.cells, self.vertices, self.margin)
         added = lattice_object.object_of(lattice, "Espalier " + self.kind.lower(), context.collection)
+        if self.bind:
+            self.give_own_meshes(objects)
         context.view_layer.update()
         depsgraph = context.evaluated_depsgraph_get()
         outside = 0
@@ -91,7 +112,7 @@ class MakeLattice(EspalierOperator, bpy.types.Operator):
         cells = closed_parts(mesh)
         if not cells:
             raise LatticeError(f"{object.name}: no part of the mesh is closed, with each edge in two faces")
-        lattice_object._set_ids(mesh, list(range(1, len(mesh.vertices) + 1)))
+        lattice_object.set_vertex_ids(mesh, list(range(1, len(mesh.vertices) + 1)))
         mesh[lattice_object.CELLS] = lattice_object.topology.pack(
             [[[v + 1 for v in loop] for loop in cell] for cell in cells])
         lattice_object.lattice_of(object, engine.load())
@@ -142,6 +163,7 @@ class Bind(EspalierOperator, bpy.types.Operator):
         objects = selected_meshes(context)
         if not objects:
             raise LatticeError("select objects to bind, and last the lattice")
+        self.give_own_meshes(objects)
         depsgraph = context.evaluated_depsgraph_get()
         outside = points = 0
         for object in objects:
@@ -174,6 +196,7 @@ class Rebind(EspalierOperator, bpy.types.Operator):
     def run(self, context):
         object_mode(context)
         objects = bound_selection(context)
+        self.give_own_meshes(objects)
         for object in objects:
             binding.bind(object, object.espalier.lattice, context.evaluated_depsgraph_get())
         self.report({"INFO"}, f"{len(objects)} objects bound again")
@@ -189,6 +212,7 @@ class Unbind(EspalierOperator, bpy.types.Operator):
     def run(self, context):
         object_mode(context)
         objects = bound_selection(context)
+        self.give_own_meshes(objects)
         for object in objects:
             binding.unbind(object)
         self.report({"INFO"}, f"{len(objects)} objects unbound")
@@ -240,7 +264,7 @@ def mark_cells(lattice, cells):
     """Selects the faces of cells, puts their vertices into a group, and colors them red."""
     mesh = lattice.data
     topology = lattice_object.topology
-    vertex_of = {number: v for v, number in enumerate(lattice_object._ids(mesh))}
+    vertex_of = {number: v for v, number in enumerate(lattice_object.vertex_ids(mesh))}
     stored = topology.unpack(mesh[lattice_object.CELLS])
     keys = {topology.key_of([vertex_of[n] for n in loop]) for cell in cells for loop in stored[cell]}
     vertices = sorted(set().union(*keys)) if keys else []
@@ -281,6 +305,8 @@ class UpdateCells(EspalierOperator, bpy.types.Operator):
         mode = lattice.mode
         object_mode(context)
         result = lattice_object.sync(lattice)
+        changed = [o for o in binding.bound_objects(lattice=lattice)
+                   if lattice_object.topology_change(lattice, o[binding.TOPOLOGY])]
         if mode == "EDIT":
             bpy.ops.object.mode_set(mode="EDIT")
         parts = [f"{len(result.cells)} cells"]
@@ -292,8 +318,6 @@ class UpdateCells(EspalierOperator, bpy.types.Operator):
                     f"{lattice.name}: " + ", ".join(parts)
                     + "".join(f"; {sentence}" for sentence in result.lost[:5])
                     + (f"; and {len(result.lost) - 5} more" if len(result.lost) > 5 else ""))
-        changed = [o for o in binding.bound_objects(lattice=lattice)
-                   if o[binding.TOPOLOGY] != lattice_object.topology_text(lattice)]
         if changed:
             self.report({"WARNING"}, f"rebind: {', '.join(o.name for o in changed)}")
         return {"FINISHED"}
@@ -361,16 +385,20 @@ class ExtrudeCell(EspalierOperator, bpy.types.Operator):
 
 def frames_of(operator, context):
     scene = context.scene
-    first = scene.frame_start if operator.first < 0 else operator.first
-    last = scene.frame_end if operator.last < 0 else operator.last
+    first, last = operator.first, operator.last
+    if operator.use_scene_range:
+        first, last = scene.frame_start, scene.frame_end
     if last < first:
         raise LatticeError(f"the last frame, {last}, is before the first, {first}")
     return range(first, last + 1, operator.step)
 
 
 def bake(context, objects, frames, take):
-    """Calls take(object, frame, points) for each object in each frame. Returns to the current frame."""
+    """Calls take(object, frame, points) for each object in each frame. Returns to the current frame. What was
+    baked before is removed first."""
     scene = context.scene
+    for object in objects:
+        binding.remove_baked(object)
     before = scene.frame_current
     try:
         for frame in frames:
@@ -381,14 +409,36 @@ def bake(context, objects, frames, take):
                 pose = lattice_object.posed_positions(lattice, depsgraph)
                 bound = binding.bound_of(object)
                 take(object, frame, bound.deform(binding.in_object(object, lattice, pose, depsgraph)))
+    except Exception:
+        for object in objects:
+            binding.remove_baked(object)
+        raise
     finally:
         scene.frame_set(before)
+    for object in objects:
+        object.espalier.is_live = False
+        key = binding.following_key(object)
+        if key is not None:
+            key.value = 0
 
 
 class BakeBase(EspalierOperator):
-    first: bpy.props.IntProperty(name="First Frame", default=-1, description="-1: the first of the scene")
-    last: bpy.props.IntProperty(name="Last Frame", default=-1, description="-1: the last of the scene")
+    use_scene_range: bpy.props.BoolProperty(name="Scene Range", default=True,
+                                            description="Bake from the first to the last frame of the scene")
+    first: bpy.props.IntProperty(name="First Frame", default=1,
+                                 description="The first frame to bake, if Scene Range is off")
+    last: bpy.props.IntProperty(name="Last Frame", default=250,
+                                description="The last frame to bake, if Scene Range is off")
     step: bpy.props.IntProperty(name="Step", min=1, default=1)
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.prop(self, "use_scene_range")
+        frames = column.column(align=True)
+        frames.enabled = not self.use_scene_range
+        frames.prop(self, "first")
+        frames.prop(self, "last")
+        column.prop(self, "step")
 
 
 class BakeShapeKeys(BakeBase, bpy.types.Operator):
@@ -400,23 +450,22 @@ class BakeShapeKeys(BakeBase, bpy.types.Operator):
     def run(self, context):
         object_mode(context)
         objects = bound_selection(context)
+        self.give_own_meshes(objects)
         frames = frames_of(self, context)
 
         def take(object, frame, points):
             key = object.shape_key_add(name=f"{binding.KEY} {frame}", from_mix=False)
+            object.espalier.baked_keys.add().name = key.name
             key.data.foreach_set("co", points.astype(np.float32).ravel())
             for other, value in ((frame - self.step, 0.0), (frame, 1.0), (frame + self.step, 0.0)):
                 if other in frames or other == frame:
                     key.value = value
                     key.keyframe_insert("value", frame=other)
-            for curve in object.data.shape_keys.animation_data.action.fcurves:
+            for curve in binding.key_curves(object.data.shape_keys, key.name):
                 for point in curve.keyframe_points:
                     point.interpolation = "LINEAR"
 
         bake(context, objects, frames, take)
-        for object in objects:
-            object.espalier.is_live = False
-            object.data.shape_keys.key_blocks[binding.KEY].value = 0
         context.scene.frame_set(context.scene.frame_current)
         self.report({"INFO"}, f"{len(frames)} shape keys for each of {len(objects)} objects")
         return {"FINISHED"}
@@ -436,6 +485,7 @@ class BakePointCache(BakeBase, ExportHelper, bpy.types.Operator):
         object = context.active_object
         if not binding.is_bound(object):
             raise LatticeError("select a bound object")
+        self.give_own_meshes([object])
         frames = frames_of(self, context)
         with open(self.filepath, "wb") as file:
             # The header of the format: version, points, first frame, frames per sample, samples.
@@ -443,9 +493,8 @@ class BakePointCache(BakeBase, ExportHelper, bpy.types.Operator):
                                    float(frames[0]), float(self.step), len(frames)))
             bake(context, [object], frames,
                  lambda _, frame, points: file.write(points.astype("<f4").tobytes()))
-        object.espalier.is_live = False
-        object.data.shape_keys.key_blocks[binding.KEY].value = 0
-        modifier = object.modifiers.get(binding.KEY) or object.modifiers.new(binding.KEY, "MESH_CACHE")
+        modifier = object.modifiers.new(binding.KEY, "MESH_CACHE")
+        object.espalier.cache_modifier = modifier.name
         modifier.cache_format = "PC2"
         modifier.filepath = self.filepath
         modifier.frame_start = frames[0]
@@ -462,14 +511,10 @@ class FollowAgain(EspalierOperator, bpy.types.Operator):
 
     def run(self, context):
         object_mode(context)
-        for object in bound_selection(context):
-            keys = object.data.shape_keys
-            for key in [k for k in keys.key_blocks if k.name.startswith(binding.KEY + " ")]:
-                object.shape_key_remove(key)
-            modifier = object.modifiers.get(binding.KEY)
-            if modifier is not None:
-                object.modifiers.remove(modifier)
-            keys.key_blocks[binding.KEY].value = 1
+        objects = bound_selection(context)
+        self.give_own_meshes(objects)
+        for object in objects:
+            binding.remove_baked(object)
             object.espalier.is_live = True
             binding.update(object, context.evaluated_depsgraph_get())
         return {"FINISHED"}

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The menus, and the panel in the sidebar of the 3D view."""
 
+import textwrap
+
 import bpy
 
 from . import binding, lattice_object, make
@@ -58,7 +60,11 @@ class LatticePanel(bpy.types.Panel):
         layout.prop(settings, "is_live")
         problem = binding.problems.get(object.name_full)
         if problem:
-            layout.label(text=problem, icon="ERROR")
+            box = layout.box()
+            box.alert = True
+            lines = box.column(align=True)
+            for i, line in enumerate(textwrap.wrap(problem, 22)):
+                lines.label(text=line, icon="BLANK1" if i else "ERROR")
         column = layout.column(align=True)
         column.operator("espalier.rebind")
         column.operator("espalier.unbind")
