@@ -246,7 +246,9 @@ struct PointsAndFaces {
 /// Adds the points and the faces of a model.
 /// \throws Error if it has no faces
 void append(const ModelFile& file, PointsAndFaces& all) {
-    const io::ModelFaces faces = file.model->readSurface().faces;
+    io::ModelFaces faces = file.model->readSurface().faces;
+    // The mesh of a volume may have cells only.
+    if (faces.count() == 0) faces = io::boundaryFaces(file.model->readVolume().mesh);
     if (faces.count() == 0)
         throw Error(concat("cage: ", printable(file.name),
                            " has no faces; shapes.around() makes a box around points"));

@@ -143,8 +143,8 @@ class Packages(InstalledBuild):
         flags = shlex.split(self.run_program("pkg-config", "--cflags", "--libs", "espalier-c",
                                              env=self.environment(PKG_CONFIG_PATH=path)))
         headers = sorted(path.name for path in self.prefix.glob("include/*.h"))
-        self.assertEqual(headers, ["espalier.h", "espalier_pose.h", "espalier_shapes.h",
-                                   "espalier_solve.h"])
+        self.assertEqual(headers, ["espalier.h", "espalier_model.h", "espalier_pose.h",
+                                   "espalier_shapes.h", "espalier_solve.h"])
         # Each header compiles alone, and twice, in C and in C++; the library has its functions.
         calls = ["espalier_version()", "espalier_pose_twist(1, 0, 0, 1.0, 0, 0)",
                  "espalier_lattice_create_star(0, 0)", "espalier_validity_base_cell(0, 0, 0)"]
