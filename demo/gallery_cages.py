@@ -12,7 +12,7 @@ from picture import LATTICE, Drawing, LatticeStyle
 FRONT = Look((0.35, 0.15, 1), up=(0, 1, 0), height=420, margin=0.02)
 TURNED = Look((0.6, -1, 0.55), height=250, margin=0.02)
 #: A selection of the vertices around one finger of the hand, and what it does.
-BEND = "--select box -0.4 1.25 -0.5 0 2 0.5 --center -0.18 1.15 0 --rotate x 60"
+BEND = "--select box 0.45 1.1 -0.5 2 2 0.5 --center 0.6 1.1 0 --rotate x 60"
 MODELS = ("mug", "octopus", "chain", "fins")
 
 
