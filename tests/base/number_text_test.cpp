@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/number_text.h>
 
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <random>
@@ -30,7 +31,7 @@ std::vector<Real> numbersOfAllKinds() {
                                  -Limits::infinity()};
     std::mt19937_64 random(1);
     for (int i = 0; i < 20000; ++i) {
-        const Real any = bitCast<Real>(static_cast<Bits>(random()));
+        const Real any = std::bit_cast<Real>(static_cast<Bits>(random()));
         if (std::isfinite(any)) numbers.push_back(any);
         numbers.push_back(
             static_cast<Real>(static_cast<std::int64_t>(random()) >> (random() % 64)));
