@@ -66,7 +66,7 @@ std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t
 /// \throws Error if they do not start with 0, or do not ascend
 inline std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, std::int64_t count,
                                                     const char* name) {
-    if (count < 0) throw Error(concat(name, ": the count is ", count, "; expected 0 or more"));
+    array(offsets, count, name);  // refuses a count that has no successor
     const auto checked = array(offsets, count + 1, name);
     if (checked[0] != 0) throw Error(concat(name, "[0] is ", checked[0], "; expected 0"));
     for (std::size_t i = 1; i < checked.size(); ++i)
