@@ -31,7 +31,7 @@ TEST(Array, KeepsItsElementsWhenItGrows) {
 }
 
 TEST(Array, RefusesSizesThatNoMemoryHas) {
-    EXPECT_THROW(Array<double>(std::numeric_limits<std::size_t>::max() / 8), std::length_error);
+    EXPECT_THROW(Array<double>(std::numeric_limits<std::size_t>::max() / 4), std::length_error);
     UninitializedAllocator<double> allocator;
     EXPECT_THROW(allocator.allocate(static_cast<std::size_t>(-1) / 4), std::bad_array_new_length);
 }
