@@ -146,8 +146,9 @@ class Packages(InstalledBuild):
         self.assertEqual(headers, ["espalier.h", "espalier_model.h", "espalier_pose.h",
                                    "espalier_shapes.h", "espalier_solve.h"])
         # Each header compiles alone, and twice, in C and in C++; the library has its functions.
-        calls = ["espalier_version()", "espalier_pose_twist(1, 0, 0, 1.0, 0, 0)",
-                 "espalier_lattice_create_star(0, 0)", "espalier_validity_base_cell(0, 0, 0)"]
+        calls = ["espalier_version()", "espalier_model_points(0, 0, 0)",
+                 "espalier_pose_twist(1, 0, 0, 1.0, 0, 0)", "espalier_lattice_create_star(0, 0)",
+                 "espalier_validity_base_cell(0, 0, 0)"]
         for header, call in zip(headers, calls, strict=True):
             for compiler, language in (("cc", "c"), ("c++", "c++")):
                 source = self.folder / f"uses_{header}.{language}"
