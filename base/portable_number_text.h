@@ -11,8 +11,9 @@
 #include <string_view>
 
 /// \file
-/// What number_text.cpp uses where the standard library has no std::to_chars() and
-/// std::from_chars() for floating point. The test compares it with the standard library.
+/// Conversions of floating-point numbers, for number_text.cpp where the standard library lacks
+/// std::to_chars() and std::from_chars() for them, as libc++ 14 does. The test compares the
+/// conversions with the standard library.
 
 namespace espalier::portable {
 

@@ -4,10 +4,11 @@
 
 #include "espalier.h"
 
-/// The inventory of ready lattices, from C (shapes/inventory.h, shapes/solids.h). Each lattice is
-/// valid, has no duplicate vertices, and has cells of positive volume. The topology depends on the
-/// integer fields only: two calls that differ only in lengths and positions give two poses of one
-/// lattice.
+/// Lattices made by code, from C: the inventory of ready lattices (shapes/inventory.h,
+/// shapes/solids.h), and lattices around a model (shapes/around.h, cages/cage.h). Each lattice is
+/// valid, has no duplicate vertices, and has cells of positive volume. The topology of a lattice of
+/// the inventory depends on the integer fields only: two calls that differ only in lengths and
+/// positions give two poses of one lattice.
 ///
 /// The rules of espalier.h on errors, ownership and threads apply. If a field is out of range, a
 /// function fails with ESPALIER_ERROR_INPUT, and the message names the first such field.

@@ -57,8 +57,8 @@ public:
     /// Checks a pose in the stage "checking cells". With --largest-step, moves `points` back
     /// towards rest until no cell is inverted.
     ///
-    /// \param points deformed points, one per point of the model; the check and the quality are
-    ///        those of the points rounded as the output will hold them
+    /// \param points deformed points, one per point of the model. The check and the quality are
+    ///        computed after the points are rounded to the precision of the output
     MeshVerdict check(std::vector<Point3>& points, const MeshOptions& options,
                       Stages& stages) const;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of C++20 that libc++ 14, the standard library of Debian's emscripten, lacks and that the sources use:
-// algorithms on whole ranges, std::bit_cast() and <=> of vectors and arrays. The toolchain includes this file before each
-// source. Later versions of libc++ have all of it.
+// The parts of C++20 that libc++ 14, the standard library of Debian's emscripten, lacks and that
+// the sources use: algorithms on whole ranges, std::bit_cast() and <=> of vectors and arrays. The
+// toolchain includes this file before each source. Later versions of libc++ have all of it.
 #if !defined(ESPALIER_WASM_STANDARD_LIBRARY_H) && __cplusplus > 201703L
 #define ESPALIER_WASM_STANDARD_LIBRARY_H
 
@@ -56,13 +56,13 @@ struct Identity {
 template <class Range, class Value, class Of = Identity>
 auto find(Range&& range, const Value& value, Of of = {}) {
     return std::find_if(std::begin(range), std::end(range),
-                   [&](const auto& item) { return invoke(of, item) == value; });
+                        [&](const auto& item) { return invoke(of, item) == value; });
 }
 
-#define ESPALIER_ON_RANGE(name)                                                                  \
-    template <class Range, class... Arguments>                                                   \
-    decltype(auto) name(Range&& range, Arguments&&... arguments) {                               \
-        return std::name(std::begin(range), std::end(range), forward<Arguments>(arguments)...);  \
+#define ESPALIER_ON_RANGE(name)                                                                 \
+    template <class Range, class... Arguments>                                                  \
+    decltype(auto) name(Range&& range, Arguments&&... arguments) {                              \
+        return std::name(std::begin(range), std::end(range), forward<Arguments>(arguments)...); \
     }
 ESPALIER_ON_RANGE(all_of)
 ESPALIER_ON_RANGE(any_of)

@@ -69,7 +69,7 @@ private:
     }
 
     /// Calls visit(keyword, value) for each line with a keyword, "KEYWORD= value". It returns
-    /// whether it has read the rows of the section; then no further row may follow.
+    /// true if it has read the rows of the section. A further row is then an error.
     template <class Visit>
     void forEachSection(Visit visit) {
         std::string_view readSection;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/files/base64.h>
 #include "io/vtk/vtk_payload.h"
+#include <espalier/io/files/base64.h>
 #include <io/model_files.h>
 #include "io/files/bytes.h"
 #include "io/files/coding.h"

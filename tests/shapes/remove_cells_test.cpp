@@ -35,8 +35,8 @@ TEST(RemoveCells, UndoesAttach) {
     expectValid(after);
 }
 
-// Without the second cube of four: cubes 0, 2 and 3, in two pieces. No vertex is lost, since each
-// of the second cube belongs to a neighbour too. Its four edges along x go.
+// Without the second cube of four: cubes 0, 2 and 3, in two pieces. No vertex is lost, since a
+// neighbour has each vertex of the second cube, too. The four edges of this cube along x are lost.
 TEST(RemoveCells, LeavesTwoPieces) {
     Lattice lattice = row();
     lattice.marks.edges = {{{1, 2}, 2.0}, {{2, 3}, 3.0}, {{1, 6}, 4.0}};

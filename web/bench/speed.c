@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times the C interface on one thread, and prints JSON: milliseconds, the least of several runs. speed.mjs runs
-// it natively, and does the same in Chromium.
+// Times the C interface on one thread, and prints JSON: milliseconds, the least of several runs.
+// speed.mjs runs it natively, and does the same in Chromium.
 //
 //   speed POINTS
 #include <stdio.h>
@@ -21,22 +21,23 @@ static void check(espalier_status status) {
     exit(1);
 }
 
-/// The numbers of a linear congruential generator, which JavaScript computes too: from 0.02 to 0.98.
+/// The numbers of a linear congruential generator, which JavaScript computes too: from 0.02 to
+/// 0.98.
 static double nextPlace(unsigned* state) {
     *state = *state * 1664525u + 1013904223u;
     return 0.02 + 0.96 * (*state / 4294967296.0);
 }
 
-#define LEAST(name, runs, work)                        \
-    do {                                               \
-        double least = 1e300;                          \
-        for (int run = 0; run < (runs); ++run) {       \
-            const double start = now();                \
-            work;                                      \
-            const double took = now() - start;         \
-            if (took < least) least = took;            \
-        }                                              \
-        printf(",\n  \"%s\": %.4f", name, least);      \
+#define LEAST(name, runs, work)                   \
+    do {                                          \
+        double least = 1e300;                     \
+        for (int run = 0; run < (runs); ++run) {  \
+            const double start = now();           \
+            work;                                 \
+            const double took = now() - start;    \
+            if (took < least) least = took;       \
+        }                                         \
+        printf(",\n  \"%s\": %.4f", name, least); \
     } while (0)
 
 int main(int argc, char** argv) {
@@ -66,7 +67,8 @@ int main(int argc, char** argv) {
     espalier_binding* binding = NULL;
     LEAST("bind", few, {
         espalier_binding_destroy(binding);
-        check(espalier_binding_create(refiner, vertexCount, positions, count, points, NULL, &binding));
+        check(espalier_binding_create(refiner, vertexCount, positions, count, points, NULL,
+                                      &binding));
     });
     espalier_table* table;
     check(espalier_binding_table(binding, &table));
@@ -85,9 +87,9 @@ int main(int argc, char** argv) {
     check(espalier_change_evaluator_f32_create(evaluator, &changes));
     const int32_t middle = 62;  // the vertex in the middle of 125: the most points depend on it
     LEAST("drag", many,
-          check(espalier_change_evaluator_f32_evaluate(changes, pose, 3 * vertexCount, layout, moved,
-                                                       3 * (int64_t)count, layout, 1, &middle,
-                                                       workspace)));
+          check(espalier_change_evaluator_f32_evaluate(changes, pose, 3 * vertexCount, layout,
+                                                       moved, 3 * (int64_t)count, layout, 1,
+                                                       &middle, workspace)));
     printf("\n}\n");
     return 0;
 }

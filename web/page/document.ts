@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person works on: a model, a lattice at rest, poses of it, and settings. A document never
-// changes. An edit makes a new one, which shares all parts that stay. So undo is to show the document
-// before.
+// A document is a model, a lattice at rest, poses of the lattice, and settings. A document never changes.
+// An edit makes a new document, which shares all parts that stay. Undo shows the document before.
 
 import type { BindSettings, LatticeFile, NamedFile } from "./protocol.ts";
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page and its worker say to each other. The page asks for jobs; the worker (worker.ts) runs
-// them one after another with the library, and answers each.
+// The messages between the page and its worker. The page asks for jobs. The worker (worker.ts) runs the
+// jobs one after another with the library, and answers each.
 
 import type { AroundOptions, Marks, Point } from "../library/espalier.ts";
 

@@ -36,7 +36,7 @@ class EspalierSettings(bpy.types.PropertyGroup):
                ("mlca", "MLCA", "Bajaj, Schaefer, Warren and Xu 2002")))
     is_live: bpy.props.BoolProperty(
         name="Follow", description="Follow the lattice in the viewport and in renders", default=True)
-    # What the add-on has made, by name, so that it removes this and nothing else.
+    # Names of the data that the add-on has made. It removes these data, and no others.
     key: bpy.props.StringProperty(options={"HIDDEN"})  # the shape key that follows
     has_made_basis: bpy.props.BoolProperty(options={"HIDDEN"})
     baked_keys: bpy.props.CollectionProperty(type=bpy.types.PropertyGroup, options={"HIDDEN"})

@@ -3,19 +3,12 @@
 // compared with what the program makes from the same files.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
 import { EspalierError, isCancelled, load, SHARP } from "../../../out/espalier-npm/espalier.js";
-
-const root = fileURLToPath(new URL("../../..", import.meta.url));
-const program = [
-  process.env.ESPALIER_PROGRAM,
-  ...["demo", "test", "release"].map((preset) => join(root, "build", preset, "cli/espalier")),
-].find((path) => path && existsSync(path));
-assert.ok(program, "build the program first, or name it in ESPALIER_PROGRAM");
+import { program, root } from "../program.mjs";
 
 const espalier = await load();
 const bytesOf = (text) => new TextEncoder().encode(text);

@@ -7,15 +7,8 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "no
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import { fileURLToPath } from "node:url";
 import { openBrowser, openPage, pageFile, settled } from "./browser.mjs";
-
-const root = fileURLToPath(new URL("../../..", import.meta.url));
-const program = [
-  process.env.ESPALIER_PROGRAM,
-  ...["demo", "test", "release"].map((preset) => join(root, "build", preset, "cli/espalier")),
-].find((path) => path && existsSync(path));
-assert.ok(program, "build the program first, or name it in ESPALIER_PROGRAM");
+import { program, root } from "../program.mjs";
 
 let browser;
 let folder;
