@@ -50,12 +50,6 @@ ESPALIER_API std::optional<std::uint64_t> memoryLimit();
 /// tell.
 ESPALIER_API std::uint64_t residentMemory();
 
-/// Returns a number of things, of one byte or more, as a size in memory.
-/// \throws MemoryError if no memory of this machine can hold them. Only machines of 32 bits can
-/// lack
-///         so much
-inline std::size_t sizeInMemory(std::uint64_t count);
-
 /// Throws if work that is about to allocate memory would exceed the limit, or what an address of
 /// this machine can reach.
 /// \param bytes a lower bound of the memory that the work will add; if it overflows, pass the
@@ -73,6 +67,9 @@ ESPALIER_API void checkMemory();
 /// Returns a size as text: 1536 becomes "1.5 kB".
 ESPALIER_API std::string formatBytes(std::uint64_t bytes);
 
+/// Returns a number of values, of one byte or more each, as a size in memory.
+/// \throws MemoryError if no address of this machine reaches so far, which happens with 32 bits
+/// only
 inline std::size_t sizeInMemory(std::uint64_t count) {
     if (count > std::numeric_limits<std::size_t>::max())
         requireMemory(count, concat(count, " values"));

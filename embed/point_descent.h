@@ -114,7 +114,7 @@ public:
 
     /// Returns level 0 around the cells that may contain the points, before any refinement. The
     /// margin is the tolerance plus the rounding error.
-    /// \cost O(points × log base cells), whatever the number of base cells
+    /// \cost O(points × log base cells)
     Descent begin(std::span<const Point3> points, Sought sought) const;
 
     /// The smallest margin: the rounding error of boxes.
