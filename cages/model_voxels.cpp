@@ -231,11 +231,11 @@ void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3
         int winding = 0;
         for (auto at = std::lower_bound(crossings.begin(), crossings.end(), first);
              at != crossings.end() && at->column == first.column; ++at)
-            if (!pieces[at->piece].isInward) winding += at->sign;
+            if (pieces[at->piece].winding >= 0) winding += at->sign;
         return winding != 0;
     };
     for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
-        if (!pieces[piece].isInward) continue;
+        if (pieces[piece].winding >= 0) continue;
         Offset count = 0, total = 0;
         for (const Triangle& t : pieces[piece].triangles)
             for (const Index corner : t) {
