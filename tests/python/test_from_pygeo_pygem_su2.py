@@ -220,7 +220,7 @@ def test_a_lattice_is_written_for_viewers(tmp_path, suffix):
     lattice = espalier.shapes.torus(segments=6)
     lattice.write(tmp_path / ("a" + suffix))
     assert espalier.read(tmp_path / ("a" + suffix)).topology_difference(lattice) is None
-    lattice.write_cage(tmp_path / "a.obj")
+    lattice.write_editor_mesh(tmp_path / "a.obj")
     np.testing.assert_array_equal(espalier.read_pose(tmp_path / "a.obj", lattice), lattice.positions)
 
 
