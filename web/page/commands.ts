@@ -3,7 +3,7 @@
 // the commands with keys.
 
 import { kEmptyDocument, withPoseAdded, withPoseReplaced } from "./document.ts";
-import type { Editor } from "./editor.ts";
+import { kWeldTolerance, type Editor } from "./editor.ts";
 import { kExamples } from "./examples.ts";
 import type { Gizmo, Mode } from "./gizmo.ts";
 import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
@@ -44,7 +44,8 @@ export interface Command {
 }
 
 const kModels = ".obj,.ply,.stl,.vtu,.vtp,.vtk";
-const kLattices = ".vtu,.ovm,.vtk,.obj,.ply";
+const kCellFiles = ".vtu,.ovm,.vtk";
+const kLattices = `${kCellFiles},.obj,.ply`;
 
 export function commandsFor(page: Page): Record<string, Command> {
   const { editor, gizmo, pointer, timeline } = page;
@@ -166,6 +167,11 @@ export function commandsFor(page: Page): Record<string, Command> {
       key: "l",
       run: () => page.chooseFiles(kLattices, (file) => editor.openLatticeOrPose(file)),
     },
+    "join lattice": {
+      title: "Join the cells of another lattice",
+      needs: "lattice",
+      run: () => page.chooseFiles(kCellFiles, (file) => editor.joinLattice(file)),
+    },
     example: { title: "Open an example", key: "e", run: () => openExample(editor, "dog") },
     new: { title: "Begin anew", run: () => editor.change(kEmptyDocument) },
     undo: { title: "Undo", key: "Ctrl+z", needs: "undo", run: () => editor.undo() },
@@ -244,7 +250,7 @@ export function commandsFor(page: Page): Record<string, Command> {
     weld: {
       title: "Merge vertices that are close",
       needs: "lattice",
-      run: () => editor.editLattice({ kind: "weld", tolerance: 1e-3 }),
+      run: () => editor.editLattice({ kind: "weld", tolerance: kWeldTolerance }),
     },
     "remove cells": {
       title: "Delete the selected cells",

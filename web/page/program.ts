@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the commands of the program that make what the page shows.
 
-import type { Document, Pose } from "./document.ts";
+import { kEmptyDocument, type Document, type Pose } from "./document.ts";
 import { nameOf } from "./editor.ts";
 
 export const fileName = (pose: Pose) =>
@@ -16,9 +16,14 @@ export function deformedName(document: Document): string {
 const word = (text: string) =>
   /^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
-function bindingOptions({ settings }: Document): string {
+function bindingOptions({ settings, rules }: Document): string {
   const how = settings.limit ? "--limit" : `--level ${settings.level}`;
-  return `${how} --outside ${settings.outside}`;
+  const standard = kEmptyDocument.rules;
+  const words = [how, `--outside ${settings.outside}`];
+  if (rules.rules !== standard.rules) words.push(`--rules ${rules.rules}`);
+  if (rules.boundary !== standard.boundary) words.push(`--boundary ${rules.boundary}`);
+  if (rules.sharpEdges !== standard.sharpEdges) words.push(`--sharp-edges ${rules.sharpEdges}`);
+  return words.join(" ");
 }
 
 export function commandsOf(document: Document, pose: Pose): string {

@@ -30,9 +30,11 @@ import type {
   Pull,
   Recipe,
   Request,
+  Rules,
   Start,
   Transform,
 } from "./protocol.ts";
+import { kShapes } from "./shapes.ts";
 
 let library: Espalier;
 
@@ -165,26 +167,8 @@ function make(recipe: Recipe): Lattice {
       const { file, points } = openModelNow();
       return library.cage(points, file.faces(), { vertices: recipe.vertices });
     }
-    case "box":
-      return library.box(recipe.cells, [-1, -1, -1], [1, 1, 1]);
-    case "cylinder":
-      return library.cylinder({ ...recipe, from: [0, -1, 0], to: [0, 1, 0] });
-    case "torus":
-      return library.torus({ segments: recipe.segments });
-    case "star":
-      return library.star({ points: recipe.points });
-    case "barbell":
-      return library.barbell({});
-    case "arm": {
-      const joint = (x: number, radius: number) => ({
-        position: [x, 0, 0] as [number, number, number],
-        radius,
-      });
-      const joints = [joint(0, 0.3), joint(1, 0.25), joint(2, 0.2), joint(2.5, 0.2)];
-      return library.arm({ joints });
-    }
-    case "solid":
-      return library.regularSolid(recipe.name);
+    case "shape":
+      return kShapes[recipe.name].make(library, recipe.sizes);
   }
 }
 
@@ -215,6 +199,12 @@ function edited(edit: LatticeEdit): Lattice {
       return file.withoutCells(edit.cells);
     case "weld":
       return library.merged([file], edit.tolerance);
+    case "join": {
+      const { name, bytes } = edit.file;
+      return using(library.readLattice(name, bytes), (other) =>
+        library.merged([file, other], edit.tolerance),
+      );
+    }
     case "mark":
       return changed(copy(), (to) => {
         to.markEdges(edit.edges, new Array(edit.edges.length / 2).fill(edit.sharpness));
@@ -316,9 +306,12 @@ function transformed(positions: Float64Array, weights: Float64Array, to: Transfo
       return poses.move(positions, to.offset, options);
     case "scale":
       return poses.scale(positions, to.factors, options);
-    case "rotate":
+    case "rotate": {
+      const { center } = to;
+      return poses.rotate(positions, kDirections[to.axis], radians(to.degrees), { weights, center });
+    }
     case "twist":
-      return poses[to.kind](positions, kDirections[to.axis], radians(to.degrees), options);
+      return poses.twist(positions, kDirections[to.axis], radians(to.degrees), options);
     case "bend": {
       const [axis, toward] = [to.axis, kNext[to.axis]].map((each) => kDirections[each]);
       return poses.bend(positions, axis, radians(to.degrees), toward, options);
@@ -356,14 +349,14 @@ const jobs: Jobs = {
   makeLattice: (recipe) => fileOf(make(recipe)),
   editLattice: (edit) => fileOf(edited(edit)),
 
-  openLattice(bytes) {
+  openLattice(bytes, rules: Rules) {
     if (!bytes) {
       closeLattice();
       return null;
     }
     const file = library.readLattice("lattice.vtu", bytes);
     try {
-      const refiner = file.refiner();
+      const refiner = file.refiner(rules);
       try {
         const shape = shapeOf(file, refiner);
         closeLattice();
@@ -428,7 +421,8 @@ const jobs: Jobs = {
 
   readPose: (file) => openLatticeNow().file.readPose(file.name, file.bytes),
   pull,
-  transform: transformed,
+  transform: (positions, weights, transforms) =>
+    transforms.reduce((from, to) => transformed(from, weights, to), positions),
 
   write(product) {
     switch (product.kind) {
