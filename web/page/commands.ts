@@ -120,6 +120,9 @@ export function commandsFor(page: Page): Record<string, Command> {
     return offset;
   }
 
+  const commandsNow = () =>
+    commandsOf(editor.document, editor.pose, editor.model?.hasDirections ?? false);
+
   const take = (name: () => string, product: () => Product) => async () =>
     page.save(name(), await editor.write(product()));
 
@@ -274,15 +277,10 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the deformed model home",
       key: "Ctrl+s",
       needs: "binding",
-      async run() {
-        const product: Product = { kind: "model", pose: editor.positions };
-        page.save(deformedName(editor.document), await editor.write(product));
-        if (editor.document.settings.limit && editor.model!.hasDirections)
-          editor.onMessage(
-            "The normals in the file are as they were. espalier deform --limit deforms them.",
-            false,
-          );
-      },
+      run: take(
+        () => deformedName(editor.document),
+        () => ({ kind: "model", pose: editor.positions }),
+      ),
     },
     "save pose": {
       title: "Take the pose home",
@@ -336,13 +334,13 @@ export function commandsFor(page: Page): Record<string, Command> {
       needs: "lattice",
       run() {
         const dialog = document.querySelector<HTMLDialogElement>("#program")!;
-        dialog.querySelector("pre")!.textContent = commandsOf(editor.document, editor.pose);
+        dialog.querySelector("pre")!.textContent = commandsNow();
         dialog.showModal();
       },
     },
     "copy commands": {
       title: "Copy the commands",
-      run: () => navigator.clipboard.writeText(commandsOf(editor.document, editor.pose)),
+      run: () => navigator.clipboard.writeText(commandsNow()),
     },
 
     play: { title: "Play the poses", key: " ", needs: "lattice", run: () => timeline.toggle() },

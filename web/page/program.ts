@@ -26,7 +26,8 @@ function bindingOptions({ settings, rules }: Document): string {
   return words.join(" ");
 }
 
-export function commandsOf(document: Document, pose: Pose): string {
+/** @param hasDirections whether the model has normals or tangents */
+export function commandsOf(document: Document, pose: Pose, hasDirections: boolean): string {
   const { lattice, model } = document;
   if (!lattice) return "# Make a lattice first.";
   const lines: string[] = [lattice.command ?? "# rest.vtu: Take home, Rest .vtu"];
@@ -39,10 +40,12 @@ export function commandsOf(document: Document, pose: Pose): string {
   } else lines.push(`# ${fileName(pose)}: Take home, Pose .vtu`);
   if (model) {
     const options = `--rest rest.vtu ${bindingOptions(document)}`;
+    // With gradients, points are placed more exactly: D is then the matrix of the deformed file.
+    const gradients = document.settings.limit && hasDirections ? " --gradients" : "";
     const to = pose.name === "rest" ? "rest-as-pose.vtu" : word(fileName(pose));
     lines.push(
       `espalier deform ${word(model.name)} ${options} \\\n    --to ${to} -o ${word(deformedName(document))}`,
-      `espalier stencils rest.vtu --points ${word(model.name)} ${bindingOptions(document)} -o D.npz`,
+      `espalier stencils rest.vtu --points ${word(model.name)} ${bindingOptions(document)}${gradients} -o D.npz`,
     );
   }
   return lines.join("\n");

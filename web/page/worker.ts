@@ -48,6 +48,8 @@ let validity: { check: Validity; cells: Int32Array } | null = null;
 /** A binding, and the evaluators of its table. */
 interface Bound {
   binding: Binding;
+  /** whether it carries normals and tangents */
+  hasGradients: boolean;
   table: Table;
   evaluator: Evaluator;
   changes: ChangeEvaluator;
@@ -230,18 +232,20 @@ function changed(object: Lattice, change: (object: Lattice) => void): Lattice {
 }
 
 function bind(settings: BindSettings): Uint32Array {
-  const { points } = openModelNow();
+  const { file, points } = openModelNow();
   const { refiner, rest } = openLatticeNow();
   closeBinding();
   const binding = refiner.bind(rest, points, {
     level: settings.level,
     outside: settings.outside,
     limitTolerance: settings.limit ? 1e-6 : 0,
+    gradients: settings.limit && file.hasDirections(),
   });
   const table = binding.table();
   const evaluator = table.evaluator();
   bound = {
     binding,
+    hasGradients: settings.limit && file.hasDirections(),
     table,
     evaluator,
     changes: evaluator.changes(),
@@ -262,6 +266,14 @@ function displacements(pose: Float64Array): Float64Array {
 /** The points of the model for a pose, as `espalier deform` computes them. */
 function deformed(pose: Float64Array): Float64Array {
   return openOr(bound, "binding").binding.apply(pose, openModelNow().points.length / 3);
+}
+
+/** The file of the model for a pose, as `espalier deform` writes it. */
+function writeModel(pose: Float64Array): Uint8Array {
+  const { file, points } = openModelNow();
+  const { binding, hasGradients } = openOr(bound, "binding");
+  const gradients = hasGradients ? binding.gradients(pose, points.length / 3) : undefined;
+  return file.write(deformed(pose), gradients);
 }
 
 function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
@@ -427,7 +439,7 @@ const jobs: Jobs = {
   write(product) {
     switch (product.kind) {
       case "model":
-        return openModelNow().file.write(deformed(product.pose));
+        return writeModel(product.pose);
       case "lattice": {
         const { file, rest } = openLatticeNow();
         file.setPositions(product.positions);

@@ -263,6 +263,41 @@ describe("against the program", () => {
       await compareWithProgram(page, model, "--outside", "nearest", "--limit");
     }));
 
+  test("normals follow the limit as in the program", () =>
+    withPage(async (page) => {
+      const normals = ["0 0 -1", "0 -1 0", "1 1 1", "-1 0 0"];
+      writeFileSync(
+        file("normals.obj"),
+        [
+          ...kCorners.map((p) => `v ${p.join(" ")}`),
+          ...normals.map((n) => `vn ${n}`),
+          ...kFaces.map((f) => `f ${f.map((v) => `${v + 1}//${v + 1}`).join(" ")}`),
+        ].join("\n") + "\n",
+      );
+      await choose(page, "open", file("normals.obj"));
+      await until(page, () => globalThis.espalier.editor.model !== null);
+      await makeBox(page, 2);
+      await page.selectOption('[data-setting="level"]', "limit");
+      await settled(page);
+      await page.click('[data-command="all"]');
+      await page.evaluate(() =>
+        globalThis.espalier.editor.transform({ kind: "twist", axis: "z", degrees: 40 }),
+      );
+      const [rest, pose] = [
+        await download(page, "save rest"),
+        await download(page, "save pose", "pose.vtu"),
+      ];
+      const taken = await download(page, "save model", "taken.obj");
+      const options = ["--rest", rest, "--limit"];
+      run("deform", "normals.obj", ...options, "--to", pose, "-o", file("expected.obj"));
+      assertSameFiles(taken, file("expected.obj"));
+      assert.ok(!readFileSync(taken, "utf8").includes("vn 0 -1 0"));
+      const matrix = await download(page, "save matrix");
+      assert.match(await commandsShown(page), /--gradients -o D\.npz/);
+      run("stencils", rest, "--points", "normals.obj", "--limit", "--gradients", "-o", file("expected.npz"));
+      assertSameFiles(matrix, file("expected.npz"));
+    }));
+
   test("other formats are written as the program writes them", () =>
     withPage(async (page) => {
       for (const name of ["model.ply", "model.stl"]) {
