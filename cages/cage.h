@@ -60,9 +60,9 @@ struct CageOptions {
 /// - every patch of the limit volume has a positive Jacobian.
 ///
 /// The lattice has the connected parts, handles and cavities of the model at the scale of its
-/// cells; its boundary is a manifold, without marks. The same faces in another order, with
-/// duplicates, or with triangles that start at another corner give the same bits; so does any
-/// number of threads.
+/// cells; its boundary is a manifold, without marks. These have no effect on any bit: the order of
+/// faces and points, duplicates, the corner at which a face starts, whether all faces are turned
+/// around, and the number of threads.
 ///
 /// \throws Error if there are no faces, a face names a point that does not exist, a point is not
 ///         finite or beyond ±1e90, or the diagonal of the model is not between 1e-40 and 1e40; for

@@ -14,18 +14,64 @@ namespace espalier::cages {
 namespace {
 
 bool isDegenerate(const Triangle& t) {
-    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    return t[1] == t[2];
 }
 
-Triangle sorted(Triangle t) {
+/// Returns a triangle wound the other way.
+Triangle turned(const Triangle& t) {
+    return {t[0], t[2], t[1]};
+}
+
+/// Returns the place in a loop from which its numbers are least, compared one by one. Two starts
+/// compete: the one that loses a comparison moves behind the numbers that were equal.
+/// \cost O(n)
+std::size_t leastStart(std::span<const Index> loop) {
+    const std::size_t n = loop.size();
+    std::size_t a = 0, b = 1, equal = 0;
+    while (a < n && b < n && equal < n) {
+        const Index atA = loop[(a + equal) % n], atB = loop[(b + equal) % n];
+        if (atA == atB) {
+            ++equal;
+            continue;
+        }
+        (atB < atA ? a : b) += equal + 1;
+        if (a == b) ++b;
+        equal = 0;
+    }
+    return std::min(a, b);
+}
+
+/// Makes the same loop of all loops that differ in their start and direction only. Removes corners
+/// that repeat the corner before them.
+/// \return true if the loop is turned around
+bool makeCanonical(std::vector<Index>& loop) {
+    loop.erase(std::unique(loop.begin(), loop.end()), loop.end());
+    while (loop.size() > 1 && loop.front() == loop.back()) loop.pop_back();
+    const auto start = [](std::vector<Index>& corners) {
+        const auto first = static_cast<std::ptrdiff_t>(leastStart(corners));
+        std::rotate(corners.begin(), corners.begin() + first, corners.end());
+    };
+    start(loop);
+    std::vector<Index> backwards(loop.rbegin(), loop.rend());
+    start(backwards);
+    if (!(backwards < loop)) return false;
+    loop = std::move(backwards);
+    return true;
+}
+
+/// A triangle with ascending corners; a line has its higher end twice.
+struct WoundTriangle {
+    Triangle corners;
+    int winding = 0;  ///< 1 or −1, as of ModelSurface::windings_; 0: a line or a point
+
+    friend auto operator<=>(const WoundTriangle&, const WoundTriangle&) = default;
+};
+
+WoundTriangle woundTriangle(Triangle t, bool isTurned) {
+    const bool isOdd = ((t[1] < t[0]) != (t[2] < t[1])) != (t[2] < t[0]);
     std::sort(t.begin(), t.end());
-    return t;
-}
-
-/// Turns a triangle so that its least corner comes first.
-Triangle leastFirst(Triangle t) {
-    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-    return t;
+    if (t[0] == t[1]) t[1] = t[2];
+    return {t, isDegenerate(t) ? 0 : isOdd == isTurned ? 1 : -1};
 }
 
 /// A side of a triangle.
@@ -102,45 +148,68 @@ void ModelSurface::join(const SurfaceModel& model) {
     modelPointCount_ = points_.size();
 
     std::vector<char> isUsed(points_.size(), 0);
-    std::vector<Triangle> all;
+    std::vector<WoundTriangle> all;
+    std::vector<Index> loop;
     begin = 0;
     for (const std::size_t end : model.ends) {
-        const auto corners = model.corners.subspan(begin, end - begin);
-        begin = end;
-        for (const Index corner : corners) {
+        loop.clear();
+        for (const Index corner : model.corners.subspan(begin, end - begin)) {
             if (corner < 0 || corner >= std::ssize(model.points))
                 throw Error(concat("cage: a face names point ", corner, "; expected 0 to ",
                                    std::ssize(model.points) - 1));
+            loop.push_back(numbers[corner]);
             isUsed[numbers[corner]] = 1;
         }
-        for (std::size_t i = 1; i + 1 < std::max<std::size_t>(corners.size(), 3); ++i) {
-            if (corners.empty()) break;
-            const auto at = [&](std::size_t k) {
-                return numbers[corners[std::min(k, corners.size() - 1)]];
-            };
-            const Triangle t = {at(0), at(i), at(i + 1)};
-            all.push_back(isDegenerate(t) ? sorted(t) : leastFirst(t));
-        }
+        begin = end;
+        if (loop.empty()) continue;
+        const bool isTurned = makeCanonical(loop);
+        const std::size_t last = loop.size() - 1;
+        for (std::size_t i = 1; i < std::max<std::size_t>(last, 2); ++i)
+            all.push_back(woundTriangle(
+                {loop[0], loop[std::min(i, last)], loop[std::min(i + 1, last)]}, isTurned));
     }
     for (std::size_t i = 0; i < points_.size(); ++i)
         if (isUsed[i] == 0) {
             const auto point = static_cast<Index>(i);
-            all.push_back({point, point, point});
+            all.push_back({{point, point, point}, 0});
         }
-    const auto key = [](const Triangle& t) { return std::pair(sorted(t), t); };
-    std::sort(all.begin(), all.end(),
-              [&](const Triangle& a, const Triangle& b) { return key(a) < key(b); });
-    all.erase(
-        std::unique(all.begin(), all.end(),
-                    [](const Triangle& a, const Triangle& b) { return sorted(a) == sorted(b); }),
-        all.end());
-    triangles_ = std::move(all);
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    for (const WoundTriangle& triangle : all) {
+        if (triangles_.empty() || triangles_.back() != triangle.corners) {
+            triangles_.push_back(triangle.corners);
+            windings_.push_back(0);
+        }
+        windings_.back() += triangle.winding;
+    }
 }
 
 void ModelSurface::split() {
     std::vector<Triangle> proper;
-    for (const Triangle& t : triangles_) (isDegenerate(t) ? openTriangles_ : proper).push_back(t);
+    std::vector<int> windings;
+    std::vector<char> isCorner(points_.size(), 0);
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+        const Triangle& t = triangles_[i];
+        if (isDegenerate(t)) continue;
+        proper.push_back(t);
+        windings.push_back(windings_[i]);
+        for (const Index corner : t) isCorner[corner] = 1;
+    }
     const std::vector<Side> sides = sidesOf(proper);
+    // Lines first: a point at the end of a line is not needed.
+    const auto addLoose = [&](bool isLine) {
+        for (const Triangle& t : triangles_) {
+            if (!isDegenerate(t) || (t[0] != t[1]) != isLine) continue;
+            const std::array<Index, 2> ends = {t[0], t[1]};
+            if (isLine ? std::ranges::binary_search(sides, ends, {}, &Side::ends)
+                       : isCorner[t[0]] != 0)
+                continue;
+            openTriangles_.push_back(t);
+            for (const Index corner : t) isCorner[corner] = 1;
+        }
+    };
+    addLoose(true);
+    addLoose(false);
     // The neighbours of each triangle over edges of two triangles.
     struct Neighbour {
         Index triangle = -1;
@@ -159,7 +228,7 @@ void ModelSurface::split() {
     std::vector<char> isTurned(proper.size(), 0), isReached(proper.size(), 0);
     std::vector<Index> members;
     std::vector<Triangle> piece;
-    std::vector<char> turnedOf;
+    std::vector<int> windingsOf;
     for (std::size_t first = 0; first < proper.size(); ++first) {
         if (isReached[first] != 0) continue;
         members = {static_cast<Index>(first)};
@@ -169,53 +238,51 @@ void ModelSurface::split() {
             const Index t = members[i];
             for (int k = 0; k < counts[t]; ++k) {
                 const auto& [next, isOpposed] = neighbours[t][k];
-                const char turned = isOpposed ? 1 - isTurned[t] : isTurned[t];
+                const char isNextTurned = isOpposed ? 1 - isTurned[t] : isTurned[t];
                 if (isReached[next] == 0) {
                     isReached[next] = 1;
-                    isTurned[next] = turned;
+                    isTurned[next] = isNextTurned;
                     members.push_back(next);
-                } else if (isTurned[next] != turned) {
+                } else if (isTurned[next] != isNextTurned) {
                     isOrientable = false;
                 }
             }
         }
         std::sort(members.begin(), members.end());
         piece.clear();
-        turnedOf.clear();
+        windingsOf.clear();
         for (const Index t : members) {
-            piece.push_back(proper[t]);
-            turnedOf.push_back(isTurned[t]);
+            piece.push_back(isTurned[t] != 0 ? turned(proper[t]) : proper[t]);
+            windingsOf.push_back(isTurned[t] != 0 ? -windings[t] : windings[t]);
         }
-        addPiece(piece, turnedOf, isOrientable);
+        if (isOrientable && addClosed(piece, windingsOf)) continue;
+        for (const Index t : members) openTriangles_.push_back(proper[t]);
     }
-    // A model that is inside out as a whole.
+    // The model may be inside out as a whole.
     double volume = 0;
-    for (const ClosedPiece& closed : closedPieces_)
-        volume += closed.isInward ? -closed.volume : closed.volume;
-    if (volume < 0)
-        for (ClosedPiece& closed : closedPieces_) closed.isInward = !closed.isInward;
+    int firstWinding = 0;  // decides if the volumes cancel
+    for (const ClosedPiece& closed : closedPieces_) {
+        volume += closed.winding * closed.volume;
+        if (firstWinding == 0) firstWinding = closed.winding;
+    }
+    if (volume < 0 || (volume == 0 && firstWinding < 0))
+        for (ClosedPiece& closed : closedPieces_) closed.winding = -closed.winding;
 }
 
-void ModelSurface::addPiece(std::span<const Triangle> piece, std::span<const char> isTurned,
-                            bool isOrientable) {
-    const auto addOpen = [&] {
-        openTriangles_.insert(openTriangles_.end(), piece.begin(), piece.end());
-    };
-    if (!isOrientable) return addOpen();
+/// Adds a piece, if little area closes it.
+/// \param piece all triangles wound one way round
+/// \param windings per triangle, if the model winds it so, as windings_
+bool ModelSurface::addClosed(std::span<const Triangle> piece, std::span<const int> windings) {
     ClosedPiece closed;
-    double area = 0, turnedArea = 0;
+    closed.triangles.assign(piece.begin(), piece.end());
+    double area = 0, along = 0, against = 0;
     for (std::size_t i = 0; i < piece.size(); ++i) {
-        Triangle t = piece[i];
-        const double size = areaOf(t, points_);
+        const double size = areaOf(piece[i], points_);
         area += size;
-        if (isTurned[i] != 0) {
-            std::swap(t[1], t[2]);
-            turnedArea += size;
-        }
-        closed.triangles.push_back(t);
+        if (windings[i] > 0) along += size;
+        if (windings[i] < 0) against += size;
     }
-    if (turnedArea > area / 2)
-        for (Triangle& t : closed.triangles) std::swap(t[1], t[2]);
+    closed.winding = along > against ? 1 : along < against ? -1 : 0;
     // The edges of the boundary, as many times as the piece runs along them.
     std::vector<std::array<Index, 2>> boundary;
     const std::vector<Side> sides = sidesOf(closed.triangles);
@@ -249,7 +316,7 @@ void ModelSurface::addPiece(std::span<const Triangle> piece, std::span<const cha
         const Point3& apex = apexes[capOf[groups.rootOf(placeIn(names, a))]];
         capArea += length(cross(difference(points_[a], apex), difference(points_[b], apex))) / 2;
     }
-    if (!(capArea <= kMostOpen * area)) return addOpen();
+    if (!(capArea <= kMostOpen * area)) return false;
     closed.capBegin = piece.size();
     const auto firstApex = static_cast<Index>(points_.size());
     for (const auto& [a, b] : boundary)
@@ -261,10 +328,12 @@ void ModelSurface::addPiece(std::span<const Triangle> piece, std::span<const cha
         volume += dot(difference(points_[t[0]], origin),
                       cross(difference(points_[t[1]], origin), difference(points_[t[2]], origin)));
     closed.volume = std::abs(volume) / 6;
-    closed.isInward = volume < 0;
-    if (closed.isInward)
-        for (Triangle& t : closed.triangles) std::swap(t[1], t[2]);
+    if (volume < 0) {
+        closed.winding = -closed.winding;
+        for (Triangle& t : closed.triangles) t = turned(t);
+    }
     closedPieces_.push_back(std::move(closed));
+    return true;
 }
 
 }  // namespace espalier::cages

@@ -16,15 +16,15 @@ using Triangle = std::array<Index, 3>;
 
 /// The faces of a model as triangles, and the pieces of its surface that bound a solid.
 ///
-/// Points at one place are one point, polygons become triangles around their first corner, and
-/// triangles with the same three corners are one triangle. So neither the order of the faces nor
-/// their duplicates have an effect.
+/// Points at one place are one point, polygons become triangles around their least point, and
+/// triangles with the same three corners are one triangle. So these have no effect on any bit: the
+/// order of the faces and points, duplicate faces, the corner at which a face starts, and whether
+/// all faces are turned around.
 ///
-/// Triangles are in one *piece* if a path over edges of exactly two triangles joins them. A piece
-/// that is orientable is turned one way round, the way of most of its area. If its boundary edges,
-/// joined to the centroid of each connected group of them, have little area (kMostOpen of the area
-/// of the piece), these *caps* close the piece: every point has an integer winding number. All
-/// other pieces are *open*.
+/// Triangles are in one *piece* if a path over edges of exactly two triangles joins them. If a
+/// piece is orientable, and its boundary edges, joined to the centroid of each connected group of
+/// them, have little area (kMostOpen of the area of the piece), these *caps* close the piece: every
+/// point has an integer winding number. All other pieces are *open*.
 class ModelSurface {
 public:
     static constexpr double kMostOpen = 1.0 / 6;
@@ -37,32 +37,35 @@ public:
     const std::vector<Point3>& points() const { return points_; }
     std::size_t modelPointCount() const { return modelPointCount_; }
 
-    /// The distinct triangles of the model. Two or three corners of a triangle are equal where a
-    /// face is degenerate, and for a point that is in no face.
+    /// The distinct triangles of the model, ascending, with ascending corners. The last two corners
+    /// are equal where a face is a line, all three where it is a point, and for a point that is in
+    /// no face.
     const std::vector<Triangle>& triangles() const { return triangles_; }
 
     struct ClosedPiece {
         std::vector<Triangle> triangles;  ///< anticlockwise seen from outside; caps come last
         std::size_t capBegin = 0;         ///< the first cap
         double volume = 0;                ///< 0 or more
-        /// If the faces of the model are wound against most of the model, as the faces of a cavity
-        /// are.
-        bool isInward = false;
+        /// 1 if most of the area of the piece is wound as most of the model; −1 if it is wound the
+        /// other way, as the faces of a cavity are; 0 if half of it is.
+        int winding = 0;
     };
     const std::vector<ClosedPiece>& closedPieces() const { return closedPieces_; }
 
-    /// The triangles of open pieces, and degenerate ones.
+    /// The triangles of open pieces; and the lines and points that are in no other triangle.
     const std::vector<Triangle>& openTriangles() const { return openTriangles_; }
 
 private:
     void join(const SurfaceModel& model);
     void split();
-    void addPiece(std::span<const Triangle> piece, std::span<const char> isTurned,
-                  bool isOrientable);
+    bool addClosed(std::span<const Triangle> piece, std::span<const int> windings);
 
     std::vector<Point3> points_;
     std::size_t modelPointCount_ = 0;
     std::vector<Triangle> triangles_;
+    /// Per triangle: 1 if the model winds it as its ascending corners, −1 if the other way, 0 if
+    /// both ways.
+    std::vector<int> windings_;
     std::vector<ClosedPiece> closedPieces_;
     std::vector<Triangle> openTriangles_;
 };

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "left_side.h"
+#include "voxel_set.h"
 
 namespace espalier::cages {
 namespace {
@@ -105,42 +106,6 @@ void markTriangles(const CubeGrid& grid, std::span<const Triangle> triangles,
         markTriangle(grid, {points[t[0]], points[t[1]], points[t[2]]}, marks);
 }
 
-/// Marks the cubes whose centres are at most `radius` from the centre of a marked cube.
-std::vector<char> within(double radius, const CubeGrid& grid, std::span<const char> marks) {
-    // The squared distance along x, then along x and y, then along all axes, in cubes.
-    const double cubes = radius / grid.size;
-    const auto reach = static_cast<Index>(std::min(cubes, 1e6));
-    const Index far = std::numeric_limits<Index>::max() / 2;
-    std::vector<Index> squares(marks.size());
-    for (std::size_t i = 0; i < marks.size(); ++i) squares[i] = marks[i] != 0 ? 0 : far;
-    std::vector<Index> line;
-    Index stride = 1;
-    for (int axis = 0; axis < 3; stride *= grid.counts[axis], ++axis) {
-        const Index count = grid.counts[axis];
-        line.resize(count);
-        const auto spread = [&](Index start) {
-            bool isEmpty = true;
-            for (Index i = 0; i < count; ++i) {
-                line[i] = squares[start + i * stride];
-                isEmpty = isEmpty && line[i] == far;
-            }
-            if (isEmpty) return;
-            for (Index i = 0; i < count; ++i) {
-                if (line[i] == 0) continue;
-                Index least = far;
-                for (Index j = std::max(0, i - reach); j <= std::min(count - 1, i + reach); ++j)
-                    if (line[j] < far) least = std::min(least, line[j] + (i - j) * (i - j));
-                squares[start + i * stride] = least;
-            }
-        };
-        for (Index slab = 0; slab < grid.cubeCount(); slab += count * stride)
-            for (Index start = slab; start < slab + stride; ++start) spread(start);
-    }
-    std::vector<char> result(marks.size());
-    for (std::size_t i = 0; i < marks.size(); ++i) result[i] = squares[i] <= cubes * cubes ? 1 : 0;
-    return result;
-}
-
 /// A ray from below passes through a triangle in a column of cubes: all centres up to `height`
 /// are below the triangle.
 struct Crossing {
@@ -198,7 +163,10 @@ ModelVoxels::ModelVoxels(const ModelSurface& surface, std::span<const Point3> po
         if (!surface.openTriangles().empty()) markEnclosed(surface, points, options.gap);
         isSolid_ = isUsed_;
     }
-    if (options.around > 0) isUsed_ = within(options.around, grid_, isUsed_);
+    if (options.around > 0)
+        VoxelSet(grid_.counts, isUsed_)
+            .within(options.around / grid_.size)
+            .forEach([&](Index voxel) { isUsed_[voxel] = 1; });
 }
 
 bool ModelVoxels::isInner(const Point3& point) const {
@@ -231,11 +199,11 @@ void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3
         int winding = 0;
         for (auto at = std::lower_bound(crossings.begin(), crossings.end(), first);
              at != crossings.end() && at->column == first.column; ++at)
-            if (!pieces[at->piece].isInward) winding += at->sign;
+            if (pieces[at->piece].winding >= 0) winding += at->sign;
         return winding != 0;
     };
     for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
-        if (!pieces[piece].isInward) continue;
+        if (pieces[piece].winding >= 0) continue;
         Offset count = 0, total = 0;
         for (const Triangle& t : pieces[piece].triangles)
             for (const Index corner : t) {
@@ -262,31 +230,11 @@ void ModelVoxels::markEnclosed(const ModelSurface& surface, std::span<const Poin
                                double gap) {
     std::vector<char> walls(isUsed_.size(), 0);
     markTriangles(grid_, surface.openTriangles(), points, walls);
-    walls = within(gap / 2, grid_, walls);
-    // The cubes that can be reached from the border of the grid.
-    std::vector<char> isReached(walls.size(), 0);
-    std::vector<Index> front = {0};  // a corner: all cubes of the border are free
-    isReached[0] = 1;
-    const auto& [nx, ny, nz] = grid_.counts;
-    while (!front.empty()) {
-        const Index cube = front.back();
-        front.pop_back();
-        const Index x = cube % nx, y = cube / nx % ny, z = cube / nx / ny;
-        const auto visit = [&](bool exists, Index next) {
-            if (!exists || isReached[next] != 0 || walls[next] != 0) return;
-            isReached[next] = 1;
-            front.push_back(next);
-        };
-        visit(x > 0, cube - 1);
-        visit(x + 1 < nx, cube + 1);
-        visit(y > 0, cube - nx);
-        visit(y + 1 < ny, cube + nx);
-        visit(z > 0, cube - nx * ny);
-        visit(z + 1 < nz, cube + nx * ny);
-    }
-    isReached = within(gap / 2, grid_, isReached);
-    for (std::size_t i = 0; i < isUsed_.size(); ++i)
-        if (isReached[i] == 0) isUsed_[i] = 1;
+    // The voxels of the border are free: the grid is wider than the model by the gap.
+    const double radius = gap / 2 / grid_.size;
+    const VoxelSet free = VoxelSet(grid_.counts, walls).within(radius).complement();
+    free.connectedWithFirst().within(radius).complement().forEach(
+        [&](Index voxel) { isUsed_[voxel] = 1; });
 }
 
 }  // namespace espalier::cages

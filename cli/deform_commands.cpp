@@ -278,7 +278,7 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         .add_option(
             "--to", options.poses,
             "The poses: one or more deformed lattices with the topology of the lattice at rest, or "
-            "cages of it (.obj, .ply)")
+            "editor meshes of it (.obj, .ply)")
         ->required();
     addOutputOption(
         command, options.output,

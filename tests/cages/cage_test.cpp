@@ -141,24 +141,14 @@ TEST(Cage, takesTheSizeOfCells) {
 }
 
 TEST(Cage, hasTheSameBitsForAnyOrderOfTheFacesAndThreads) {
-    const FaceModel figure = test::figureModel();
-    // The faces in another order, some of them twice, from other corners, without the points'
-    // numbers.
-    std::vector<std::size_t> order(figure.ends.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::shuffle(order.begin(), order.end(), std::mt19937(5));
-    FaceModel source = figure, other;
-    for (const std::size_t f : order) {
-        const auto face = source.face(f);
-        for (int copies = f % 7 == 0 ? 2 : 1; copies > 0; --copies) {
-            const auto first = static_cast<Index>(other.points.size());
-            for (std::size_t i = 0; i < 3; ++i)
-                other.points.push_back(figure.points[face[(i + f) % 3]]);
-            other.addFace({first, first + 1, first + 2});
-        }
-    }
-    const auto make = [](const FaceModel& model) { return cage(model, {.vertices = 150}); };
-    const Lattice a = test::withThreads(1, [&] { return make(figure); });
+    // A figure and a ring of quadrilaterals, which are not flat.
+    const FaceModel model =
+        test::joined({test::figureModel(), test::moved(test::ringModel(0.6, 0.2, 24), {0, 0, -1})});
+    FaceModel other = test::reversed(test::inAnotherOrder(model, 5));
+    for (std::size_t f = 0; f < other.ends.size(); f += 4)
+        std::reverse(other.face(f).begin(), other.face(f).end());
+    const auto make = [](const FaceModel& faces) { return cage(faces, {.vertices = 100}); };
+    const Lattice a = test::withThreads(1, [&] { return make(model); });
     const Lattice b = test::withThreads(4, [&] { return make(other); });
     EXPECT_EQ(a.positions, b.positions);
     ASSERT_EQ(a.complex.count(3), b.complex.count(3));

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
+#include <numeric>
+#include <random>
 #include <span>
 #include <utility>
 #include <vector>
@@ -125,6 +127,35 @@ inline FaceModel reversed(FaceModel model) {
 inline FaceModel moved(FaceModel model, const Point3& way) {
     for (Point3& p : model.points) p = sum(p, way);
     return model;
+}
+
+/// The same faces in another order, with other numbers of their points, from other corners; some
+/// faces and points occur twice.
+inline FaceModel inAnotherOrder(const FaceModel& model, unsigned seed) {
+    std::mt19937 random(seed);
+    FaceModel source = model, result;
+    // Two copies of each point, in a random order.
+    std::vector<Index> numbers(2 * model.points.size());
+    std::iota(numbers.begin(), numbers.end(), 0);
+    std::shuffle(numbers.begin(), numbers.end(), random);
+    result.points.resize(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        result.points[numbers[i]] = model.points[i / 2];
+    std::vector<std::size_t> order(model.ends.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), random);
+    for (const std::size_t f : order) {
+        const auto face = source.face(f);
+        for (int copies = f % 7 == 0 ? 2 : 1; copies > 0; --copies) {
+            const std::size_t start = random() % face.size();
+            for (std::size_t i = 0; i < face.size(); ++i)
+                result.corners.push_back(
+                    numbers[2 * static_cast<std::size_t>(face[(start + i) % face.size()]) +
+                            random() % 2]);
+            result.ends.push_back(result.corners.size());
+        }
+    }
+    return result;
 }
 
 /// A figure of ellipsoids that intersect: a body, a head, two arms and two legs.

@@ -64,7 +64,7 @@ void measure(const char* path, const CageOptions& options) {
     double volume = 0;
     const ModelSurface pieces(surface);
     for (const auto& piece : pieces.closedPieces())
-        volume += piece.isInward ? -piece.volume : piece.volume;
+        volume += piece.winding < 0 ? -piece.volume : piece.volume;
     const auto [interior, irregular] = interiorEdges(made.complex);
     std::cout << "{\"vertices\": " << made.complex.count(0)
               << ", \"cells\": " << made.complex.count(3)

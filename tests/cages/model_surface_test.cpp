@@ -22,12 +22,12 @@ TEST(ModelSurface, joinsPointsAndDropsDuplicates) {
     FaceModel model;
     addSquare(model, 0);
     addSquare(model, -0.0);       // −0 is 0
-    model.addFace({3, 2, 1, 0});  // the other way round: split along the other diagonal
-    model.addFace({0, 3, 2, 1});
+    model.addFace({3, 2, 1, 0});  // the other way round
+    model.addFace({2, 3, 0, 1});  // from another corner
     const ModelSurface surface(model);
     EXPECT_EQ(surface.modelPointCount(), 4u);
-    // 2 triangles around each of the corners 0 and 3; duplicates count once.
-    EXPECT_EQ(surface.triangles().size(), 4u);
+    // By place, the points are (0,0), (0,1), (1,0), (1,1): 0 to 3. The square is split from 0.
+    EXPECT_THAT(surface.triangles(), ElementsAre(Triangle{0, 1, 3}, Triangle{0, 2, 3}));
 }
 
 TEST(ModelSurface, keepsPointsOfNoFaceAndDegenerateFaces) {
@@ -37,10 +37,70 @@ TEST(ModelSurface, keepsPointsOfNoFaceAndDegenerateFaces) {
     model.addFace({0, 0, 0});
     model.addFace({0, 1});
     model.addFace({2});
+    model.addFace({1, 1, 3, 1});
+    model.points.push_back({6, 6, 6});
+    model.addFace({0, 5, 0, 0});
     const ModelSurface surface(model);
-    EXPECT_EQ(surface.openTriangles().size(), surface.triangles().size());
-    // The square, the point of no face, the two points and the edge.
-    EXPECT_EQ(surface.triangles().size(), 6u);
+    // The square, the point of no face, the points 0 and 2, the lines 0 1, 1 3 and 0 5.
+    EXPECT_EQ(surface.triangles().size(), 8u);
+    // Points and lines of other faces add nothing. By place, the points of the square are 0, 2, 3
+    // and 1; (5, 5, 5) is 4 and (6, 6, 6) is 5. The diagonal of the square is from 0 to 3.
+    EXPECT_THAT(surface.openTriangles(),
+                ElementsAre(Triangle{0, 5, 5}, Triangle{1, 2, 2}, Triangle{4, 4, 4},
+                            Triangle{0, 1, 3}, Triangle{0, 2, 3}));
+}
+
+/// Every kind of piece: a cavity in a ball with a hole, a ring of quadrilaterals, a sheet, polygons
+/// that are not convex or pass a point twice, three triangles at an edge, loose lines and points.
+FaceModel mixedModel() {
+    FaceModel ball = test::ballModel(2);
+    ball.corners.resize(ball.corners.size() - 3);
+    ball.ends.pop_back();
+    FaceModel loose;
+    loose.points = {{4, 0, 0}, {5, 0, 0.1}, {5, 1, 0}, {4.5, 0.2, 0.3}, {4, 1, 0}, {7, 7, 7}};
+    loose.addFace({0, 1, 2, 3, 4});
+    loose.addFace({1, 2, 3, 2, 4});
+    loose.addFace({2, 3, 2, 3, 2, 4, 3});
+    loose.addFace({0, 2});
+    loose.addFace({1, 4});
+    loose.addFace({0, 0, 1, 5});
+    loose.addFace({0, 1, 4});
+    loose.addFace({5, 5, 5});
+    loose.points.push_back({8, 8, 8});
+    return test::joined({ball, test::reversed(test::ballModel(1, {0.5, 0.5, 0.5})),
+                         test::moved(test::ringModel(1, 0.3), {0, 0, 3}),
+                         test::moved(test::sheetModel(), {0, 4, 0}), loose});
+}
+
+void expectSameBits(const ModelSurface& a, const ModelSurface& b) {
+    EXPECT_EQ(a.points(), b.points());
+    EXPECT_EQ(a.triangles(), b.triangles());
+    EXPECT_EQ(a.openTriangles(), b.openTriangles());
+    ASSERT_EQ(a.closedPieces().size(), b.closedPieces().size());
+    for (std::size_t i = 0; i < a.closedPieces().size(); ++i) {
+        const auto &p = a.closedPieces()[i], &q = b.closedPieces()[i];
+        EXPECT_EQ(p.triangles, q.triangles);
+        EXPECT_EQ(p.capBegin, q.capBegin);
+        EXPECT_EQ(p.volume, q.volume);
+        EXPECT_EQ(p.winding, q.winding);
+    }
+}
+
+TEST(ModelSurface, hasTheSameBitsForAnyOrderOfTheModel) {
+    const FaceModel model = mixedModel();
+    const ModelSurface surface(model);
+    EXPECT_GE(surface.closedPieces().size(), 3u);
+    EXPECT_GT(surface.openTriangles().size(), 10u);
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        const FaceModel other = test::inAnotherOrder(model, seed);
+        expectSameBits(surface, ModelSurface(other));
+        expectSameBits(surface, ModelSurface(test::reversed(other)));
+    }
+    // In each piece, a few faces may be turned around.
+    FaceModel turned = model;
+    for (std::size_t f = 0; f < turned.ends.size(); f += 3)
+        std::reverse(turned.face(f).begin(), turned.face(f).end());
+    expectSameBits(surface, ModelSurface(turned));
 }
 
 TEST(ModelSurface, findsClosedPiecesAndTurnsThem) {
@@ -53,7 +113,7 @@ TEST(ModelSurface, findsClosedPiecesAndTurnsThem) {
     EXPECT_THAT(surface.openTriangles(), IsEmpty());
     const ModelSurface alone(ball);
     ASSERT_EQ(alone.closedPieces().size(), 1u);
-    EXPECT_FALSE(alone.closedPieces()[0].isInward);
+    EXPECT_EQ(alone.closedPieces()[0].winding, 1);
     // The volume of an inscribed polyhedron of 128 triangles is a little below the ball's 4π / 3.
     EXPECT_NEAR(alone.closedPieces()[0].volume, 3.8, 0.15);
 }
@@ -63,13 +123,17 @@ TEST(ModelSurface, tellsCavitiesByTheirWinding) {
         test::joined({test::ballModel(2), test::reversed(test::ballModel(2, {0.5, 0.5, 0.5}))});
     const auto inwards = [](const ModelSurface& surface) {
         std::vector<bool> result;
-        for (const auto& piece : surface.closedPieces()) result.push_back(piece.isInward);
+        for (const auto& piece : surface.closedPieces()) result.push_back(piece.winding < 0);
         return result;
     };
     EXPECT_THAT(inwards(ModelSurface(hollow)), ::testing::UnorderedElementsAre(false, true));
     // Inside out as a whole.
     EXPECT_THAT(inwards(ModelSurface(test::reversed(hollow))),
                 ::testing::UnorderedElementsAre(false, true));
+    // Each face both ways: the winding tells nothing, and there is no cavity.
+    const ModelSurface both(test::joined({hollow, test::reversed(hollow)}));
+    for (const auto& piece : both.closedPieces()) EXPECT_EQ(piece.winding, 0);
+    EXPECT_EQ(both.closedPieces().size(), 2u);
 }
 
 TEST(ModelSurface, closesSmallHolesOnly) {

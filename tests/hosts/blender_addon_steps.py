@@ -288,6 +288,46 @@ def undo():
     bpy.ops.ed.undo()
     move_lattice(bpy.data.objects["Espalier box"], lambda co: co)
     check(np.abs(evaluated(bpy.data.objects["model"]) - before).max() < 1e-6, "undo again")
+    # The undo of a rebinding gives the binding before it back.
+    move_lattice(bpy.data.objects["Espalier box"], twist)
+    bpy.ops.ed.undo_push(message="moved again")
+    check(np.abs(evaluated(bpy.data.objects["model"]) - after).max() < 1e-6, "moved again")
+    select(bpy.data.objects["model"])
+    check(bpy.ops.espalier.rebind() == {"FINISHED"}, "rebind")
+    bpy.ops.ed.undo_push(message="rebound")
+    check(np.abs(evaluated(bpy.data.objects["model"]) - before).max() < 1e-6, "at rest after rebinding")
+    bpy.ops.ed.undo()
+    bpy.context.view_layer.update()
+    check(np.abs(evaluated(bpy.data.objects["model"]) - after).max() < 1e-6, "undo of the rebinding")
+    move_lattice(bpy.data.objects["Espalier box"], lambda co: (co[0] + 1, co[1], co[2]))
+    check(np.abs(evaluated(bpy.data.objects["model"]) - after - (1, 0, 0)).max() < 1e-5, "the first binding again")
+
+
+def renamed():
+    """Objects that exchange their names keep their bindings."""
+    enable()
+    clear()
+    from espalier_lattice import binding
+    large, small = sphere("large", 3), sphere("small", 2, radius=0.5)
+    lattice = add_lattice(large, small, kind="BOX", cells=2)
+    alike = sphere("alike", 2, radius=0.6)
+    twin = alike.copy()
+    twin.data, twin.name = alike.data.copy(), "twin"
+    twin.location = (0.3, 0, 0)
+    bpy.context.collection.objects.link(twin)
+    select(alike, twin, lattice)
+    check(bpy.ops.espalier.bind() == {"FINISHED"}, "bind")
+    move_lattice(lattice, twist)
+    objects = [large, small, alike, twin]
+    before = [evaluated(object) for object in objects]
+    for one, other in ((large, small), (alike, twin)):
+        names = one.name, other.name
+        other.name = "between"
+        one.name, other.name = names[1], names[0]
+    move_lattice(lattice, lambda co: (co[0] + 1, co[1], co[2]))
+    check(not binding.problems, binding.problems)
+    for object, points in zip(objects, before):
+        check(np.abs(evaluated(object) - points - (1, 0, 0)).max() < 1e-5, object.name)
 
 
 def edit():
