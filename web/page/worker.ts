@@ -444,7 +444,7 @@ const jobs: Jobs = {
         const { file, rest } = openLatticeNow();
         file.setPositions(product.positions);
         try {
-          return product.extension === ".vtu" ? file.write(".vtu") : file.writeCage(".obj");
+          return product.extension === ".vtu" ? file.write(".vtu") : file.writeEditorMesh(".obj");
         } finally {
           file.setPositions(rest);
         }

@@ -207,6 +207,8 @@ describe("against the program", () => {
       await until(page, () => globalThis.espalier.editor.model !== null);
       await page.click('[data-form="cage"] button');
       await until(page, () => globalThis.espalier.editor.binding !== null);
+      run("shape", "cage", "spot.obj", "--vertices", "150", "-o", file("cage.vtu"));
+      assertSameFiles(await download(page, "save rest"), file("cage.vtu"));
       const { poses } = await documentNow(page);
       const { length } = Object.keys(poses[0].positions);
       assert.ok(length / 3 > 0.8 * 150 && length / 3 < 1.2 * 150, `${length / 3} vertices`);
