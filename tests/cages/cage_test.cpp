@@ -5,6 +5,7 @@
 
 #include "face_models.h"
 #include "lattice_measures.h"
+#include "soup_models.h"
 #include "support/test.h"
 #include "support/threads.h"
 
@@ -184,58 +185,56 @@ TEST(Cage, holdsFlatAndThinModels) {
     expectCage(cage(needle, {.vertices = 40}), needle, 40);
 }
 
-/// A triangle soup: up to 40 triangles of very different sizes, and now and then a flat one, a
-/// duplicate, or a point that occurs twice.
-FaceModel randomSoup(unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> place(-1, 1), unit(0, 1);
-    FaceModel soup;
-    const int count = std::uniform_int_distribution<int>(1, 40)(random);
-    for (int t = 0; t < count; ++t) {
-        const auto first = static_cast<Index>(soup.points.size());
-        const double size = std::pow(10, -3 * unit(random));
-        const Point3 centre = {place(random), place(random), place(random)};
-        for (int i = 0; i < 3; ++i) {
-            Point3 p = sum(centre, scaled({place(random), place(random), place(random)}, size));
-            if (seed % 5 == 0) p[2] = 0;
-            if (unit(random) < 0.1)
-                p = soup.points.empty() ? p : soup.points[random() % soup.points.size()];
-            soup.points.push_back(p);
-        }
-        if (unit(random) < 0.1)
-            soup.addFace({first, first, first + 1});
-        else
-            soup.addFace({first, first + 1, first + 2});
-        if (unit(random) < 0.1) soup.addFace({first + 2, first + 1, first});
+/// Makes a cage of a model: it is right, or an error says that there is none.
+/// \return false for an error
+bool holdsOrRefuses(const FaceModel& model, Index vertices) {
+    try {
+        expectCage(cage(model, {.vertices = vertices}), model, vertices);
+        return true;
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("cage: found no lattice"));
+        return false;
     }
-    return soup;
 }
 
-/// Makes cages of soups; each one is right, or an error says that there is none.
-/// \return the number of errors
-int failuresOf(unsigned first, unsigned last) {
-    int failures = 0;
+/// \return the seeds of the soups in a range without a cage
+std::vector<unsigned> refusedSoups(unsigned first, unsigned last) {
+    std::vector<unsigned> refused;
     for (unsigned seed = first; seed < last; ++seed) {
         SCOPED_TRACE(testing::Message() << "soup " << seed);
-        const FaceModel soup = randomSoup(seed);
-        const Index vertices = 30 + static_cast<Index>(seed % 4) * 40;
-        try {
-            expectCage(cage(soup, {.vertices = vertices}), soup, vertices);
-        } catch (const Error& error) {
-            ++failures;
-            EXPECT_THAT(error.what(), HasSubstr("cage: found no lattice"));
-        }
+        if (!holdsOrRefuses(test::randomSoup(seed), 30 + static_cast<Index>(seed % 4) * 40))
+            refused.push_back(seed);
     }
-    return failures;
+    return refused;
 }
 
 TEST(Cage, holdsTriangleSoups) {
-    EXPECT_EQ(failuresOf(0, 3), 0);
+    EXPECT_THAT(refusedSoups(0, 3), IsEmpty());
 }
 
-TEST(Cage, holdsAThousandTriangleSoups) {
-    // Tangled soups and few vertices may have no cage; then there is a clear error. It is rare.
-    EXPECT_LE(failuresOf(0, 1000), 20);
+/// The thousand soups, a hundred in each test.
+class CageOfSoups : public testing::TestWithParam<unsigned> {};
+
+TEST_P(CageOfSoups, holdsTheSoup) {
+    EXPECT_THAT(refusedSoups(100 * GetParam(), 100 * GetParam() + 100), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Hundreds, CageOfSoups, testing::Range(0u, 10u));
+
+/// Expects a cage of each degenerate model.
+void expectCages(Index vertices) {
+    for (const auto& [name, model] : test::degenerateModels()) {
+        SCOPED_TRACE(testing::Message() << name << ", " << vertices << " vertices");
+        EXPECT_TRUE(holdsOrRefuses(model, vertices));
+    }
+}
+
+TEST(Cage, holdsDegenerateModels) {
+    expectCages(30);
+}
+
+TEST(Cage, holdsDegenerateModelsWithMoreVertices) {
+    expectCages(100);
 }
 
 TEST(Cage, refusesBadArguments) {
@@ -251,6 +250,12 @@ TEST(Cage, refusesBadArguments) {
     FaceModel tiny = ball;
     for (Point3& p : tiny.points) p = scaled(p, 1e-200);
     EXPECT_REFUSED(Error, "expected 1e-40 to 1e+40; scale the model", cage(tiny));
+    // At 1e15, coordinates are multiples of an eighth.
+    EXPECT_REFUSED(Error, "; move the model to the origin",
+                   cage(test::moved(test::ballModel(2), {1e15, -1e15, 1e15})));
+    FaceModel broken = ball;
+    broken.points[3][1] = kNan;
+    EXPECT_REFUSED(Error, "cage: point 3 is not finite", cage(broken));
     EXPECT_REFUSED(Error, "margin is 2; expected 0 to 1", cage(ball, {.margin = 2}));
     EXPECT_REFUSED(Error, "shell is 10; expected 0 to ", cage(ball, {.shell = 10}));
     FaceModel point;
