@@ -185,20 +185,6 @@ TYPED_TEST(SplineRows, EqualTheTableUpToRounding) {
     expectTable<Real>(tensorTable<Real>(1000), device::kLimitSpline);
 }
 
-// Each row takes three numbers and its row number, instead of twelve; and a little for each cell.
-TYPED_TEST(SplineRows, StoreThreeNumbers) {
-    using Real = TypeParam;
-    const auto table = boundTable<Real>(shapes::box({.cells = {3, 3, 3}}), 20'000);
-    const device::TableArrays<Real> arrays(table, true, true), factors(table, true);
-    const auto bytes = [](const device::TableArrays<Real>& of) {
-        return double(of.groupNumbers.size() * sizeof(Real) + of.groupRows.size() * sizeof(Index) +
-                      of.groupColumns.size() * sizeof(Index) +
-                      of.groups.size() * sizeof(device::Group));
-    };
-    EXPECT_LT(bytes(arrays), 1.25 * double(3 * sizeof(Real) + sizeof(Index)) * 20'000);
-    EXPECT_LT(bytes(arrays), 0.4 * bytes(factors));
-}
-
 // Rows that are no spline keep their factors or weights, and give the same bits as before.
 TYPED_TEST(SplineRows, LeaveOtherRowsAsTheyAre) {
     using Real = TypeParam;
