@@ -11,6 +11,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -149,7 +150,11 @@ private:
         Index spline;
         std::array<Index, 3> size;
         std::vector<Index> columns;
-        auto operator<=>(const Cell&) const = default;
+
+        // Not a default <=>: the standard library of WebAssembly's compiler has none for vectors.
+        friend bool operator<(const Cell& a, const Cell& b) {
+            return std::tie(a.spline, a.size, a.columns) < std::tie(b.spline, b.size, b.columns);
+        }
     };
 
     struct SplineRow {
