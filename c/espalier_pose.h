@@ -162,14 +162,15 @@ ESPALIER_C_API espalier_status espalier_pose_taper(int32_t vertex_count, const d
 
 // ---- Files ----------------------------------------------------------------------------------
 
-/// Writes a lattice as a cage for mesh editors: an .obj or .ply with the vertices in their order,
+/// Writes a lattice as an editor mesh: an .obj or .ply with the vertices in their order,
 /// with all digits, and with every face, also interior faces.
 /// \retval ESPALIER_ERROR_FILE the file cannot be written, or has another extension
-ESPALIER_C_API espalier_status espalier_lattice_write_cage(const espalier_lattice* lattice,
-                                                           const char* path);
+ESPALIER_C_API espalier_status espalier_lattice_write_editor_mesh(const espalier_lattice* lattice,
+                                                                  const char* path);
 
 /// Reads a pose of a lattice: a lattice file (.ovm, .vtu, .vtk) with the same cells on the same
-/// vertex numbers, or a cage (.obj, .ply) with one point per vertex and only faces of the lattice.
+/// vertex numbers, or an editor mesh (.obj, .ply) with one point per vertex and only faces of the
+/// lattice.
 ///
 /// \param vertex_count number of vertices of the lattice
 /// \param pose receives 3 · vertex_count numbers
@@ -181,7 +182,7 @@ ESPALIER_C_API espalier_status espalier_lattice_read_pose(const espalier_lattice
 
 /// Reads a pose of the lattice to which points are bound, in the same way. A binding that was
 /// loaded from an .espb of version 1 to 3 does not know the faces of its lattice: then the faces of
-/// a cage are not compared.
+/// an editor mesh are not compared.
 ESPALIER_C_API espalier_status espalier_binding_read_pose(const espalier_binding* binding,
                                                           const char* path, int32_t vertex_count,
                                                           double* pose);

@@ -175,9 +175,11 @@ espalier_status espalier_pose_taper(int32_t vertex_count, const double* position
                       });
 }
 
-espalier_status espalier_lattice_write_cage(const espalier_lattice* lattice, const char* path) {
-    return c::guarded(
-        [&] { io::writeCage(&c::deref(path, "path"), c::deref(lattice, "lattice").lattice); });
+espalier_status espalier_lattice_write_editor_mesh(const espalier_lattice* lattice,
+                                                   const char* path) {
+    return c::guarded([&] {
+        io::writeEditorMesh(&c::deref(path, "path"), c::deref(lattice, "lattice").lattice);
+    });
 }
 
 espalier_status espalier_lattice_read_pose(const espalier_lattice* lattice, const char* path,

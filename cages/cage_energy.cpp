@@ -47,7 +47,7 @@ void addTo(Point3& sum, const Point3& value, double factor) {
 
 /// Part of the energy that counts the lengths of the edges. The rest counts only their angles, so
 /// that cells around a thin part may be thin.
-constexpr double kLengthPart = 0.25;
+constexpr double kLengthPart = 0.1;
 
 /// Returns the energy of a hexahedron, the mean over its corners, less 1. Adds `weight` times its
 /// gradient.

@@ -109,10 +109,14 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
         withColumns(stencils::buildStencils(refiner, kLevel - 1), names, complex.count(0)),
         refiner.level(kLevel - 1).complex);
 
-    const far::CellComplex& fine = refiner.level(kLevel).complex;
-    for (Index face = 0; face < fine.count(2); ++face) {
-        coarseOfFine_.push_back(refiner.refinement(kLevel).parentOf({2, face}).upper.index);
-    }
+    const auto parents = [&](int level) {
+        std::vector<Index> result;
+        for (Index face = 0; face < refiner.level(level).complex.count(2); ++face)
+            result.push_back(refiner.refinement(level).parentOf({2, face}).upper.index);
+        return result;
+    };
+    coarseOfFine_ = parents(kLevel);
+    fineOfFinest_ = parents(kLevel + 1);
     const auto cellsOf = [&](int level) {
         std::vector<Index> result;
         for (Index face = 0; face < refiner.level(level).complex.count(2); ++face) {
@@ -261,12 +265,11 @@ public:
         : faces_(faces),
           vertices_(vertices),
           grid_(grid),
+          bounds_(boundsOf(faces, vertices)),
           columns_(grid.counts[0] * grid.counts[1], static_cast<Index>(faces.size()),
                    [&](Index face, auto visit) {
-                       BoundingBox bounds;
-                       for (const Index vertex : faces[face]) bounds.include(vertices[vertex]);
-                       const auto from = grid.coordinatesOf(bounds.min);
-                       const auto to = grid.coordinatesOf(bounds.max);
+                       const auto from = grid.coordinatesOf(bounds_[face].min);
+                       const auto to = grid.coordinatesOf(bounds_[face].max);
                        for (Index y = from[1]; y <= to[1]; ++y)
                            for (Index x = from[0]; x <= to[0]; ++x) visit(y * grid.counts[0] + x);
                    }) {}
@@ -276,6 +279,10 @@ public:
         const auto place = grid_.coordinatesOf(point);
         int count = 0;
         for (const Index face : columns_[place[1] * grid_.counts[0] + place[0]]) {
+            const BoundingBox& box = bounds_[face];
+            if (point[0] < box.min[0] || point[0] > box.max[0] || point[1] < box.min[1] ||
+                point[1] > box.max[1] || point[2] > box.max[2])
+                continue;
             const auto& f = faces_[face];
             count += crossing(vertices_[f[0]], vertices_[f[1]], vertices_[f[2]], point);
             count += crossing(vertices_[f[0]], vertices_[f[2]], vertices_[f[3]], point);
@@ -284,8 +291,15 @@ public:
     }
 
 private:
+    static std::vector<BoundingBox> boundsOf(std::span<const std::array<Index, 4>> faces,
+                                             std::span<const Point3> vertices) {
+        std::vector<BoundingBox> bounds(faces.size());
+        for (std::size_t face = 0; face < faces.size(); ++face)
+            for (const Index vertex : faces[face]) bounds[face].include(vertices[vertex]);
+        return bounds;
+    }
+
     static int crossing(const Point3& a, const Point3& b, const Point3& c, const Point3& p) {
-        if (p[2] > a[2] && p[2] > b[2] && p[2] > c[2]) return 0;
         const bool first = isLeft(a, b, p);
         if (isLeft(b, c, p) != first || isLeft(c, a, p) != first) return 0;
         const Point3 normal = cross(difference(b, a), difference(c, a));
@@ -296,6 +310,7 @@ private:
     std::span<const std::array<Index, 4>> faces_;
     std::span<const Point3> vertices_;
     const CubeGrid& grid_;
+    std::vector<BoundingBox> bounds_;  ///< of each face
     Bins columns_;
 };
 
@@ -304,9 +319,11 @@ enum class Around { Hull, Corners };
 
 /// Returns the groups in `tried` that have a point within `margin` of a box, or a point around
 /// which the triangles of the faces do not wind once.
+/// \param namesOnly only the names of the groups are wanted; faster
 std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
                                 std::span<const Point3> vertices, const PointGroups& points,
-                                std::span<const Index> tried, double margin) {
+                                std::span<const Index> tried, double margin,
+                                bool namesOnly = false) {
     const std::span<const std::array<Index, 4>> faces = surface.loops;
     const auto faceCount = static_cast<Index>(faces.size());
     const CubeGrid& grid = points.grid();
@@ -381,6 +398,7 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
                 }
                 if (depth > worst.depth)
                     worst = {g, i, depth, deepest < 0 ? -1 : surface.cells[deepest], turns};
+                if (namesOnly && worst.depth >= 0) break;
             }
         }
     });
@@ -399,7 +417,7 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
         groups.clear();
         for (const Uncovered& group : uncovered) groups.push_back(group.group);
     };
-    namesOf(findNear(surface.fineFaces(), Around::Hull, fine, points, groups, margin));
+    namesOf(findNear(surface.fineFaces(), Around::Hull, fine, points, groups, margin, true));
     if (groups.empty()) return {};
     auto atLevel = findNear(surface.fineFaces(), Around::Corners, fine, points, groups, margin);
     auto inLimit = findNear(surface.finestFaces(), Around::Hull, surface.finestVertices(fine),

@@ -52,12 +52,14 @@ public:
     /// The faces of level 4.
     const Faces& finestFaces() const { return *finestFaces_; }
     std::vector<Point3> finestVertices(std::span<const Point3> fineVertices) const;
+    /// Returns the face of level 3 that contains a face of level 4.
+    Index fineFaceOf(Index finestFace) const { return fineOfFinest_[finestFace]; }
 
 private:
     stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
     stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
     std::optional<Faces> fineFaces_, finestFaces_;
-    std::vector<Index> coarseOfFine_, cellOfCoarse_;
+    std::vector<Index> coarseOfFine_, fineOfFinest_, cellOfCoarse_;
 };
 
 /// A group of points that is not proved to be inside.

@@ -44,10 +44,11 @@ constexpr double kGoodJacobian = 0.3;
 /// A few failures may come and go before the last one is repaired.
 constexpr std::size_t kPatience = 3;
 constexpr double kLeftOver = 0.75;
-constexpr double kFewFailures = 4;
+constexpr double kLastFailures = 4;
 
-/// Steps of an attempt before the first proof.
-constexpr int kSteps = 12;
+/// A round of repair is short, and changes only what is near the failures, if there are fewer
+/// failures than this.
+constexpr std::size_t kFewFailures = 16;
 
 /// Faces that points push are at most this far away, in cubes of the points.
 constexpr Index kPushRings = 3;
@@ -56,7 +57,7 @@ constexpr Index kPushRings = 3;
 constexpr double kFacing = -0.5;
 
 struct Weights {
-    double shape = 0.04;  ///< of a cell
+    double shape = 0.03;  ///< of a cell
     double pull = 1;      ///< of the squared distance, in edges, of the surface from the points
     double push = 1000;   ///< of the squared distance by which a point sticks out
 };
@@ -81,7 +82,7 @@ bool isStuck(std::span<const std::size_t> failures) {
     // The number grows where two parts push each other.
     if (last > 2 * leastUpTo(failures.size() - 1) + 20) return true;
     return failures.size() > kPatience &&
-           last > kLeftOver * leastUpTo(failures.size() - kPatience) + kFewFailures;
+           last > kLeftOver * leastUpTo(failures.size() - kPatience) + kLastFailures;
 }
 
 /// The state of a fit.
@@ -145,9 +146,12 @@ private:
 
     void begin(int attempt);
     void associate();
+    void measureDepths(std::span<const Point3> fine, const std::vector<Point3>& centres,
+                       const std::vector<Point3>& normals);
     void associatePulls(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
     void associatePushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
     void optimise(int iterations);
+    void improve(int steps, int iterations);
     bool certify();
     void polish();
     void requireNear() const;
@@ -163,14 +167,18 @@ private:
     limit::LimitParts parts_;
     std::vector<std::vector<Index>> apart_;  ///< of each cell, ascending; if points have cells
     std::vector<Index> firstOfCube_, nextOfFace_;  ///< lists of the faces of level 3 in each cube
-    std::vector<double> clearance_;                ///< of each group
+    /// Least distance of the hulls of the boundary from each group.
+    std::vector<double> clearance_;
+    /// How far the hulls of each face of level 3 reach inwards of its centre.
+    std::vector<double> depths_;
     std::vector<double> distanceToOthers_;  ///< of each group, from faces it does not belong to
     double anchor_ = 0;             ///< weight of the squared way of a vertex from the start
     std::vector<double> pushOf_;    ///< factor of each group
     std::vector<double> distance_;  ///< of each group from its plane, when it was last associated
     std::vector<double> raise_;     ///< of the clearance of each group
     std::vector<char> isRaised_;
-    std::vector<double> pull_;  ///< factor of each face of level 2
+    std::vector<int> failuresOf_;  ///< rounds in which each group had no proof
+    std::vector<double> pull_;     ///< factor of each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
     Weights weights_;
     std::size_t failureCount_ = 0;  ///< groups and cells without proof at the last certify()
@@ -183,10 +191,11 @@ void Fit::begin(int attempt) {
     anchor_ = 0.001 * std::pow(4, attempt) / (edge_ * edge_);
     shapes_.resetWeights();
     pull_.assign(surface_.coarseCentres().rowCount(), pull);
-    clearance_.assign(groups_.groups().size(), options_.margin + 0.05 * edge_);
+    clearance_.assign(groups_.groups().size(), options_.margin + 0.01 * edge_);
     distanceToOthers_.assign(clearance_.size(), options_.margin + 0.03 * edge_);
     pushOf_.assign(clearance_.size(), 1.0);
     isRaised_.assign(clearance_.size(), 0);
+    failuresOf_.assign(clearance_.size(), 0);
 }
 
 /// Lists, for each cell, the cells that are close to it in space but not along the lattice: their
@@ -236,12 +245,32 @@ void Fit::associate() {
         normals[f] = cross(difference(fine[face[2]], fine[face[0]]),
                            difference(fine[face[3]], fine[face[1]]));
     }
-    associatePulls(centres, normals);
     for (Point3& normal : normals) {
         const double size = length(normal);
         normal = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
     }
+    measureDepths(fine, centres, normals);
+    associatePulls(centres, normals);
     associatePushes(centres, normals);
+}
+
+/// Finds out how far the hulls of each face of level 3 reach inwards of its centre, so that a face
+/// is as near to the points as the proof allows: hardly apart where the boundary is flat.
+void Fit::measureDepths(std::span<const Point3> fine, const std::vector<Point3>& centres,
+                        const std::vector<Point3>& normals) {
+    const double deepest = 0.1 * edge_;  // deeper hulls are of faces that are still folded
+    depths_.assign(centres.size(), 0);
+    const auto deepen = [&](Index f, std::span<const Index> hull, std::span<const Point3> points) {
+        for (const Index vertex : hull) {
+            const double depth = dot(normals[f], difference(centres[f], points[vertex]));
+            depths_[f] = std::max(depths_[f], std::min(depth, deepest));
+        }
+    };
+    for (Index f = 0; f < std::ssize(centres); ++f) deepen(f, surface_.fineFaces().loops[f], fine);
+    const std::vector<Point3> finest = surface_.finestVertices(fine);
+    const CageSurface::Faces& finestFaces = surface_.finestFaces();
+    for (Index f = 0; f < std::ssize(finestFaces.loops); ++f)
+        deepen(surface_.fineFaceOf(f), finestFaces.hull(f), finest);
 }
 
 /// Pulls each face of level 2 towards the nearest points.
@@ -249,9 +278,11 @@ void Fit::associatePulls(const std::vector<Point3>& centres, const std::vector<P
     const double unit = 1 / (edge_ * edge_);
     std::vector<Point3> coarseCentres(pull_.size(), {0, 0, 0}),
         coarseNormals(pull_.size(), {0, 0, 0});
+    std::vector<double> coarseDepths(pull_.size(), 0);
     for (std::size_t f = 0; f < centres.size(); ++f) {
         const Index coarse = surface_.coarseFaceOf(static_cast<Index>(f));
         coarseNormals[coarse] = sum(coarseNormals[coarse], normals[f]);
+        coarseDepths[coarse] += 0.25 * depths_[f];
         coarseCentres[coarse] = sum(coarseCentres[coarse], scaled(centres[f], 0.25));
     }
     const auto groups = groups_.groups();
@@ -277,8 +308,8 @@ void Fit::associatePulls(const std::vector<Point3>& centres, const std::vector<P
             else
                 way = normal;
             term.direction = normalised(way);
-            term.offset =
-                dot(term.direction, groups_.farthest(group, term.direction)) + clearance_[nearest];
+            term.offset = dot(term.direction, groups_.farthest(group, term.direction)) +
+                          clearance_[nearest] + coarseDepths[c];
             if (isRaised_[nearest]) pull_[c] *= 0.8;
             term.outside = weights_.pull * unit / 16 * pull_[c];
             term.inside = 0;
@@ -361,18 +392,19 @@ void Fit::associatePushes(const std::vector<Point3>& centres, const std::vector<
     distance_.assign(groups.size(), 0);
     std::vector<double> leastOf(faceCount, 0.25 * edge_), leastOfOther = leastOf;
     std::vector<PlaneTerm> terms(faceCount), termsOfOther(faceCount);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        if (const Index f = own[g]; f >= 0) {
-            const Point3& normal = normals[f];
-            const double offset = dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g];
-            const double distance = dot(normal, centres[f]) - offset;
-            distance_[g] = distance;
-            if (distance < leastOf[f]) {
-                leastOf[f] = distance;
-                terms[f] = {f, normal,      offset, weights_.push * pushOf_[g] * unit / 64,
-                            0, 0.05 * edge_};
-            }
+    const auto pushOwn = [&](std::size_t g, Index f) {
+        const Point3& normal = normals[f];
+        const double offset =
+            dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g] + depths_[f];
+        const double distance = dot(normal, centres[f]) - offset;
+        distance_[g] = distance;
+        if (distance < leastOf[f]) {
+            leastOf[f] = distance;
+            terms[f] = {f, normal, offset, weights_.push * pushOf_[g] * unit / 64, 0, 0.05 * edge_};
         }
+    };
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (own[g] >= 0) pushOwn(g, own[g]);
         if (const Index f = other[g]; f >= 0) {
             const Point3 inwards = scaled(normals[f], -1);
             const double offset =
@@ -406,6 +438,13 @@ void Fit::optimise(int iterations) {
     positions_ = minimise(energy, std::move(positions_), iterations, 0.1 * edge_);
 }
 
+void Fit::improve(int steps, int iterations) {
+    for (int step = 0; step < steps; ++step) {
+        associate();
+        optimise(iterations);
+    }
+}
+
 bool Fit::certify() {
     associate();
     bool isProved = true;
@@ -428,7 +467,10 @@ bool Fit::certify() {
         }
         if (distance_[group.group] < -0.02 * edge_)
             pushOf_[group.group] = std::min(2 * pushOf_[group.group], 64.0);
-        const double more = std::min(1.1 * group.depth, 0.05 * edge_) + 0.003 * edge_;
+        // A group that fails again rises further each time.
+        const int times = ++failuresOf_[group.group];
+        const double more = std::min(
+            times * (std::min(1.1 * group.depth, 0.05 * edge_) + 0.003 * edge_), 0.06 * edge_);
         const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
         for (Index ring = 0; ring <= 2; ++ring)
             groups_.grid().forEachInRing(place, ring, [&](Index cube) {
@@ -437,9 +479,12 @@ bool Fit::certify() {
                 });
             });
     }
+    // While many groups fail, all others rise a little too, so that points do not stick out in
+    // turns.
+    const double raiseOfAll =
+        0.003 * edge_ * std::min(1.0, static_cast<double>(uncovered.size()) / kFewFailures);
     for (std::size_t g = 0; g < raise_.size(); ++g) {
-        // All others rise a little too, so that points do not stick out in turns.
-        const double more = std::max(raise_[g], 0.003 * edge_);
+        const double more = std::max(raise_[g], raiseOfAll);
         clearance_[g] = std::min(clearance_[g] + more, options_.margin + 0.25 * edge_);
         if (raise_[g] > 0) isRaised_[g] = 1;
     }
@@ -509,6 +554,9 @@ void Fit::polish() {
                     shapes_.scaleWeight(near, 1.2);
         }
         shapes_.examine(poor);
+        for (std::size_t c = 0; c < pull_.size(); ++c)
+            if (shapes[surface_.cellOfCoarse(static_cast<Index>(c))] < kGoodJacobian)
+                pull_[c] *= 0.6;
     };
     bool isProved = true;
     for (int polishes = 0, repairs = 0; best < kGoodJacobian;) {
@@ -518,10 +566,7 @@ void Fit::polish() {
         } else if (repairs++ == options_.maxRounds) {
             break;
         }
-        for (int step = 0; step < 2; ++step) {
-            associate();
-            optimise(25);
-        }
+        improve(2, 15);
         isProved = certify();
         shapes = shapes_.leastJacobians(positions_);
         const double least = *std::min_element(shapes.begin(), shapes.end());
@@ -539,11 +584,9 @@ std::vector<Point3> Fit::run() {
     requireNear();
     for (int attempt = 0; attempt < options_.maxAttempts; ++attempt) {
         begin(attempt);
-        for (int step = 0; step < kSteps; ++step) {
-            associate();
-            // Early steps are short, because faces then change their nearest points.
-            optimise(step < kSteps / 2 ? 8 : 20);
-        }
+        // Early steps are short, because faces then change their nearest points.
+        improve(6, 8);
+        improve(6, 20);
         std::vector<std::size_t> failures;
         for (int round = 0; round < options_.maxRounds; ++round) {
             if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
@@ -553,10 +596,10 @@ std::vector<Point3> Fit::run() {
             }
             failures.push_back(failureCount_);
             if (isStuck(failures)) break;
-            for (int step = 0; step < 3; ++step) {
-                associate();
-                optimise(25);
-            }
+            if (failureCount_ < kFewFailures)
+                improve(2, 15);
+            else
+                improve(3, 25);
         }
     }
     throw FitError(

@@ -27,7 +27,7 @@ struct FitOptions {
 
     /// Largest number of proofs that may fail before fitting starts anew with less pull; and, while
     /// the worst cells are improved, before the last proved lattice is kept.
-    int maxRounds = 8;
+    int maxRounds = 12;
 
     /// Largest number of times that fitting starts, 1 to 4. The fourth time does not pull.
     int maxAttempts = 4;

@@ -240,7 +240,8 @@ void addCheckCommand(CLI::App& program) {
                    "towards the pose before one folds; exit code 3 if there are such cells",
                    runCheck);
     command
-        .add_option("LATTICE", options.pose, "The pose: .ovm, .vtu or .vtk, or a cage (.obj, .ply)")
+        .add_option("LATTICE", options.pose,
+                    "The pose: .ovm, .vtu or .vtk, or an editor mesh (.obj, .ply)")
         ->required();
     command
         .add_option("--rest", options.rest, "The lattice at rest, with the topology of the pose")

@@ -139,9 +139,10 @@ void addPageCommand(CLI::App& program) {
     CLI::Option* const rest =
         command.add_option("--rest", options.rest, "The lattice at rest: .ovm, .vtu or .vtk");
     command
-        .add_option("--to", options.poses,
-                    "Poses: the lattice with moved vertices, .ovm, .vtu or .vtk, or cages of it, "
-                    ".obj or .ply")
+        .add_option(
+            "--to", options.poses,
+            "Poses: the lattice with moved vertices, .ovm, .vtu or .vtk, or editor meshes of it, "
+            ".obj or .ply")
         ->needs(rest);
     CLI::Option* const limit = command.add_flag(
         "--limit", options.limit, "Bind the model to the limit of refinement, instead of level N");

@@ -49,8 +49,8 @@ void runRefine(const RefineOptions& options) {
     const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);
     warnOfNonFinite(options.lattice, base);
     const int dimension = base.complex.dimension();
-    const bool isCage = dimension == 3 && io::isCageFile(options.output);
-    if (!isCage) io::checkRefinableTarget(options.output, dimension);
+    const bool isEditorMesh = dimension == 3 && io::isEditorMeshFile(options.output);
+    if (!isEditorMesh) io::checkRefinableTarget(options.output, dimension);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
@@ -58,8 +58,8 @@ void runRefine(const RefineOptions& options) {
         return stencils::refinedLattice(refiner, options.level, base, options.faceVarying);
     });
     stages.run("writing", [&] {
-        if (isCage)
-            io::writeCage(options.output, refined);
+        if (isEditorMesh)
+            io::writeEditorMesh(options.output, refined);
         else
             io::writeRefinable(options.output, refined);
     });
@@ -78,7 +78,7 @@ void addRefineCommand(CLI::App& program) {
         runRefine);
     addLatticeOptions(command, FileKind::Refinable, options);
     addOutputOption(command, options.output,
-                    "The refined lattice (.ovm, .vtu or .vtk), or its faces as a cage for mesh "
+                    "The refined lattice (.ovm, .vtu or .vtk), or its faces for mesh "
                     "editors (.obj or .ply); the refined mesh or curve (.obj)")
         ->required();
     addChoice<far::FaceVaryingLinear>(

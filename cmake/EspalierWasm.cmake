@@ -28,6 +28,9 @@ add_library(ZLIB::ZLIB ALIAS zlib)
 # Headers alone, which serve every machine. Links to the folders keep the headers of Debian's C library, beside
 # them in /usr/include, out of sight.
 set(Eigen3_DIR /usr/share/eigen3/cmake CACHE PATH "Eigen's package")
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+target_compile_options(Eigen3::Eigen INTERFACE
+                       -msse2 "SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/wasm-eigen.h")
 set(ESPALIER_HEADER_LINKS ${PROJECT_BINARY_DIR}/header-links)
 foreach(folder fast_float fmt)
   if(NOT EXISTS /usr/include/${folder})

@@ -46,8 +46,8 @@ struct BoundModel {
     /// they are not known, as in files of version 1.
     std::vector<Point3> rest = {};
 
-    /// The faces of the lattice. readPose() compares the faces of a cage with them (pose_file.h).
-    /// Empty if they are not known, as in files of versions 1 to 3.
+    /// The faces of the lattice. readPose() compares the faces of an editor mesh with them
+    /// (pose_file.h). Empty if they are not known, as in files of versions 1 to 3.
     ModelFaces faces = {};
 };
 

@@ -81,16 +81,16 @@ void checkPointCount(const Path& path, const std::string& name, std::size_t got,
                       "merging or splitting vertices"));
 }
 
-/// Throws unless each face of a cage is a face of the lattice.
-void checkFaces(const Path& path, const std::string& name, const ModelFaces& cage,
+/// Throws unless each face of an editor mesh is a face of the lattice.
+void checkFaces(const Path& path, const std::string& name, const ModelFaces& mesh,
                 const ModelFaces& lattice) {
     std::vector<std::vector<Index>> known;
     known.reserve(lattice.count());
     for (std::size_t face = 0; face < lattice.count(); ++face)
         known.push_back(canonical(lattice[face]));
     std::ranges::sort(known);
-    for (std::size_t face = 0; face < cage.count(); ++face) {
-        const LoopView loop = cage[face];
+    for (std::size_t face = 0; face < mesh.count(); ++face) {
+        const LoopView loop = mesh[face];
         if (loop.empty())
             refuse(path, name,
                    concat(": face ", face,
@@ -108,15 +108,16 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& cag
         refuse(path, name,
                what +
                    "is not a face of the lattice. The vertices may have another order: begin "
-                   "with a cage written by 'espalier refine LATTICE -n 0 -o cage.obj', and keep "
+                   "with an editor mesh written by 'espalier refine LATTICE -n 0 -o editor.obj', "
+                   "and keep "
                    "the order of its vertices");
     }
 }
 
-/// Reads a cage with this number of vertices.
+/// Reads an editor mesh with this number of vertices.
 /// \param check called with the faces
 template <class Check>
-std::vector<Point3> readCage(const Path& path, const std::string& name, Index vertexCount,
+std::vector<Point3> readMesh(const Path& path, const std::string& name, Index vertexCount,
                              Check check) {
     const auto model = readModel(path);
     checkPointCount(path, name, model->positions().size(), vertexCount);
@@ -131,8 +132,8 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
     const far::CellComplex& complex = rest.complex;
     if (complex.dimension() < 2)
         throw Error("a pose needs a lattice or a mesh at rest, got a curve or nothing");
-    if (isCageFile(path))
-        return readCage(path, restName, complex.count(0), [&](const ModelFaces& faces) {
+    if (isEditorMeshFile(path))
+        return readMesh(path, restName, complex.count(0), [&](const ModelFaces& faces) {
             checkFaces(path, restName, faces, facesOf(complex));
         });
     Lattice pose = readLattice(path, notes);
@@ -145,8 +146,8 @@ std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
                              const std::string& bindingName, ReadNotes* notes) {
     const std::string name = "the lattice of " + bindingName;
     const Index vertexCount = bound.binding.table.columnCount();
-    if (isCageFile(path))
-        return readCage(path, name, vertexCount, [&](const ModelFaces& faces) {
+    if (isEditorMeshFile(path))
+        return readMesh(path, name, vertexCount, [&](const ModelFaces& faces) {
             if (bound.faces.count() > 0) checkFaces(path, name, faces, bound.faces);
         });
     Lattice pose = readLattice(path, notes);
@@ -167,13 +168,14 @@ ModelFaces facesOf(const far::CellComplex& complex) {
     return faces;
 }
 
-bool isCageFile(const Path& path) {
+bool isEditorMeshFile(const Path& path) {
     return isPly(path) || lowerCase(path.extension().string()) == ".obj";
 }
 
-void writeCage(const Path& path, const Lattice& lattice) {
-    if (!isCageFile(path))
-        throw FileError(path, "a cage cannot be written in this format; expected .obj or .ply");
+void writeEditorMesh(const Path& path, const Lattice& lattice) {
+    if (!isEditorMeshFile(path))
+        throw FileError(path,
+                        "an editor mesh cannot be written in this format; expected .obj or .ply");
     checkedForWriting(path, lattice);
     const ModelFaces faces = facesOf(lattice.complex);
     const SurfaceView surface{lattice.positions, faces};

@@ -14,17 +14,17 @@
 
 /// \file
 /// Poses of a lattice as files: other positions of the same vertices. A pose is a lattice file
-/// (lattice_file.h) or a cage: an .obj or .ply with the vertices and faces of the lattice, which
-/// mesh editors can change.
+/// (lattice_file.h) or an editor mesh: an .obj or .ply with the vertices and faces of the lattice,
+/// which mesh editors can change.
 
 namespace espalier::io {
 
 /// Reads the positions of a pose: one point per vertex of `rest`.
 ///
 /// A lattice file must have the same cells on the same vertex numbers; see
-/// far::topologyDifference(). A cage must have one point per vertex, in the order of the vertices,
-/// and each of its faces must be a face of the lattice: the same loop of vertices, from any of them
-/// and in either direction. Faces may be missing.
+/// far::topologyDifference(). An editor mesh must have one point per vertex, in the order of the
+/// vertices, and each of its faces must be a face of the lattice: the same loop of vertices, from
+/// any of them and in either direction. Faces may be missing.
 ///
 /// \param restName name of the lattice in messages
 /// \param notes receives the notes of the reader; may be null
@@ -36,8 +36,8 @@ ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path, con
                                           ReadNotes* notes = nullptr);
 
 /// Reads a pose of the lattice to which the points of a bound model were bound. If the bound model
-/// does not have the faces of its lattice, as in files of versions 1 to 3, the faces of a cage are
-/// not compared.
+/// does not have the faces of its lattice, as in files of versions 1 to 3, the faces of an editor
+/// mesh are not compared.
 ///
 /// \param bindingName name of the bound model in messages
 ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path,
@@ -48,13 +48,15 @@ ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path,
 ESPALIER_API ModelFaces facesOf(const far::CellComplex& complex);
 
 /// Returns true if the extension is .obj or .ply, in upper or lower case.
-ESPALIER_API bool isCageFile(const std::filesystem::path& path);
+ESPALIER_API bool isEditorMeshFile(const std::filesystem::path& path);
 
-/// Writes a lattice as a cage: its vertices in their order, and all its faces, interior ones too.
-/// readPose() reads the positions back, bit for bit. Cells, attributes and marks are not written.
+/// Writes a lattice as an editor mesh: its vertices in their order, and all its faces, interior
+/// ones too. readPose() reads the positions back, bit for bit. Cells, attributes and marks are not
+/// written.
 ///
-/// \throws FileError unless isCageFile(path), if the lattice is not of dimension 3 or a position
+/// \throws FileError unless isEditorMeshFile(path), if the lattice is not of dimension 3 or a
+/// position
 ///         is not finite, or if the file cannot be written
-ESPALIER_API void writeCage(const std::filesystem::path& path, const Lattice& lattice);
+ESPALIER_API void writeEditorMesh(const std::filesystem::path& path, const Lattice& lattice);
 
 }  // namespace espalier::io

@@ -593,9 +593,9 @@ linear : array (3, 3); translation : 3 float
             "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). An existing file is "
             "replaced only when the new one is complete.")
         .def(
-            "write_cage",
+            "write_editor_mesh",
             [](const Lattice& self, const std::filesystem::path& path) {
-                withoutGil([&] { io::writeCage(path, self); });
+                withoutGil([&] { io::writeEditorMesh(path, self); });
             },
             "path"_a,
             "Writes the vertices of a lattice in their order, and all its faces, as .obj or .ply, "
@@ -628,9 +628,10 @@ linear : array (3, 3); translation : 3 float
         },
         "path"_a, "rest"_a,
         "Reads the positions of a pose of the Lattice `rest`: array (V, 3) of float64. The file is "
-        "a lattice (.ovm, .vtu, .vtk) with the same topology, or a cage (.obj, .ply): one point "
+        "a lattice (.ovm, .vtu, .vtk) with the same topology, or an editor mesh (.obj, .ply): one "
+        "point "
         "per vertex, in the order of the vertices, and faces that are faces of the lattice. "
-        "Lattice.write_cage() writes a cage.");
+        "Lattice.write_editor_mesh() writes an editor mesh.");
 }
 
 }  // namespace espalier::python

@@ -130,24 +130,6 @@ std::pair<std::array<double, Count>, std::array<double, Count>> cut(
 
 }  // namespace
 
-template <>
-Trivariate<0, 1> determinant(const Derivatives<0>& derivatives) {
-    Trivariate<0, 1> result;
-    result[0][0] = dot(derivatives[0][0], cross(derivatives[1][0], derivatives[2][0]));
-    return result;
-}
-
-template <>
-Trivariate<0, 4> determinant(const Derivatives<0>& first, const Derivatives<0>& last) {
-    const Point3 &u = first[0][0], &v = first[1][0], &w = first[2][0];
-    const Point3 &x = last[0][0], &y = last[1][0], &z = last[2][0];
-    const Point3 vw = cross(v, w), yz = cross(y, z), mixed = sum(cross(y, w), cross(v, z));
-    Trivariate<0, 4> result;
-    result[0] = {dot(u, vw), (dot(x, vw) + dot(u, mixed)) / 3, (dot(u, yz) + dot(x, mixed)) / 3,
-                 dot(x, yz)};
-    return result;
-}
-
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>& derivatives) {
     return determinantOf<Degree, 1>({&derivatives});

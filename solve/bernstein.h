@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/point.h>
+#include <espalier/base/vector3.h>
 
 #include <array>
 #include <cstddef>
@@ -66,6 +67,25 @@ Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>&
 template <std::size_t Degree>
 Trivariate<kDeterminantDegree<Degree>, 4> determinant(const Derivatives<Degree>& first,
                                                       const Derivatives<Degree>& last);
+
+// Inline, because a million polyhedra have tens of millions of tetrahedra.
+template <>
+inline Trivariate<0, 1> determinant(const Derivatives<0>& derivatives) {
+    Trivariate<0, 1> result;
+    result[0][0] = dot(derivatives[0][0], cross(derivatives[1][0], derivatives[2][0]));
+    return result;
+}
+
+template <>
+inline Trivariate<0, 4> determinant(const Derivatives<0>& first, const Derivatives<0>& last) {
+    const Point3 &u = first[0][0], &v = first[1][0], &w = first[2][0];
+    const Point3 &x = last[0][0], &y = last[1][0], &z = last[2][0];
+    const Point3 vw = cross(v, w), yz = cross(y, z), mixed = sum(cross(y, w), cross(v, z));
+    Trivariate<0, 4> result;
+    result[0] = {dot(u, vw), (dot(x, vw) + dot(u, mixed)) / 3, (dot(u, yz) + dot(x, mixed)) / 3,
+                 dot(x, yz)};
+    return result;
+}
 
 /// Splits polynomials into the lower and the upper half of an axis, by de Casteljau's algorithm.
 template <std::size_t Degree, std::size_t Lanes>

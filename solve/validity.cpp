@@ -41,6 +41,16 @@ Trivariate<Degree, Lanes> aboveFloor(Trivariate<Degree, Lanes> determinant, int 
     return determinant;
 }
 
+/// Returns true if all coefficients of a determinant, whose sign is changed so that it is positive
+/// at rest, are above a floor. Most are, and need no further proof.
+template <std::size_t Degree, std::size_t Lanes>
+bool isAbove(const Trivariate<Degree, Lanes>& determinant, int orientation, double floor) {
+    bool areAbove = true;
+    for (const auto& lanes : determinant)
+        for (const double value : lanes) areAbove &= orientation * value > floor;
+    return areAbove;
+}
+
 /// Returns the sign of the determinant in a part; 0 if it is not the same everywhere.
 std::int8_t orientationOf(const CheckedVolume& volume, Index part, const LimitPositions& rest) {
     std::optional<std::int8_t> common;
@@ -128,10 +138,11 @@ void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int ori
         part,
         [&](const auto& before, const auto& after) {
             if (!(step.length > 0)) return;
+            const auto polynomial = determinant(before.derivatives, after.derivatives);
+            const PieceSize atEnd = sizeAtEnd(after.size, before.size, maxLength);
+            if (isAbove(polynomial, orientation, largestFloor(before.size, atEnd))) return;
             const ProvedTime proved = positiveUpTo(
-                aboveFloor(
-                    determinant(before.derivatives, after.derivatives), orientation,
-                    determinantFloor(before.size, sizeAtEnd(after.size, before.size, maxLength))),
+                aboveFloor(polynomial, orientation, determinantFloor(before.size, atEnd)),
                 step.length);
             if (proved.time < step.length)
                 step = {proved.time, volume.cellOf(part), proved.isTight};
@@ -216,8 +227,9 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxL
                            "; expected a number above 0, up to a million"));
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.vertexCount(), pose, "pose");
-    std::vector<Point3> ends = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
-    ends.resize(volume.vertexCount());  // Without the centres of a mesh.
+    const auto& rest = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
+    // Without the centres of a mesh.
+    std::vector<Point3> ends(rest.begin(), rest.begin() + volume.vertexCount());
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
             ends[vertex][c] += maxLength * (pose[vertex][c] - ends[vertex][c]);

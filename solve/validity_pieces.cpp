@@ -34,29 +34,11 @@ std::array<double, 4> volumes(const std::array<double, 3>& first,
             last[0] * last[1] * last[2]};
 }
 
-/// Upper bounds of the lengths: both ends may be off along all three axes.
-std::array<double, 3> longest(const PieceSize& size) {
-    const double longer = 2 * std::numbers::sqrt3 * size.uncertainty;
-    return {size.lengths[0] + longer, size.lengths[1] + longer, size.lengths[2] + longer};
-}
-
-constexpr double kUnit = std::numeric_limits<double>::epsilon();
-
-/// 512 units of rounding; a unit is half of epsilon.
-constexpr double kRounding = 256 * kUnit;
-
-/// Returns the rounding error of a coefficient.
-/// \param exact, longer volumes of the box of the lengths, and of their upper bounds
-double floorOf(double exact, double longer, double rounding) {
-    // Below the smallest normal number, products lose digits.
-    return longer - exact + rounding * longer + std::numeric_limits<double>::min();
-}
-
 /// Returns the rounding error that coefficients may have while a piece changes from `first` to
 /// `last`.
-std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, double rounding) {
+std::array<double, 4> floorsOf(const PieceSize& first, const PieceSize& last, double rounding) {
     const auto exact = volumes(first.lengths, last.lengths);
-    const auto longer = volumes(longest(first), longest(last));
+    const auto longer = volumes(first.longest(), last.longest());
     std::array<double, 4> floor;
     for (std::size_t i = 0; i < 4; ++i) floor[i] = floorOf(exact[i], longer[i], rounding);
     return floor;
@@ -64,17 +46,7 @@ std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, dou
 
 using Positions = std::span<const Point3>;
 
-/// Returns the length of a derivative, below 1e91. Unlike length() it need not avoid overflow,
-/// which takes four times as long.
-double sizeOf(const Point3& derivative) {
-    return std::sqrt(dot(derivative, derivative));
-}
-
-double largestCoordinate(const Point3& point) {
-    return std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
-}
-
-double largestCoordinate(std::span<const Index> vertices, Positions positions) {
+double largestAmong(std::span<const Index> vertices, Positions positions) {
     double largest = 0;
     for (const Index vertex : vertices)
         largest = std::max(largest, largestCoordinate(positions[vertex]));
@@ -84,7 +56,7 @@ double largestCoordinate(std::span<const Index> vertices, Positions positions) {
 /// Returns the rounding error of the points of a mesh. They are given exactly, but the points on
 /// the way to a pose are rounded: a product, and a sum.
 double meshUncertainty(std::span<const Index> points, Positions positions) {
-    return 2 * kUnit * largestCoordinate(points, positions);
+    return 2 * kEpsilon * largestAmong(points, positions);
 }
 
 /// Returns a map from its Bézier points: point (i, j, k) is at index i + n (j + n k).
@@ -131,7 +103,7 @@ Piece<0> tetrahedronOf(Positions positions, const std::array<Index, 4>& points) 
 
 Piece<3> pieceOf(const limit::BezierPatch& patch) {
     Piece<3> piece = pieceOf<3>(patch.points);
-    piece.size.uncertainty = 3 * 48 * kUnit * patch.largestCoordinate;
+    piece.size.uncertainty = 3 * 48 * kEpsilon * patch.largestCoordinate;
     return piece;
 }
 
@@ -143,7 +115,7 @@ Index CellPieces::tetrahedronCount() const {
 }
 
 double CellPieces::uncertainty(Positions positions) const {
-    return 16 * kUnit * largestCoordinate(complex_.relation(3, 0)[cell_.value], positions);
+    return 16 * kEpsilon * largestAmong(complex_.relation(3, 0)[cell_.value], positions);
 }
 
 Piece<1> CellPieces::hexahedron(Positions positions) const {
@@ -222,8 +194,9 @@ MeshPieces::MeshPieces(const far::VolumeMesh& mesh, Positions rest) : mesh_(mesh
 }
 
 std::vector<Point3> MeshPieces::withCentres(Positions positions) const {
-    std::vector<Point3> result(positions.begin(), positions.end());
+    std::vector<Point3> result;
     result.reserve(positions.size() + centres_.offsets.size() - 1);
+    result.assign(positions.begin(), positions.end());
     for (std::size_t row = 0; row + 1 < centres_.offsets.size(); ++row) {
         const auto begin = centres_.offsets[row], end = centres_.offsets[row + 1];
         if (begin == end) {  // A cell without faces.
@@ -280,49 +253,8 @@ Piece<1> MeshPieces::hexahedron(Index cell, Positions positions) const {
     return piece;
 }
 
-MeshPieces::Fan::Fan(const MeshPieces& pieces, Index cell, Index face, Positions positions)
-    : positions_(positions),
-      loop_(pieces.mesh_.face(face)),
-      isOwner_(pieces.mesh_.owner(face) == cell),
-      // The centres are sums over the points of a face and the faces of a cell.
-      rounding_((static_cast<double>(loop_.size() + pieces.mesh_.faces(cell).size()) + 8) * kUnit),
-      apex_(positions[pieces.centreOfCell_[cell]]),
-      toFace_(spokeTo(pieces.centreOfFace_[face])),
-      toPoint_(spokeTo(loop_[0])) {
-    largest_ = std::max(largestCoordinate(apex_), toFace_.largest);
-}
-
-MeshPieces::Fan::Spoke MeshPieces::Fan::spokeTo(Index point) const {
-    const Point3& end = positions_[point];
-    const Point3 edge = difference(end, apex_);
-    return {edge, sizeOf(edge), largestCoordinate(end)};
-}
-
-Piece<0> MeshPieces::Fan::next() {
-    const Spoke before = toPoint_;
-    toPoint_ = spokeTo(loop_[nextPoint_ == loop_.size() ? 0 : nextPoint_]);
-    ++nextPoint_;
-    const Spoke& from = isOwner_ ? before : toPoint_;
-    const Spoke& to = isOwner_ ? toPoint_ : before;
-    Piece<0> piece;
-    piece.derivatives[0][0] = toFace_.edge;
-    piece.derivatives[1][0] = from.edge;
-    piece.derivatives[2][0] = to.edge;
-    piece.size.lengths = {toFace_.length, from.length, to.length};
-    piece.size.uncertainty = 2 * kUnit * std::max({largest_, from.largest, to.largest}) +
-                             rounding_ * std::ranges::max(piece.size.lengths);
-    return piece;
-}
-
-double determinantFloor(const PieceSize& size) {
-    const auto volume = [](const std::array<double, 3>& lengths) {
-        return lengths[0] * lengths[1] * lengths[2];
-    };
-    return floorOf(volume(size.lengths), volume(longest(size)), kRounding);
-}
-
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last) {
-    return floorOf(first, last, 2 * kRounding);
+    return floorsOf(first, last, 2 * kRounding);
 }
 
 CheckedVolume::CheckedVolume(const far::CellComplex& level) : cells_(level) {

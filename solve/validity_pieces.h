@@ -2,12 +2,17 @@
 #pragma once
 
 #include <espalier/base/point.h>
+#include <espalier/base/vector3.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/limit/limit_parts.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -16,6 +21,19 @@
 #include "bernstein.h"
 
 namespace espalier::solve {
+
+/// Two units of rounding.
+inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+/// Returns the length of a derivative, below 1e91. Unlike length() it need not avoid overflow,
+/// which takes four times as long.
+inline double sizeOf(const Point3& derivative) {
+    return std::sqrt(dot(derivative, derivative));
+}
+
+inline double largestCoordinate(const Point3& point) {
+    return std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
+}
 
 /// The sizes of derivatives, and their uncertainty.
 struct PieceSize {
@@ -29,6 +47,12 @@ struct PieceSize {
     /// points, which is 3 times a sum of |weights| of 2.4 and of 6 terms along each axis. For
     /// cubics the total is multiplied by 3, since their derivatives are 3 times differences.
     double uncertainty = 0;
+
+    /// Upper bounds of the lengths: both ends may be off along all three axes.
+    std::array<double, 3> longest() const {
+        const double longer = 2 * std::numbers::sqrt3 * uncertainty;
+        return {lengths[0] + longer, lengths[1] + longer, lengths[2] + longer};
+    }
 };
 
 /// A map from the unit cube. Degree 0: a tetrahedron. Degree 1: a hexahedron. Degree 3: a patch of
@@ -133,12 +157,38 @@ private:
 
     /// The tetrahedra of a face of a polyhedron, which join the centres of the cell and the face to
     /// the edges of the face. Neighbouring tetrahedra share edges, so each edge is measured once.
+    /// Inline, because a million cells have tens of millions of tetrahedra.
     class Fan {
     public:
-        Fan(const MeshPieces& pieces, Index cell, Index face, Positions positions);
+        Fan(const MeshPieces& pieces, Index cell, Index face, Positions positions)
+            : positions_(positions),
+              loop_(pieces.mesh_.face(face)),
+              isOwner_(pieces.mesh_.owner(face) == cell),
+              // The centres are sums over the points of a face and the faces of a cell.
+              rounding_((static_cast<double>(loop_.size() + pieces.mesh_.faces(cell).size()) + 8) *
+                        kEpsilon),
+              apex_(positions[pieces.centreOfCell_[cell]]),
+              toFace_(spokeTo(pieces.centreOfFace_[face])),
+              toFirst_(spokeTo(loop_[0])),
+              toPoint_(toFirst_),
+              largest_(std::max(largestCoordinate(apex_), toFace_.largest)) {}
 
         /// Returns the tetrahedron of the next edge of the face; there must be one.
-        Piece<0> next();
+        Piece<0> next() {
+            const Spoke before = toPoint_;
+            toPoint_ = nextPoint_ == loop_.size() ? toFirst_ : spokeTo(loop_[nextPoint_]);
+            ++nextPoint_;
+            const Spoke& from = isOwner_ ? before : toPoint_;
+            const Spoke& to = isOwner_ ? toPoint_ : before;
+            Piece<0> piece;
+            piece.derivatives[0][0] = toFace_.edge;
+            piece.derivatives[1][0] = from.edge;
+            piece.derivatives[2][0] = to.edge;
+            piece.size.lengths = {toFace_.length, from.length, to.length};
+            piece.size.uncertainty = 2 * kEpsilon * std::max({largest_, from.largest, to.largest}) +
+                                     rounding_ * std::ranges::max(piece.size.lengths);
+            return piece;
+        }
 
     private:
         /// An edge of a tetrahedron that starts in the cell's centre.
@@ -147,15 +197,19 @@ private:
             double length;
             double largest;  ///< coordinate of the edge's end
         };
-        Spoke spokeTo(Index point) const;
+        Spoke spokeTo(Index point) const {
+            const Point3& end = positions_[point];
+            const Point3 edge = difference(end, apex_);
+            return {edge, sizeOf(edge), largestCoordinate(end)};
+        }
 
         Positions positions_;
         std::span<const Index> loop_;
         bool isOwner_;
         double rounding_;  ///< of the centres, relative to the longest edge
         Point3 apex_;
+        Spoke toFace_, toFirst_, toPoint_;
         double largest_;  ///< coordinate of the two centres
-        Spoke toFace_, toPoint_;
         std::size_t nextPoint_ = 1;
     };
 
@@ -171,18 +225,45 @@ private:
     std::vector<Index> centreOfCell_;  ///< for polyhedra; both are empty if there are none
 };
 
+/// 512 units of rounding; a unit is half of epsilon.
+inline constexpr double kRounding = 256 * kEpsilon;
+
+/// Returns the rounding error of a coefficient.
+/// \param exact, longer volumes of the box of the lengths, and of their upper bounds
+inline double floorOf(double exact, double longer, double rounding) {
+    // Below the smallest normal number, products lose digits.
+    return longer - exact + rounding * longer + std::numeric_limits<double>::min();
+}
+
 /// Returns the value that a determinant must exceed to count as positive: its change when edges
 /// become longer by their uncertainty, plus 6e-14 of the product of the lengths, which is 512 units
 /// of rounding. This covers all rounding of the coefficients: 3 units for the edges, 12 for the
 /// determinants of edges, 24 for their sums, 60 for halvings; and 2n + 2 for each edge of the
 /// tetrahedra of a type-n cell, for n up to about 50. For a patch: 12 for determinants, 84 for sums
 /// of up to 36 and 48 of them, and 240 for halvings, 8 for each.
-double determinantFloor(const PieceSize& size);
+///
+/// \param roundings number of times that rounding is allowed for
+inline double determinantFloor(const PieceSize& size, double roundings = 1) {
+    const auto volume = [](const std::array<double, 3>& lengths) {
+        return lengths[0] * lengths[1] * lengths[2];
+    };
+    return floorOf(volume(size.lengths), volume(size.longest()), roundings * kRounding);
+}
 
 /// Returns the same bound while a piece changes linearly from `first` to `last`: Bernstein
 /// coefficients of degree 3 in time, as for determinant(). It allows for twice the rounding, since
 /// sums have twice as many terms and time is halved up to 60 times, by 3 units each.
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last);
+
+/// Returns an upper bound of these four coefficients, which takes a tenth of their time.
+inline double largestFloor(const PieceSize& first, const PieceSize& last) {
+    PieceSize larger = first;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        larger.lengths[axis] = std::max(larger.lengths[axis], last.lengths[axis]);
+    larger.uncertainty = std::max(first.uncertainty, last.uncertainty);
+    // Two roundings are those of the coefficients, and two more cover the rounding of this bound.
+    return determinantFloor(larger, 4);
+}
 
 /// The volume that is checked: the cells of a level, the limit of the base cells, or the cells of a
 /// volume mesh. A cell consists of parts, and a part of one or more pieces.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A VTK filter that deforms points by a lattice of Espalier: "Espalier deform".
+"""A filter for VTK and ParaView that deforms points by a lattice of Espalier.
 
     from espalier_vtk import EspalierDeform
 
@@ -18,8 +18,8 @@ costs one sparse product.
 VTK lets no exception out of Update(): on an error it prints the error, and the output is empty. GetError()
 returns the message of the last update, and None if there was no error.
 
-The file is also a plugin of ParaView (Tools > Manage Plugins > Load New); then the filter is in the menu
-Filters. Python must find the modules espalier and numpy.
+The file is also a plugin of ParaView (Tools > Manage Plugins > Load New); then the filter "Espalier Deform" is in
+the menu Filters, and EspalierDeform() is in paraview.simple. Python must find the modules espalier and numpy.
 """
 
 import numpy as np
@@ -105,7 +105,7 @@ def have_same_cells(one, other):
 
 
 class EspalierDeform(VTKPythonAlgorithmBase):
-    """Espalier deform: moves the points of a model as a lattice around it moves."""
+    """Moves the points of a model as a lattice around it moves."""
 
     def __init__(self):
         super().__init__(nInputPorts=3, nOutputPorts=1, outputType="vtkPointSet")
@@ -215,7 +215,7 @@ try:
 except ImportError:
     pass
 else:
-    @smproxy.filter(name="EspalierDeform", label="Espalier deform")
+    @smproxy.filter(name="EspalierDeform", label="Espalier Deform")
     @smhint.xml('<ShowInMenu category="Alphabetical"/>')
     @smproperty.input(name="Pose", port_index=2)
     @smdomain.datatype(dataTypes=["vtkUnstructuredGrid"], composite_data_supported=False)
@@ -235,3 +235,10 @@ else:
                         'default_values="0"><BooleanDomain name="bool"/></IntVectorProperty>')
         def SetLimit(self, limit):
             super().SetLimit(limit)
+
+        @smproperty.xml('<StringVectorProperty name="Outside" command="SetOutside" number_of_elements="1" '
+                        'default_values="keep"><StringListDomain name="list"><String value="keep"/>'
+                        '<String value="nearest"/><String value="error"/></StringListDomain>'
+                        '</StringVectorProperty>')
+        def SetOutside(self, outside):
+            super().SetOutside(outside)

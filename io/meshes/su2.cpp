@@ -135,9 +135,14 @@ private:
 
     void readElement(Index pointCount, CellVisitor& visitor) {
         std::string_view line = nextLine("an element");
+        std::string_view word = takeWord(line);
+        if (word == "SEND_RECV=") {
+            // An older mesh of one process: the marker of the points that it shares with another.
+            line = nextLine("an element");
+            word = takeWord(line);
+        }
         std::int64_t type = 0;
-        if (const std::string_view word = takeWord(line); !parseNumber(word, type))
-            text_.fail(inQuotes(word) + " is not the type of an element");
+        if (!parseNumber(word, type)) text_.fail(inQuotes(word) + " is not the type of an element");
         const std::size_t nodeCount = nodeCountOf(type);
         if (nodeCount == 0)
             return visitor.unknownElement(text_.line(),
@@ -145,7 +150,7 @@ private:
                                                  "; expected 1, 3, 5, 9, 10, 12, 13 or 14"));
         nodes_.clear();
         for (std::size_t i = 0; i < nodeCount; ++i) {
-            const std::string_view word = takeWord(line);
+            word = takeWord(line);
             std::int64_t node = 0;
             if (!parseNumber(word, node))
                 text_.fail(word.empty() ? concat("the line ends; an element of the type ", type,

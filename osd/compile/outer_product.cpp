@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 namespace espalier::osd {
 namespace {
@@ -175,6 +176,11 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
     return product;
 }
 
+/// A type with more digits than Real. Float has double, which all processors compute with: long
+/// double is emulated on ARM and in WebAssembly, and takes 20 times as long.
+template <class Real>
+using Wider = std::conditional_t<std::is_same_v<Real, float>, double, long double>;
+
 template <class Real>
 bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
                   std::span<Real> factors) {
@@ -182,18 +188,20 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
     // The factors follow from sums of absolute weights over the other two axes. Each weight is
     // rounded. The relative error of a sum is smaller than the relative errors of its weights, if
     // the sum itself is not rounded.
-    using Sums = std::vector<long double>;
-    std::array<Sums, 3> sums = {Sums(n), Sums(m), Sums(l)};
-    long double total = 0, largest = 0;
+    using Wide = Wider<Real>;
+    // The sum of three factors of kMaxProductColumns is largest if two of them are 1.
+    std::array<Wide, kernels::kMaxProductColumns + 2> sums;
+    std::fill_n(sums.begin(), n + m + l, Wide{0});
+    Wide total = 0, largest = 0;
     std::array<Index, 3> atLargest = {};
     const Index* next = product.order.data();
     for (Index k = 0; k < l; ++k)
         for (Index j = 0; j < m; ++j)
             for (Index i = 0; i < n; ++i) {
-                const long double size = std::abs(weights[*next++]);
-                sums[0][i] += size;
-                sums[1][j] += size;
-                sums[2][k] += size;
+                const Wide size = std::abs(weights[*next++]);
+                sums[i] += size;
+                sums[n + j] += size;
+                sums[n + m + k] += size;
                 total += size;
                 if (size > largest) {
                     largest = size;
@@ -202,12 +210,10 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
             }
     // Tiny weights have fewer digits, or are rounded to 0: they may be off by kTiny, which must be
     // far below the largest weight.
-    constexpr long double kTiny = std::numeric_limits<Real>::min();
+    constexpr Wide kTiny = std::numeric_limits<Real>::min();
     if (largest * std::numeric_limits<Real>::epsilon() < kTiny) return false;
-    std::size_t place = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (const long double sum : sums[axis])
-            factors[place++] = static_cast<Real>(axis == 0 ? sum : sum / total);
+    for (Index i = 0; i < n + m + l; ++i)
+        factors[i] = static_cast<Real>(i < n ? sums[i] : sums[i] / total);
     // Signs follow from the three lines through the largest weight. The sign of that weight itself
     // goes to the factor of axis 0.
     const auto isNegative = [&](Index i, Index j, Index k) {
@@ -221,14 +227,13 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
         if (isNegative(i0, j, k0) != isLargestNegative) factors[n + j] *= -1;
     for (Index k = 0; k < l; ++k)
         if (isNegative(i0, j0, k) != isLargestNegative) factors[n + m + k] *= -1;
-    constexpr long double kBound = 3.0L * std::numeric_limits<Real>::epsilon();
+    constexpr Wide kBound = Wide{3} * std::numeric_limits<Real>::epsilon();
     next = product.order.data();
     for (Index k = 0; k < l; ++k)
         for (Index j = 0; j < m; ++j)
             for (Index i = 0; i < n; ++i) {
-                const long double weight = weights[*next++];
-                const long double found =
-                    static_cast<long double>(factors[i]) * factors[n + j] * factors[n + m + k];
+                const Wide weight = weights[*next++];
+                const Wide found = Wide{factors[i]} * factors[n + j] * factors[n + m + k];
                 if (!(std::abs(found - weight) <= kBound * std::abs(weight) + kTiny)) return false;
             }
     return true;

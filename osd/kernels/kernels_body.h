@@ -119,6 +119,16 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
     storeLanes<width>(results, rows, count, from, to);
 }
 
+/// Adds a product to a sum, or begins the sum with it: without fused products, 0 + product would
+/// take an eighth of the time.
+template <int width, class V>
+void addProduct(bool isFirst, const V& factor, const V (&values)[width], V (&sum)[width]) {
+    if (isFirst)
+        for (int d = 0; d < width; ++d) sum[d] = factor * values[d];
+    else
+        for (int d = 0; d < width; ++d) sum[d] += factor * values[d];
+}
+
 /// Does the same for a panel of outer products: sums along axis 0, then sums of these along axis 1,
 /// then along axis 2.
 /// \tparam fixed the size along axis 0, for which the inner loop is unrolled; 0 for any size
@@ -139,17 +149,17 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
         for (Index k = 0; k < l; ++k) {
             V plane[width] = {};
             for (Index j = 0; j < m; ++j) {
-                V line[width] = {};
-                for (Index i = 0; i < n; ++i) {
+                V line[width];
+                for (int d = 0; d < width; ++d) line[d] = at<V>(a) * points[d];
+                points += run.pointStride;
+                for (Index i = 1; i < n; ++i) {
                     const V& factor = at<V>(a + i * lanes);
                     for (int d = 0; d < width; ++d) line[d] += factor * points[d];
                     points += run.pointStride;
                 }
-                const V& factor = at<V>(b + j * lanes);
-                for (int d = 0; d < width; ++d) plane[d] += factor * line[d];
+                addProduct<width>(j == 0, at<V>(b + j * lanes), line, plane);
             }
-            const V& factor = at<V>(c + k * lanes);
-            for (int d = 0; d < width; ++d) all[d] += factor * plane[d];
+            addProduct<width>(k == 0, at<V>(c + k * lanes), plane, all);
         }
         for (int d = 0; d < width; ++d)
             *reinterpret_cast<V*>(results[d] + part * registerSize) = all[d];

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A cage that Blender imports, changes and exports is a pose, and Blender reads models that Espalier
+"""An editor mesh that Blender imports, changes and exports is a pose, and Blender reads models that Espalier
 converts. Skipped if there is no Blender.
 
     blender_test.py PATH_OF_ESPALIER
@@ -16,7 +16,7 @@ import unittest
 import program
 from program import CliTest
 
-# Imports a cage, moves its last vertex by (0.5, 0.25, 0.125), and exports it.
+# Imports an editor mesh, moves its last vertex by (0.5, 0.25, 0.125), and exports it.
 ROUND_TRIP = pathlib.Path(__file__).with_name("blender_round_trip.py")
 # Imports files, and writes their parts as JSON.
 READ = pathlib.Path(__file__).with_name("blender_read.py")
@@ -51,14 +51,14 @@ class Blender(CliTest):
     def test_blender_keeps_the_vertices_and_faces_of_a_cage(self):
         # Cells of several kinds, with faces inside the lattice, of three to six vertices.
         self.run_program("shape", "cylinder", "--sectors", 6, "--layers", 3, "-o", "rest.ovm")
-        self.run_program("refine", "rest.ovm", "-n", 0, "-o", "cage.obj")
+        self.run_program("refine", "rest.ovm", "-n", 0, "-o", "editor.obj")
         rest = self.read_ovm_positions("rest.ovm")
-        self.run_blender(ROUND_TRIP, "cage.obj", "posed.obj")
+        self.run_blender(ROUND_TRIP, "editor.obj", "posed.obj")
         posed = self.read_points("posed.obj")
         expected = [*rest[:-1], tuple(a + b for a, b in zip(rest[-1], (0.5, 0.25, 0.125)))]
         # Blender writes six digits after the decimal point.
         self.assert_close(posed, expected, 1e-6)
-        self.assertEqual(self.text("posed.obj").count("\nf "), self.text("cage.obj").count("\nf "))
+        self.assertEqual(self.text("posed.obj").count("\nf "), self.text("editor.obj").count("\nf "))
         report = self.run_program("check", "posed.obj", "--rest", "rest.ovm").stdout
         self.assertIn("inverted by the pose    0", report)
 

@@ -18,7 +18,9 @@ from program import CliTest, icosphere_points
 # Parts of names of files. None has a slash, or more bytes than a name can have.
 HOSTILE = [b"a\nespalier: forged", b"\x1b[2J\x1b]0;title\x07", b"\r\x08\x7f", "\u0085\u009b2J".encode(),
            b"\x9b2J\x80\x9f", "\u202etxt\u202c\u2066\u2069\u2028\u2029".encode(), b"gr\xf6\xdfe",
-           b"\xc3\x28\xed\xa0\x80\xf4\x90\x80\x80", b"n" * 200]
+           b"\xc3\x28\xed\xa0\x80\xf4\x90\x80\x80"]
+# Every command meets all parts in one name, and a name that is long. One command meets each part alone.
+TOGETHER = [b"+".join(HOSTILE), b"n" * 200]
 LONG = b"/".join([b"x" * 199] * 60)  # of 12,000 bytes
 
 
@@ -84,7 +86,10 @@ class HostileNames(CliTest):
                output + b".html")
 
     def test_paths_in_reports(self):
-        for i, name in enumerate(HOSTILE):
+        for name in HOSTILE:
+            (self.path / os.fsdecode(name + b".vtu")).write_bytes(self.bytes("rest.vtu"))
+            self.succeeds("info", name + b".vtu")
+        for name in TOGETHER:
             lattice, model = name + b".vtu", name + b".obj"
             for source, target in [("rest.vtu", lattice), ("model.obj", model)]:
                 (self.path / os.fsdecode(target)).write_bytes(self.bytes(source))
@@ -93,7 +98,9 @@ class HostileNames(CliTest):
                     self.succeeds(*command)
 
     def test_paths_in_errors(self):
-        for name in [*HOSTILE, LONG]:
+        for name in HOSTILE:
+            self.refused("info", name)
+        for name in [*TOGETHER, LONG]:
             bad = name + b" is not there"
             for command in self.commands(bad + b".vtu", b"model.obj", b"out", b"none.espb"):
                 if bad + b".vtu" in command or b"none.espb" in command:
@@ -107,7 +114,9 @@ class HostileNames(CliTest):
                     self.refused(*command)
 
     def test_words_of_the_command_line(self):
-        for name in [*HOSTILE, LONG]:
+        for name in HOSTILE:
+            self.refused("info", "rest.vtu", "--rules", name)
+        for name in [*TOGETHER, LONG]:
             self.refused(name)
             self.refused("info", b"--" + name)
             self.refused("info", "rest.vtu", name)
@@ -157,7 +166,7 @@ class HostileNames(CliTest):
     def test_names_of_data_that_a_converted_model_lacks(self):
         head = (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                 b"property float z\n")
-        for name in [*HOSTILE, b"x" * 12000]:
+        for name in [*TOGETHER, b"x" * 12000]:
             word = b"".join(name.split())
             (self.path / "model.ply").write_bytes(
                 head + b"".join(b"property float %s%d\n" % (word, i) for i in range(9)) +
@@ -171,9 +180,7 @@ class HostileNames(CliTest):
             self.assertLess(len(text), 1000)
 
     def test_words_of_files(self):
-        hostile = [name.replace(b"\n", b"").replace(b"\r", b"").replace(b" ", b"")
-                   for name in HOSTILE]
-        for word in [*hostile, b"x" * 12000]:
+        for word in [b"".join(TOGETHER[0].split()), b"x" * 12000]:
             samples = {
                 "w.obj": b"v 0 0 " + word + b"\n",
                 "tag.obj": b"v 0 0 0\nf 1 1 1\nt crease " + word + b"\n",

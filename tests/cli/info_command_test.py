@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`espalier info` of models, and the size of lattices.
+"""`espalier info` of models and lattices.
 
     info_command_test.py PATH_OF_ESPALIER
 """
@@ -21,7 +21,7 @@ TWO = """v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 1\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 6\
 f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n"""
 
 
-class Info(CliTest):
+class ModelInfo(CliTest):
     def test_the_surface_of_a_model_is_described(self):
         self.put("two.obj", TWO)
         report = self.info("two.obj")
@@ -115,6 +115,58 @@ class Info(CliTest):
                 report = self.info(MODELS / name)
                 self.assertEqual(tuple(report[key] for key in
                                        ("points", "faces", "components", "closed")), counts)
+
+
+class LatticeInfo(CliTest):
+    def test_counts_strata_and_types(self):
+        self.run_program("shape", "bipyramid", "--sides", 5, "-o", "b.ovm")
+        report = self.info("b.ovm", "-n", 2)
+        types = [level["cell_types"] for level in report["levels"]]
+        # There are two apexes of valence 5 and five vertices of valence 4 around the middle. The number
+        # of cells of each type doubles at each level.
+        self.assertEqual(types, [{"4": 5, "5": 2}, {"4": 5, "5": 2},
+                                 {"3": 5 * 8 + 2 * 10, "4": 10, "5": 4}])
+        self.assertEqual(report["levels"][0]["strata"]["vertices"]["corner"], 7)
+        self.assertIn("type-5: 4", self.run_program("info", "b.ovm", "-n", 2).stdout)
+
+    def test_interior_edges_of_two_faces_are_reported(self):
+        # A folded wall cuts a box in two. The edge of the fold, from vertex 5 to 12, lies in the two halves
+        # of the wall only.
+        plan = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (1.3, 1), (1, 2)]
+        points = [(x, y, z) for z in (0, 1) for x, y in plan]
+        cells = []
+        for outline in [[0, 4, 5, 6, 3], [4, 1, 2, 6, 5]]:
+            cells.append([outline, [v + 7 for v in outline]] +
+                         [[a, b, b + 7, a + 7] for a, b in zip(outline, outline[1:] + outline[:1])])
+        self.write_polyhedra(points, cells, "folded.vtk")
+        self.assertEqual(self.info("folded.vtk", "-n", 1)["interior_edges_of_two_faces"], 1)
+        self.assertIn("negative weight", self.run_program("info", "folded.vtk").stdout)
+        for rules in ["cse96", "mlca"]:
+            text = self.run_program("info", "folded.vtk", "--rules", rules).stdout
+            self.assertNotIn("negative weight", text)
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "b.ovm")
+        self.assertEqual(self.info("b.ovm", "-n", 0)["interior_edges_of_two_faces"], 0)
+
+    def write_polyhedra(self, points, cells, name):
+        streams = []
+        for faces in cells:
+            stream = [len(faces)] + [n for face in faces for n in [len(face)] + face]
+            streams.append([len(stream)] + stream)
+        lines = ["# vtk DataFile Version 3.0", "polyhedra", "ASCII",
+                 "DATASET UNSTRUCTURED_GRID", f"POINTS {len(points)} double"]
+        lines += [" ".join(map(str, point)) for point in points]
+        lines += [f"CELLS {len(cells)} {sum(map(len, streams))}"]
+        lines += [" ".join(map(str, stream)) for stream in streams]
+        lines += [f"CELL_TYPES {len(cells)}"] + ["42"] * len(cells)
+        self.put(name, "\n".join(lines) + "\n")
+
+    def test_rules_and_boundary_are_heard(self):
+        self.run_program("shape", "cylinder", "--sectors", 6, "-o", "c.ovm")
+        sharp = self.info("c.ovm", "-n", 0)["levels"][0]["strata"]["edges"]["sharp"]
+        literal = self.info("c.ovm", "-n", 0, "--sharp-edges", "literal")
+        self.assertEqual(sharp, 12)
+        self.assertEqual(literal["levels"][0]["strata"]["edges"]["sharp"], 18)
+        self.assertIn("c.ovm", self.error_of("info", "c.ovm", "--boundary", "open"))
 
 
 if __name__ == "__main__":

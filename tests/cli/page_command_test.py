@@ -27,7 +27,7 @@ class Page(CliTest):
         self.write_model(icosphere_points(20))
         self.run_program("shape", "box", "-o", "rest.vtu")
         self.run_program("pose", "rest.vtu", "--move", 0, 0, 1, "-o", "pose.vtu")
-        self.run_program("refine", "pose.vtu", "-n", 0, "-o", "cage.obj")
+        self.run_program("refine", "pose.vtu", "-n", 0, "-o", "editor.obj")
 
     def page(self, *options, empty="empty.html", output="page.html"):
         """Returns the JSON that the page holds."""
@@ -48,11 +48,11 @@ class Page(CliTest):
         self.assertEqual((files["version"], files["poses"]), (1, []))
         self.assertEqual(files["options"], {"level": 3, "limit": False})
         self.assert_holds(files["model"], "model.obj")
-        files = self.page("model.obj", "--rest", "rest.vtu", "--to", "pose.vtu", "cage.obj", "-n", 2)
+        files = self.page("model.obj", "--rest", "rest.vtu", "--to", "pose.vtu", "editor.obj", "-n", 2)
         self.assert_holds(files["model"], "model.obj")
         self.assert_holds(files["rest"], "rest.vtu")
         self.assert_holds(files["poses"][0], "pose.vtu")
-        self.assert_holds(files["poses"][1], "cage.obj")
+        self.assert_holds(files["poses"][1], "editor.obj")
         self.assertEqual(files["options"], {"level": 2, "limit": False})
         self.assertEqual(self.page("model.obj", "--limit")["options"]["limit"], True)
 
@@ -100,7 +100,7 @@ class Page(CliTest):
         self.refused("broken.obj:1", "broken.obj")
         self.refused("--rest", "model.obj", "--to", "pose.vtu", code=2)
         self.refused("--limit", "model.obj", "--limit", "-n", 2, code=2)
-        self.refused("a page opens files that end in .ovm, .vtu, .vtk", "model.obj", "--rest", "cage.obj")
+        self.refused("a page opens files that end in .ovm, .vtu, .vtk", "model.obj", "--rest", "editor.obj")
         self.run_program("shape", "star", "-o", "star.vtu")
         self.refused("is not a pose of rest.vtu", "model.obj", "--rest", "rest.vtu", "--to", "star.vtu")
         os.mkdir(self.path / "case.obj")

@@ -110,8 +110,8 @@ TEST_F(CMemory, Poses) {
     const auto own = makeLattice();
     const auto refiner = makeRefiner(own.get());
     const auto bound = makeBinding(refiner.get());
-    const std::string cage = (folder / "cage.obj").string();
-    check(espalier_lattice_write_cage(own.get(), cage.c_str()));
+    const std::string mesh = (folder / "editor.obj").string();
+    check(espalier_lattice_write_editor_mesh(own.get(), mesh.c_str()));
     const double axis[] = {0, 0, 1};
     test::failEachAllocation([&] {
         std::vector<double> weights(8), pose(24);
@@ -120,13 +120,13 @@ TEST_F(CMemory, Poses) {
         auto options = espalier_default_pose_options();
         options.weights = weights.data();
         check(espalier_pose_twist(8, kCorners.data(), axis, 0.5, &options, pose.data()));
-        check(espalier_lattice_write_cage(own.get(), cage.c_str()));
+        check(espalier_lattice_write_editor_mesh(own.get(), mesh.c_str()));
         return pose;
     });
     test::failEachAllocation([&] {
         std::vector<double> pose(24);
-        check(espalier_lattice_read_pose(own.get(), cage.c_str(), 8, pose.data()));
-        check(espalier_binding_read_pose(bound.get(), cage.c_str(), 8, pose.data()));
+        check(espalier_lattice_read_pose(own.get(), mesh.c_str(), 8, pose.data()));
+        check(espalier_binding_read_pose(bound.get(), mesh.c_str(), 8, pose.data()));
         return pose;
     });
 }

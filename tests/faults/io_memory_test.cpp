@@ -118,10 +118,10 @@ TEST_F(IoMemory, Models) {
     }
 }
 
-TEST_F(IoMemory, Cages) {
+TEST_F(IoMemory, EditorMeshes) {
     const Lattice rest = test::rowOfCells(2);
-    for (const char* name : {"cage.obj", "cage.ply"}) {
-        io::writeCage(folder / name, rest);
+    for (const char* name : {"editor.obj", "editor.ply"}) {
+        io::writeEditorMesh(folder / name, rest);
         failEachAllocation([&] { return io::readPose(folder / name, rest); });
     }
 }

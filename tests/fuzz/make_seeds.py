@@ -43,10 +43,10 @@ def lattices(espalier, folder):
             put(kind, name, path.read_bytes())
     put("vtu_model", "box", (folder / "box.vtu").read_bytes())
     for kind in ("obj", "ply"):
-        cage = folder / f"cage.{kind}"
-        subprocess.run([espalier, "refine", folder / "box.vtu", "-n", "0", "-o", cage], check=True,
+        mesh = folder / f"editor.{kind}"
+        subprocess.run([espalier, "refine", folder / "box.vtu", "-n", "0", "-o", mesh], check=True,
                        stdout=subprocess.DEVNULL)
-        put("cage", kind, cage.read_bytes())
+        put("editor_mesh", kind, mesh.read_bytes())
     # A surface with normals, in the formats of VTK.
     model = folder / "model.obj"
     model.write_text("v 0 0 0\nv 1 0.25 0\nv 0.5 0.125 0\nv 0 1 0\nvn 0 0 1\n"

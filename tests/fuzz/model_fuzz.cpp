@@ -107,8 +107,8 @@ void runModel(const std::string& name, std::string_view bytes) {
         if (extension != model.extension()) requireConverted(model, *surface, "b" + extension);
 }
 
-/// Requires that a cage is refused as a pose, or gives a position for each vertex.
-void runCage(std::string_view bytes) {
+/// Requires that an editor mesh is refused as a pose, or gives a position for each vertex.
+void runEditorMesh(std::string_view bytes) {
     static const Lattice rest = shapes::box({.cells = {2, 1, 1}});
     static const test::TemporaryFolder folder;
     const auto path = folder / (bytes.starts_with("ply") ? "a.ply" : "a.obj");
@@ -143,7 +143,7 @@ const Target kStl("stl", [](std::string_view bytes) { runModel("a.stl", bytes); 
 const Target kVtuModel("vtu_model", [](std::string_view bytes) { runMesh("a.vtu", bytes); });
 const Target kVtp("vtp", [](std::string_view bytes) { runModel("a.vtp", bytes); });
 const Target kVtkModel("vtk_model", [](std::string_view bytes) { runModel("a.vtk", bytes); });
-const Target kCage("cage", runCage);
+const Target kEditorMesh("editor_mesh", runEditorMesh);
 const Target kSu2("su2", [](std::string_view bytes) { runMesh("a.su2", bytes); });
 const Target kGmsh("msh", [](std::string_view bytes) { runMesh("a.msh", bytes); });
 const Target kMedit("mesh", [](std::string_view bytes) { runMesh("a.mesh", bytes); });

@@ -72,6 +72,9 @@ class BlenderAddOn(CliTest):
     def test_undo(self):
         self.blender("undo")
 
+    def test_names_do_not_matter(self):
+        self.blender("renamed")
+
     def test_cells_survive_editing(self):
         self.blender("edit")
 

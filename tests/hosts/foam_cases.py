@@ -145,18 +145,26 @@ def checked(case, *options):
     output = run(case, "checkMesh", *options)
     found = []
     for part in re.split(r"^Time = ", output, flags=re.M)[1:]:
-        def number(pattern, default=0.0):
+        def number(pattern, none=None):
+            """Returns the number that the pattern finds; 0 if checkMesh printed the text `none` instead."""
             match = re.search(pattern, part)
-            return float(match.group(1)) if match else default
+            if match:
+                return float(match.group(1))
+            if none is not None and none in part:
+                return 0.0
+            raise ValueError(f"checkMesh printed neither {pattern!r} nor {none!r}:\n{part}")
+
         found.append({
             "time": part.split("\n", 1)[0],
-            "negative_volumes": int(number(r"Number of negative volume cells: (\d+)")),
+            "negative_volumes": int(number(r"Number of negative volume cells: (\d+)", "Cell volumes OK.")),
             "smallest_volume": number(r"[Mm]in(?:imum negative)? volume(?: =|:) (\S+?)[.,]?\s"),
-            "wrong_pyramids": int(number(r"Error in face pyramids: (\d+) faces")),
+            "wrong_pyramids": int(number(r"Error in face pyramids: (\d+) faces", "Face pyramids OK.")),
             "non_orthogonality": number(r"non-orthogonality Max: (\S+)"),
             "mean_non_orthogonality": number(r"non-orthogonality Max: \S+ average: (\S+)"),
-            "severe": int(number(r"severely non-orthogonal \(> 70 degrees\) faces: (\d+)")),
-            "orthogonality_errors": int(number(r"Number of non-orthogonality errors: (\d+)")),
+            # This line is left out if there is no such face.
+            "severe": int(number(r"severely non-orthogonal \(> 70 degrees\) faces: (\d+)", "non-orthogonality Max")),
+            "orthogonality_errors": int(number(r"Number of non-orthogonality errors: (\d+)",
+                                               "Non-orthogonality check OK.")),
             "skewness": number(r"Max skewness = ([^\s,]+)"),
             "is_good": "Mesh OK." in part,
             "text": part,

@@ -129,8 +129,8 @@ inline std::vector<Writer> everyWriter(int size) {
     const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));
     for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
         writers.push_back({name, [=](const auto& path) { io::writeLattice(path, *lattice); }});
-    for (const std::string cage : {"cage.obj", "cage.ply"})
-        writers.push_back({cage, [=](const auto& path) { io::writeCage(path, *lattice); }});
+    for (const std::string mesh : {"editor.obj", "editor.ply"})
+        writers.push_back({mesh, [=](const auto& path) { io::writeEditorMesh(path, *lattice); }});
     const std::shared_ptr<const io::Model> stl = io::readModel("a.stl", modelText(".stl", size));
     const std::shared_ptr<const io::Model> obj =
         io::readModel("a.obj", modelText(".obj", size) + facesOfObj(size));

@@ -77,6 +77,19 @@ TEST(Su2, ElementsOfUnknownTypesAreCounted) {
                    readSu2("a.su2", text));
 }
 
+// Meshes of one of several processes, as SU2 4 and before wrote them: the marker has one more line,
+// and its elements end with a number of a transformation.
+TEST(Su2, MarkersOfSharedPointsAreVertices) {
+    std::string text = kPlane;
+    text.replace(text.find("NMARK= 1"), 8, "NMARK= 2");
+    text += "MARKER_TAG= SEND_RECEIVE\nMARKER_ELEMS= 2\nSEND_RECV= 1\n1 3 0\n1 4 0\n";
+    EXPECT_REFUSED(far::TopologyError, "the file has 2 vertex cells, 1 lines and 2 surface cells",
+                   readSu2("a.su2", text));
+    EXPECT_EQ(
+        written(*readSu2Model("a.su2", text), copyOf(readSu2Model("a.su2", text)->positions())),
+        text);
+}
+
 TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
     const auto replaced = [](const std::string& before, const std::string& after) {
         std::string text = kPlane;

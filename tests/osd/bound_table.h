@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "support/refined_lattice.h"
+#include "support/sanitizers.h"
 #include "support/zoo.h"
 
 namespace espalier::test {
 
-/// Returns D of random points in a lattice: a few thousand by default, so that most rows are in
-/// groups.
+/// Returns D of random points in a lattice: by default so many that most rows are in groups.
 template <class Real>
-StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000,
-                              int level = 3) {
+StencilTable<Real> boundTable(const Lattice& lattice,
+                              std::size_t pointCount = kIsSlow ? 1500 : 4000, int level = 3) {
     const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
     const auto bound =
         embed::bindPoints({base, lattice.positions},

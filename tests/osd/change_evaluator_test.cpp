@@ -110,7 +110,7 @@ TYPED_TEST(ChangeEvaluatorTest, EqualsAWholeEvaluationOnTheZoo) {
 // Covers outer products, panels (also with zeros for columns that a row lacks), rows with their own
 // columns, and all kernels.
 TYPED_TEST(ChangeEvaluatorTest, EqualsAWholeEvaluationForEachFormOfRows) {
-    const auto box = boundTable<TypeParam>(shapes::box({.cells = {5, 4, 4}}), 2000);
+    const auto box = boundTable<TypeParam>(shapes::box({.cells = {5, 4, 4}}));
     const auto cylinder = boundTable<TypeParam>(shapes::cylinder({.sectors = 5}), 1000);
     const Lattice torus = surfaceOf(shapes::torus());
     TopologyRefiner refiner = refined(torus.complex, 3);
@@ -134,7 +134,7 @@ TYPED_TEST(ChangeEvaluatorTest, LongRows) {
 }
 
 TYPED_TEST(ChangeEvaluatorTest, DoesNotDependOnThreads) {
-    const auto table = boundTable<TypeParam>(shapes::box({.cells = {4, 4, 4}}), 3000);
+    const auto table = boundTable<TypeParam>(shapes::box({.cells = {4, 4, 4}}));
     for (const int threads : {1, 2, 8})
         withThreads(threads, [&] { expectSame(table, CompiledTable<TypeParam>(table), 3); });
 }

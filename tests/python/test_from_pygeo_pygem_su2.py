@@ -68,6 +68,32 @@ def test_a_child_turns_with_its_parent():
     np.testing.assert_allclose(moved, (points + (0.25, 0, 0))[:, [1, 0, 2]] * (-1, 1, 1), atol=1e-12)
 
 
+def test_the_move_of_a_vertex_turns_with_its_section():
+    """pyGeo 136: the twist of a section turns the moves of its vertices, and the scale of the chord stretches them."""
+    rest = espalier.shapes.box(cells=(2, 1, 2), min=(-1, -0.5, 0), max=(1, 0.5, 3))
+    values = espalier.SectionVariables(rest.positions, [0.0, 1.5, 3.0]).at_rest
+    twist, chord = np.pi / 3, 1.5
+    values[10:12] = twist, chord  # the last section
+    vertex = int(np.argmin(np.linalg.norm(rest.positions - (1, 0.5, 3), axis=1)))
+    unmoved = espalier.SectionVariables(rest.positions, [0.0, 1.5, 3.0]).positions(values)
+
+    shaped = rest.positions.copy()
+    shaped[vertex] += (0, 0.2, 0)
+    pose = espalier.SectionVariables(shaped, [0.0, 1.5, 3.0]).positions(values)
+
+    # Coordinates are below 4 in size, so that a difference of two is wrong by at most 2e-15.
+    np.testing.assert_allclose(pose[vertex] - unmoved[vertex], (-0.2 * np.sin(twist), 0.2 * np.cos(twist), 0),
+                               rtol=0, atol=2e-15)
+    others = np.delete(np.arange(len(pose)), vertex)
+    np.testing.assert_array_equal(pose[others], unmoved[others])
+    # A move along the chord is scaled, too.
+    shaped = rest.positions.copy()
+    shaped[vertex] += (0.1, 0, 0)
+    pose = espalier.SectionVariables(shaped, [0.0, 1.5, 3.0]).positions(values)
+    np.testing.assert_allclose(pose[vertex] - unmoved[vertex],
+                               0.1 * chord * np.array([np.cos(twist), np.sin(twist), 0]), rtol=0, atol=2e-15)
+
+
 def test_points_have_a_status_and_one_tolerance(tmp_path):
     """pyGeo 158: a point is placed, outside, or could not be placed; the only tolerance is relative to the lattice."""
     lattice = espalier.shapes.cylinder(sectors=8, layers=2, radius=10, end=(0, 0, 40))
@@ -194,7 +220,7 @@ def test_a_lattice_is_written_for_viewers(tmp_path, suffix):
     lattice = espalier.shapes.torus(segments=6)
     lattice.write(tmp_path / ("a" + suffix))
     assert espalier.read(tmp_path / ("a" + suffix)).topology_difference(lattice) is None
-    lattice.write_cage(tmp_path / "a.obj")
+    lattice.write_editor_mesh(tmp_path / "a.obj")
     np.testing.assert_array_equal(espalier.read_pose(tmp_path / "a.obj", lattice), lattice.positions)
 
 

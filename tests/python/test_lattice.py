@@ -351,11 +351,11 @@ def test_what_a_lattice_looks_like():
         "<espalier.Lattice: 8 vertices, 12 edges, 6 faces, 1 cells>")
 
 
-@pytest.mark.parametrize("name", ["cage.obj", "cage.ply", "pose.vtu"])
+@pytest.mark.parametrize("name", ["editor.obj", "editor.ply", "pose.vtu"])
 def test_poses_are_read_from_cages_and_lattices(tmp_path, name):
     box = espalier.shapes.box(cells=(2, 1, 1))
     posed = box.with_positions(box.positions * (1, 2, 1 / 3))
-    (posed.write if name.endswith("vtu") else posed.write_cage)(tmp_path / name)
+    (posed.write if name.endswith("vtu") else posed.write_editor_mesh)(tmp_path / name)
     positions = espalier.read_pose(tmp_path / name, box)
     assert positions.dtype == np.float64
     np.testing.assert_array_equal(positions, posed.positions)

@@ -4,6 +4,7 @@
 #include <espalier/shapes/inventory.h>
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "polynomials.h"
 #include "solve/bernstein.h"
@@ -43,6 +44,26 @@ TEST(Bernstein, DeterminantEqualsTheTrilinearJacobian) {
             EXPECT_NEAR(valueAt(polynomial, 0, uvw), cell.map.jacobian(uvw).determinant(),
                         determinantFloor(cell.piece.size));
         });
+    }
+}
+
+// Sizes of 60 orders of magnitude, with uncertainties from far below to far above the lengths.
+TEST(ValidityPieces, LargestFloorIsAboveAllFloors) {
+    const auto values = randomValues(16 * 2000, 7);
+    for (std::size_t i = 0; i < values.size(); i += 16) {
+        PieceSize first, last;
+        const double scale = std::pow(10.0, 30 * values[i]);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            first.lengths[axis] = scale * std::pow(10.0, 2 * values[i + 1 + axis]);
+            last.lengths[axis] = scale * std::pow(10.0, 2 * values[i + 4 + axis]);
+        }
+        first.uncertainty = scale * std::pow(10.0, 10 * values[i + 7] - 8);
+        last.uncertainty = scale * std::pow(10.0, 10 * values[i + 8] - 8);
+        for (const double floor : determinantFloor(first, last))
+            EXPECT_GE(largestFloor(first, last), floor) << i;
+        // Equal sizes are the closest case.
+        for (const double floor : determinantFloor(first, first))
+            EXPECT_GE(largestFloor(first, first), floor) << i;
     }
 }
 

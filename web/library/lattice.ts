@@ -158,15 +158,15 @@ export class Lattice extends Handle {
   }
 
   /** The mesh of all faces of the lattice, for mesh editors: ".obj" or ".ply". */
-  writeCage(extension: string): Uint8Array {
+  writeEditorMesh(extension: string): Uint8Array {
     return this.library.file(extension, (path) =>
       this.library.scoped((scope) =>
-        this.library.call("espalier_lattice_write_cage", this.address, scope.text(path)),
+        this.library.call("espalier_lattice_write_editor_mesh", this.address, scope.text(path)),
       ),
     );
   }
 
-  /** Reads a pose of this lattice: a lattice with the same cells, or a cage (.obj, .ply). */
+  /** Reads a pose of this lattice: a lattice with the same cells, or an editor mesh (.obj, .ply). */
   readPose(name: string, bytes: Uint8Array): Float64Array {
     const count = this.counts()[0];
     return this.library.withFile(name, bytes, (path) =>

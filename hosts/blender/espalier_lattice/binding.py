@@ -34,6 +34,7 @@ class Bound:
         espalier = engine.load()
         settings = object.espalier
         lattice_mesh = settings.lattice
+        self.source = source_of(object)
         self.rest = np.array(object[REST], dtype=np.float64).reshape(-1, 3)
         self.points = rest_points(object)
         self.seen = mesh_points(object)  # the points of the mesh when they were last known to be the rest
@@ -58,7 +59,7 @@ class Bound:
         return self.moved
 
 
-_bound = {}  # by the name of the object
+_bound = {}  # by the name of the object; bound_of() checks that it is still the binding of this object
 _is_updating = False
 problems = {}  # name of an object: why it does not follow its lattice
 
@@ -157,12 +158,19 @@ def give_own_action(keys):
         data.action = data.action.copy()
 
 
+def source_of(object):
+    """Returns all that a Bound depends on, as a value to compare. Undo changes it, and so does a new name."""
+    settings = object.espalier
+    return (bytes(memoryview(object[REST])), object[POINTS], object[TOPOLOGY], settings.level, settings.use_limit,
+            settings.outside, settings.rules)
+
+
 def bound_of(object):
     """Returns the Bound of an object, which is made if there is none."""
     check_not_shared(object)
     check_unchanged(object)
     found = _bound.get(object.name_full)
-    if found is None:
+    if found is None or found.source != source_of(object):
         found = _bound[object.name_full] = Bound(object)
     return found
 

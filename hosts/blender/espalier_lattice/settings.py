@@ -10,7 +10,6 @@ def _rebind_is_needed(self, context):
     """Settings that change the binding hold from the next update on."""
     from . import binding
     object = self.id_data
-    binding.forget(object)
     if binding.is_bound(object):
         binding.update(object, context.evaluated_depsgraph_get())
 

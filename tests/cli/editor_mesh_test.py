@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Poses from mesh editors: `refine` writes a cage as .obj or .ply, and `--to` reads it.
+"""Poses from mesh editors: `refine` writes an editor mesh as .obj or .ply, and `--to` reads it.
 
-    cage_test.py PATH_OF_ESPALIER
+    editor_mesh_test.py PATH_OF_ESPALIER
 """
 
 import sys
@@ -12,7 +12,7 @@ import program
 from program import CliTest, icosphere_points
 
 
-class Cage(CliTest):
+class EditorMesh(CliTest):
     def setUp(self):
         super().setUp()
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.ovm")
@@ -20,23 +20,23 @@ class Cage(CliTest):
     def refine(self, output, level=0):
         return self.run_program("refine", "rest.ovm", "-n", level, "-o", output).stdout
 
-    def move_corner(self, cage):
-        """Moves the corner (1, 1, 1) of a cage to (2, 2, 2), and writes the pose as pose.ovm too."""
-        mark = "v " if cage.endswith(".obj") else "\n"
-        text = self.text(cage)
+    def move_corner(self, mesh):
+        """Moves the corner (1, 1, 1) of an editor mesh to (2, 2, 2), and writes the pose as pose.ovm too."""
+        mark = "v " if mesh.endswith(".obj") else "\n"
+        text = self.text(mesh)
         self.assertEqual(text.count(mark + "1 1 1\n"), 1)
-        self.put(cage, text.replace(mark + "1 1 1\n", mark + "2 2 2\n"))
+        self.put(mesh, text.replace(mark + "1 1 1\n", mark + "2 2 2\n"))
         self.write_pose("pose.ovm", "rest.ovm", lambda p: (2, 2, 2) if p == (1, 1, 1) else p)
 
     def test_a_cage_has_all_vertices_and_faces_of_a_level(self):
-        self.assertEqual(self.refine("cage.obj"), "cage.obj: level 0, 27 vertices, 8 cells\n")
-        self.assertEqual(self.read_points("cage.obj"), self.read_ovm_positions("rest.ovm"))
-        self.assertEqual(self.text("cage.obj").count("\nf "), 36)
+        self.assertEqual(self.refine("editor.obj"), "editor.obj: level 0, 27 vertices, 8 cells\n")
+        self.assertEqual(self.read_points("editor.obj"), self.read_ovm_positions("rest.ovm"))
+        self.assertEqual(self.text("editor.obj").count("\nf "), 36)
         self.refine("level.ovm", level=1)
-        for name, level in (("cage.ply", 0), ("level.obj", 1), ("level.PLY", 1)):
+        for name, level in (("editor.ply", 0), ("level.obj", 1), ("level.PLY", 1)):
             self.refine(name, level)
-        self.assertIn("element vertex 27\n", self.text("cage.ply"))
-        self.assertIn("element face 36\n", self.text("cage.ply"))
+        self.assertIn("element vertex 27\n", self.text("editor.ply"))
+        self.assertIn("element face 36\n", self.text("editor.ply"))
         self.assertEqual(self.read_points("level.obj"), self.read_ovm_positions("level.ovm"))
         self.assertEqual(self.text("level.obj").count("\nf "), 240)
         self.assertIn("element face 240\n", self.text("level.PLY"))
@@ -44,17 +44,17 @@ class Cage(CliTest):
     def test_deform_apply_and_check_read_cages_as_they_read_lattices(self):
         self.write_model(icosphere_points(30))
         self.bind("model.obj", "rest.ovm", out="model.espb")
-        for cage in ("cage.obj", "cage.ply"):
-            self.refine(cage)
-            self.move_corner(cage)
+        for mesh in ("editor.obj", "editor.ply"):
+            self.refine(mesh)
+            self.move_corner(mesh)
             expected = self.deform("model.obj", "rest.ovm", "pose.ovm", out="expected.obj")
-            self.deform("model.obj", "rest.ovm", cage, out="moved.obj")
-            self.run_program("apply", "model.espb", "--to", cage, "-o", "applied.obj")
+            self.deform("model.obj", "rest.ovm", mesh, out="moved.obj")
+            self.run_program("apply", "model.espb", "--to", mesh, "-o", "applied.obj")
             self.assertNotEqual(self.bytes("moved.obj"), self.bytes("model.obj"))
             for name in ("moved.obj", "applied.obj"):
-                self.assertEqual(self.bytes(name), self.bytes("expected.obj"), cage)
+                self.assertEqual(self.bytes(name), self.bytes("expected.obj"), mesh)
             reports = [self.run_program("check", pose, "--rest", "rest.ovm").stdout
-                       for pose in (cage, "pose.ovm")]
+                       for pose in (mesh, "pose.ovm")]
             self.assertEqual(*reports)
 
     def test_a_cage_of_another_lattice_is_refused(self):
@@ -73,17 +73,17 @@ class Cage(CliTest):
             "has 18 points")
 
     def test_triangles_are_refused_with_the_reason(self):
-        self.refine("cage.obj")
+        self.refine("editor.obj")
         lines = []
-        for line in self.text("cage.obj").splitlines():
+        for line in self.text("editor.obj").splitlines():
             words = line.split()
             lines += [line] if words[0] == "v" else [f"f {words[1]} {words[i]} {words[i + 1]}"
                                                      for i in range(2, len(words) - 1)]
-        self.put("cage.obj", "\n".join(lines) + "\n")
+        self.put("editor.obj", "\n".join(lines) + "\n")
         self.write_model(icosphere_points(30))
         self.bind("model.obj", "rest.ovm", out="model.espb")
-        for command in (["check", "cage.obj", "--rest", "rest.ovm"],
-                        ["apply", "model.espb", "--to", "cage.obj", "-o", "out.obj"]):
+        for command in (["check", "editor.obj", "--rest", "rest.ovm"],
+                        ["apply", "model.espb", "--to", "editor.obj", "-o", "out.obj"]):
             self.assertRegex(
                 self.error_of(*command),
                 "is a part of face 0 of the lattice, .* Export the mesh without splitting faces "
@@ -91,8 +91,8 @@ class Cage(CliTest):
 
     def test_a_model_deforms_by_a_cage_with_faces_of_any_direction(self):
         """Editors may begin a face at another vertex, turn it around, or leave faces out."""
-        self.refine("cage.obj")
-        lines = self.text("cage.obj").splitlines()
+        self.refine("editor.obj")
+        lines = self.text("editor.obj").splitlines()
         faces = [line.split()[1:] for line in lines if line.startswith("f ")]
         turned = ["f " + " ".join(reversed(face[1:] + face[:1])) for face in faces[:-3]]
         self.put("turned.obj", "\n".join([l for l in lines if l.startswith("v ")] + turned) + "\n")
