@@ -362,7 +362,7 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
             const Index g = tried[t];
             const PointGroups::Group& group = groups[g];
             Uncovered& worst = ofGroups[t];
-            worst = {g, group.first, -1, -1, 1};
+            worst = {g, group.first, -1, std::nullopt, 1};
             const Point3 middle = scaled(sum(group.low, group.high), 0.5);
             const Point3 half = scaled(difference(group.high, group.low), 0.5);
             near.clear();
@@ -382,22 +382,21 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
             for (Index i = group.first; i < end; ++i) {
                 const Point3& point = points.points()[i];
                 double depth = -1;
-                Index deepest = -1;
+                std::optional<Index> deepest;
                 for (const Index face : near) {
                     if (!boxes[face].isNear(point, margin)) continue;
                     const double here =
                         dot(boxes[face].axes[2], point) - boxes[face].low[2] + margin;
                     if (here <= depth) continue;
                     depth = here;
-                    deepest = face;
+                    deepest = surface.cells[face];
                 }
                 int turns = 1;
                 if (depth < 0) {
                     turns = winding.around(point);
                     if (turns != 1) depth = 0.5 * grid.size;
                 }
-                if (depth > worst.depth)
-                    worst = {g, i, depth, deepest < 0 ? -1 : surface.cells[deepest], turns};
+                if (depth > worst.depth) worst = {g, i, depth, deepest, turns};
                 if (namesOnly && worst.depth >= 0) break;
             }
         }

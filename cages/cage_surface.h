@@ -65,10 +65,10 @@ private:
 /// A group of points that is not proved to be inside.
 struct Uncovered {
     Index group = 0;
-    Index point = 0;   ///< the worst point
-    double depth = 0;  ///< how much further inside the point must be, about
-    Index cell = -1;   ///< of the lattice, if a box around one of its faces contains the point
-    int winding = 1;   ///< how often the surface winds around the point, if no box contains it
+    Index point = 0;                 ///< the worst point
+    double depth = 0;                ///< how much further inside the point must be, about
+    std::optional<Index> cell = {};  ///< of the lattice, if a box around one of its faces holds it
+    int winding = 1;  ///< how often the surface winds around the point, if no box contains it
 };
 
 /// Proves that points are inside a surface.

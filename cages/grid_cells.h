@@ -7,9 +7,9 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <vector>
 
+#include "cube_parts.h"
 #include "model_voxels.h"
 
 namespace espalier::cages {
@@ -50,63 +50,29 @@ public:
 
     /// A place where two parts of the model run side by side for more than one cell and are joined
     /// all the same.
-    const std::optional<Point3>& joined() const { return joined_; }
+    const std::optional<Point3>& joined() const { return parts_.joined(); }
 
     /// Returns the lattice. Cells and vertices are numbered by layers.
     Lattice build() const;
 
-    /// Returns the cell for a point of the model.
-    Index cellOf(const Point3& point) const;
+    /// Returns the cell for a point of the model; none for a point far from it.
+    std::optional<Index> cellOf(const Point3& point) const;
 
 private:
-    using Cube = std::array<Index, 3>;
-    struct Contact {
-        Index to = 0;
-        Index direction = 0;  ///< axis · 2 + 1 for the higher side
-        Index count = 0;      ///< of pairs of voxels
-    };
-    struct Part {
-        Cube cube;
-        std::vector<Index> voxels;
-        std::vector<Contact> contacts;
-        bool isUsed = true;
-        bool isAdded = false;
-        int joins = 0;
-    };
-
-    void findParts();
-    void findContacts();
-    bool joinConflicts();
-    void resolveConflict(Index part, Index direction);
     void leaveOut(double reach);
+    bool joinConflicts(double reach);
+    void resolveConflict(Index part, Index direction, double reach);
+    void numberVertices();
     bool repair();
-    void addPart(const Cube& low, std::span<const Index> members);
-    void countVertices();
+    bool closeDoubleFaces();
+    bool repairVertices();
 
-    Index numberOf(const Cube& cube) const;
-    std::array<Index, 3> placeOf(Index voxel) const;
-    bool areNear(const Part& a, const Part& b) const;
-    void joinParts(Index kept, Index other, int joins);
-    void addContact(Index part, const Contact& contact);
-    Index neighbour(Index part, Index direction) const;
-    int sharedFaces(Index part) const;
-    bool isClosedAround(Index part, Index first, Index second) const;
-    bool isRemovable(Index part) const;
-    double depthOf(Index part) const;
-    double distanceToFace(const Cube& cube, Index direction, Index voxel) const;
-    void leaveOutPart(Index part);
-
-    const ModelVoxels& voxels_;
-    GridCellOptions options_;
-    std::array<Index, 3> counts_;  ///< of the cubes
-    std::vector<Part> parts_;
-    std::vector<Index> partOf_;                  ///< per voxel; −1 if it is not used
+    CubeParts parts_;
     std::vector<std::array<Index, 8>> corners_;  ///< per part: vertices
     std::vector<Index> order_;                   ///< of the parts that are cells
-    std::vector<Index> cellOfPart_;
+    std::vector<std::optional<Index>> cellOfPart_;
     Index cellCount_ = 0, vertexCount_ = 0;
     bool isManifold_ = false;
-    std::optional<Point3> joined_;
 };
 
 }  // namespace espalier::cages

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -37,7 +38,8 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
 PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid) : grid_(grid) {
     // Keys are sorted instead of the points, which take four times the memory.
     struct Key {
-        Index cube, cell;
+        Index cube;
+        std::optional<Index> cell;
         std::uint32_t number;
     };
     std::vector<Key> keys;

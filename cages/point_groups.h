@@ -7,6 +7,7 @@
 
 #include <array>
 #include <compare>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,10 +64,10 @@ struct FitPoint {
     /// Direction away from the solid, a unit vector; zero: not known.
     std::array<float, 3> normal = {0, 0, 0};
 
-    /// The cell of the lattice that the point belongs to; −1: any. Cells that are far away from
-    /// this cell along the lattice are not fitted to the point, even if they are close to it. So
-    /// the cells of parts that are close to each other may overlap before the fit.
-    Index cell = -1;
+    /// The cell of the lattice that the point belongs to, if it is known. Cells that are far away
+    /// from this cell along the lattice are not fitted to the point, even if they are close to it.
+    /// So the cells of parts that are close to each other may overlap before the fit.
+    std::optional<Index> cell = {};
 
     /// True: the point is inside the solid. The boundary is not fitted to the point, but must
     /// contain it.
@@ -81,7 +82,7 @@ class PointGroups {
 public:
     struct Group {
         Index cube = 0;
-        Index cell = -1;
+        std::optional<Index> cell = {};
         bool isInner = false;
         Index first = 0, last = 0;  ///< points first to last − 1
         Point3 low = {}, high = {};
@@ -109,23 +110,22 @@ public:
     /// Returns the point of a group that is farthest along `direction`.
     const Point3& farthest(const Group& group, const Point3& direction) const;
 
-    /// Returns the group whose centre is nearest to a point, of those with accept(group); −1 if
-    /// none is within `rings` rings of cubes.
+    /// Returns the group whose centre is nearest to a point, of those with accept(group); none if
+    /// there is none within `rings` rings of cubes.
     template <class Accept>
-    Index nearest(const Point3& point, Index rings, Accept accept) const {
+    std::optional<Index> nearest(const Point3& point, Index rings, Accept accept) const {
         const auto centre = grid_.coordinatesOf(point);
-        Index best = -1;
+        std::optional<Index> best;
         double least = 0;
         for (Index ring = 0; ring <= rings; ++ring) {
             // A cube of this ring is at least ring − 1 cubes away.
             const double reach = (ring - 1) * grid_.size;
-            if (best >= 0 && reach > 0 && reach * reach > least) break;
+            if (best && reach > 0 && reach * reach > least) break;
             grid_.forEachInRing(centre, ring, [&](Index cube) {
                 forEachInCube(cube, [&](Index group) {
                     const Point3 way = difference(groups_[group].centre, point);
                     const double distance = dot(way, way);
-                    if (best >= 0 && (distance > least || (distance == least && group > best)))
-                        return;
+                    if (best && (distance > least || (distance == least && group > *best))) return;
                     if (!accept(group)) return;
                     best = group;
                     least = distance;

@@ -66,8 +66,9 @@ TEST(GridCells, placePointsInTheirCells) {
     const Cells made(balls, 0.5, 0.125, 0);
     const Lattice lattice = made.cells.build();
     for (const Point3& p : balls.points) {
-        const Index cell = made.cells.cellOf(p);
-        ASSERT_GE(cell, 0);
+        const auto found = made.cells.cellOf(p);
+        ASSERT_TRUE(found);
+        const Index cell = *found;
         // Without left out cells, the point is in the cube of its cell.
         for (std::size_t axis = 0; axis < 3; ++axis) {
             double low = 1e9, high = -1e9;

@@ -60,13 +60,13 @@ TEST(PointGroups, findsTheNearestGroup) {
         double least = 1e9;
         for (const auto& group : groups.groups())
             least = std::min(least, length(difference(group.centre, place)));
-        const Index found = groups.nearest(place, 30, [](Index) { return true; });
-        ASSERT_GE(found, 0);
-        EXPECT_EQ(length(difference(groups.groups()[found].centre, place)), least);
+        const auto found = groups.nearest(place, 30, [](Index) { return true; });
+        ASSERT_TRUE(found);
+        EXPECT_EQ(length(difference(groups.groups()[*found].centre, place)), least);
     }
     const std::vector<Point3> one = {{-0.95, -0.95, -0.95}};
     const PointGroups far(test::fitPoints(one), CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
-    EXPECT_EQ(far.nearest({0.95, 0.95, 0.95}, 3, [](Index) { return true; }), -1);
+    EXPECT_EQ(far.nearest({0.95, 0.95, 0.95}, 3, [](Index) { return true; }), std::nullopt);
 }
 
 TEST(PointGroups, findsTheFarthestPoint) {

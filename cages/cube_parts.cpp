@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cube_parts.h"
+
+#include <espalier/base/vector3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace espalier::cages {
+namespace {
+
+constexpr Index kNone = -1;  ///< in place of a part
+
+/// Returns true if some faces of a cube are connected over edges.
+bool areConnected(unsigned faces) {
+    unsigned reached = faces & (~faces + 1);
+    for (int round = 0; round < 3; ++round)
+        for (Index d = 0; d < CubeParts::kDirections; ++d)
+            if ((reached >> d & 1) != 0) reached |= faces & ~(3u << (d / 2 * 2));
+    return reached == faces;
+}
+
+/// Returns true if some faces of a cube form a disk.
+bool isDisk(unsigned faces) {
+    return faces != 0 && faces != 63 && areConnected(faces) && areConnected(63 & ~faces);
+}
+
+}  // namespace
+
+CubeParts::CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offset,
+                     double joinDistance)
+    : voxels_(voxels), perEdge_(perEdge), offset_(offset), joinDistance_(joinDistance) {
+    for (int axis = 0; axis < 3; ++axis) {
+        // A layer of cubes on both sides.
+        offset_[axis] += perEdge_;
+        counts_[axis] = (voxels.grid().counts[axis] + offset_[axis]) / perEdge_ + 2;
+    }
+    findParts();
+    findContacts();
+}
+
+void CubeParts::findParts() {
+    const auto& n = voxels_.grid().counts;
+    const auto isUsed = voxels_.isUsed();
+    const Index k = perEdge_;
+    parts_.clear();
+    partOf_.assign(isUsed.size(), kNone);
+    std::vector<Index> front;
+    Cube cube;
+    for (cube[2] = 0; cube[2] < counts_[2]; ++cube[2])
+        for (cube[1] = 0; cube[1] < counts_[1]; ++cube[1])
+            for (cube[0] = 0; cube[0] < counts_[0]; ++cube[0]) {
+                std::array<Index, 3> low, high;
+                for (int axis = 0; axis < 3; ++axis) {
+                    low[axis] = std::max(cube[axis] * k - offset_[axis], 0);
+                    high[axis] = std::min((cube[axis] + 1) * k - offset_[axis], n[axis]);
+                }
+                const std::size_t first = parts_.size();
+                for (Index z = low[2]; z < high[2]; ++z)
+                    for (Index y = low[1]; y < high[1]; ++y)
+                        for (Index x = low[0]; x < high[0]; ++x) {
+                            const Index voxel = (z * n[1] + y) * n[0] + x;
+                            if (isUsed[voxel] == 0 || partOf_[voxel] != kNone) continue;
+                            const auto part = static_cast<Index>(parts_.size());
+                            parts_.emplace_back();
+                            parts_.back().cube = cube;
+                            auto& members = parts_.back().voxels;
+                            partOf_[voxel] = part;
+                            members.push_back(voxel);
+                            for (std::size_t i = 0; i < members.size(); ++i) {
+                                const Index at = members[i];
+                                const std::array<Index, 3> place = {at % n[0], at / n[0] % n[1],
+                                                                    at / n[0] / n[1]};
+                                Index stride = 1;
+                                for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
+                                    for (const Index side : {-1, 1}) {
+                                        const Index next = place[axis] + side;
+                                        if (next < low[axis] || next >= high[axis]) continue;
+                                        const Index other = at + side * stride;
+                                        if (isUsed[other] == 0 || partOf_[other] != kNone) continue;
+                                        partOf_[other] = part;
+                                        members.push_back(other);
+                                    }
+                            }
+                        }
+                // Parts that are near to each other are one part.
+                for (std::size_t a = first; a < parts_.size(); ++a)
+                    for (std::size_t b = a + 1; b < parts_.size();) {
+                        if (!areNear(parts_[a], parts_[b])) {
+                            ++b;
+                            continue;
+                        }
+                        auto& members = parts_[a].voxels;
+                        members.insert(members.end(), parts_[b].voxels.begin(),
+                                       parts_[b].voxels.end());
+                        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(b));
+                        b = a + 1;
+                    }
+                for (std::size_t a = first; a < parts_.size(); ++a)
+                    for (const Index voxel : parts_[a].voxels)
+                        partOf_[voxel] = static_cast<Index>(a);
+            }
+}
+
+Index CubeParts::numberOf(const Cube& cube) const {
+    return (cube[2] * counts_[1] + cube[1]) * counts_[0] + cube[0];
+}
+
+Point3 CubeParts::cornerOf(const Cube& cube) const {
+    const CubeGrid& grid = voxels_.grid();
+    Point3 corner;
+    for (int axis = 0; axis < 3; ++axis)
+        corner[axis] = grid.origin[axis] + (cube[axis] * perEdge_ - offset_[axis]) * grid.size;
+    return corner;
+}
+
+std::optional<Index> CubeParts::partAt(const Point3& point) const {
+    const Index part = partOf_[voxels_.grid().cubeOf(point)];
+    return part == kNone ? std::nullopt : std::optional(part);
+}
+
+std::array<Index, 3> CubeParts::placeOf(Index voxel) const {
+    const auto& n = voxels_.grid().counts;
+    return {voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
+}
+
+/// Returns true if a voxel of one part is at most the join distance from a voxel of another part.
+bool CubeParts::areNear(const Part& a, const Part& b) const {
+    const double distance = joinDistance_;
+    // Voxels with a common face are in one part, or in contact.
+    if (distance <= 1) return false;
+    // First the boxes around the two.
+    std::array<std::array<Index, 3>, 2> low, high;
+    for (const int side : {0, 1}) {
+        low[side].fill(kMaxIndex);
+        high[side].fill(-1);
+        for (const Index voxel : side == 0 ? a.voxels : b.voxels) {
+            const auto place = placeOf(voxel);
+            for (int axis = 0; axis < 3; ++axis) {
+                low[side][axis] = std::min(low[side][axis], place[axis]);
+                high[side][axis] = std::max(high[side][axis], place[axis]);
+            }
+        }
+    }
+    const auto away = [](const std::array<Index, 3>& way) {
+        return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+    };
+    std::array<Index, 3> way;
+    for (int axis = 0; axis < 3; ++axis)
+        way[axis] = std::max({low[0][axis] - high[1][axis], low[1][axis] - high[0][axis], 0});
+    if (away(way) > distance * distance) return false;
+    for (const Index p : a.voxels) {
+        const auto place = placeOf(p);
+        for (int axis = 0; axis < 3; ++axis)
+            way[axis] = std::max({low[1][axis] - place[axis], place[axis] - high[1][axis], 0});
+        if (away(way) > distance * distance) continue;
+        for (const Index q : b.voxels) {
+            const auto other = placeOf(q);
+            for (int axis = 0; axis < 3; ++axis) way[axis] = place[axis] - other[axis];
+            if (away(way) <= distance * distance) return true;
+        }
+    }
+    return false;
+}
+
+void CubeParts::findContacts() {
+    const auto& n = voxels_.grid().counts;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        Part& part = parts_[p];
+        for (const Index voxel : part.voxels) {
+            const std::array<Index, 3> place = {voxel % n[0], voxel / n[0] % n[1],
+                                                voxel / n[0] / n[1]};
+            Index stride = 1;
+            for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
+                for (const Index side : {0, 1}) {
+                    const Index next = place[axis] + 2 * side - 1;
+                    if (next < 0 || next >= n[axis]) continue;
+                    const Index other = partOf_[voxel + (2 * side - 1) * stride];
+                    if (other == kNone || other == static_cast<Index>(p)) continue;
+                    if (parts_[other].cube == part.cube) continue;
+                    const Index direction = 2 * axis + side;
+                    auto found = std::find_if(
+                        part.contacts.begin(), part.contacts.end(), [&](const Contact& contact) {
+                            return contact.to == other && contact.direction == direction;
+                        });
+                    if (found == part.contacts.end())
+                        found = part.contacts.insert(found, {other, direction});
+                    ++found->count;
+                }
+        }
+    }
+    // So do parts in neighbouring cubes that are near to each other.
+    const Index cubeCount = counts_[0] * counts_[1] * counts_[2];
+    std::vector<Index> firstPart(cubeCount + 1, static_cast<Index>(parts_.size()));
+    for (std::size_t p = parts_.size(); p-- > 0;)
+        firstPart[numberOf(parts_[p].cube)] = static_cast<Index>(p);
+    for (Index cube = cubeCount; cube-- > 0;)
+        firstPart[cube] = std::min(firstPart[cube], firstPart[cube + 1]);
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+        for (Index axis = 0; axis < 3; ++axis) {
+            Cube cube = parts_[p].cube;
+            ++cube[axis];
+            const Index number = numberOf(cube);
+            for (Index q = firstPart[number]; q < firstPart[number + 1]; ++q) {
+                const auto isThis = [&](const Contact& contact) { return contact.to == q; };
+                if (std::any_of(parts_[p].contacts.begin(), parts_[p].contacts.end(), isThis) ||
+                    !areNear(parts_[p], parts_[q]))
+                    continue;
+                parts_[p].contacts.push_back({q, 2 * axis + 1});
+                parts_[q].contacts.push_back({static_cast<Index>(p), 2 * axis});
+            }
+        }
+}
+
+std::optional<Index> CubeParts::neighbour(Index part, Index direction) const {
+    std::optional<Index> found;
+    for (const Contact& contact : parts_[part].contacts) {
+        if (contact.direction != direction) continue;
+        if (found) return std::nullopt;
+        found = contact.to;
+    }
+    return found;
+}
+
+bool CubeParts::hasSeveral(Index part, Index direction) const {
+    return std::ranges::count(parts_[part].contacts, direction, &Contact::direction) > 1;
+}
+
+unsigned CubeParts::sharedFaces(Index part) const {
+    unsigned faces = 0;
+    for (const Contact& contact : parts_[part].contacts) faces |= 1u << contact.direction;
+    return faces;
+}
+
+/// Returns true if the parts around an edge of a part form a ring. The edge is between two faces
+/// with parts behind them.
+bool CubeParts::isClosedAround(Index part, Index first, Index second) const {
+    const auto a = neighbour(part, first), b = neighbour(part, second);
+    if (!a || !b) return false;
+    const auto across = neighbour(*a, second);
+    return across && neighbour(*b, first) == across;
+}
+
+bool CubeParts::isRemovable(Index number) const {
+    const Part& part = parts_[number];
+    if (part.isAdded || !part.isUsed) return false;
+    const unsigned faces = sharedFaces(number);
+    if (!isDisk(faces)) return false;
+    for (Index d = 0; d < kDirections; ++d) {
+        if ((faces >> d & 1) == 0) continue;
+        if (!neighbour(number, d)) return false;
+        for (Index e = d + 1; e < kDirections; ++e)
+            if ((faces >> e & 1) != 0 && d / 2 != e / 2 && !isClosedAround(number, d, e))
+                return false;
+    }
+    return true;
+}
+
+/// Returns the distance of the centre of a voxel from a face of a cube, in voxels.
+double CubeParts::distanceToFace(const Cube& cube, Index direction, Index voxel) const {
+    const auto& n = voxels_.grid().counts;
+    const std::array<Index, 3> place = {voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
+    double square = 0;
+    for (Index axis = 0; axis < 3; ++axis) {
+        const Index low = cube[axis] * perEdge_ - offset_[axis];
+        const double at = place[axis] + 0.5 - low, high = perEdge_;
+        double way;
+        if (axis == direction / 2)
+            way = at - ((direction & 1) != 0 ? high : 0);
+        else
+            way = at - std::clamp(at, 0.0, high);
+        square += way * way;
+    }
+    return std::sqrt(square);
+}
+
+double CubeParts::depthOf(Index number) const {
+    const Part& part = parts_[number];
+    const unsigned faces = sharedFaces(number);
+    double depth = 0;
+    for (const Index voxel : part.voxels) {
+        double least = 1e9;
+        for (Index d = 0; d < kDirections; ++d)
+            if ((faces >> d & 1) != 0) least = std::min(least, distanceToFace(part.cube, d, voxel));
+        depth = std::max(depth, least + 0.5);
+        if (depth > perEdge_) break;
+    }
+    return depth;
+}
+
+void CubeParts::leaveOut(Index number) {
+    Part& part = parts_[number];
+    std::array<std::optional<Index>, kDirections> behind;
+    for (Index d = 0; d < kDirections; ++d) behind[d] = neighbour(number, d);
+    for (const Index voxel : part.voxels) {
+        Index best = kNone;
+        double least = 0;
+        for (Index d = 0; d < kDirections; ++d) {
+            if (!behind[d]) continue;
+            const double distance = distanceToFace(part.cube, d, voxel);
+            if (best != kNone && distance >= least) continue;
+            best = *behind[d];
+            least = distance;
+        }
+        parts_[best].voxels.push_back(voxel);
+        partOf_[voxel] = best;
+    }
+    for (const Contact& contact : part.contacts)
+        std::erase_if(parts_[contact.to].contacts,
+                      [&](const Contact& back) { return back.to == number; });
+    part.contacts.clear();
+    part.voxels.clear();
+    part.isUsed = false;
+}
+
+void CubeParts::join(Index kept, Index other, int joins) {
+    Part &a = parts_[kept], &b = parts_[other];
+    a.joins = std::max({a.joins, b.joins, joins});
+    if (a.joins > 1 && !joined_) {
+        const Cube next = {a.cube[0] + 1, a.cube[1] + 1, a.cube[2] + 1};
+        joined_ = between(cornerOf(a.cube), cornerOf(next), 0.5);
+    }
+    for (const Index voxel : b.voxels) partOf_[voxel] = kept;
+    a.voxels.insert(a.voxels.end(), b.voxels.begin(), b.voxels.end());
+    a.isAdded = a.isAdded || b.isAdded;
+    for (const Contact& contact : b.contacts) {
+        auto& backs = parts_[contact.to].contacts;
+        std::erase_if(backs, [&](const Contact& back) { return back.to == other; });
+        addContact(kept, contact);
+    }
+    b.contacts.clear();
+    b.voxels.clear();
+    b.isUsed = false;
+}
+
+void CubeParts::addContact(Index part, const Contact& contact) {
+    const auto add = [](std::vector<Contact>& contacts, const Contact& more) {
+        for (Contact& old : contacts) {
+            if (old.to != more.to || old.direction != more.direction) continue;
+            old.count += more.count;
+            return;
+        }
+        contacts.push_back(more);
+    };
+    add(parts_[part].contacts, contact);
+    Contact back = contact;
+    back.to = part;
+    back.direction = opposite(contact.direction);
+    add(parts_[contact.to].contacts, back);
+}
+
+void CubeParts::add(const Cube& low, std::span<const Index> members) {
+    // The one with the most neighbours.
+    Part added;
+    added.isAdded = true;
+    std::vector<Contact> contacts;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        Cube cube = low;
+        for (int axis = 0; axis < 3; ++axis) cube[axis] += static_cast<Index>(octant >> axis & 1);
+        contacts.clear();
+        bool isFree = true;
+        for (const Index member : members) {
+            const Cube& other = parts_[member].cube;
+            isFree = isFree && other != cube;
+            for (Index direction = 0; direction < kDirections; ++direction) {
+                Cube next = cube;
+                next[direction / 2] += 2 * (direction & 1) - 1;
+                if (next == other) contacts.push_back({member, direction});
+            }
+        }
+        if (!isFree || contacts.size() <= added.contacts.size()) continue;
+        added.cube = cube;
+        added.contacts = contacts;
+    }
+    contacts = std::exchange(added.contacts, {});
+    parts_.push_back(std::move(added));
+    const auto number = static_cast<Index>(parts_.size()) - 1;
+    for (const Contact& contact : contacts) addContact(number, contact);
+}
+
+}  // namespace espalier::cages

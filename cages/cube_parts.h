@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model_voxels.h"
+
+namespace espalier::cages {
+
+/// The parts of a model in the cubes of a grid, and their contacts.
+///
+/// At first, each connected part of the model in a cube is a part of its own, and two parts have a
+/// contact where the model passes through the face between their cubes. The functions below leave
+/// out, join and add parts. GridCells calls them until each part can be a cell.
+class CubeParts {
+public:
+    using Cube = std::array<Index, 3>;
+    static constexpr Index kDirections = 6;  ///< axis · 2 + 1 for the higher side
+
+    struct Contact {
+        Index to = 0;
+        Index direction = 0;
+        Index count = 0;  ///< of pairs of voxels
+    };
+    struct Part {
+        Cube cube;
+        std::vector<Index> voxels;
+        std::vector<Contact> contacts;
+        bool isUsed = true;
+        bool isAdded = false;  ///< it holds no voxels of the model
+        int joins = 0;
+    };
+
+    /// \param voxels is kept by reference
+    /// \param perEdge voxels along the edge of a cube
+    /// \param offset voxels of the first cube outside the grid
+    /// \param joinDistance parts in one cube, or in two neighbours, that are at most this far
+    ///        apart are one part, or in contact; in voxels
+    CubeParts(const ModelVoxels& voxels, Index perEdge, const Cube& offset, double joinDistance);
+
+    std::span<const Part> all() const { return parts_; }
+    const Part& operator[](Index part) const { return parts_[part]; }
+    Index count() const { return static_cast<Index>(parts_.size()); }
+
+    /// Returns the number of a cube. Numbers ascend by layers.
+    Index numberOf(const Cube& cube) const;
+    /// Returns the lowest corner of a cube.
+    Point3 cornerOf(const Cube& cube) const;
+    /// Returns the part that holds a point of the model.
+    std::optional<Index> partAt(const Point3& point) const;
+
+    /// Returns the part behind a face, unless there is none or there are several.
+    std::optional<Index> neighbour(Index part, Index direction) const;
+    /// Returns true if several parts are behind a face.
+    bool hasSeveral(Index part, Index direction) const;
+    /// Returns the faces with a part behind them, as bits.
+    unsigned sharedFaces(Index part) const;
+    /// Returns true if the topology stays the same without a part.
+    bool isRemovable(Index part) const;
+    /// Returns how far the voxels of a part are from its shared faces, in voxels.
+    double depthOf(Index part) const;
+
+    /// Leaves out a part. Its voxels go to the neighbours.
+    void leaveOut(Index part);
+    /// Joins a part to another one in the same cube.
+    /// \param joins number of parts in a row that were joined for the same reason
+    void join(Index kept, Index other, int joins);
+    /// Adds a contact, on both sides, to what the two parts share already.
+    void addContact(Index part, const Contact& contact);
+    /// Adds a part in one of the eight cubes from `low` on, beside the parts around a vertex.
+    void add(const Cube& low, std::span<const Index> members);
+
+    /// A place where two parts of the model run side by side for more than one cube and are joined
+    /// all the same.
+    const std::optional<Point3>& joined() const { return joined_; }
+
+private:
+    void findParts();
+    void findContacts();
+    std::array<Index, 3> placeOf(Index voxel) const;
+    bool areNear(const Part& a, const Part& b) const;
+    bool isClosedAround(Index part, Index first, Index second) const;
+    double distanceToFace(const Cube& cube, Index direction, Index voxel) const;
+
+    const ModelVoxels& voxels_;
+    Index perEdge_;
+    Cube offset_;
+    double joinDistance_;
+    Cube counts_;  ///< of the cubes
+    std::vector<Part> parts_;
+    std::vector<Index> partOf_;  ///< per voxel; kNone for voxels without the model
+    std::optional<Point3> joined_;
+};
+
+/// Returns the direction from the other side of a face.
+inline Index opposite(Index direction) {
+    return direction ^ 1;
+}
+
+/// Returns true if a corner of a cube is on a face. Bit i of a corner is set on the higher side of
+/// axis i.
+inline bool isOnFace(unsigned corner, Index direction) {
+    return (corner >> (direction / 2) & 1) == static_cast<unsigned>(direction & 1);
+}
+
+}  // namespace espalier::cages
