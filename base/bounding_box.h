@@ -46,10 +46,7 @@ struct BoundingBox {
     }
 
     /// Returns the length of the diagonal; 0 without a point.
-    double diagonal() const {
-        const Point3 sides = size();
-        return std::hypot(sides[0], sides[1], sides[2]);
-    }
+    double diagonal() const { return length(size()); }
 
 private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();

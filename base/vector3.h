@@ -35,10 +35,6 @@ inline Point3 cross(const Point3& a, const Point3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-inline double length(const Point3& a) {
-    return std::hypot(a[0], a[1], a[2]);
-}
-
 /// \param a not the zero vector
 inline Point3 normalised(const Point3& a) {
     return scaled(a, 1 / length(a));

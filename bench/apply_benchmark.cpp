@@ -5,6 +5,7 @@
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/stencils/sparse_matrix.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -23,6 +24,7 @@
 // arrays. Benchmarks are named apply/WORKLOAD/REAL/COMPONENTS/WHO. Each result is compared with our
 // plain evaluator's before it is timed. Benchmarks named addend/WORKLOAD/REAL/COMPONENTS/FORM WAY
 // add points to the results.
+// Benchmarks named compile/WORKLOAD/REAL/WHO compile the table or copy it.
 namespace espalier {
 namespace {
 
@@ -190,6 +192,33 @@ void applyFactorsAdjoint(benchmark::State& state, const Tables<Real>& tables, in
                threads);
 }
 
+/// Times copying a table into memory that is there already: fresh memory would take most of the
+/// time.
+template <class Real>
+void copyTable(benchmark::State& state, const Tables<Real>& tables, int) {
+    const StencilTable<Real>& table = tables.table;
+    Array<Offset> offsets(table.offsets().begin(), table.offsets().end());
+    Array<Index> columns(table.columns().begin(), table.columns().end());
+    Array<Real> weights(table.weights().begin(), table.weights().end());
+    for (auto _ : state) {
+        std::ranges::copy(table.offsets(), offsets.begin());
+        std::ranges::copy(table.columns(), columns.begin());
+        std::ranges::copy(table.weights(), weights.begin());
+        benchmark::ClobberMemory();
+    }
+    if (weights.back() != table.weights().back()) state.SkipWithError("the copy is wrong");
+}
+
+/// Times compiling a table, with the destruction of the result.
+template <class Compiled, class Real>
+void compileTable(benchmark::State& state, const Tables<Real>& tables, int threads) {
+    const ThreadLimit limit(threads);
+    for (auto _ : state) {
+        const Compiled compiled(tables.table);
+        benchmark::DoNotOptimize(compiled.byteCount());
+    }
+}
+
 /// Eigen is faster if the number of columns is known at compile time.
 template <class Real>
 void applyEigen(benchmark::State& state, const Tables<Real>& tables, int components, int threads) {
@@ -251,6 +280,22 @@ void add(const Case& chosen, int components, const std::string& who, int threads
         ->Unit(benchmark::kMillisecond);
 }
 
+void addCompiling(const Case& chosen) {
+    const auto add = [&](const std::string& who, int threads, auto work) {
+        benchmark::RegisterBenchmark(("compile/" + chosen.key + "/float/" + who).c_str(),
+                                     [=](benchmark::State& state) {
+                                         work(state, workload(chosen.key, chosen.make).inFloat,
+                                              threads);
+                                     })
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
+    };
+    add("copy", 1, copyTable<float>);
+    add("Espalier", 1, compileTable<osd::CompiledTable<float>, float>);
+    add("Espalier 2 threads", 2, compileTable<osd::CompiledTable<float>, float>);
+    add("Espalier adjoint", 1, compileTable<osd::CompiledAdjoint<float>, float>);
+}
+
 template <class Real>
 void addPointsTo(const Case& chosen, int components, bool isFactored) {
     const std::pair<PointsAdded, const char*> ways[] = {{PointsAdded::Never, "without"},
@@ -291,6 +336,7 @@ const bool kRegistered = [] {
         add<double>(each, 3, "Espalier", 1, applyCompiled<double>);
         add<float>(each, 3, "Espalier adjoint", 1, applyAdjoint<float>);
         add<float>(each, 3, "Espalier adjoint 2 threads", 2, applyAdjoint<float>);
+        addCompiling(each);
         if (!each.hasFactors) continue;
         add<float>(each, 3, "Espalier factors", 1, applyFactors<float>);
         add<float>(each, 3, "Espalier factors 2 threads", 2, applyFactors<float>);

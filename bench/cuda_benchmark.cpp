@@ -250,13 +250,16 @@ struct Row {
     double grouped, csr;  ///< milliseconds
     double cuSparse;
     std::optional<double> byRows;
+    std::optional<double> parametric;  ///< rows without a table
+    double parametricBytes;            ///< their traffic
 };
 
 void printHead() {
     std::printf(
         "| table | direction | components | reads and writes | ours | of the copy's "
-        "bandwidth | ours, compressed rows | cuSPARSE | ratio | a thread a row | ratio |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+        "bandwidth | ours, compressed rows | cuSPARSE | ratio | a thread a row | ratio | "
+        "parameters | of ours | of the copy's bandwidth |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
 }
 
 void print(const std::string& table, const char* direction, int components, const Row& row,
@@ -266,9 +269,14 @@ void print(const std::string& table, const char* direction, int components, cons
                 row.bytes / row.grouped / bandwidth, row.csr, row.cuSparse,
                 row.cuSparse / row.grouped);
     if (row.byRows)
-        std::printf(" %.3g ms | %.1f × |\n", *row.byRows, *row.byRows / row.grouped);
+        std::printf(" %.3g ms | %.1f × |", *row.byRows, *row.byRows / row.grouped);
     else
-        std::printf("  |  |\n");
+        std::printf("  |  |");
+    if (row.parametric)
+        std::printf(" %.3g ms | %.2f | %.2f |\n", *row.parametric, *row.parametric / row.grouped,
+                    row.parametricBytes / *row.parametric / bandwidth);
+    else
+        std::printf("  |  |  |\n");
     std::fflush(stdout);
 }
 
@@ -280,6 +288,7 @@ public:
         : timer_(timer),
           table_(table),
           grouped_(table, {.hasAdjoint = hasAdjoint}),
+          parametric_(table, {.hasParameters = true, .hasAdjoint = hasAdjoint}),
           csr_(table, {.isGrouped = false, .hasAdjoint = hasAdjoint}),
           peer_(table) {}
 
@@ -302,8 +311,12 @@ public:
             };
         };
         Row row = {};
-        row.bytes = bytesOf(pose.size() + result.size());
+        row.bytes = bytesOf(grouped_, pose.size() + result.size());
         row.grouped = timeOf(ours(grouped_), "ours");
+        if (parametric_.parametricRowCount() > 0) {
+            row.parametric = timeOf(ours(parametric_), "ours from parameters");
+            row.parametricBytes = bytesOf(parametric_, pose.size() + result.size());
+        }
         row.csr = timeOf(ours(csr_), "ours in compressed rows");
         row.byRows = timeOf([&] { peer_.evaluateByRows(source.data(), result.data(), components); },
                             "a thread a row");
@@ -334,8 +347,12 @@ public:
             return timer_.milliseconds(evaluate);
         };
         Row row = {};
-        row.bytes = bytesOf(gradients.size() + result.size());
+        row.bytes = bytesOf(grouped_, gradients.size() + result.size());
         row.grouped = timeOf(grouped_, "our adjoint");
+        if (parametric_.parametricRowCount() > 0) {
+            row.parametric = timeOf(parametric_, "our adjoint from parameters");
+            row.parametricBytes = bytesOf(parametric_, gradients.size() + result.size());
+        }
         row.csr = timeOf(csr_, "our adjoint in compressed rows");
         // The transposed product of the table, or the product of its transpose: the faster one
         // counts.
@@ -351,13 +368,13 @@ public:
     }
 
 private:
-    double bytesOf(std::size_t values) const {
-        return static_cast<double>(grouped_.tableByteCount() + values * sizeof(Real));
+    static double bytesOf(const osd::CudaEvaluator<Real>& evaluator, std::size_t values) {
+        return static_cast<double>(evaluator.tableByteCount() + values * sizeof(Real));
     }
 
     Timer& timer_;
     const StencilTable<Real>& table_;
-    osd::CudaEvaluator<Real> grouped_, csr_;
+    osd::CudaEvaluator<Real> grouped_, parametric_, csr_;
     PeerTable<Real> peer_;
 };
 

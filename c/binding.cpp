@@ -7,6 +7,7 @@
 #include <espalier/osd/binding_evaluator.h>
 
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "handles.h"
@@ -24,15 +25,29 @@ static_assert(sizeof(embed::PointStatus) == sizeof(std::uint8_t));
 namespace espalier::c {
 namespace {
 
-embed::BindingResult bind(const espalier_refiner& refiner, std::span<const Point3> positions,
-                          std::span<const Point3> points, const espalier_bind_options& chosen) {
+struct Bound {
+    embed::BindingResult points;
+    std::optional<io::BoundGradients> gradients = {};
+};
+
+Bound bind(const espalier_refiner& refiner, std::span<const Point3> positions,
+           std::span<const Point3> points, const espalier_bind_options& chosen) {
+    const bool withGradients = choice(chosen.gradients, 1, "gradients") != 0;
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
-    if (chosen.limit_tolerance == 0)
-        return embed::bindPoints({base, positions}, points,
-                                 {.level = chosen.level, .embedding = options});
-    return limit::withoutGradients(limit::bindLimit(
-        {base, positions}, points, {.embedding = options, .tolerance = chosen.limit_tolerance}));
+    if (chosen.limit_tolerance == 0) {
+        if (withGradients)
+            throw Error("only a binding to the limit has gradients; set limit_tolerance");
+        return {embed::bindPoints({base, positions}, points,
+                                  {.level = chosen.level, .embedding = options})};
+    }
+    auto bound = limit::bindLimit(
+        {base, positions}, points,
+        {.embedding = options, .tolerance = chosen.limit_tolerance, .gradients = withGradients});
+    Bound result;
+    if (withGradients) result.gradients = {std::move(bound.binding.table.gradients)};
+    result.points = limit::withoutGradients(std::move(bound));
+    return result;
 }
 
 espalier_binding* newBinding(espalier_binding::Data data) {
@@ -40,10 +55,12 @@ espalier_binding* newBinding(espalier_binding::Data data) {
 }
 
 espalier_binding* newBinding(embed::BindingResult result, const far::CellComplex& lattice,
-                             std::vector<Point3> rest, std::vector<Point3> points) {
+                             std::vector<Point3> rest, std::vector<Point3> points,
+                             std::optional<io::BoundGradients> gradients = {}) {
     espalier_binding::Data data{{std::move(result.binding), {}, {}}};
     data.model.rest = std::move(rest);
     data.model.faces = io::facesOf(lattice);
+    data.model.gradients = std::move(gradients);
     data.points = std::move(points);
     data.statuses = std::move(result.statuses);
     data.largestResidual = result.largestResidual;
@@ -89,8 +106,8 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
         auto rest = c::positions(positions, vertex_count, "positions");
         auto model = c::positions(points, point_count, "points");
         auto bound = c::bind(own, rest, model, c::bindOptions(options));
-        return c::newBinding(std::move(bound), own.refiner.level(0).complex, std::move(rest),
-                             std::move(model));
+        return c::newBinding(std::move(bound.points), own.refiner.level(0).complex, std::move(rest),
+                             std::move(model), std::move(bound.gradients));
     });
 }
 
@@ -209,6 +226,25 @@ espalier_status espalier_binding_apply(const espalier_binding* binding, int32_t 
                 ? osd::evaluateBinding(own.model.binding, {*own.points, own.model.rest}, from)
                 : osd::evaluateBinding(own.model.binding, std::span<const Point3>(from));
         if (!moved.empty()) std::memcpy(points, moved.data(), moved.size() * sizeof(Point3));
+    });
+}
+
+espalier_status espalier_binding_gradients(const espalier_binding* binding, int32_t vertex_count,
+                                           const double* pose, int32_t point_count,
+                                           double* gradients) {
+    return c::guarded([&] {
+        const auto& own = c::dataOf(binding).model;
+        if (!own.gradients)
+            throw Error(
+                "the binding has no gradients; make it with limit_tolerance and gradients of "
+                "espalier_bind_options");
+        c::checkCount(vertex_count, own.binding.table.columnCount(), "positions of vertices");
+        const auto from = c::positions(pose, vertex_count, "pose");
+        c::checkCount(point_count, own.binding.table.rowCount(), "points in the array");
+        c::array(gradients, point_count, "gradients", 9);
+        const auto found = osd::evaluateGradients(own.gradients->tables, own.rest, from);
+        if (!found.empty())
+            std::memcpy(gradients, found.data(), found.size() * sizeof(osd::PointGradient));
     });
 }
 

@@ -529,6 +529,8 @@ typedef struct espalier_bind_options {
     double limit_tolerance;  ///< 0, the default, binds points to the level. 1e-14 to 0.1 binds them
                              ///< to the limit volume within this tolerance, whatever the level
                              ///< (limit/limit_binding.h); 1e-6 is usual
+    int32_t gradients;  ///< 1 makes the gradients too, for espalier_binding_gradients(): only of
+                        ///< the limit, which is then met within 1e-12; default 0
 } espalier_bind_options;
 
 static inline espalier_bind_options espalier_default_bind_options(void) {
@@ -538,6 +540,7 @@ static inline espalier_bind_options espalier_default_bind_options(void) {
     options.outside = ESPALIER_OUTSIDE_KEEP;
     options.tolerance = 1e-6;
     options.limit_tolerance = 0;
+    options.gradients = 0;
     return options;
 }
 
@@ -659,6 +662,22 @@ ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* bin
 ESPALIER_C_API espalier_status espalier_binding_apply(const espalier_binding* binding,
                                                       int32_t vertex_count, const double* pose,
                                                       int32_t point_count, double* points);
+
+/// Computes the deformation gradient F of each point for a pose of the lattice: the derivatives of
+/// the deformed position by the position at rest, row by row, F(i, j) = dx'_i / dX_j. A point that
+/// no moved vertex influences has exactly the identity. espalier_model_write() carries normals by
+/// the cofactors of F, and tangents by F (limit/limit_binding.h).
+///
+/// \param vertex_count number of vertices of the lattice
+/// \param pose positions of the vertices, 3 · vertex_count numbers
+/// \param point_count number of points of the binding
+/// \param gradients receives 9 · point_count numbers
+/// \retval ESPALIER_ERROR_INPUT the binding has no gradients: it was made without
+///         espalier_bind_options.gradients, or loaded from a file without them
+/// \cost O(entries of D), three times that of espalier_binding_apply()
+ESPALIER_C_API espalier_status espalier_binding_gradients(const espalier_binding* binding,
+                                                          int32_t vertex_count, const double* pose,
+                                                          int32_t point_count, double* gradients);
 
 /// Binds points to a lattice in a lattice: the points lie in a child lattice, which lies in a
 /// parent lattice. Makes D = D_child · D_parent, points × vertices of the parent

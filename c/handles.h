@@ -93,6 +93,8 @@ inline espalier_bind_options levelBindOptions(const espalier_bind_options* optio
     if (chosen.limit_tolerance != 0)
         throw Error(
             concat("limit_tolerance is ", chosen.limit_tolerance, "; expected 0, since ", reason));
+    if (chosen.gradients != 0)
+        throw Error(concat("gradients is ", chosen.gradients, "; expected 0, since ", reason));
     return chosen;
 }
 

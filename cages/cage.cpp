@@ -36,6 +36,10 @@ constexpr Index kMaxVertices = 100000;
 /// edges of cells, which a double can hold then.
 constexpr double kMinDiagonal = 1e-40, kMaxDiagonal = 1e40;
 
+/// Largest coordinates of a model, in diagonals. A coordinate is then rounded by less than a tenth
+/// of the smallest spacing of samples, which is 3e-7 diagonals for a line.
+constexpr double kMaxDistance = 1e8;
+
 /// The number of vertices grows about as this power of 1 / size.
 constexpr double kPower = 2.4;
 
@@ -166,6 +170,12 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
         throw Error(concat("cage: the diagonal of the model is ", textOf(diagonal_), "; expected ",
                            textOf(kMinDiagonal), " to ", textOf(kMaxDiagonal),
                            "; scale the model"));
+    for (const Point3& point : points)
+        for (const double coordinate : point)
+            if (std::abs(coordinate) > kMaxDistance * diagonal_)
+                throw Error(concat("cage: a coordinate of the model is ", textOf(coordinate),
+                                   ", too large for its diagonal of ", textOf(diagonal_),
+                                   "; move the model to the origin"));
     requireNumber(options.shell, "shell", 2 * diagonal_);
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();

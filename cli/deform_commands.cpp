@@ -66,27 +66,6 @@ void checkTarget(const io::Model& model, const std::filesystem::path& output) {
         printError(losses.c_str());
 }
 
-/// Returns the deformation gradient of each point for a pose of the lattice.
-std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradients,
-                                                 const std::vector<Point3>& rest,
-                                                 const std::vector<Point3>& pose) {
-    // Computed from displacements, so that points that do not move have exactly the identity.
-    std::vector<double> moved;
-    for (std::size_t v = 0; v < pose.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - rest[v][c]);
-    const Index count = gradients.tables[0].rowCount();
-    std::vector<io::DeformationGradient> result(count, {1, 0, 0, 0, 1, 0, 0, 0, 1});
-    const auto layout = osd::BufferDescriptor::packed(3);
-    std::vector<double> column(3 * result.size());
-    for (std::size_t j = 0; j < 3; ++j) {
-        osd::CpuEvaluator::evaluate(gradients.tables[j], std::span<const double>(moved), layout,
-                                    std::span(column), layout, {0, count});
-        for (std::size_t point = 0; point < result.size(); ++point)
-            for (std::size_t i = 0; i < 3; ++i) result[point][3 * i + j] += column[3 * point + i];
-    }
-    return result;
-}
-
 /// A model that is bound to a lattice, and all that is needed to write a pose of it.
 struct Deformation {
     const io::Model& model;
@@ -110,7 +89,7 @@ struct Deformation {
                const std::vector<Point3>& pose, Stages& stages) const {
         stages.run("writing", [&] {
             if (gradients)
-                model.write(path, points, gradientsAt(*gradients, rest, pose));
+                model.write(path, points, osd::evaluateGradients(gradients->tables, rest, pose));
             else
                 model.write(path, points);
             stages.addFile(path);

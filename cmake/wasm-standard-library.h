@@ -67,7 +67,6 @@ auto find(Range&& range, const Value& value, Of of = {}) {
 ESPALIER_ON_RANGE(all_of)
 ESPALIER_ON_RANGE(any_of)
 ESPALIER_ON_RANGE(none_of)
-ESPALIER_ON_RANGE(binary_search)
 ESPALIER_ON_RANGE(copy)
 ESPALIER_ON_RANGE(count)
 ESPALIER_ON_RANGE(count_if)
@@ -77,6 +76,14 @@ ESPALIER_ON_RANGE(reverse)
 ESPALIER_ON_RANGE(sort)
 ESPALIER_ON_RANGE(upper_bound)
 #undef ESPALIER_ON_RANGE
+
+template <class Range, class Value, class Of = Identity>
+bool binary_search(Range&& range, const Value& value, std::less<> = {}, Of of = {}) {
+    const auto first = std::lower_bound(
+        std::begin(range), std::end(range), value,
+        [&](const auto& item, const Value& other) { return invoke(of, item) < other; });
+    return first != std::end(range) && !(value < invoke(of, *first));
+}
 
 template <class A, class B>
 bool equal(A&& a, B&& b) {

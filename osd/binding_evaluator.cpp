@@ -45,7 +45,30 @@ void requireVertices(const Table& table, std::size_t count) {
                            table.columnCount()));
 }
 
+std::vector<Point3> displacements(std::span<const Point3> rest, std::span<const Point3> pose) {
+    std::vector<Point3> result(pose.begin(), pose.end());
+    for (std::size_t v = 0; v < result.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) result[v][c] -= rest[v][c];
+    return result;
+}
+
 }  // namespace
+
+std::vector<PointGradient> evaluateGradients(
+    const std::array<stencils::StencilTable<double>, 3>& gradients, std::span<const Point3> rest,
+    std::span<const Point3> pose) {
+    requireVertices(gradients[0], pose.size());
+    requireVertices(gradients[0], rest.size());
+    const std::vector<Point3> moved = displacements(rest, pose);
+    std::vector<PointGradient> result(static_cast<std::size_t>(gradients[0].rowCount()),
+                                      {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    for (std::size_t j = 0; j < 3; ++j) {
+        const std::vector<Point3> column = product(gradients[j], moved);
+        for (std::size_t point = 0; point < result.size(); ++point)
+            for (std::size_t i = 0; i < 3; ++i) result[point][3 * i + j] += column[point][i];
+    }
+    return result;
+}
 
 template <class Table>
 std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
@@ -65,10 +88,7 @@ std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
     if (std::ssize(rest.points) != binding.table.rowCount())
         throw Error(concat("there are ", rest.points.size(),
                            " points at rest; the bound model has ", binding.table.rowCount()));
-    std::vector<Point3> displacements(pose.begin(), pose.end());
-    for (std::size_t v = 0; v < displacements.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) displacements[v][c] -= rest.vertices[v][c];
-    std::vector<Point3> points = product(binding.table, displacements);
+    std::vector<Point3> points = product(binding.table, displacements(rest.vertices, pose));
     for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) points[i][c] += rest.points[i][c];
     return points;

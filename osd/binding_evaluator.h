@@ -7,6 +7,7 @@
 #include <espalier/osd/evaluation.h>
 #include <espalier/stencils/factored_table.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,21 @@ template <class Table>
 ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                                  const RestPositions& rest,
                                                  std::span<const Point3> pose);
+
+/// The deformation gradient F of a point, row by row: F(i, j) = ∂x'ᵢ/∂Xⱼ at 3 i + j.
+using PointGradient = std::array<double, 9>;
+
+/// Returns the deformation gradient of each point for a pose of the lattice: 1 + G · (p' − p),
+/// where p is the lattice at rest. A point that no moved vertex influences has exactly the
+/// identity.
+///
+/// \param gradients limit::LimitTable::gradients: table j times p' is column j of F
+/// \param rest, pose positions of the base vertices
+/// \throws Error if there is not one position for each column
+/// \cost O(entries), on all threads
+ESPALIER_API std::vector<PointGradient> evaluateGradients(
+    const std::array<stencils::StencilTable<double>, 3>& gradients, std::span<const Point3> rest,
+    std::span<const Point3> pose);
 
 /// Writes the rest positions of the points that the binding keeps in place. Evaluators of
 /// binding.table write 0 for these points, so call this after each evaluation. The two calls

@@ -83,9 +83,11 @@ struct ChangeEvaluator<Real>::Data {
           maxColumns(table->maxColumns) {
         for (Index g = 0; g < groupCount(); ++g) {
             const Group& group = groupAt(g);
-            for (Index row = 0; row < group.rowCount; ++row)
-                for (Index k = 0; k < group.columnCount; ++k)
-                    if (!dependsOn(group, row, k)) hasZeroWeights[g] = 1;
+            for (Index k = 0; k < group.columnCount; ++k) {
+                Index count = 0;
+                forRowsWith(group, k, [&](Index) { ++count; });
+                if (count < group.rowCount) hasZeroWeights[g] = 1;
+            }
         }
         Index longest = 0;
         for (const Run& run : table->rows.runs) longest = std::max(longest, run.length);
@@ -108,17 +110,24 @@ struct ChangeEvaluator<Real>::Data {
             if (weights[k] != 0) found(columns[k], static_cast<Index>(run.firstRow + i));
     }
 
-    /// Returns true if row `row` of a group has a weight other than 0 for column k of the group.
-    bool dependsOn(const Group& group, Index row, Index k) const {
+    /// Calls found(row) for each row of a group that has a weight other than 0 for column k of the
+    /// group.
+    template <class Found>
+    void forRowsWith(const Group& group, Index k, Found found) const {
         constexpr Index lanes = kLanes<Real>;
         const auto& size = group.size;
-        const Index length = size[0] == 0 ? group.columnCount : size[0] + size[1] + size[2];
-        const Real* own = table->rows.groupNumbers.data() + group.firstNumber +
-                          Offset{row / lanes} * length * lanes + row % lanes;
-        if (size[0] == 0) return own[Offset{k} * lanes] != 0;
-        return own[k % size[0] * lanes] != 0 &&
-               own[(size[0] + k / size[0] % size[1]) * lanes] != 0 &&
-               own[(size[0] + size[1] + k / (size[0] * size[1])) * lanes] != 0;
+        const bool isPanel = size[0] == 0;
+        const Index length = isPanel ? group.columnCount : size[0] + size[1] + size[2];
+        // The weight is a number of a panel, or the product of three factors.
+        const Index first = isPanel ? k : k % size[0],
+                    second = isPanel ? k : size[0] + k / size[0] % size[1],
+                    third = isPanel ? k : size[0] + size[1] + k / (size[0] * size[1]);
+        const Real* own = table->rows.groupNumbers.data() + group.firstNumber;
+        for (Index row = 0; row < group.rowCount; row += lanes, own += Offset{length} * lanes)
+            for (Index lane = 0; lane < std::min(lanes, group.rowCount - row); ++lane)
+                if (own[first * lanes + lane] != 0 && own[second * lanes + lane] != 0 &&
+                    own[third * lanes + lane] != 0)
+                    found(row + lane);
     }
 
     void checkColumns(std::span<const Index> changed) const {
@@ -162,18 +171,29 @@ struct ChangeEvaluator<Real>::Data {
 
     using GroupRows = std::array<Index, kMaxRowsPerGroup>;
 
-    /// Returns the row numbers of a group, with −1 for rows that do not depend on the changed
-    /// columns: kernels skip rows that are out of range. The result may point into `rows`.
-    const Index* changedRows(Index g, const BitSet& columns, GroupRows& rows) const {
+    /// The rows of a group that kernels write.
+    struct ChangedRows {
+        const Index* numbers;  ///< −1 for rows that do not depend on the changed columns
+        bool isWhole;          ///< true if all rows depend on them
+    };
+
+    /// Returns the rows of a group that depend on changed columns. The result may point into
+    /// `rows`.
+    ChangedRows changedRows(Index g, const BitSet& columns, GroupRows& rows) const {
         const Group& group = groupAt(g);
         const auto all = table->rowsOf(group), own = table->columnsOf(group);
-        if (hasZeroWeights[g] == 0) return all.data();
+        if (hasZeroWeights[g] == 0) return {all.data(), true};
         std::fill_n(rows.begin(), group.rowCount, Index{-1});
-        for (Index k = 0; k < group.columnCount; ++k)
-            if (columns.contains(own[k]))
-                for (Index row = 0; row < group.rowCount; ++row)
-                    if (dependsOn(group, row, k)) rows[row] = all[row];
-        return rows.data();
+        for (Index k = 0; k < group.columnCount; ++k) {
+            if (!columns.contains(own[k])) continue;
+            Index count = 0;
+            forRowsWith(group, k, [&](Index row) {
+                rows[row] = all[row];
+                ++count;
+            });
+            if (count == group.rowCount) return {all.data(), true};
+        }
+        return {rows.data(), false};
     }
 
     /// Buffers of the tasks: each holds the source entries of one group or of one row.
@@ -250,9 +270,9 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
             const Index g = changes.groups[i];
             const auto& group = data_->groupAt(g);
             gather(table.columnsOf(group), entries.data());
-            const Index* changedRows = data_->changedRows(g, changes.columns, rows);
-            table.evaluateGroup(group, entries.data(), stride, changedRows,
-                                data_->hasZeroWeights[g] != 0 ? some : all);
+            const auto changedRows = data_->changedRows(g, changes.columns, rows);
+            table.evaluateGroup(group, entries.data(), stride, changedRows.numbers,
+                                changedRows.isWhole ? all : some);
         }
     });
     const auto& runs = table.rows.runs;
@@ -280,7 +300,7 @@ std::vector<Index> ChangeEvaluator<Real>::rowsOf(std::span<const Index> changed)
     std::vector<Index> result;
     typename Data::GroupRows own;
     for (const Index g : changes.groups) {
-        const Index* rows = data_->changedRows(g, changes.columns, own);
+        const Index* rows = data_->changedRows(g, changes.columns, own).numbers;
         std::copy_if(rows, rows + data_->groupAt(g).rowCount, std::back_inserter(result),
                      [](Index row) { return row >= 0; });
     }

@@ -63,7 +63,7 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
 [[noreturn]] void refuseFarTargets(std::span<const Point3> misses) {
     const auto size = [](const Point3& miss) {
         // Halved, since the distance itself may overflow.
-        return std::hypot(miss[0] / 2, miss[1] / 2, miss[2] / 2);
+        return length({miss[0] / 2, miss[1] / 2, miss[2] / 2});
     };
     const auto farthest = std::ranges::max_element(misses, {}, size);
     const auto row = static_cast<Index>(farthest - misses.begin());

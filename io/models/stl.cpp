@@ -50,11 +50,11 @@ Point3 facetNormal(std::span<const Point3, 3> corners) {
     const Point3 v = direction(corners[0], corners[2]);
     const Point3 normal = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
                            u[0] * v[1] - u[1] * v[0]};
-    const double length = std::hypot(normal[0], normal[1], normal[2]);
+    const double size = length(normal);
     // Both directions have components of at most 1: a product below this is rounding error.
-    if (!(length > 4 * std::numeric_limits<double>::epsilon())) return {0, 0, 0};
+    if (!(size > 4 * std::numeric_limits<double>::epsilon())) return {0, 0, 0};
     // Adding 0 turns −0 into +0.
-    return {normal[0] / length + 0.0, normal[1] / length + 0.0, normal[2] / length + 0.0};
+    return {normal[0] / size + 0.0, normal[1] / size + 0.0, normal[2] / size + 0.0};
 }
 
 void storeVector(std::string& bytes, std::size_t place, const Point3& vector) {

@@ -189,7 +189,9 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
     // rounded. The relative error of a sum is smaller than the relative errors of its weights, if
     // the sum itself is not rounded.
     using Wide = Wider<Real>;
-    std::vector<Wide> sums(n + m + l);
+    // The sum of three factors of kMaxProductColumns is largest if two of them are 1.
+    std::array<Wide, kernels::kMaxProductColumns + 2> sums;
+    std::fill_n(sums.begin(), n + m + l, Wide{0});
     Wide total = 0, largest = 0;
     std::array<Index, 3> atLargest = {};
     const Index* next = product.order.data();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <unordered_map>
 
 #include "row_sets.h"
 
@@ -29,27 +30,19 @@ std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
         for (Offset row = first; row < last; ++row)
             hashes[row] = hashOf(table.columns(static_cast<Index>(row)));
     });
-    std::vector<Index> order(hashes.size());
-    std::iota(order.begin(), order.end(), Index{0});
-    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-        return hashes[a] != hashes[b] ? hashes[a] < hashes[b] : a < b;
-    });
+    // The first row of each set stands for the set. Sets come in the order of their first rows.
+    const auto hashOfRow = [&](Index row) { return hashes[row]; };
+    const auto haveSameColumns = [&](Index a, Index b) {
+        return std::ranges::equal(table.columns(a), table.columns(b));
+    };
+    std::unordered_map<Index, std::size_t, decltype(hashOfRow), decltype(haveSameColumns)> numbers(
+        0, hashOfRow, haveSameColumns);
     std::vector<RowSet> sets;
-    for (auto first = order.begin(); first != order.end();) {
-        const auto last = std::find_if(first, order.end(),
-                                       [&](Index row) { return hashes[row] != hashes[*first]; });
-        // All rows of this range have one hash. Very rarely they belong to two sets.
-        while (first != last) {
-            const auto columns = table.columns(*first);
-            const auto others = std::stable_partition(first, last, [&](Index row) {
-                return std::ranges::equal(table.columns(row), columns);
-            });
-            sets.push_back({{first, others}});
-            first = others;
-        }
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        const auto [found, isNew] = numbers.try_emplace(row, sets.size());
+        if (isNew) sets.emplace_back();
+        sets[found->second].rows.push_back(row);
     }
-    std::sort(sets.begin(), sets.end(),
-              [](const RowSet& a, const RowSet& b) { return a.rows.front() < b.rows.front(); });
     for (std::size_t set = 0; set < sets.size(); ++set) sets[set].superset = set;
     return sets;
 }

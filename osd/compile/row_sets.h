@@ -38,7 +38,7 @@ struct RowSet {
 /// and each of these columns is also a column of the rows in the middle. So the sets near the
 /// planes become subsets of the set in the middle.
 ///
-/// \cost O(entries + rows log rows + columns); at most 256 candidates for a superset are tried
+/// \cost O(entries + columns); at most 256 candidates for a superset are tried
 template <class Real>
 std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table);
 

@@ -322,19 +322,21 @@ private:
     }
 
     /// Returns the weights of a row for columns that include its own, with zeros for the others.
-    std::vector<Real> spread(Index row, std::span<const Index> columns) const {
-        std::vector<Real> weights(columns.size(), 0);
+    /// They are valid until the next call.
+    std::span<const Real> spread(Index row, std::span<const Index> columns) {
         const auto own = table_.columns(row);
+        if (own.size() == columns.size()) return table_.weights(row);
+        spread_.assign(columns.size(), 0);
         for (std::size_t k = 0, place = 0; k < own.size(); ++k) {
             while (columns[place] != own[k]) ++place;
-            weights[place] = table_.weights(row)[k];
+            spread_[place] = table_.weights(row)[k];
         }
-        return weights;
+        return spread_;
     }
 
     /// Appends the factors of a row to `factors`. Returns false if the row is not this kind of
     /// outer product.
-    bool addFactors(const OuterProduct& product, Index row, std::vector<Real>& factors) const {
+    bool addFactors(const OuterProduct& product, Index row, std::vector<Real>& factors) {
         std::array<Real, 256> found;
         const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         if (length > found.size()) return false;
@@ -350,7 +352,7 @@ private:
             std::vector<Real> numbers;
             numbers.reserve(part.size() * columns.size());
             for (const Index row : part) {
-                const std::vector<Real> weights = spread(row, columns);
+                const auto weights = spread(row, columns);
                 numbers.insert(numbers.end(), weights.begin(), weights.end());
             }
             groups_.add(part, columns, {}, std::move(numbers));
@@ -385,6 +387,7 @@ private:
     GroupList<Real> groups_;
     std::span<const Index> shared_;  ///< columns of the current superset
     std::vector<Index> ungrouped_;   ///< rows that are in no group
+    std::vector<Real> spread_;       ///< the latest result of spread()
 };
 
 }  // namespace

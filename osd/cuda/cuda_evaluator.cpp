@@ -305,6 +305,7 @@ struct CudaEvaluator<Real>::Data {
     int device = currentDevice();
     DeviceArrays tableMemory = {}, adjointMemory = {};
     device::TableView<Real> table = {};
+    Index parametricRowCount = 0;
     std::vector<device::SumStep<Real>> steps = {};
     std::optional<device::AdjointView<Real>> adjoint = {};
 
@@ -312,7 +313,12 @@ struct CudaEvaluator<Real>::Data {
         const auto placeIn = [](DeviceArrays& memory) {
             return [&memory](const auto& values) { return memory.add(std::span(values)); };
         };
-        const device::TableArrays<Real> arrays(source, options.isGrouped);
+        if (options.hasParameters && !options.isGrouped)
+            throw Error(
+                "rows are stored as parameters only in groups: CudaTableOptions::hasParameters "
+                "needs isGrouped");
+        const device::TableArrays<Real> arrays(source, options.isGrouped, options.hasParameters);
+        parametricRowCount = arrays.parametricRowCount;
         table = device::viewOf(arrays, placeIn(tableMemory));
         if (options.hasAdjoint)
             adjoint = device::viewOf(device::AdjointArrays<Real>(source, arrays), steps,
@@ -348,6 +354,11 @@ Index CudaEvaluator<Real>::columnCount() const {
 template <class Real>
 int CudaEvaluator<Real>::device() const {
     return data_->device;
+}
+
+template <class Real>
+Index CudaEvaluator<Real>::parametricRowCount() const {
+    return data_->parametricRowCount;
 }
 
 template <class Real>

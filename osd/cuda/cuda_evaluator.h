@@ -181,6 +181,12 @@ struct CudaTableOptions {
     /// as in CompiledTable. If false, the device holds the table as compressed sparse rows.
     bool isGrouped = true;
 
+    /// If true, points in regular cells, bound to the limit or to a level, are stored without
+    /// weights: as the cell and three parameters, from which kernels compute the weights. A row
+    /// takes 16 bytes instead of 52 (28 instead of 100 in double). Its error is then relative to
+    /// the largest |x|: see evaluate(). Needs isGrouped.
+    bool hasParameters = false;
+
     /// If true, evaluateAdjoint() may be called. This takes a few bytes more for each group of rows
     /// and for each of its columns, and stores all rows that are in no group a second time.
     bool hasAdjoint = false;
@@ -207,7 +213,7 @@ public:
     /// the kernels are loaded.
     ///
     /// \throws CudaError if there is no device, or not enough memory on it; Error if the adjoint
-    ///         needs too many intermediate sums
+    ///         needs too many intermediate sums, or for hasParameters without isGrouped
     /// \cost O(entries + rows log rows) on the host. Temporary memory of the host, as much as the
     ///       table takes on the device; if not grouped, none, or with an adjoint as much as the
     ///       table takes
@@ -217,6 +223,9 @@ public:
     Index rowCount() const;
     Index columnCount() const;
     int device() const;
+
+    /// Number of rows that are stored as parameters.
+    Index parametricRowCount() const;
 
     /// Memory of the device in bytes: in total, and without the part that only the adjoint needs.
     std::size_t byteCount() const;
@@ -235,6 +244,10 @@ public:
     /// the order of the columns, and products of factors differ slightly from the weights. Results
     /// do not depend on the device or on the range, bit for bit. A source value that is not finite
     /// may also reach rows of its group whose weight for it is 0.
+    ///
+    /// The error of rows that are stored as parameters is at most 14 ulp of the largest |x| of
+    /// their columns: 8 for the weights, which are compared with the table when it is copied, and 6
+    /// for the sums.
     ///
     /// A source on the host is first copied to the device, and results for the host are copied
     /// there after the evaluation, both by cudaMemcpyAsync(). If that memory is page-locked, do not
@@ -257,8 +270,8 @@ public:
 
     /// Evaluates rows of the transpose in the same way: gradients by the rows of the table become
     /// gradients by its columns. The error is at most 1 ulp for each entry of the column, plus 4
-    /// ulp; in practice it grows by 1 ulp when the number of entries doubles. No two threads add to
-    /// the same number.
+    /// ulp; in practice it grows by 1 ulp when the number of entries doubles. Rows that are stored
+    /// as parameters add at most 8 ulp of their value. No two threads add to the same number.
     ///
     /// \param columns of the table, which are the rows of the transpose
     /// \throws Error also if the table was made without its adjoint

@@ -15,6 +15,9 @@ inline constexpr int kWarp = 32;
 template <class Real>
 inline constexpr int kRowsPerLane = static_cast<int>(16 / sizeof(Real));
 
+/// Values of Group::spline, besides the levels 1, 2, ….
+inline constexpr Index kNoSpline = -1, kLimitSpline = 0;
+
 /// Rows that share their columns, as in CompiledRows, in panels of kernels::kLanes rows.
 struct Group {
     Offset firstColumn;  ///< in Groups::columns
@@ -24,6 +27,8 @@ struct Group {
     Index rowCount;
     Index lowest, highest;  ///< row numbers
     Index size[3];          ///< of an outer product; zeros for panels of weights
+    Index spline;  ///< kNoSpline: the numbers are weights or factors; otherwise each row has three
+                   ///< parameters, of which kernels compute the factors (spline_weights.h)
 };
 
 template <class Real>

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <espalier/osd/kernels/kernels.h>
-#include <math.h>
 
+#include "device_code.h"
 #include "device_data.h"
+#include "spline_weights.h"
 
 // The kernels of GPUs, as functions of one warp. They are compiled for the device by
 // cuda_launch.cu, and for the host by tests. Both give the same results to the last bit: every
@@ -22,24 +23,9 @@
 //     prefetch(address)
 //
 // Memory that a lane writes in one each() may be read by other lanes in the next each().
-#if defined(__CUDACC__)
-#define ESPALIER_DEVICE __host__ __device__
-#define ESPALIER_UNROLL _Pragma("unroll")
-#else
-#define ESPALIER_DEVICE
-#define ESPALIER_UNROLL
-#endif
-
 namespace espalier::osd::device {
 
 using kernels::kLanes;
-
-ESPALIER_DEVICE inline float addProduct(float sum, float a, float b) {
-    return fmaf(a, b, sum);
-}
-ESPALIER_DEVICE inline double addProduct(double sum, double a, double b) {
-    return fma(a, b, sum);
-}
 
 template <class Real, int count>
 struct Values {
@@ -141,6 +127,11 @@ private:
 template <class Real>
 ESPALIER_DEVICE bool isAnyInRange(const Group& group, const Evaluation<Real>& e) {
     return group.highest >= e.first && group.lowest < e.last;
+}
+
+/// Returns how many numbers a row of an outer product has.
+ESPALIER_DEVICE inline Index productLength(const Group& group) {
+    return group.spline == kNoSpline ? group.size[0] + group.size[1] + group.size[2] : 3;
 }
 
 /// Returns the address of number k of a row of a group; each row has `length` numbers. The same
@@ -304,11 +295,20 @@ private:
         const Index row = firstRow + lane * kRowsPerLane<Real>;
         if (row >= group.rowCount) return;
         const Index m = group.size[1], l = group.size[2];
-        const Real* number = numberOf(table, group, row, n + m + l, 0);
+        const Real* number = numberOf(table, group, row, productLength(group), 0);
         const auto next = [&](RowNumbers<Real>& to) {
             to = warp.template load<RowNumbers<Real>>(number);
             number += kLanes<Real>;
         };
+        if (group.spline != kNoSpline) {
+            RowNumbers<Real> t[3];
+            ESPALIER_UNROLL
+            for (int axis = 0; axis < 3; ++axis) next(t[axis]);
+            setWeights(group.spline, n, t[0], factors.a);
+            setWeights(group.spline, m, t[1], factors.b);
+            setWeights(group.spline, l, t[2], factors.c);
+            return;
+        }
         ESPALIER_UNROLL
         for (int i = 0; i < n; ++i) next(factors.a[i]);
         ESPALIER_UNROLL
@@ -317,6 +317,19 @@ private:
         ESPALIER_UNROLL
         for (int k = 0; k < 4; ++k)
             if (k < l) next(factors.c[k]);
+    }
+
+    /// Computes the factors of one axis for the rows of a lane.
+    template <int count>
+    ESPALIER_DEVICE static void setWeights(Index spline, Index size, const RowNumbers<Real>& t,
+                                           RowNumbers<Real> (&factors)[count]) {
+        ESPALIER_UNROLL
+        for (int q = 0; q < kRowsPerLane<Real>; ++q) {
+            Real weights[4];
+            splineWeights(spline, size, t.of[q], weights);
+            ESPALIER_UNROLL
+            for (int i = 0; i < count; ++i) factors[i].of[q] = weights[i];
+        }
     }
 
     ESPALIER_DEVICE static Sums multiply(const Group& group,
@@ -552,13 +565,40 @@ private:
             warp.prefetch(numberOf(table, group, first, length, 0) + i);
     }
 
+    /// Loads the factors of a row for a tile: 4 of each of the first two axes, with zeros for those
+    /// that the group lacks, and returns one of the third.
+    ESPALIER_DEVICE Real loadFactors(const Group& group, Index row, Index firstI, Index firstJ,
+                                     Index plane, Real (&a)[4], Real (&b)[4]) const {
+        const Index n = group.size[0], m = group.size[1];
+        const Real* factor = numberOf(table, group, row, productLength(group), 0);
+        ESPALIER_UNROLL
+        for (int i = 0; i < 4; ++i)
+            a[i] = firstI + i < n ? factor[(firstI + i) * kLanes<Real>] : Real{0};
+        ESPALIER_UNROLL
+        for (int j = 0; j < 4; ++j)
+            b[j] = firstJ + j < m ? factor[(n + firstJ + j) * kLanes<Real>] : Real{0};
+        return factor[(n + m + plane) * kLanes<Real>];
+    }
+
+    /// Computes the factors of a row of a spline; its planes have one tile.
+    ESPALIER_DEVICE Real setWeights(const Group& group, Index row, Index plane, Real (&a)[4],
+                                    Real (&b)[4]) const {
+        const Real* t = numberOf(table, group, row, productLength(group), 0);
+        Real c[4];
+        splineWeights(group.spline, group.size[0], t[0], a);
+        splineWeights(group.spline, group.size[1], t[kLanes<Real>], b);
+        splineWeights(group.spline, group.size[2], t[2 * kLanes<Real>], c);
+        // Not c[plane]: an array with variable indices would be in memory.
+        return plane == 0 ? c[0] : plane == 1 ? c[1] : plane == 2 ? c[2] : c[3];
+    }
+
     template <class Warp>
     ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index tile, Offset from) const {
         const Evaluation<Real>& e = evaluation;
         constexpr int kSums = kRoundedUpToWarp<16 * width>;
         using Sums = Values<Real, kSums>;
         typename Warp::template PerLane<Sums> sums;
-        const Index n = group.size[0], m = group.size[1], l = group.size[2];
+        const Index n = group.size[0], m = group.size[1];
         const Index tilesPerLine = (n + 3) / 4, tilesPerPlane = tilesPerLine * ((m + 3) / 4);
         const Index firstI = tile % tilesPerLine * 4,
                     firstJ = tile % tilesPerPlane / tilesPerLine * 4;
@@ -567,22 +607,21 @@ private:
             Sums own = {};
             for (Index r = lane; r < group.rowCount; r += kWarp) {
                 if (r + kRowsAhead < group.rowCount)
-                    prefetch(warp, group, r + kRowsAhead, n + m + l);
+                    prefetch(warp, group, r + kRowsAhead, productLength(group));
                 const Real* values =
                     e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
-                const Real* factor = numberOf(table, group, r, n + m + l, 0);
-                const Real c = factor[(n + m + plane) * kLanes<Real>];
+                Real a[4], bs[4], c;
+                if (group.spline != kNoSpline)
+                    c = setWeights(group, r, plane, a, bs);
+                else
+                    c = loadFactors(group, r, firstI, firstJ, plane, a, bs);
                 Values<Real, width> value;
                 ESPALIER_UNROLL
                 for (int d = 0; d < width; ++d) value.of[d] = c * values[d];
-                Real a[4];
-                ESPALIER_UNROLL
-                for (int i = 0; i < 4; ++i)
-                    a[i] = firstI + i < n ? factor[(firstI + i) * kLanes<Real>] : Real{0};
                 ESPALIER_UNROLL
                 for (int j = 0; j < 4; ++j) {
                     if (firstJ + j >= m) continue;
-                    const Real b = factor[(n + firstJ + j) * kLanes<Real>];
+                    const Real b = bs[j];
                     ESPALIER_UNROLL
                     for (int d = 0; d < width; ++d) {
                         const Real lineValue = b * value.of[d];

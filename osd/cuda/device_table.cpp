@@ -11,6 +11,7 @@
 #include "../compile/table_compiler.h"
 #include "device_kernels.h"
 #include "device_table.h"
+#include "spline_rows.h"
 
 namespace espalier::osd::device {
 namespace {
@@ -59,13 +60,16 @@ RowSegments splitRows(std::span<const Offset> offsets) {
 }  // namespace
 
 template <class Real>
-TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
+TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped, bool hasParameters)
     : rowCount(table.rowCount()), columnCount(table.columnCount()) {
     if (!isGrouped) {
         ungrouped = borrowedRows(table);
         return;
     }
     CompiledRows<Real> compiled = compileRows(table);
+    const std::vector<Index> splines = hasParameters
+                                           ? storeSplineParameters(compiled)
+                                           : std::vector<Index>(compiled.groups.size(), kNoSpline);
     groupColumns = std::move(compiled.groupColumns);
     groupNumbers = std::move(compiled.groupNumbers);
     groupRows = std::move(compiled.groupRows);
@@ -79,7 +83,9 @@ TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
                           group.rowCount,
                           group.lowest,
                           group.highest,
-                          {size[0], size[1], size[2]}});
+                          {size[0], size[1], size[2]},
+                          splines[number]});
+        if (splines[number] != kNoSpline) parametricRowCount += group.rowCount;
         std::vector<Task>* tasks = &panels;
         if (size[0] > 0) {
             const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);

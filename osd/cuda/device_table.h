@@ -48,13 +48,17 @@ struct ESPALIER_API TableArrays {
     std::vector<Index> groupRows = {};
     std::vector<Task> panels = {};
     std::array<std::vector<Task>, kSizeCount> products = {};
-    Index maxProductColumns = 0;  ///< of any outer product of class 0 (kSizes)
+    Index maxProductColumns = 0;   ///< of any outer product of class 0 (kSizes)
+    Index parametricRowCount = 0;  ///< number of rows that are stored as three parameters
     SparseArrays<Real> ungrouped = {};
 
     /// \param table must live as long as this, unless isGrouped
     /// \param isGrouped true to look for rows that share their columns
+    /// \param hasParameters true to store rows of splines as parameters (spline_rows.h); needs
+    ///        isGrouped
     /// \cost O(entries + rows log rows); if not grouped, nothing, and no memory
-    TableArrays(const stencils::StencilTable<Real>& table, bool isGrouped);
+    TableArrays(const stencils::StencilTable<Real>& table, bool isGrouped,
+                bool hasParameters = false);
 };
 
 /// The arrays of an AdjointView: the additional data of the adjoint.

@@ -64,6 +64,7 @@ IS_AT(espalier_bind_options, level, sizeof(size_t));
 IS_AT(espalier_bind_options, outside, sizeof(size_t) + 4);
 IS_AT(espalier_bind_options, tolerance, sizeof(size_t) + 8);
 IS_AT(espalier_bind_options, limit_tolerance, sizeof(size_t) + 16);
+IS_AT(espalier_bind_options, gradients, sizeof(size_t) + 24);
 
 IS_AT(espalier_fit_options, size, 0);
 IS_AT(espalier_fit_options, smoothing, sizeof(size_t));

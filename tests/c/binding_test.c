@@ -398,6 +398,83 @@ static void test_levels_converge_to_the_limit(void) {
     tear_down(&f);
 }
 
+static espalier_binding* bind_with_gradients(const fixture* f, const double* at) {
+    espalier_bind_options options = espalier_default_bind_options();
+    options.limit_tolerance = 1e-6;
+    options.gradients = 1;
+    espalier_binding* binding = NULL;
+    OK(espalier_binding_create(f->refiner, BOX_VERTICES, f->rest, POINTS, at, &options, &binding));
+    return binding;
+}
+
+/* An affine pose has its matrix as gradient everywhere; the point outside has the identity. */
+static void test_gradients_of_an_affine_pose(void) {
+    fixture f = set_up();
+    const double matrix[9] = {1.5, 0.25, 0, 0, 1, -0.5, 0.125, 0, 2};
+    for (int v = 0; v < BOX_VERTICES; ++v)
+        for (int i = 0; i < 3; ++i) {
+            f.pose[3 * v + i] = i;
+            for (int j = 0; j < 3; ++j) f.pose[3 * v + i] += matrix[3 * i + j] * f.rest[3 * v + j];
+        }
+    espalier_binding* binding = bind_with_gradients(&f, points);
+    double found[9 * POINTS];
+    OK(espalier_binding_gradients(binding, BOX_VERTICES, f.pose, POINTS, found));
+    for (int point = 0; point < POINTS; ++point)
+        for (int k = 0; k < 9; ++k) {
+            const double expected = point == OUTSIDE ? k % 4 == 0 : matrix[k];
+            /* Points are placed within 1e-12, and the cells are 1/2 wide or more. */
+            CHECK(fabs(found[9 * point + k] - expected) < 1e-10);
+        }
+    espalier_binding_destroy(binding);
+    tear_down(&f);
+}
+
+/* Of another pose, the gradient is the limit of difference quotients. */
+static void test_gradients_are_difference_quotients(void) {
+    fixture f = set_up();
+    const double h = 1e-4;
+    double found[9 * POINTS];
+    espalier_binding* binding = bind_with_gradients(&f, points);
+    OK(espalier_binding_gradients(binding, BOX_VERTICES, f.pose, POINTS, found));
+    espalier_binding_destroy(binding);
+    for (int j = 0; j < 3; ++j) {
+        double moved[2][3 * POINTS];
+        for (int side = 0; side < 2; ++side) {
+            double at[3 * POINTS];
+            memcpy(at, points, sizeof at);
+            for (int point = 0; point < POINTS; ++point) at[3 * point + j] += side ? h : -h;
+            espalier_binding* beside = bind_with_gradients(&f, at);
+            apply(beside, f.pose, moved[side]);
+            espalier_binding_destroy(beside);
+        }
+        for (int point = 0; point < POINTS; ++point) {
+            if (point == 3 || point == OUTSIDE) continue; /* a point beside point 3 is outside */
+            for (int i = 0; i < 3; ++i) {
+                const double quotient =
+                    (moved[1][3 * point + i] - moved[0][3 * point + i]) / (2 * h);
+                /* The pose moves vertices by 0.2: third derivatives are below 100 in cells of 1/2,
+                   so the error is below 100 h^2 / 6 = 2e-7. */
+                CHECK(fabs(found[9 * point + 3 * i + j] - quotient) < 2e-7);
+            }
+        }
+    }
+    tear_down(&f);
+}
+
+static void test_gradients_that_are_missing(void) {
+    fixture f = set_up();
+    double found[9 * POINTS];
+    INVALID(espalier_binding_gradients(f.binding, BOX_VERTICES, f.pose, POINTS, found),
+            "the binding has no gradients");
+    espalier_bind_options options = espalier_default_bind_options();
+    options.gradients = 1;
+    espalier_binding* binding = NULL;
+    INVALID(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                                    &binding),
+            "only a binding to the limit has gradients");
+    tear_down(&f);
+}
+
 /* Programs that were compiled with the options of an earlier version still bind to the level. */
 static void test_options_of_an_earlier_version(void) {
     fixture f = set_up();
@@ -445,6 +522,9 @@ int main(int count, char** arguments) {
     test_save_and_load(arguments[1]);
     test_points_outside();
     test_levels_converge_to_the_limit();
+    test_gradients_of_an_affine_pose();
+    test_gradients_are_difference_quotients();
+    test_gradients_that_are_missing();
     test_options_of_an_earlier_version();
     test_binding_ignores_levels_of_the_refiner();
     return 0;

@@ -274,12 +274,17 @@ static void try_bind(const espalier_bind_options* options) {
 }
 
 static void test_binding(void) {
-    const size_t sizes[] = {0, 1, 4, 23, 40, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX};
+    const size_t sizes[] = {0, 1, 4, 23, 40, 48, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX};
     for (size_t i = 0; i < COUNT(sizes); ++i) {
         espalier_bind_options options = espalier_default_bind_options();
         options.size = sizes[i];
         try_bind(&options);
     }
+    espalier_binding* limit_binding = NULL;
+    espalier_bind_options limit = espalier_default_bind_options();
+    limit.limit_tolerance = 1e-6;
+    limit.gradients = 1;
+    OK(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &limit, &limit_binding));
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         espalier_bind_options options = espalier_default_bind_options();
         options.level = int32s[i];
@@ -287,6 +292,11 @@ static void test_binding(void) {
         options = espalier_default_bind_options();
         options.outside = int32s[i];
         try_bind(&options);
+        options = espalier_default_bind_options();
+        options.limit_tolerance = 1e-6;
+        options.gradients = int32s[i];
+        CHECK(record(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &options,
+                                             &made_binding)) == (int32s[i] == 0 || int32s[i] == 1));
 
         CHECK(record(espalier_binding_create(refiner, int32s[i], positions, 1, point, NULL,
                                              &made_binding)) == (int32s[i] == BOX_VERTICES));
@@ -298,7 +308,12 @@ static void test_binding(void) {
               (int32s[i] == BOX_VERTICES));
         CHECK(record(espalier_binding_apply(binding, BOX_VERTICES, positions, int32s[i], values)) ==
               (int32s[i] == 1));
+        CHECK(record(espalier_binding_gradients(limit_binding, int32s[i], positions, 1, values)) ==
+              (int32s[i] == BOX_VERTICES));
+        CHECK(record(espalier_binding_gradients(limit_binding, BOX_VERTICES, positions, int32s[i],
+                                                values)) == (int32s[i] == 1));
     }
+    espalier_binding_destroy(limit_binding);
     for (size_t i = 0; i < COUNT(doubles); ++i) {
         espalier_bind_options options = espalier_default_bind_options();
         options.tolerance = doubles[i];
@@ -400,7 +415,8 @@ static void test_inventory(void) {
     }
     static const int64_t offsets[2] = {0, 3};
     static const int32_t triangle[3] = {0, 1, 2};
-    static const double corner_points[9] = {0, 0, 0, 4, 0, 0, 0, 2, 1};
+    /* Small, so that cells of the size 0.1 are few. */
+    static const double corner_points[9] = {0, 0, 0, 0.4, 0, 0, 0, 0.2, 0.1};
     const espalier_polygons faces = {1, offsets, triangle};
     TRY_SHAPE(cage, espalier_lattice_create_cage(3, corner_points, &faces, &options, &made_lattice),
               vertices, 1, cell_size, 1);

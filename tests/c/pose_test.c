@@ -183,8 +183,8 @@ static void test_files(const char* folder) {
     OK(espalier_pose_twist(N, rest, z_axis, 0.1, NULL, pose));
     OK(espalier_lattice_create_hexahedra(N, rest, BOX_CELLS, cells, &lattice));
     OK(espalier_lattice_create_hexahedra(N, pose, BOX_CELLS, cells, &moved));
-    OK(espalier_lattice_write_cage(moved, path[0]));
-    OK(espalier_lattice_write_cage(moved, path[1]));
+    OK(espalier_lattice_write_editor_mesh(moved, path[0]));
+    OK(espalier_lattice_write_editor_mesh(moved, path[1]));
     OK(espalier_lattice_write(moved, path[2]));
     OK(espalier_refiner_create(lattice, NULL, &refiner));
     OK(espalier_binding_create(refiner, N, rest, 1, rest + 3 * BOX_CENTRE, NULL, &binding));
@@ -215,9 +215,9 @@ static void test_files(const char* folder) {
             "is not a face of the lattice");
     REFUSED(espalier_binding_read_pose(loaded, path[0], N, back), ESPALIER_ERROR_FILE,
             "is not a pose of the lattice of the binding: face 36 of the file");
-    REFUSED(espalier_lattice_write_cage(lattice, path[2]), ESPALIER_ERROR_FILE, ".obj or .ply");
-    INVALID(espalier_lattice_write_cage(NULL, path[0]), "lattice is null");
-    INVALID(espalier_lattice_write_cage(lattice, NULL), "path is null");
+    REFUSED(espalier_lattice_write_editor_mesh(lattice, path[2]), ESPALIER_ERROR_FILE, ".obj or .ply");
+    INVALID(espalier_lattice_write_editor_mesh(NULL, path[0]), "lattice is null");
+    INVALID(espalier_lattice_write_editor_mesh(lattice, NULL), "path is null");
     INVALID(espalier_lattice_read_pose(NULL, path[0], N, back), "lattice is null");
     INVALID(espalier_lattice_read_pose(lattice, NULL, N, back), "path is null");
     INVALID(espalier_lattice_read_pose(lattice, path[1], N, NULL), "pose is null");

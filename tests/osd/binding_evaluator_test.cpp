@@ -31,6 +31,19 @@ TEST(Binding, MovesPointsInsideAndKeepsPointsOutside) {
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
 }
 
+// A point on an edge along x, whose end moves by (1, 3, 0): F = 1 + (1, 3, 0) ⊗ (1, 0, 0). A point
+// without weights has the identity.
+TEST(Binding, GradientsOfAnEdge) {
+    using stencils::StencilTable;
+    const StencilTable<double> along(2, {0, 2, 2}, {0, 1}, {-1, 1}), none(2, {0, 0, 0}, {}, {});
+    const std::vector<Point3> rest = {{5, 0, 0}, {6, 0, 0}}, pose = {{5, 0, 0}, {7, 3, 0}};
+    const auto gradients = evaluateGradients({along, none, none}, rest, pose);
+    const std::vector<PointGradient> expected = {{2, 0, 0, 3, 1, 0, 0, 0, 1},
+                                                 {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    EXPECT_EQ(gradients, expected);
+    EXPECT_THROW(evaluateGradients({along, none, none}, rest, std::span(pose).first(1)), Error);
+}
+
 // At rest each point is exactly where it was: 0.348799 stays 0.348799. A pose that moves one corner
 // leaves the points exactly where they were whose rows do not have this corner.
 TEST(Binding, DisplacementsLeavePointsThatDoNotMoveExactlyWhereTheyAre) {

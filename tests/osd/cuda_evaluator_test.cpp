@@ -47,13 +47,17 @@ TYPED_TEST(CudaEvaluatorTest, EqualsTheHostBitForBit) {
     for (const Lattice& lattice :
          {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5})}) {
         const auto table = boundTable<Real>(lattice);
-        for (const bool isGrouped : {true, false}) {
-            const HostDevice<Real> host(table, isGrouped);
-            const CudaEvaluator<Real> cuda(table, {.isGrouped = isGrouped, .hasAdjoint = true});
+        for (const auto& [isGrouped, hasParameters] :
+             std::vector<std::pair<bool, bool>>{{true, false}, {true, true}, {false, false}}) {
+            const HostDevice<Real> host(table, isGrouped, hasParameters);
+            const CudaEvaluator<Real> cuda(
+                table,
+                {.isGrouped = isGrouped, .hasParameters = hasParameters, .hasAdjoint = true});
+            EXPECT_EQ(cuda.parametricRowCount(), host.arrays().parametricRowCount);
             EXPECT_EQ(cuda.rowCount(), table.rowCount());
             EXPECT_EQ(cuda.columnCount(), table.columnCount());
             CudaWorkspace workspace;
-            for (const Offset length : {1, 3, 7, 12}) {
+            for (const Offset length : {1, 7, 12}) {  // 7 is 4 and 3
                 const auto layout = BufferDescriptor::packed(length);
                 const auto pose = randomValues<Real>(table.columnCount() * length, 1);
                 std::vector<Real> points(table.rowCount() * length);
@@ -297,6 +301,17 @@ TEST_F(Device, AdjointMustBeRequested) {
     EXPECT_REFUSED(Error, "CudaTableOptions::hasAdjoint",
                    cuda.evaluateAdjoint(points, {0, 1, 1}, back, {0, 1, 1},
                                         {0, table.columnCount()}, workspace));
+}
+
+TEST_F(Device, RowsOfSplinesTakeLessMemory) {
+    const auto table = boundTable<float>(shapes::box({.cells = {4, 3, 3}}));
+    const CudaEvaluator<float> cuda(table), parametric(table, {.hasParameters = true});
+    EXPECT_EQ(cuda.parametricRowCount(), 0);
+    EXPECT_GT(parametric.parametricRowCount(), table.rowCount() / 2);
+    EXPECT_LT(parametric.byteCount() + std::size_t(parametric.parametricRowCount()) * 24,
+              cuda.byteCount());
+    EXPECT_REFUSED(Error, "needs isGrouped",
+                   CudaEvaluator<float>(table, {.isGrouped = false, .hasParameters = true}));
 }
 
 TEST_F(Device, KeptPointsGetTheirRestPositions) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
 
+#include <tuple>
+
 #include "bound_table.h"
 #include "host_device.h"
 #include "sums.h"
@@ -165,16 +167,19 @@ TEST(DeviceBlocks, FitTheSharedMemoryOfTheirWarps) {
     EXPECT_EQ(blocksOf(10, largest.sharedBytes()).warps, 2U);
 }
 
-// A row of a regular region stores 12 factors and its row number on the device, plus a little for
-// each group.
-TYPED_TEST(DeviceKernels, StoreTwelveNumbersForARegularRow) {
+// A row of a regular region stores 12 factors, or 3 parameters, and its row number on the device,
+// plus a little for each group.
+TYPED_TEST(DeviceKernels, StoreTwelveOrThreeNumbersForARegularRow) {
     using Real = TypeParam;
     const auto table = boundTable<Real>(shapes::box({.cells = {3, 3, 3}}), 20'000);
-    const device::TableArrays<Real> arrays(table, true);
-    const std::size_t bytes = arrays.groupNumbers.size() * sizeof(Real) +
-                              arrays.groupRows.size() * sizeof(Index) +
-                              arrays.groupColumns.size() * sizeof(Index);
-    EXPECT_LT(bytes, 1.15 * (12 * sizeof(Real) + sizeof(Index)) * 20'000);
+    for (const auto& [hasParameters, numbers, more] :
+         {std::tuple{false, std::size_t{12}, 1.15}, std::tuple{true, std::size_t{3}, 1.25}}) {
+        const device::TableArrays<Real> arrays(table, true, hasParameters);
+        const std::size_t bytes = arrays.groupNumbers.size() * sizeof(Real) +
+                                  arrays.groupRows.size() * sizeof(Index) +
+                                  arrays.groupColumns.size() * sizeof(Index);
+        EXPECT_LT(double(bytes), more * double(numbers * sizeof(Real) + sizeof(Index)) * 20'000);
+    }
 }
 
 }  // namespace

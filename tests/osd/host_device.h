@@ -17,9 +17,9 @@ namespace espalier::osd {
 template <class Real>
 class HostDevice {
 public:
-    HostDevice(stencils::StencilTable<Real> table, bool isGrouped)
+    HostDevice(stencils::StencilTable<Real> table, bool isGrouped, bool hasParameters = false)
         : table_(std::move(table)),
-          arrays_(table_, isGrouped),
+          arrays_(table_, isGrouped, hasParameters),
           adjointArrays_(table_, arrays_),
           view_(viewOf(arrays_, kInPlace)),
           adjoint_(viewOf(adjointArrays_, steps_, kInPlace)) {}

@@ -13,6 +13,8 @@ export interface BindOptions {
   /** what happens to points outside; default "keep" */
   outside?: "keep" | "nearest" | "refuse";
   tolerance?: number;
+  /** makes the gradients of the limit too, for Binding.gradients() */
+  gradients?: boolean;
 }
 
 /** Where binding found a point. */
@@ -74,6 +76,22 @@ export class Binding extends Handle {
         points,
       );
       return doublesAt(this.library.core, points, 3 * pointCount);
+    });
+  }
+
+  /** The deformation gradient of each point for a pose, nine numbers, row by row: for Model.write(). */
+  gradients(pose: Float64Array, pointCount: number): Float64Array {
+    return this.library.scoped((scope) => {
+      const gradients = scope.allocate(72 * pointCount);
+      this.library.call(
+        "espalier_binding_gradients",
+        this.address,
+        pose.length / 3,
+        scope.doubles(pose),
+        pointCount,
+        gradients,
+      );
+      return doublesAt(this.library.core, gradients, 9 * pointCount);
     });
   }
 }

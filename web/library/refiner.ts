@@ -125,6 +125,7 @@ export class Refiner extends Handle {
           ["i32", ["keep", "nearest", "refuse"].indexOf(options.outside ?? "keep")],
           ["f64", options.tolerance ?? 1e-6],
           ["f64", options.limitTolerance ?? 0],
+          ["i32", options.gradients ? 1 : 0],
         ]),
       );
       return new Binding(this.library, binding);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps the document in the browser, so that it is there again after the page was closed.
 
-import type { Document } from "./document.ts";
+import { kEmptyDocument, type Document } from "./document.ts";
 
 const kStore = "documents";
 const kKey = "last";
-/** Changes with the fields of Document. */
+/** Changes with the stores of the database. */
 const kVersion = 1;
 
 function database(): Promise<IDBDatabase> {
@@ -38,7 +38,9 @@ async function withStore<T>(
 /** The document that was saved last, if there is one and the browser gives it. */
 export async function savedDocument(): Promise<Document | null> {
   try {
-    return (await withStore<Document>("readonly", (store) => store.get(kKey))) ?? null;
+    const saved = await withStore<Document>("readonly", (store) => store.get(kKey));
+    // An older page may have saved it, without the fields that are new.
+    return saved ? { ...kEmptyDocument, ...saved } : null;
   } catch {
     return null; // The browser keeps nothing, in a private window say.
   }

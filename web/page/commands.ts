@@ -3,7 +3,7 @@
 // the commands with keys.
 
 import { kEmptyDocument, withPoseAdded, withPoseReplaced } from "./document.ts";
-import type { Editor } from "./editor.ts";
+import { kWeldTolerance, type Editor } from "./editor.ts";
 import { kExamples } from "./examples.ts";
 import type { Gizmo, Mode } from "./gizmo.ts";
 import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
@@ -44,7 +44,8 @@ export interface Command {
 }
 
 const kModels = ".obj,.ply,.stl,.vtu,.vtp,.vtk";
-const kLattices = ".vtu,.ovm,.vtk,.obj,.ply";
+const kCellFiles = ".vtu,.ovm,.vtk";
+const kLattices = `${kCellFiles},.obj,.ply`;
 
 export function commandsFor(page: Page): Record<string, Command> {
   const { editor, gizmo, pointer, timeline } = page;
@@ -119,6 +120,9 @@ export function commandsFor(page: Page): Record<string, Command> {
     return offset;
   }
 
+  const commandsNow = () =>
+    commandsOf(editor.document, editor.pose, editor.model?.hasDirections ?? false);
+
   const take = (name: () => string, product: () => Product) => async () =>
     page.save(name(), await editor.write(product()));
 
@@ -165,6 +169,11 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Open a lattice, or a pose of it",
       key: "l",
       run: () => page.chooseFiles(kLattices, (file) => editor.openLatticeOrPose(file)),
+    },
+    "join lattice": {
+      title: "Join the cells of another lattice",
+      needs: "lattice",
+      run: () => page.chooseFiles(kCellFiles, (file) => editor.joinLattice(file)),
     },
     example: { title: "Open an example", key: "e", run: () => openExample(editor, "dog") },
     new: { title: "Begin anew", run: () => editor.change(kEmptyDocument) },
@@ -244,7 +253,7 @@ export function commandsFor(page: Page): Record<string, Command> {
     weld: {
       title: "Merge vertices that are close",
       needs: "lattice",
-      run: () => editor.editLattice({ kind: "weld", tolerance: 1e-3 }),
+      run: () => editor.editLattice({ kind: "weld", tolerance: kWeldTolerance }),
     },
     "remove cells": {
       title: "Delete the selected cells",
@@ -268,15 +277,10 @@ export function commandsFor(page: Page): Record<string, Command> {
       title: "Take the deformed model home",
       key: "Ctrl+s",
       needs: "binding",
-      async run() {
-        const product: Product = { kind: "model", pose: editor.positions };
-        page.save(deformedName(editor.document), await editor.write(product));
-        if (editor.document.settings.limit && editor.model!.hasDirections)
-          editor.onMessage(
-            "The normals in the file are as they were. espalier deform --limit deforms them.",
-            false,
-          );
-      },
+      run: take(
+        () => deformedName(editor.document),
+        () => ({ kind: "model", pose: editor.positions }),
+      ),
     },
     "save pose": {
       title: "Take the pose home",
@@ -330,13 +334,13 @@ export function commandsFor(page: Page): Record<string, Command> {
       needs: "lattice",
       run() {
         const dialog = document.querySelector<HTMLDialogElement>("#program")!;
-        dialog.querySelector("pre")!.textContent = commandsOf(editor.document, editor.pose);
+        dialog.querySelector("pre")!.textContent = commandsNow();
         dialog.showModal();
       },
     },
     "copy commands": {
       title: "Copy the commands",
-      run: () => navigator.clipboard.writeText(commandsOf(editor.document, editor.pose)),
+      run: () => navigator.clipboard.writeText(commandsNow()),
     },
 
     play: { title: "Play the poses", key: " ", needs: "lattice", run: () => timeline.toggle() },

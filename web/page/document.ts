@@ -2,7 +2,7 @@
 // A document is a model, a lattice at rest, poses of the lattice, and settings. A document never changes.
 // An edit makes a new document, which shares all parts that stay. Undo shows the document before.
 
-import type { BindSettings, LatticeFile, NamedFile } from "./protocol.ts";
+import type { BindSettings, LatticeFile, NamedFile, Rules } from "./protocol.ts";
 
 export interface Pose {
   readonly name: string;
@@ -25,6 +25,7 @@ export interface Document {
   /** the selected vertices, ascending */
   readonly selection: readonly number[];
   readonly settings: BindSettings;
+  readonly rules: Rules;
 }
 
 export const kEmptyDocument: Document = {
@@ -34,6 +35,7 @@ export const kEmptyDocument: Document = {
   time: 0,
   selection: [],
   settings: { level: 3, limit: false, outside: "keep" },
+  rules: { rules: "siggraph96", boundary: "sharp", sharpEdges: "single-cell" },
 };
 
 export const isEmpty = (document: Document) => !document.model && !document.lattice;

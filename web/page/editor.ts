@@ -31,10 +31,14 @@ import { sorted } from "./selection.ts";
 import { optionsOf, softWeights, type Weights } from "./transforms.ts";
 import type { Shown, View } from "./view.ts";
 
+/** Vertices within this part of the diagonal of the lattice become one. */
+export const kWeldTolerance = 1e-3;
+
 /** What the worker and the view have. */
 interface Open {
   model: NamedFile | null;
   lattice: LatticeFile | null;
+  rules: Document["rules"] | null;
   settings: Document["settings"] | null;
   positions: Float64Array | null;
   /** whether the points are in double precision */
@@ -45,6 +49,7 @@ interface Open {
 const kNothing: Open = {
   model: null,
   lattice: null,
+  rules: null,
   settings: null,
   positions: null,
   exact: false,
@@ -191,11 +196,11 @@ export class Editor {
     this.onChange();
   }
 
-  private async bringLattice({ lattice }: Document): Promise<void> {
-    if (this.open.lattice === lattice) return;
+  private async bringLattice({ lattice, rules }: Document): Promise<void> {
+    if (this.open.lattice === lattice && (this.open.rules === rules || !lattice)) return;
     const isFirst = !this.open.lattice;
-    this.shape = await this.engine.run("openLattice", lattice?.bytes ?? null);
-    this.open = { ...this.open, lattice, settings: null, positions: null, cells: false };
+    this.shape = await this.engine.run("openLattice", lattice?.bytes ?? null, rules);
+    this.open = { ...this.open, lattice, rules, settings: null, positions: null, cells: false };
     this.binding = null;
     this.folded = [];
     this.view.setLattice(this.shape);
@@ -341,6 +346,11 @@ export class Editor {
     await this.edit(from(this.document, { ...lattice, command: null }));
   }
 
+  /** Adds the cells of another lattice. Vertices at the same place become one. */
+  joinLattice(file: NamedFile): Promise<void> {
+    return this.editLattice({ kind: "join", file, tolerance: kWeldTolerance });
+  }
+
   select(vertices: Iterable<number>): Promise<void> {
     const selection = sorted(vertices);
     if (selection.join() === this.document.selection.join()) return Promise.resolve();
@@ -359,13 +369,13 @@ export class Editor {
     return softWeights(lattice?.positions ?? new Float64Array(0), selection, this.radius);
   }
 
-  /** Moves the selected vertices by an operation. */
-  async transform(transform: Transform): Promise<void> {
+  /** Moves the selected vertices by operations, one after the other. */
+  async transform(...transforms: Transform[]): Promise<void> {
     const weights = this.weights();
     if (weights.selection.length === 0) throw new Error("select vertices first");
     const { positions } = this;
-    const moved = await this.engine.run("transform", positions, weights.values, transform);
-    await this.setPositions(moved, optionsOf(weights, transform));
+    const moved = await this.engine.run("transform", positions, weights.values, transforms);
+    await this.setPositions(moved, optionsOf(weights, transforms));
   }
 
   /** Shows positions without an edit. */

@@ -6,7 +6,8 @@ import * as THREE from "three";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
 import type { Point } from "../library/espalier.ts";
 import type { Editor } from "./editor.ts";
-import { centerOf, optionsOf, type Weights } from "./transforms.ts";
+import type { Transform } from "./protocol.ts";
+import { centerOf, kAxes, optionsOf, type Weights } from "./transforms.ts";
 
 export type Mode = "translate" | "rotate" | "scale";
 
@@ -79,20 +80,14 @@ export class Gizmo {
       void this.editor.attempt(() => this.pull());
       return;
     }
-    const map = this.handle.matrix.clone().multiply(start.matrix.clone().invert());
+    if (this.mode !== "translate") {
+      void this.editor.attempt(() => this.transform());
+      return;
+    }
     const offset = this.offset();
     const positions = start.positions.slice();
-    const point = new THREE.Vector3();
     start.weights.values.forEach((weight, v) => {
-      if (weight <= 0) return;
-      const at = 3 * v;
-      if (this.mode === "translate") offset.forEach((x, c) => (positions[at + c] += weight * x));
-      else {
-        point.fromArray(start.positions, at).applyMatrix4(map);
-        point.toArray().forEach((x, c) => {
-          positions[at + c] += weight * (x - positions[at + c]);
-        });
-      }
+      if (weight > 0) offset.forEach((x, c) => (positions[3 * v + c] += weight * x));
     });
     this.latest = positions;
     void this.editor.preview(positions);
@@ -112,21 +107,46 @@ export class Gizmo {
     if (this.controls.dragging) void this.editor.preview(this.latest);
   }
 
+  /** The operations of the program that do what the handles have done. */
+  private transforms(): Transform[] {
+    const { scale } = this.handle;
+    switch (this.mode) {
+      case "translate":
+        return [{ kind: "move", offset: this.offset() }];
+      case "scale":
+        return [{ kind: "scale", factors: scale.toArray() }];
+      case "rotate": {
+        // About x, then y, then z. The first turn moves the middle of the selection, so all name it.
+        const center = this.handle.position.toArray();
+        const { x, y, z } = new THREE.Euler().setFromQuaternion(this.handle.quaternion, "ZYX");
+        return kAxes
+          .map((axis, i): Transform => {
+            const degrees = THREE.MathUtils.radToDeg([x, y, z][i]);
+            return { kind: "rotate", axis, degrees, center };
+          })
+          .filter((turn) => turn.kind === "rotate" && Math.abs(turn.degrees) > 1e-12);
+      }
+    }
+  }
+
+  private async transform(): Promise<void> {
+    const { start } = this;
+    const { positions, weights } = start!;
+    const { engine } = this.editor;
+    const moved = await engine.run("transform", positions, weights.values, this.transforms());
+    if (this.start !== start) return;
+    this.latest = moved;
+    if (this.controls.dragging) void this.editor.preview(moved);
+  }
+
   private async end(): Promise<void> {
     const { start } = this;
     if (!start) return;
+    const step = this.pulled === null ? optionsOf(start.weights, this.transforms()) : null;
     if (this.pulled !== null) await this.editor.attempt(() => this.pull());
+    else if (this.mode !== "translate") await this.editor.attempt(() => this.transform());
     this.start = null;
-    const moveOnly = this.pulled === null && this.mode === "translate";
-    const step = moveOnly
-      ? optionsOf(start.weights, { kind: "move", offset: this.offsetFrom(start.matrix) })
-      : null;
     if (this.latest) await this.editor.attempt(() => this.editor.setPositions(this.latest!, step));
     this.place();
-  }
-
-  private offsetFrom(matrix: THREE.Matrix4): Point {
-    const from = new THREE.Vector3().setFromMatrixPosition(matrix);
-    return this.handle.position.clone().sub(from).toArray();
   }
 }

@@ -10,8 +10,9 @@ import { Engine } from "./engine.ts";
 import { kExamples } from "./examples.ts";
 import { Gizmo } from "./gizmo.ts";
 import { onDrop, Pointer } from "./pointer.ts";
-import type { Axis, NamedFile, Recipe, Transform } from "./protocol.ts";
+import type { Axis, NamedFile, Rules, Transform } from "./protocol.ts";
 import * as selecting from "./selection.ts";
+import { kShapes, shapeCommand, type Sizes } from "./shapes.ts";
 import { Timeline } from "./timeline.ts";
 import { centerOf } from "./transforms.ts";
 import { View, type Shown } from "./view.ts";
@@ -170,7 +171,12 @@ const forms: Record<string, (values: Values) => Promise<void>> = {
     const command = `espalier shape cage ${editor.document.model?.name} --vertices ${vertices} -o rest.vtu`;
     return editor.makeLattice({ kind: "cage", vertices: Number(vertices) }, command);
   },
-  shape: ({ kind }) => editor.makeLattice(...shapeRecipe(kind)),
+  shape({ kind, ...values }) {
+    const sizes: Sizes = {};
+    for (const [key, size] of Object.entries(kShapes[kind].sizes))
+      sizes[key] = size.kind === "word" ? values[key] : Number(values[key]);
+    return editor.makeLattice({ kind: "shape", name: kind, sizes }, shapeCommand(kind, sizes));
+  },
   place(values) {
     const center = centerOf(editor.positions, editor.weights().values);
     const offset = pointOf(values).map((x, i) => x - center[i]) as Point;
@@ -194,28 +200,32 @@ const forms: Record<string, (values: Values) => Promise<void>> = {
   },
 };
 
-/** A ready lattice, and the command of the program that makes it. */
-function shapeRecipe(kind: string): [Recipe, string] {
-  const command = (options: string) => `espalier shape ${kind}${options} -o rest.vtu`;
-  switch (kind) {
-    case "box":
-      return [{ kind, cells: [3, 3, 3] }, command(" --cells 3 3 3 --min -1 -1 -1 --max 1 1 1")];
-    case "cylinder":
-      return [
-        { kind, sectors: 8, layers: 3 },
-        command(" --sectors 8 --layers 3 --from 0 -1 0 --to 0 1 0"),
-      ];
-    case "torus":
-      return [{ kind, segments: 8 }, command("")];
-    case "star":
-      return [{ kind, points: 5 }, command("")];
-    case "barbell":
-    case "arm":
-      return [{ kind }, command("")];
-    default:
-      return [{ kind: "solid", name: kind } as Recipe, command("")];
-  }
+/** The controls for the sizes of the chosen shape. */
+function showSizes(): void {
+  const name = shapeName.value;
+  find("#sizes").replaceChildren(
+    ...Object.entries(kShapes[name].sizes).map(([key, size]) => {
+      const label = document.createElement("label");
+      label.append(size.title);
+      const control = document.createElement(size.kind === "word" ? "select" : "input");
+      control.name = key;
+      if (control instanceof HTMLInputElement) {
+        control.type = "number";
+        control.required = true;
+        control.min = size.kind === "count" ? String(size.least) : "0";
+        if (size.kind === "length") control.step = "any";
+      } else if (size.kind === "word") for (const word of size.words) control.add(new Option(word));
+      control.value = String(size.value);
+      label.append(control);
+      return label;
+    }),
+  );
 }
+
+const shapeName = find<HTMLSelectElement>('[data-form="shape"] [name="kind"]');
+for (const [name, { title }] of Object.entries(kShapes)) shapeName.add(new Option(title, name));
+shapeName.addEventListener("change", showSizes);
+showSizes();
 
 for (const form of findAll<HTMLFormElement>("[data-form]"))
   form.addEventListener("submit", (event) => {
@@ -236,6 +246,11 @@ setting("outside").addEventListener("change", ({ target }) => {
   const outside = (target as HTMLSelectElement).value as "keep" | "nearest";
   void editor.change({ settings: { ...editor.document.settings, outside } });
 });
+for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
+  rule.addEventListener("change", () => {
+    const rules = { ...editor.document.rules, [rule.dataset.rule!]: rule.value };
+    void editor.change({ rules });
+  });
 
 const radius = find<HTMLInputElement>('[data-choice="radius"]');
 radius.addEventListener("input", () => {
@@ -299,6 +314,8 @@ function refresh(): void {
 
   setting("level").value = work.settings.limit ? "limit" : String(work.settings.level);
   setting("outside").value = work.settings.outside;
+  for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
+    rule.value = work.rules[rule.dataset.rule as keyof Rules];
   for (const button of findAll<HTMLButtonElement>("button[data-command]")) {
     const command = commands[button.dataset.command!];
     button.disabled = !canRun(command);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the commands of the program that make what the page shows.
 
-import type { Document, Pose } from "./document.ts";
+import { kEmptyDocument, type Document, type Pose } from "./document.ts";
 import { nameOf } from "./editor.ts";
 
 export const fileName = (pose: Pose) =>
@@ -16,12 +16,18 @@ export function deformedName(document: Document): string {
 const word = (text: string) =>
   /^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
-function bindingOptions({ settings }: Document): string {
+function bindingOptions({ settings, rules }: Document): string {
   const how = settings.limit ? "--limit" : `--level ${settings.level}`;
-  return `${how} --outside ${settings.outside}`;
+  const standard = kEmptyDocument.rules;
+  const words = [how, `--outside ${settings.outside}`];
+  if (rules.rules !== standard.rules) words.push(`--rules ${rules.rules}`);
+  if (rules.boundary !== standard.boundary) words.push(`--boundary ${rules.boundary}`);
+  if (rules.sharpEdges !== standard.sharpEdges) words.push(`--sharp-edges ${rules.sharpEdges}`);
+  return words.join(" ");
 }
 
-export function commandsOf(document: Document, pose: Pose): string {
+/** @param hasDirections whether the model has normals or tangents */
+export function commandsOf(document: Document, pose: Pose, hasDirections: boolean): string {
   const { lattice, model } = document;
   if (!lattice) return "# Make a lattice first.";
   const lines: string[] = [lattice.command ?? "# rest.vtu: Take home, Rest .vtu"];
@@ -34,10 +40,12 @@ export function commandsOf(document: Document, pose: Pose): string {
   } else lines.push(`# ${fileName(pose)}: Take home, Pose .vtu`);
   if (model) {
     const options = `--rest rest.vtu ${bindingOptions(document)}`;
+    // With gradients, points are placed more exactly: D is then the matrix of the deformed file.
+    const gradients = document.settings.limit && hasDirections ? " --gradients" : "";
     const to = pose.name === "rest" ? "rest-as-pose.vtu" : word(fileName(pose));
     lines.push(
       `espalier deform ${word(model.name)} ${options} \\\n    --to ${to} -o ${word(deformedName(document))}`,
-      `espalier stencils rest.vtu --points ${word(model.name)} ${bindingOptions(document)} -o D.npz`,
+      `espalier stencils rest.vtu --points ${word(model.name)} ${bindingOptions(document)}${gradients} -o D.npz`,
     );
   }
   return lines.join("\n");

@@ -2,7 +2,8 @@
 // The messages between the page and its worker. The page asks for jobs. The worker (worker.ts) runs the
 // jobs one after another with the library, and answers each.
 
-import type { AroundOptions, Marks, Point } from "../library/espalier.ts";
+import type { AroundOptions, Marks, Point, RefineOptions } from "../library/espalier.ts";
+import type { Sizes } from "./shapes.ts";
 
 /** The content of a file. Its extension tells the format. */
 export interface NamedFile {
@@ -52,6 +53,9 @@ export interface CellSurface {
   sides: Int32Array;
 }
 
+/** How the lattice is refined. */
+export type Rules = Readonly<Required<RefineOptions>>;
+
 export interface BindSettings {
   readonly level: number;
   /** binds to the limit instead of the level */
@@ -70,13 +74,7 @@ export interface BindResult {
 export type Recipe =
   | { kind: "around"; options: AroundOptions }
   | { kind: "cage"; vertices: number }
-  | { kind: "box"; cells: Point }
-  | { kind: "cylinder"; sectors: number; layers: number }
-  | { kind: "torus"; segments: number }
-  | { kind: "star"; points: number }
-  | { kind: "barbell" }
-  | { kind: "arm" }
-  | { kind: "solid"; name: "tetrahedron" | "cube" | "octahedron" | "dodecahedron" | "icosahedron" };
+  | { kind: "shape"; name: string; sizes: Sizes };
 
 /** A change of the cells or of the marks of a lattice. */
 export type LatticeEdit =
@@ -84,6 +82,7 @@ export type LatticeEdit =
   | { kind: "pyramid"; face: number; apex: Point }
   | { kind: "remove"; cells: number[] }
   | { kind: "weld"; tolerance: number }
+  | { kind: "join"; file: NamedFile; tolerance: number }
   | { kind: "mark"; edges: number[]; vertices: number[]; sharpness: number }
   | { kind: "clear marks" }
   | { kind: "move"; positions: Float64Array };
@@ -124,7 +123,8 @@ export type Axis = "x" | "y" | "z";
 export type Transform =
   | { kind: "move"; offset: Point }
   | { kind: "scale"; factors: Point }
-  | { kind: "rotate" | "twist" | "bend"; axis: Axis; degrees: number }
+  | { kind: "rotate"; axis: Axis; degrees: number; center?: Point }
+  | { kind: "twist" | "bend"; axis: Axis; degrees: number }
   | { kind: "taper"; axis: Axis; factor: number };
 
 /** A file to take home. */
@@ -144,7 +144,7 @@ export interface Jobs {
   /** Changes the open lattice; the result must be opened to be used. */
   editLattice(edit: LatticeEdit): LatticeFile;
   /** Opens a lattice that readLattice(), makeLattice() or editLattice() gave; null closes it. */
-  openLattice(bytes: Uint8Array | null): LatticeShape | null;
+  openLattice(bytes: Uint8Array | null, rules: Rules): LatticeShape | null;
   /** Binds the open model to the open lattice. */
   bind(settings: BindSettings): BindResult;
   cellSurface(): CellSurface;
@@ -155,8 +155,12 @@ export interface Jobs {
   readPose(file: NamedFile): Float64Array;
   /** The displacements of the vertices of the lattice that pull points of the model. */
   pull(pulls: Pull[]): Float64Array;
-  /** The positions after an operation. @param weights one for each vertex, 0 to 1 */
-  transform(positions: Float64Array, weights: Float64Array, transform: Transform): Float64Array;
+  /** The positions after operations, one after the other. @param weights one for each vertex, 0 to 1 */
+  transform(
+    positions: Float64Array,
+    weights: Float64Array,
+    transforms: readonly Transform[],
+  ): Float64Array;
   write(product: Product): Uint8Array;
   /** The size of the memory of the module, in bytes. */
   memory(): number;

@@ -61,12 +61,12 @@ export function centerOf(positions: Float64Array, weights: Float64Array): Point 
   }) as Point;
 }
 
-/** The options of `espalier pose` for an operation. */
-export function optionsOf(weights: Weights, transform: Transform): string {
+/** The options of `espalier pose` for operations. */
+export function optionsOf(weights: Weights, transforms: readonly Transform[]): string {
   const all = weights.selection.length === weights.values.length;
   const select = all ? "--select-all" : `--select vertices ${weights.selection.join(" ")}`;
   const falloff = weights.radius > 0 && !all ? ` --falloff smooth ${weights.radius}` : "";
-  return `${select}${falloff} ${operation(transform)}`;
+  return [`${select}${falloff}`, ...transforms.map(operation)].join(" ");
 }
 
 function operation(transform: Transform): string {
@@ -77,6 +77,10 @@ function operation(transform: Transform): string {
       return `--scale ${transform.factors.join(" ")}`;
     case "taper":
       return `--taper ${transform.axis} ${transform.factor}`;
+    case "rotate": {
+      const { axis, degrees, center } = transform;
+      return `${center ? `--center ${center.join(" ")} ` : ""}--rotate ${axis} ${degrees}`;
+    }
     default:
       return `--${transform.kind} ${transform.axis} ${transform.degrees}`;
   }

@@ -244,8 +244,8 @@ export class View {
     this.model.material.color = this.colours.model;
     (this.cloud.material as THREE.PointsMaterial).color = this.colours.model;
     this.foldedFaces.material.color = this.colours.bad;
-    for (const points of [this.outside, ...this.corners])
-      points.material.uniforms.rim.value = this.colours.panel;
+    for (const points of this.corners) points.material.uniforms.rim.value = this.colours.panel;
+    this.outside.material.uniforms.rim.value = this.colours.warn;
     this.colourOutside();
     this.colourLattice();
     this.rebuildCells();

@@ -30,9 +30,11 @@ import type {
   Pull,
   Recipe,
   Request,
+  Rules,
   Start,
   Transform,
 } from "./protocol.ts";
+import { kShapes } from "./shapes.ts";
 
 let library: Espalier;
 
@@ -46,6 +48,8 @@ let validity: { check: Validity; cells: Int32Array } | null = null;
 /** A binding, and the evaluators of its table. */
 interface Bound {
   binding: Binding;
+  /** whether it carries normals and tangents */
+  hasGradients: boolean;
   table: Table;
   evaluator: Evaluator;
   changes: ChangeEvaluator;
@@ -165,26 +169,8 @@ function make(recipe: Recipe): Lattice {
       const { file, points } = openModelNow();
       return library.cage(points, file.faces(), { vertices: recipe.vertices });
     }
-    case "box":
-      return library.box(recipe.cells, [-1, -1, -1], [1, 1, 1]);
-    case "cylinder":
-      return library.cylinder({ ...recipe, from: [0, -1, 0], to: [0, 1, 0] });
-    case "torus":
-      return library.torus({ segments: recipe.segments });
-    case "star":
-      return library.star({ points: recipe.points });
-    case "barbell":
-      return library.barbell({});
-    case "arm": {
-      const joint = (x: number, radius: number) => ({
-        position: [x, 0, 0] as [number, number, number],
-        radius,
-      });
-      const joints = [joint(0, 0.3), joint(1, 0.25), joint(2, 0.2), joint(2.5, 0.2)];
-      return library.arm({ joints });
-    }
-    case "solid":
-      return library.regularSolid(recipe.name);
+    case "shape":
+      return kShapes[recipe.name].make(library, recipe.sizes);
   }
 }
 
@@ -215,6 +201,12 @@ function edited(edit: LatticeEdit): Lattice {
       return file.withoutCells(edit.cells);
     case "weld":
       return library.merged([file], edit.tolerance);
+    case "join": {
+      const { name, bytes } = edit.file;
+      return using(library.readLattice(name, bytes), (other) =>
+        library.merged([file, other], edit.tolerance),
+      );
+    }
     case "mark":
       return changed(copy(), (to) => {
         to.markEdges(edit.edges, new Array(edit.edges.length / 2).fill(edit.sharpness));
@@ -240,18 +232,20 @@ function changed(object: Lattice, change: (object: Lattice) => void): Lattice {
 }
 
 function bind(settings: BindSettings): Uint32Array {
-  const { points } = openModelNow();
+  const { file, points } = openModelNow();
   const { refiner, rest } = openLatticeNow();
   closeBinding();
   const binding = refiner.bind(rest, points, {
     level: settings.level,
     outside: settings.outside,
     limitTolerance: settings.limit ? 1e-6 : 0,
+    gradients: settings.limit && file.hasDirections(),
   });
   const table = binding.table();
   const evaluator = table.evaluator();
   bound = {
     binding,
+    hasGradients: settings.limit && file.hasDirections(),
     table,
     evaluator,
     changes: evaluator.changes(),
@@ -272,6 +266,14 @@ function displacements(pose: Float64Array): Float64Array {
 /** The points of the model for a pose, as `espalier deform` computes them. */
 function deformed(pose: Float64Array): Float64Array {
   return openOr(bound, "binding").binding.apply(pose, openModelNow().points.length / 3);
+}
+
+/** The file of the model for a pose, as `espalier deform` writes it. */
+function writeModel(pose: Float64Array): Uint8Array {
+  const { file, points } = openModelNow();
+  const { binding, hasGradients } = openOr(bound, "binding");
+  const gradients = hasGradients ? binding.gradients(pose, points.length / 3) : undefined;
+  return file.write(deformed(pose), gradients);
 }
 
 function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
@@ -316,9 +318,12 @@ function transformed(positions: Float64Array, weights: Float64Array, to: Transfo
       return poses.move(positions, to.offset, options);
     case "scale":
       return poses.scale(positions, to.factors, options);
-    case "rotate":
+    case "rotate": {
+      const { center } = to;
+      return poses.rotate(positions, kDirections[to.axis], radians(to.degrees), { weights, center });
+    }
     case "twist":
-      return poses[to.kind](positions, kDirections[to.axis], radians(to.degrees), options);
+      return poses.twist(positions, kDirections[to.axis], radians(to.degrees), options);
     case "bend": {
       const [axis, toward] = [to.axis, kNext[to.axis]].map((each) => kDirections[each]);
       return poses.bend(positions, axis, radians(to.degrees), toward, options);
@@ -356,14 +361,14 @@ const jobs: Jobs = {
   makeLattice: (recipe) => fileOf(make(recipe)),
   editLattice: (edit) => fileOf(edited(edit)),
 
-  openLattice(bytes) {
+  openLattice(bytes, rules: Rules) {
     if (!bytes) {
       closeLattice();
       return null;
     }
     const file = library.readLattice("lattice.vtu", bytes);
     try {
-      const refiner = file.refiner();
+      const refiner = file.refiner(rules);
       try {
         const shape = shapeOf(file, refiner);
         closeLattice();
@@ -428,17 +433,18 @@ const jobs: Jobs = {
 
   readPose: (file) => openLatticeNow().file.readPose(file.name, file.bytes),
   pull,
-  transform: transformed,
+  transform: (positions, weights, transforms) =>
+    transforms.reduce((from, to) => transformed(from, weights, to), positions),
 
   write(product) {
     switch (product.kind) {
       case "model":
-        return openModelNow().file.write(deformed(product.pose));
+        return writeModel(product.pose);
       case "lattice": {
         const { file, rest } = openLatticeNow();
         file.setPositions(product.positions);
         try {
-          return product.extension === ".vtu" ? file.write(".vtu") : file.writeCage(".obj");
+          return product.extension === ".vtu" ? file.write(".vtu") : file.writeEditorMesh(".obj");
         } finally {
           file.setPositions(rest);
         }

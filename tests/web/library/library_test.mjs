@@ -60,7 +60,7 @@ test("the files of a deformation are the program's", () => {
   const model = espalier.readModel("sphere.obj", readFileSync(file("sphere.obj")));
   const cage = espalier.readLattice("rest.vtu", readFileSync(file("rest.vtu")));
   assert.deepEqual(Buffer.from(cage.write(".vtu")), readFileSync(file("again.vtu")));
-  assert.deepEqual(Buffer.from(cage.writeCage(".obj")), readFileSync(file("cage.obj")));
+  assert.deepEqual(Buffer.from(cage.writeEditorMesh(".obj")), readFileSync(file("cage.obj")));
   const rest = cage.positions();
   const pose = cage.readPose("pose.vtu", readFileSync(file("pose.vtu")));
   const twisted = espalier.poses.twist(rest, [0, 0, 1], (40 * Math.PI) / 180);
