@@ -44,8 +44,13 @@ inline __m128 inFirstLane(float number) {
 }
 
 }  // namespace espalier::wasm
-#undef _mm_set_ps1
+#undef _mm_set1_pd
+#undef _mm_set1_ps
 #undef _mm_set_pd1
+#undef _mm_set_ps1
+#undef _mm_load1_pd
+#undef _mm_load1_ps
+#undef _mm_load_ss
 #define _mm_set1_pd(number) espalier::wasm::inAllLanes(static_cast<double>(number))
 #define _mm_set1_ps(number) espalier::wasm::inAllLanes(static_cast<float>(number))
 #define _mm_set_pd1(number) _mm_set1_pd(number)
