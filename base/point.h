@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace espalier {
 
@@ -15,7 +16,7 @@ using Point3 = std::array<double, 3>;
 inline double length(const Point3& a) {
     const double x = std::abs(a[0]), y = std::abs(a[1]), z = std::abs(a[2]);
     const double largest = std::max({x, y, z});
-    if (!(largest > 0)) return x + y + z;
+    if (!(largest > 0 && largest < std::numeric_limits<double>::infinity())) return x + y + z;
     return largest * std::sqrt(x / largest * (x / largest) + y / largest * (y / largest) +
                                z / largest * (z / largest));
 }

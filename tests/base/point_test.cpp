@@ -24,10 +24,13 @@ TEST(Point, LengthsHaveTheSameBitsEverywhere) {
     EXPECT_EQ(length({0.1, 0.2, 0.3}), 0x1.7f254dab9cc3bp-2);
 }
 
-TEST(Point, LengthsOfVectorsThatAreNoNumbers) {
+TEST(Point, LengthsOfVectorsThatAreNotFinite) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const Point3& vector : {Point3{nan, 0, 0}, Point3{0, nan, 0}, Point3{1, 2, nan}})
         EXPECT_TRUE(std::isnan(length(vector)));
+    // The difference of two positions may overflow. It must not pass as short.
+    const double infinity = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(length({1, -infinity, 2}), infinity);
 }
 
 }  // namespace
