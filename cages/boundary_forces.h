@@ -19,8 +19,8 @@ namespace espalier::cages {
 ///
 /// - A *pull* on each face of level 2 goes to the nearest points.
 /// - A *push* on a face of level 3 goes outwards, if points stick out of it or are nearer to it
-/// than
-///   their clearance; or inwards, away from the points of another part of the model.
+///   than their clearance. Another push goes inwards, away from the points of another part of the
+///   model.
 ///
 /// match() finds the faces and the points that belong to each other. strengthen() and weakenPulls()
 /// change the forces where a lattice is not proved.

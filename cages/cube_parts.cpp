@@ -190,7 +190,7 @@ void CubeParts::findContacts() {
                 }
         }
     }
-    // So do parts in neighbouring cubes that are near to each other.
+    // Parts in neighbouring cubes that are near to each other have contacts, too.
     const Index cubeCount = counts_[0] * counts_[1] * counts_[2];
     std::vector<Index> firstPart(cubeCount + 1, static_cast<Index>(parts_.size()));
     for (std::size_t p = parts_.size(); p-- > 0;)
@@ -351,7 +351,7 @@ void CubeParts::addContact(Index part, const Contact& contact) {
 }
 
 void CubeParts::add(const Cube& low, std::span<const Index> members) {
-    // The one with the most neighbours.
+    // Takes the free cube with the most neighbours.
     Part added;
     added.isAdded = true;
     std::vector<Contact> contacts;
@@ -373,6 +373,7 @@ void CubeParts::add(const Cube& low, std::span<const Index> members) {
         added.cube = cube;
         added.contacts = contacts;
     }
+    if (added.contacts.empty()) return;
     contacts = std::exchange(added.contacts, {});
     parts_.push_back(std::move(added));
     const auto number = static_cast<Index>(parts_.size()) - 1;

@@ -29,7 +29,7 @@ public:
         Index count = 0;  ///< of pairs of voxels
     };
     struct Part {
-        Cube cube;
+        Cube cube = {};
         std::vector<Index> voxels;
         std::vector<Contact> contacts;
         bool isUsed = true;

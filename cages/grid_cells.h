@@ -34,9 +34,9 @@ struct GridCellOptions {
 ///
 /// A cell is left out if the model reaches little into it, provided that the topology stays the
 /// same. A neighbour must then be stretched. Where two parts in one cube meet a third part through
-/// one face, one of the two is left out, or separated from the third, if the topology stays the
-/// same; else they are joined. Where cells would touch in an edge or a vertex only, another cell is
-/// added. The boundary is a manifold.
+/// one face, one of the two is left out, if the topology stays the same and the model reaches
+/// little into it; else they are joined. Where cells would touch in an edge or a vertex only,
+/// another cell is added. The boundary is a manifold.
 class GridCells {
 public:
     /// \param voxels is kept by reference

@@ -270,8 +270,9 @@ void ModelSurface::split() {
 }
 
 /// Adds a piece, if little area closes it.
-/// \param piece all triangles wound one way round
-/// \param windings per triangle, if the model winds it so, as windings_
+/// \param piece triangles that are all wound one way round
+/// \param windings of each triangle of `piece`: 1 if the model winds it in this way, −1 the other
+///        way, 0 both ways
 bool ModelSurface::addClosed(std::span<const Triangle> piece, std::span<const int> windings) {
     ClosedPiece closed;
     closed.triangles.assign(piece.begin(), piece.end());

@@ -18,8 +18,8 @@ using Triangle = std::array<Index, 3>;
 ///
 /// Points at one place are one point, polygons become triangles around their least point, and
 /// triangles with the same three corners are one triangle. So these have no effect on any bit: the
-/// order of the faces and points, duplicate faces, the corner at which a face starts, and whether
-/// all faces are turned around.
+/// order of the faces and points, duplicates that are wound the same way, the corner at which a
+/// face starts, and whether all faces are turned around.
 ///
 /// Triangles are in one *piece* if a path over edges of exactly two triangles joins them. If a
 /// piece is orientable, and its boundary edges, joined to the centroid of each connected group of

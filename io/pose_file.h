@@ -55,8 +55,7 @@ ESPALIER_API bool isEditorMeshFile(const std::filesystem::path& path);
 /// written.
 ///
 /// \throws FileError unless isEditorMeshFile(path), if the lattice is not of dimension 3 or a
-/// position
-///         is not finite, or if the file cannot be written
+///         position is not finite, or if the file cannot be written
 ESPALIER_API void writeEditorMesh(const std::filesystem::path& path, const Lattice& lattice);
 
 }  // namespace espalier::io

@@ -45,6 +45,14 @@ void requireVertices(const Table& table, std::size_t count) {
                            table.columnCount()));
 }
 
+template <class Table>
+void requireRestVertices(const Table& table, std::size_t count) {
+    if (count != static_cast<std::size_t>(table.columnCount()))
+        throw Error(concat("there are ", count,
+                           " vertices at rest; the model is bound to a lattice of ",
+                           table.columnCount()));
+}
+
 std::vector<Point3> displacements(std::span<const Point3> rest, std::span<const Point3> pose) {
     std::vector<Point3> result(pose.begin(), pose.end());
     for (std::size_t v = 0; v < result.size(); ++v)
@@ -57,8 +65,12 @@ std::vector<Point3> displacements(std::span<const Point3> rest, std::span<const 
 std::vector<PointGradient> evaluateGradients(
     const std::array<stencils::StencilTable<double>, 3>& gradients, std::span<const Point3> rest,
     std::span<const Point3> pose) {
-    requireVertices(gradients[0], pose.size());
-    requireVertices(gradients[0], rest.size());
+    for (const auto& table : gradients) {
+        requireVertices(table, pose.size());
+        if (table.rowCount() != gradients[0].rowCount())
+            throw Error("the three tables of gradients have different numbers of rows");
+    }
+    requireRestVertices(gradients[0], rest.size());
     const std::vector<Point3> moved = displacements(rest, pose);
     std::vector<PointGradient> result(static_cast<std::size_t>(gradients[0].rowCount()),
                                       {1, 0, 0, 0, 1, 0, 0, 0, 1});
@@ -84,7 +96,7 @@ template <class Table>
 std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                     const RestPositions& rest, std::span<const Point3> pose) {
     requireVertices(binding.table, pose.size());
-    requireVertices(binding.table, rest.vertices.size());
+    requireRestVertices(binding.table, rest.vertices.size());
     if (std::ssize(rest.points) != binding.table.rowCount())
         throw Error(concat("there are ", rest.points.size(),
                            " points at rest; the bound model has ", binding.table.rowCount()));

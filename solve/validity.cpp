@@ -228,7 +228,7 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxL
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.vertexCount(), pose, "pose");
     const auto& rest = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
-    // Without the centres of a mesh.
+    // The centres of a mesh, which follow the vertices, are left out.
     std::vector<Point3> ends(rest.begin(), rest.begin() + volume.vertexCount());
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)

@@ -242,7 +242,7 @@ inline double floorOf(double exact, double longer, double rounding) {
 /// tetrahedra of a type-n cell, for n up to about 50. For a patch: 12 for determinants, 84 for sums
 /// of up to 36 and 48 of them, and 240 for halvings, 8 for each.
 ///
-/// \param roundings number of times that rounding is allowed for
+/// \param roundings how many times this rounding is allowed for
 inline double determinantFloor(const PieceSize& size, double roundings = 1) {
     const auto volume = [](const std::array<double, 3>& lengths) {
         return lengths[0] * lengths[1] * lengths[2];

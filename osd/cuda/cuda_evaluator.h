@@ -181,8 +181,9 @@ struct CudaTableOptions {
     /// as in CompiledTable. If false, the device holds the table as compressed sparse rows.
     bool isGrouped = true;
 
-    /// If true, points in regular cells, bound to the limit or to a level, are stored without
-    /// weights: as the cell and three parameters, from which kernels compute the weights. A row
+    /// If true, points in regular cells, bound to the limit or to a level up to 10, are stored
+    /// without weights, if a cell has enough of them to fill a panel: as the cell and three
+    /// parameters, from which kernels compute the weights. A row
     /// takes 16 bytes instead of 52 (28 instead of 100 in double). Its error is then relative to
     /// the largest |x|: see evaluate(). Needs isGrouped.
     bool hasParameters = false;
@@ -215,8 +216,8 @@ public:
     /// \throws CudaError if there is no device, or not enough memory on it; Error if the adjoint
     ///         needs too many intermediate sums, or for hasParameters without isGrouped
     /// \cost O(entries + rows log rows) on the host. Temporary memory of the host, as much as the
-    ///       table takes on the device; if not grouped, none, or with an adjoint as much as the
-    ///       table takes
+    ///       table takes on the device, and with parameters up to six times as much; if not
+    ///       grouped, none, or with an adjoint as much as the table takes
     explicit CudaEvaluator(const stencils::StencilTable<Real>& table,
                            const CudaTableOptions& options = {});
 

@@ -119,7 +119,10 @@ public:
 
     std::vector<Index> run() {
         std::unordered_map<Offset, Index> uses;
-        for (const Group& group : old_.groups) ++uses[group.firstNumber];
+        for (const Group& group : old_.groups)
+            if (lengthOf(group) > 0) ++uses[group.firstNumber];
+        // Kernels add the number of a lane to the address, even if there are no numbers.
+        numbers_.reserve(std::max(old_.groupNumbers.size(), std::size_t{kLanes<Real>}));
         left_.resize(old_.groups.size());
         isSplit_.resize(old_.groups.size());
         for (std::size_t g = 0; g < old_.groups.size(); ++g)
@@ -192,15 +195,19 @@ private:
 
     /// Copies a group as it is. Groups that share their numbers still do.
     void keep(const Group& group) {
+        const auto oldRows = std::span(old_.groupRows).subspan(group.firstRow, group.rowCount);
+        const std::vector<Index> rows(oldRows.begin(), oldRows.end());
+        if (lengthOf(group) == 0) {  // Its place is the place of the next group.
+            add(group.size, columnsOf(group), rows, kNoSpline, std::ssize(numbers_));
+            return;
+        }
         const auto [place, isNew] = places_.try_emplace(group.firstNumber, std::ssize(numbers_));
         if (isNew) {
             const std::size_t panels = (group.rowCount + kLanes<Real> - 1) / kLanes<Real>;
             const Real* first = old_.groupNumbers.data() + group.firstNumber;
             numbers_.insert(numbers_.end(), first, first + panels * kLanes<Real> * lengthOf(group));
         }
-        const std::span<const Index> rows =
-            std::span(old_.groupRows).subspan(group.firstRow, group.rowCount);
-        add(group.size, columnsOf(group), {rows.begin(), rows.end()}, kNoSpline, place->second);
+        add(group.size, columnsOf(group), rows, kNoSpline, place->second);
     }
 
     void add(const std::array<Index, 3>& size, std::span<const Index> columns,

@@ -20,8 +20,9 @@ inline constexpr double kSplineBound = 8;
 /// The parameters follow from the factors alone. Along each axis, the first moment of the weights
 /// is the parameter plus a constant, since the spline reproduces linear functions. Each row is
 /// compared with the weights that kernels compute from its parameters; a row that differs by more
-/// than kSplineBound keeps its factors. So do groups that share their factors with other groups,
-/// which are read from a cache.
+/// than kSplineBound keeps its factors. If one of six sample rows differs, the whole group keeps
+/// its factors. So do groups that share their factors with other groups: these are read from a
+/// cache.
 ///
 /// \param rows is changed: the new groups come in the order of the old ones. Tasks and runs stay
 /// \return Group::spline of each group

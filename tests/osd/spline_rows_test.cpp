@@ -203,6 +203,33 @@ TYPED_TEST(SplineRows, LeaveOtherRowsAsTheyAre) {
     }
 }
 
+// Points outside have rows without entries, which form groups without numbers.
+TYPED_TEST(SplineRows, FollowRowsWithoutEntries) {
+    using Real = TypeParam;
+    const auto xyz = BufferDescriptor::packed(3);
+    const auto table = splineTable<Real>({3, 3, 3}, 0, 500);
+    constexpr Index kEmpty = 40;
+    Array<Offset> offsets(kEmpty, 0);
+    offsets.insert(offsets.end(), table.offsets().begin(), table.offsets().end());
+    const StencilTable<Real> longer(table.columnCount(), std::move(offsets),
+                                    Array<Index>(table.columns().begin(), table.columns().end()),
+                                    Array<Real>(table.weights().begin(), table.weights().end()));
+    const HostDevice<Real> device(longer, true, true), shorter(table, true, true);
+    EXPECT_EQ(device.arrays().parametricRowCount, shorter.arrays().parametricRowCount);
+    const auto pose = randomValues<Real>(table.columnCount() * 3, 1);
+    std::vector<Real> points(longer.rowCount() * 3, 99), expected(table.rowCount() * 3);
+    device.evaluate(pose, xyz, points, xyz, {0, longer.rowCount()});
+    shorter.evaluate(pose, xyz, expected, xyz, {0, table.rowCount()});
+    expected.insert(expected.begin(), kEmpty * 3, 0);
+    EXPECT_EQ(points, expected);
+
+    const StencilTable<Real> empty(8, Array<Offset>(kEmpty + 1, 0), {}, {});
+    const HostDevice<Real> none(empty, true, true);
+    std::vector<Real> zeros(kEmpty * 3, 99);
+    none.evaluate(randomValues<Real>(24, 1), xyz, zeros, xyz, {0, kEmpty});
+    EXPECT_EQ(zeros, std::vector<Real>(kEmpty * 3, 0));
+}
+
 // In a group of splines, each seventh row has a weight that is off by 20 ε. It keeps its factors,
 // and is as exact as they are.
 TYPED_TEST(SplineRows, KeepFactorsOfRowsThatDiffer) {

@@ -47,7 +47,7 @@ TEST(Bernstein, DeterminantEqualsTheTrilinearJacobian) {
     }
 }
 
-// Sizes of 60 orders of magnitude, with uncertainties from far below to far above the lengths.
+// Sizes of 60 orders of magnitude, with uncertainties from far below the lengths up to the longest.
 TEST(ValidityPieces, LargestFloorIsAboveAllFloors) {
     const auto values = randomValues(16 * 2000, 7);
     for (std::size_t i = 0; i < values.size(); i += 16) {

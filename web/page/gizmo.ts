@@ -142,11 +142,18 @@ export class Gizmo {
   private async end(): Promise<void> {
     const { start } = this;
     if (!start) return;
+    if (this.handle.matrix.equals(start.matrix)) {
+      // A click without a movement.
+      this.start = null;
+      return this.place();
+    }
+    this.controls.enabled = false; // No drag begins before this one has ended.
     const step = this.pulled === null ? optionsOf(start.weights, this.transforms()) : null;
     if (this.pulled !== null) await this.editor.attempt(() => this.pull());
     else if (this.mode !== "translate") await this.editor.attempt(() => this.transform());
     this.start = null;
     if (this.latest) await this.editor.attempt(() => this.editor.setPositions(this.latest!, step));
+    this.controls.enabled = true;
     this.place();
   }
 }
