@@ -224,7 +224,10 @@ std::optional<Index> CubeParts::neighbour(Index part, Index direction) const {
 }
 
 bool CubeParts::hasSeveral(Index part, Index direction) const {
-    return std::ranges::count(parts_[part].contacts, direction, &Contact::direction) > 1;
+    const auto hasDirection = [&](const Contact& contact) {
+        return contact.direction == direction;
+    };
+    return std::ranges::count_if(parts_[part].contacts, hasDirection) > 1;
 }
 
 unsigned CubeParts::sharedFaces(Index part) const {

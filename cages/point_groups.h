@@ -6,9 +6,9 @@
 #include <espalier/base/vector3.h>
 
 #include <array>
-#include <compare>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace espalier::cages {
@@ -73,7 +73,12 @@ struct FitPoint {
     /// contain it.
     bool isInner = false;
 
-    auto operator<=>(const FitPoint&) const = default;
+    // Not a default <=>: the standard library of WebAssembly's compiler has none for optionals.
+    friend bool operator==(const FitPoint&, const FitPoint&) = default;
+    friend bool operator<(const FitPoint& a, const FitPoint& b) {
+        return std::tie(a.position, a.normal, a.cell, a.isInner) <
+               std::tie(b.position, b.normal, b.cell, b.isInner);
+    }
 };
 
 /// Points of a model, grouped by the cubes of a grid and by the cells that they belong to. Inner
