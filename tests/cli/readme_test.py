@@ -53,8 +53,8 @@ class Readme(CliTest):
         commands = commands_in(page)
         self.assertGreater(len(commands), 6)
         for words in commands:
-            if "posed-cage.obj" in words:  # which an editor writes
-                (self.path / "posed-cage.obj").write_bytes(self.bytes("cage.obj"))
+            if "posed-editor.obj" in words:  # which an editor writes
+                (self.path / "posed-editor.obj").write_bytes(self.bytes("editor.obj"))
             if words[0] == "espalier":
                 self.run_program(*words[1:])
         for output in ["posed.obj", "twisted.obj", "pulled.obj", "frame-0001.obj"]:
