@@ -68,8 +68,7 @@ ESPALIER_API void checkMemory();
 ESPALIER_API std::string formatBytes(std::uint64_t bytes);
 
 /// Returns a number of values, of one byte or more each, as a size in memory.
-/// \throws MemoryError if no address of this machine reaches so far, which happens with 32 bits
-/// only
+/// \throws MemoryError if no address of this machine reaches so far, as may happen with 32 bits
 inline std::size_t sizeInMemory(std::uint64_t count) {
     if (count > std::numeric_limits<std::size_t>::max())
         requireMemory(count, concat(count, " values"));

@@ -244,7 +244,7 @@ espalier_status espalier_binding_gradients(const espalier_binding* binding, int3
         c::array(gradients, point_count, "gradients", 9);
         const auto found = osd::evaluateGradients(own.gradients->tables, own.rest, from);
         if (!found.empty())
-            std::memcpy(gradients, found.data(), found.size() * sizeof(osd::PointGradient));
+            std::memcpy(gradients, found.data(), found.size() * sizeof(DeformationGradient));
     });
 }
 

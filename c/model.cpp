@@ -94,8 +94,8 @@ espalier_status espalier_model_write(const espalier_model* model, const char* pa
             own.write(to, moved);
             return;
         }
-        std::vector<io::DeformationGradient> atPoints(moved.size());
-        std::memcpy(atPoints.data(), gradients, atPoints.size() * sizeof(io::DeformationGradient));
+        std::vector<DeformationGradient> atPoints(moved.size());
+        std::memcpy(atPoints.data(), gradients, atPoints.size() * sizeof(DeformationGradient));
         own.write(to, moved, atPoints);
     });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "boundary_forces.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/vector3.h>
 
@@ -226,19 +227,13 @@ void BoundaryForces::matchPushes(const std::vector<Point3>& centres,
         first = f;
     }
     const std::vector<Index>& cells = surface_.fineFaces().cells;
-    // Boxes around the faces of each cell.
-    std::vector<Point3> low(apart_.size(), {1e99, 1e99, 1e99}),
-        high(apart_.size(), {-1e99, -1e99, -1e99});
-    for (Index f = 0; f < faceCount; ++f)
-        for (int axis = 0; axis < 3; ++axis) {
-            low[cells[f]][axis] = std::min(low[cells[f]][axis], centres[f][axis]);
-            high[cells[f]][axis] = std::max(high[cells[f]][axis], centres[f][axis]);
-        }
+    std::vector<BoundingBox> facesOf(apart_.size());  // boxes around the faces of each cell
+    for (Index f = 0; f < faceCount; ++f) facesOf[cells[f]].include(centres[f]);
     const double reach = kPushRings * groups_.grid().size;
     const auto isNear = [&](Index group, Index cell) {
         for (int axis = 0; axis < 3; ++axis)
-            if (low[cell][axis] > groups[group].high[axis] + reach ||
-                high[cell][axis] < groups[group].low[axis] - reach)
+            if (facesOf[cell].min[axis] > groups[group].high[axis] + reach ||
+                facesOf[cell].max[axis] < groups[group].low[axis] - reach)
                 return false;
         return true;
     };

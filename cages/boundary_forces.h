@@ -70,7 +70,7 @@ private:
     /// How far the hulls of each face of level 3 reach inwards of its centre.
     std::vector<double> depths_;
 
-    // Of each group of points:
+    // The next six arrays have one entry for each group of points.
     std::vector<double> clearance_;         ///< least distance of the hulls of the boundary
     std::vector<double> distanceToOthers_;  ///< least distance of faces it does not belong to
     std::vector<double> distance_;          ///< from its plane, when it was last matched

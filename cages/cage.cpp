@@ -36,8 +36,8 @@ constexpr Index kMaxVertices = 100000;
 /// edges of cells, which a double can hold then.
 constexpr double kMinDiagonal = 1e-40, kMaxDiagonal = 1e40;
 
-/// Largest coordinates of a model, in diagonals. A coordinate is then rounded by less than a tenth
-/// of the smallest spacing of samples, which is 3e-7 diagonals for a line.
+/// Largest coordinates of a model, in diagonals. Then the rounding of a coordinate is less than a
+/// tenth of the distance between samples. The samples of a line are closest: 3e-7 diagonals apart.
 constexpr double kMaxDistance = 1e8;
 
 /// The number of vertices grows about as this power of 1 / size.

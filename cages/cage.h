@@ -60,9 +60,10 @@ struct CageOptions {
 /// - every patch of the limit volume has a positive Jacobian.
 ///
 /// The lattice has the connected parts, handles and cavities of the model at the scale of its
-/// cells; its boundary is a manifold, without marks. These have no effect on any bit: the order of
-/// faces and points, duplicates that are wound the same way, the corner at which a face starts,
-/// whether all faces are turned around, and the number of threads.
+/// cells; its boundary is a manifold, without marks. The result has the same bits for any number of
+/// threads, and for the same model with its faces and points in another order, with duplicates that
+/// are wound the same way, with faces that start at another corner, or with all faces turned
+/// around.
 ///
 /// \throws Error if there are no faces, a face names a point that does not exist, a point is not
 ///         finite or beyond ±1e90, the diagonal of the model is not between 1e-40 and 1e40, or a

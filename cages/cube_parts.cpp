@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace espalier::cages {
@@ -70,8 +71,7 @@ void CubeParts::findParts() {
                             members.push_back(voxel);
                             for (std::size_t i = 0; i < members.size(); ++i) {
                                 const Index at = members[i];
-                                const std::array<Index, 3> place = {at % n[0], at / n[0] % n[1],
-                                                                    at / n[0] / n[1]};
+                                const auto place = placeOf(at);
                                 Index stride = 1;
                                 for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
                                     for (const Index side : {-1, 1}) {
@@ -169,8 +169,7 @@ void CubeParts::findContacts() {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         Part& part = parts_[p];
         for (const Index voxel : part.voxels) {
-            const std::array<Index, 3> place = {voxel % n[0], voxel / n[0] % n[1],
-                                                voxel / n[0] / n[1]};
+            const auto place = placeOf(voxel);
             Index stride = 1;
             for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
                 for (const Index side : {0, 1}) {
@@ -262,8 +261,7 @@ bool CubeParts::isRemovable(Index number) const {
 
 /// Returns the distance of the centre of a voxel from a face of a cube, in voxels.
 double CubeParts::distanceToFace(const Cube& cube, Index direction, Index voxel) const {
-    const auto& n = voxels_.grid().counts;
-    const std::array<Index, 3> place = {voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
+    const auto place = placeOf(voxel);
     double square = 0;
     for (Index axis = 0; axis < 3; ++axis) {
         const Index low = cube[axis] * perEdge_ - offset_[axis];
@@ -283,7 +281,7 @@ double CubeParts::depthOf(Index number) const {
     const unsigned faces = sharedFaces(number);
     double depth = 0;
     for (const Index voxel : part.voxels) {
-        double least = 1e9;
+        double least = std::numeric_limits<double>::infinity();
         for (Index d = 0; d < kDirections; ++d)
             if ((faces >> d & 1) != 0) least = std::min(least, distanceToFace(part.cube, d, voxel));
         depth = std::max(depth, least + 0.5);

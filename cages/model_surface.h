@@ -17,9 +17,9 @@ using Triangle = std::array<Index, 3>;
 /// The faces of a model as triangles, and the pieces of its surface that bound a solid.
 ///
 /// Points at one place are one point, polygons become triangles around their least point, and
-/// triangles with the same three corners are one triangle. So these have no effect on any bit: the
-/// order of the faces and points, duplicates that are wound the same way, the corner at which a
-/// face starts, and whether all faces are turned around.
+/// triangles with the same three corners are one triangle. The result has the same bits for the
+/// same model with its faces and points in another order, with duplicates that are wound the same
+/// way, with faces that start at another corner, or with all faces turned around.
 ///
 /// Triangles are in one *piece* if a path over edges of exactly two triangles joins them. If a
 /// piece is orientable, and its boundary edges, joined to the centroid of each connected group of

@@ -2,30 +2,21 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/deformation_gradient.h>
 #include <espalier/base/point.h>
-
-#include <array>
 
 /// \file
 /// Carries normals and tangents along with a deformation.
 
 namespace espalier::io {
 
-/// The deformation gradient F at a point, by rows: number 3 i + j is d x'_i / d X_j, the derivative
-/// of coordinate i of the deformed point by coordinate j of the point at rest. All numbers are
-/// finite.
-///
-/// Where nothing moves, F should be the identity to the last bit, so that directions stay as they
-/// are. F has this property if it is computed as 1 + d u / d X from the displacements u.
-using DeformationGradient = std::array<double, 9>;
-
 // carryNormal() and carryTangent() turn a direction as the deformation turns it, and keep its
 // length (to a few roundings): unit vectors stay unit vectors, as renderers expect. A direction
 // that F maps to itself comes back bit for bit, and so does the zero vector. The result is zero
 // where F maps the direction to zero up to rounding.
 //
-// The vectors must be finite and their lengths at most half of the largest double. F may be of any
-// size, and its determinant may be 0 or negative.
+// The vectors and F must be finite, and the lengths of the vectors at most half of the largest
+// double. F may be of any size, and its determinant may be 0 or negative.
 
 /// Returns the normal of the deformed surface, along cof(F) n = det(F) F⁻ᵀ n, the cross product of
 /// two tangents that F carries. It stays on the side from which the face runs anticlockwise, even

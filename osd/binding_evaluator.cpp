@@ -62,7 +62,7 @@ std::vector<Point3> displacements(std::span<const Point3> rest, std::span<const 
 
 }  // namespace
 
-std::vector<PointGradient> evaluateGradients(
+std::vector<DeformationGradient> evaluateGradients(
     const std::array<stencils::StencilTable<double>, 3>& gradients, std::span<const Point3> rest,
     std::span<const Point3> pose) {
     for (const auto& table : gradients) {
@@ -72,8 +72,8 @@ std::vector<PointGradient> evaluateGradients(
     }
     requireRestVertices(gradients[0], rest.size());
     const std::vector<Point3> moved = displacements(rest, pose);
-    std::vector<PointGradient> result(static_cast<std::size_t>(gradients[0].rowCount()),
-                                      {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    std::vector<DeformationGradient> result(static_cast<std::size_t>(gradients[0].rowCount()),
+                                            {1, 0, 0, 0, 1, 0, 0, 0, 1});
     for (std::size_t j = 0; j < 3; ++j) {
         const std::vector<Point3> column = product(gradients[j], moved);
         for (std::size_t point = 0; point < result.size(); ++point)

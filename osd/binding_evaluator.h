@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/deformation_gradient.h>
 #include <espalier/base/point.h>
 #include <espalier/embed/binding.h>
 #include <espalier/osd/evaluation.h>
@@ -44,9 +45,6 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& 
                                                  const RestPositions& rest,
                                                  std::span<const Point3> pose);
 
-/// The deformation gradient F of a point, row by row: F(i, j) = ∂x'ᵢ/∂Xⱼ at 3 i + j.
-using PointGradient = std::array<double, 9>;
-
 /// Returns the deformation gradient of each point for a pose of the lattice: 1 + G · (p' − p),
 /// where p is the lattice at rest. A point that no moved vertex influences has exactly the
 /// identity.
@@ -55,7 +53,7 @@ using PointGradient = std::array<double, 9>;
 /// \param rest, pose positions of the base vertices
 /// \throws Error if there is not one position for each column
 /// \cost O(entries), on all threads
-ESPALIER_API std::vector<PointGradient> evaluateGradients(
+ESPALIER_API std::vector<DeformationGradient> evaluateGradients(
     const std::array<stencils::StencilTable<double>, 3>& gradients, std::span<const Point3> rest,
     std::span<const Point3> pose);
 

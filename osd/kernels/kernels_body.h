@@ -122,7 +122,7 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
 /// Adds a product to a sum, or begins the sum with it: without fused products, 0 + product would
 /// take an eighth of the time.
 template <int width, class V>
-void addProduct(bool isFirst, const V& factor, const V (&values)[width], V (&sum)[width]) {
+void beginOrAdd(bool isFirst, const V& factor, const V (&values)[width], V (&sum)[width]) {
     if (isFirst)
         for (int d = 0; d < width; ++d) sum[d] = factor * values[d];
     else
@@ -157,9 +157,9 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
                     for (int d = 0; d < width; ++d) line[d] += factor * points[d];
                     points += run.pointStride;
                 }
-                addProduct<width>(j == 0, at<V>(b + j * lanes), line, plane);
+                beginOrAdd<width>(j == 0, at<V>(b + j * lanes), line, plane);
             }
-            addProduct<width>(k == 0, at<V>(c + k * lanes), plane, all);
+            beginOrAdd<width>(k == 0, at<V>(c + k * lanes), plane, all);
         }
         for (int d = 0; d < width; ++d)
             *reinterpret_cast<V*>(results[d] + part * registerSize) = all[d];

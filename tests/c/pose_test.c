@@ -215,7 +215,8 @@ static void test_files(const char* folder) {
             "is not a face of the lattice");
     REFUSED(espalier_binding_read_pose(loaded, path[0], N, back), ESPALIER_ERROR_FILE,
             "is not a pose of the lattice of the binding: face 36 of the file");
-    REFUSED(espalier_lattice_write_editor_mesh(lattice, path[2]), ESPALIER_ERROR_FILE, ".obj or .ply");
+    REFUSED(espalier_lattice_write_editor_mesh(lattice, path[2]), ESPALIER_ERROR_FILE,
+            ".obj or .ply");
     INVALID(espalier_lattice_write_editor_mesh(NULL, path[0]), "lattice is null");
     INVALID(espalier_lattice_write_editor_mesh(lattice, NULL), "path is null");
     INVALID(espalier_lattice_read_pose(NULL, path[0], N, back), "lattice is null");

@@ -122,16 +122,16 @@ class LatticeInfo(CliTest):
         self.run_program("shape", "bipyramid", "--sides", 5, "-o", "b.ovm")
         report = self.info("b.ovm", "-n", 2)
         types = [level["cell_types"] for level in report["levels"]]
-        # There are two apexes of valence 5 and five vertices of valence 4 around the middle. The number
-        # of cells of each type doubles at each level.
+        # There are two apexes of valence 5 and five vertices of valence 4 around the middle. From
+        # level 1 to level 2, the number of cells of type 5 doubles, and so does the number of cells of type 4.
         self.assertEqual(types, [{"4": 5, "5": 2}, {"4": 5, "5": 2},
                                  {"3": 5 * 8 + 2 * 10, "4": 10, "5": 4}])
         self.assertEqual(report["levels"][0]["strata"]["vertices"]["corner"], 7)
         self.assertIn("type-5: 4", self.run_program("info", "b.ovm", "-n", 2).stdout)
 
     def test_interior_edges_of_two_faces_are_reported(self):
-        # A folded wall cuts a box in two. The edge of the fold, from vertex 5 to 12, lies in the two halves
-        # of the wall only.
+        # A folded wall cuts a box in two. The edge of the fold, from vertex 5 to 12, has only two
+        # faces: the two halves of the wall.
         plan = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (1.3, 1), (1, 2)]
         points = [(x, y, z) for z in (0, 1) for x, y in plan]
         cells = []

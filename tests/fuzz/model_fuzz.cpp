@@ -18,10 +18,10 @@ namespace {
 
 /// Makes gradients from the bytes of an input. They have all sizes and signs, and some are
 /// singular.
-std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes, std::size_t count) {
-    std::vector<io::DeformationGradient> gradients(count);
+std::vector<DeformationGradient> gradientsFrom(std::string_view bytes, std::size_t count) {
+    std::vector<DeformationGradient> gradients(count);
     std::size_t next = 0;
-    for (io::DeformationGradient& gradient : gradients) {
+    for (DeformationGradient& gradient : gradients) {
         for (double& entry : gradient) {
             const auto byte = static_cast<unsigned char>(bytes[next++ % bytes.size()]);
             entry = std::scalbn(static_cast<double>(byte % 8) - 3, byte >= 0xFC ? 900 : byte / 64);
@@ -71,8 +71,8 @@ void runModel(const std::string& name, std::string_view bytes) {
     };
     require(writtenWith(model, model.positions()) == bytes,
             "a model that has not moved is written byte for byte");
-    const std::vector<io::DeformationGradient> still(model.positions().size(),
-                                                     {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    const std::vector<DeformationGradient> still(model.positions().size(),
+                                                 {1, 0, 0, 0, 1, 0, 0, 0, 1});
     require(writtenWith(model, model.positions(), still) == bytes,
             "a model whose directions have not turned is written byte for byte");
 

@@ -11,21 +11,20 @@
 
 namespace espalier::test {
 
-inline constexpr io::DeformationGradient kIdentity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+inline constexpr DeformationGradient kIdentity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /// Maps x to y and y to -x: a normal (1, 2, 3) becomes (-2, 1, 3), exactly.
-inline constexpr io::DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+inline constexpr DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
 
-inline Point3 times(const io::DeformationGradient& f, const Point3& vector) {
+inline Point3 times(const DeformationGradient& f, const Point3& vector) {
     Point3 result{};
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) result[i] += f[3 * i + j] * vector[j];
     return result;
 }
 
-inline io::DeformationGradient product(const io::DeformationGradient& f,
-                                       const io::DeformationGradient& g) {
-    io::DeformationGradient result{};
+inline DeformationGradient product(const DeformationGradient& f, const DeformationGradient& g) {
+    DeformationGradient result{};
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
             for (std::size_t k = 0; k < 3; ++k) result[3 * i + j] += f[3 * i + k] * g[3 * k + j];
@@ -34,21 +33,21 @@ inline io::DeformationGradient product(const io::DeformationGradient& f,
 
 /// Returns a rotation, by Rodrigues' formula.
 /// \param axis vector of any length
-inline io::DeformationGradient rotation(const Point3& axis, double angle) {
+inline DeformationGradient rotation(const Point3& axis, double angle) {
     const double size = std::hypot(axis[0], axis[1], axis[2]);
     const Point3 k = {axis[0] / size, axis[1] / size, axis[2] / size};
-    const io::DeformationGradient skew = {0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0};
-    const io::DeformationGradient square = product(skew, skew);
-    io::DeformationGradient result = kIdentity;
+    const DeformationGradient skew = {0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0};
+    const DeformationGradient square = product(skew, skew);
+    DeformationGradient result = kIdentity;
     for (std::size_t i = 0; i < 9; ++i)
         result[i] += std::sin(angle) * skew[i] + (1 - std::cos(angle)) * square[i];
     return result;
 }
 
 /// Returns a gradient with random entries from -1 to 1.
-inline io::DeformationGradient randomGradient(std::mt19937& random) {
+inline DeformationGradient randomGradient(std::mt19937& random) {
     std::uniform_real_distribution<double> entry(-1, 1);
-    io::DeformationGradient result{};
+    DeformationGradient result{};
     for (double& value : result) value = entry(random);
     return result;
 }

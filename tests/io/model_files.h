@@ -30,9 +30,9 @@ std::string written(const io::Model& model, const Arguments&... arguments) {
 }
 
 /// Returns the bytes that a model writes if its points stay and all have this gradient.
-inline std::string turned(const io::Model& model, const io::DeformationGradient& gradient) {
+inline std::string turned(const io::Model& model, const DeformationGradient& gradient) {
     return written(model, model.positions(),
-                   std::vector<io::DeformationGradient>(model.positions().size(), gradient));
+                   std::vector<DeformationGradient>(model.positions().size(), gradient));
 }
 
 inline std::vector<Point3> copyOf(std::span<const Point3> points) {

@@ -38,8 +38,8 @@ TEST(Binding, GradientsOfAnEdge) {
     const StencilTable<double> along(2, {0, 2, 2}, {0, 1}, {-1, 1}), none(2, {0, 0, 0}, {}, {});
     const std::vector<Point3> rest = {{5, 0, 0}, {6, 0, 0}}, pose = {{5, 0, 0}, {7, 3, 0}};
     const auto gradients = evaluateGradients({along, none, none}, rest, pose);
-    const std::vector<PointGradient> expected = {{2, 0, 0, 3, 1, 0, 0, 0, 1},
-                                                 {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const std::vector<DeformationGradient> expected = {{2, 0, 0, 3, 1, 0, 0, 0, 1},
+                                                       {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     EXPECT_EQ(gradients, expected);
     EXPECT_THROW(evaluateGradients({along, none, none}, rest, std::span(pose).first(1)), Error);
 }

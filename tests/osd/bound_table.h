@@ -13,7 +13,7 @@
 
 namespace espalier::test {
 
-/// Returns D of random points in a lattice: by default so many that most rows are in groups.
+/// Returns D of random points in a lattice. The default number of points puts most rows in groups.
 template <class Real>
 StencilTable<Real> boundTable(const Lattice& lattice,
                               std::size_t pointCount = kIsSlow ? 1500 : 4000, int level = 3) {
