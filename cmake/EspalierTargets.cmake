@@ -53,6 +53,9 @@ function(espalier_library name)
   if(name IN_LIST ESPALIER_UNSANITIZED)  # a preset's choice: compiling with sanitizers takes twice as long
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize=all>)
   endif()
+  if(name IN_LIST ESPALIER_UNOPTIMIZED)  # a preset's choice: optimizing takes longer than it saves in the tests
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
+  endif()
   set_property(GLOBAL APPEND PROPERTY ESPALIER_COMPONENTS ${name})
   set_property(GLOBAL PROPERTY ESPALIER_${name}_DEPENDS ${arg_DEPENDS})
 endfunction()

@@ -19,13 +19,14 @@ namespace {
 /// Returns the rows that have a weight other than 0 for one of some columns: a plain search.
 template <class Real>
 std::vector<Index> rowsWith(const StencilTable<Real>& table, const std::vector<Index>& changed) {
+    std::vector<char> isChanged(table.columnCount(), 0);
+    for (const Index column : changed) isChanged[column] = 1;
     std::vector<Index> rows;
     for (Index row = 0; row < table.rowCount(); ++row) {
         const auto columns = table.columns(row);
-        const auto weights = table.weights(row);
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            if (weights[k] != 0 &&
-                std::find(changed.begin(), changed.end(), columns[k]) != changed.end()) {
+        const Real* weight = table.weights(row).data();
+        for (const Index column : columns)
+            if (*weight++ != 0 && isChanged[column] != 0) {
                 rows.push_back(row);
                 break;
             }

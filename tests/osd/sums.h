@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <vector>
 
 namespace espalier::test {
 
@@ -17,20 +18,31 @@ namespace espalier::test {
 template <class Real>
 double errorOfSums(const stencils::StencilTable<Real>& table, std::span<const Real> source,
                    Offset length, std::span<const Real> result) {
+    // Pointers and plain loops: tests are compiled without optimisation.
     long double largest = 0;
-    for (Index row = 0; row < table.rowCount(); ++row)
-        for (Offset c = 0; c < length; ++c) {
-            long double sum = 0, size = 0;
-            for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
-                const long double product = static_cast<long double>(table.weights(row)[k]) *
-                                            source[table.columns(row)[k] * length + c];
-                sum += product;
-                size += std::abs(product);
+    std::vector<long double> sums(length), sizes(length);
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        std::fill(sums.begin(), sums.end(), 0);
+        std::fill(sizes.begin(), sizes.end(), 0);
+        long double *const sum = sums.data(), *const size = sizes.data();
+        const auto columns = table.columns(row);
+        const Real* weight = table.weights(row).data();
+        for (const Index column : columns) {
+            const long double factor = *weight++;
+            const Real* const values = source.data() + column * length;
+            for (Offset c = 0; c < length; ++c) {
+                const long double product = factor * values[c];
+                sum[c] += product;
+                size[c] += product < 0 ? -product : product;
             }
-            const long double error = std::abs(result[row * length + c] - sum);
-            if (!(error <= 0))
-                largest = std::max(largest, error / (std::numeric_limits<Real>::epsilon() * size));
         }
+        for (Offset c = 0; c < length; ++c) {
+            const long double error = std::abs(result[row * length + c] - sum[c]);
+            if (!(error <= 0))
+                largest =
+                    std::max(largest, error / (std::numeric_limits<Real>::epsilon() * size[c]));
+        }
+    }
     return double(largest);
 }
 
