@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace espalier::embed {
@@ -32,11 +32,12 @@ double largestCoordinate(std::span<const Point3> positions) {
     return largest;
 }
 
-/// Returns the cells that have a bound, or the cells that have none.
-std::vector<Index> cellsWith(const std::vector<Bound>& bounds, bool bound) {
+/// Returns the cells that have a bound, or the cells that have none; without the cells that shrink
+/// away under Boundary::Open.
+std::vector<Index> cellsWith(const far::Level& base, const std::vector<Bound>& bounds, bool bound) {
     std::vector<Index> cells;
-    for (std::size_t cell = 0; cell < bounds.size(); ++cell)
-        if (bounds[cell].has_value() == bound) cells.push_back(static_cast<Index>(cell));
+    for (Index cell = 0; cell < base.complex.count(3); ++cell)
+        if (bounds[cell].has_value() == bound && remainsInLimit(base, cell)) cells.push_back(cell);
     return cells;
 }
 
@@ -80,18 +81,19 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
               result.push_back(bounds.boundOf(cell, std::nullopt));
           return result;
       }()),
-      bounded_(cellsWith(bounds_, true)),
-      unbounded_(cellsWith(bounds_, false)),
+      bounded_(cellsWith(lattice.base.level(0), bounds_, true)),
+      unbounded_(cellsWith(lattice.base.level(0), bounds_, false)),
       tree_(boxesOf(bounds_, bounded_, margin_)) {}
 
 /// Returns the base cells that may contain a point or have descendants that do.
 Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
-    std::vector<std::pair<Index, Index>> pairs;  // Cell and point.
+    std::vector<std::pair<Index, Index>> pairs;  // Cell and point, by point.
+    std::vector<Offset> begins(bounds_.size() + 1, 0);  // First the number of pairs of each cell.
     std::vector<Index> found;
     for (std::size_t point = 0; point < points.size(); ++point) {
         const auto add = [&](Index cell) {
-            if (remainsInLimit(lattice_.base.level(0), cell))
-                pairs.emplace_back(cell, static_cast<Index>(point));
+            pairs.emplace_back(cell, static_cast<Index>(point));
+            ++begins[static_cast<std::size_t>(cell) + 1];
         };
         for (const Index cell : unbounded_) add(cell);
         found.clear();
@@ -101,8 +103,6 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         } else {
             const auto reachOf = [&](Index i) {
                 const Index cell = bounded_[i];
-                if (!remainsInLimit(lattice_.base.level(0), cell))
-                    return std::numeric_limits<double>::infinity();
                 return reach(lattice_.base.level(0).complex, lattice_.positions, cell,
                              bounds_[cell], position);
             };
@@ -111,14 +111,17 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         }
         for (const Index i : found) add(bounded_[i]);
     }
-    std::sort(pairs.begin(), pairs.end());
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
     Candidates candidates;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const auto [cell, point] = pairs[i];
-        candidates.points.push_back(point);
-        if (i + 1 == pairs.size() || pairs[i + 1].first != cell)
-            candidates.endCell(cell, bounds_[cell]);
-    }
+    candidates.points.resize(pairs.size());
+    for (const auto& [cell, point] : pairs) candidates.points[begins[cell]++] = point;
+    // Now begins[cell] is the end of the cell's points.
+    for (std::size_t cell = 0; cell < bounds_.size(); ++cell)
+        if (begins[cell] > candidates.offsets.back()) {
+            candidates.cells.push_back(static_cast<Index>(cell));
+            candidates.bounds.push_back(bounds_[cell]);
+            candidates.offsets.push_back(begins[cell]);
+        }
     return candidates;
 }
 

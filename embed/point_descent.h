@@ -153,7 +153,8 @@ private:
     double rounding_;
     double margin_;                                 ///< rounding error plus tolerance
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
-    std::vector<Index> bounded_, unbounded_;        ///< base cells with a bound, and without
+    /// Base cells with a bound, and without; cells that shrink away are in neither.
+    std::vector<Index> bounded_, unbounded_;
     BoxTree tree_;                                  ///< over the bounded cells
 };
 

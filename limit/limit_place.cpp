@@ -142,7 +142,8 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
       levelNumber_(level),
       level_(levels.refiner().level(level)),
       places_(places),
-      patches_(places.size()) {
+      patchOf_(places.size(), kMaxIndex) {
+    std::map<std::array<Index, 8>, Index> patchWith;  // By the corners of its frame.
     const auto blend = [&](std::span<const Index> corners) {
         vertices_.insert(vertices_.end(), corners.begin(), corners.end());
     };
@@ -154,12 +155,10 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
         } else if (place->isBlended) {
             blend(place->frame.corners);
         } else {
-            // Points come along a curve, so the point before is often in the same cell.
-            const auto* before = i > 0 ? std::get_if<FramePlace>(&places[i - 1].where) : nullptr;
-            if (before && patches_[i - 1] && before->frame.corners == place->frame.corners)
-                patches_[i] = patches_[i - 1];
-            else
-                patches_[i].emplace(level_, place->frame);
+            const auto [known, isNew] =
+                patchWith.try_emplace(place->frame.corners, static_cast<Index>(patches_.size()));
+            if (isNew) patches_.emplace_back(level_, place->frame);
+            patchOf_[i] = known->second;
         }
     }
     sortUnique(vertices_);
@@ -173,11 +172,11 @@ std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders&
             slope(level_.complex, std::get<embed::CellPlace>(places_[i].where), orders));
     if (place->isBlended) return inLimits(blendWeights(*place, orders));
     const Eigen::Vector3d uvw(place->uvw.data());
-    auto weights = patches_[i]->weights(uvw, orders);
+    auto weights = patch(i)->weights(uvw, orders);
     if (orders == kPosition)
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (place->offset[axis] != 0)
-                add(weights, place->offset[axis], patches_[i]->weights(uvw, kFirst[axis]));
+                add(weights, place->offset[axis], patch(i)->weights(uvw, kFirst[axis]));
     return weights;
 }
 
@@ -185,7 +184,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
     std::vector<CellCorner> corners;
     std::vector<Index> cornerOf(places_.size());  // Used where there is no patch.
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        if (patches_[i]) continue;
+        if (patch(i)) continue;
         cornerOf[i] = static_cast<Index>(corners.size());
         corners.push_back(nearestCorner(i));
     }
@@ -196,7 +195,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const auto i = static_cast<std::size_t>(row / 3);
             const auto axis = static_cast<std::size_t>(row % 3);
-            if (patches_[i]) {
+            if (patch(i)) {
                 for (const auto& [vertex, weight] : weights(i, kFirst[axis]))
                     accumulator.add(vertex, weight);
                 accumulator.makeSumZero();

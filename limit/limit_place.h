@@ -83,12 +83,17 @@ public:
 private:
     CellCorner nearestCorner(std::size_t i) const;
     std::vector<embed::VertexWeight> inLimits(std::span<const embed::VertexWeight> weights) const;
+    /// Returns the patch of place i; null if the place is in a blend.
+    const TricubicPatch* patch(std::size_t i) const {
+        return patchOf_[i] == kMaxIndex ? nullptr : &patches_[patchOf_[i]];
+    }
 
     const stencils::Levels& levels_;
     int levelNumber_;
     const far::Level& level_;
     std::span<const LimitPlace> places_;
-    std::vector<std::optional<TricubicPatch>> patches_;  ///< one for each place
+    std::vector<TricubicPatch> patches_;     ///< one for each regular cell
+    std::vector<Index> patchOf_;             ///< for each place; kMaxIndex for a blend
     std::vector<Index> vertices_;            ///< vertices whose limits are known, ascending
     stencils::StencilTable<double> limits_;  ///< a row for each of `vertices_`
 };

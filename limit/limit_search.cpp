@@ -53,8 +53,15 @@ public:
         const int level = descent.levels.finest();
         patches_.resize(cells.size());
         frames_.resize(cells.size());
+        std::vector<std::optional<bool>> isRegular(level_.complex.count(0));
+        const auto isRegularVertex = [&](Index vertex) {
+            auto& known = isRegular[vertex];
+            if (!known) known = embed::isRegularVertex(level_, vertex);
+            return *known;
+        };
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (!embed::isRegularCell(level_, cells[i])) continue;
+            const auto vertices = level_.complex.relation(3, 0)[cells[i]];
+            if (!std::all_of(vertices.begin(), vertices.end(), isRegularVertex)) continue;
             frames_[i] = *embed::frameOf(level_.complex, cells[i]);
             patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
         }
