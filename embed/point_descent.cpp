@@ -52,6 +52,28 @@ std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::v
     return boxes;
 }
 
+/// Contains the points within a distance of a box, and some more beside the edges of the box.
+class WidenedBox {
+public:
+    WidenedBox(const Eigen::AlignedBox3d& box, double margin)
+        : low_(box.min().array() - margin), high_(box.max().array() + margin) {}
+
+    /// Has no branch for each side: which side fails first is unpredictable.
+    bool contains(const Point3& point) const {
+        unsigned isOutside = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            // The comparisons are such that a NaN is inside.
+            const auto at = static_cast<Eigen::Index>(axis);
+            isOutside |= static_cast<unsigned>(point[axis] < low_[at]) |
+                         static_cast<unsigned>(point[axis] > high_[at]);
+        }
+        return isOutside == 0;
+    }
+
+private:
+    Eigen::Array3d low_, high_;
+};
+
 /// Returns a distance from a point within which the cell certainly has a descendant.
 double reach(const far::CellComplex& complex, std::span<const Point3> positions, Index cell,
              const Bound& bound, const Vector3d& point) {
@@ -87,7 +109,7 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
 
 /// Returns the base cells that may contain a point or have descendants that do.
 Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
-    std::vector<std::pair<Index, Index>> pairs;  // Cell and point, by point.
+    std::vector<std::pair<Index, Index>> pairs;         // Cell and point, by point.
     std::vector<Offset> begins(bounds_.size() + 1, 0);  // First the number of pairs of each cell.
     std::vector<Index> found;
     for (std::size_t point = 0; point < points.size(); ++point) {
@@ -171,11 +193,6 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
         descent.levels.refiner().refinement(descent.levels.finest());
     CellBounds bounds(descent.levels.finestLevel(), descent.levels.finestPositions(),
                       lattice_.base.options().creasing);
-    const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
-        return !bound ||
-               (!(bound->box.exteriorDistance(Vector3d(points[point].data())) > descent.margin) &&
-                hull.contains(Vector3d(points[point].data())));
-    };
     const Candidates parents = std::exchange(descent.candidates, {});
     Candidates& children = descent.candidates;
     for (std::size_t i = 0; i < parents.cells.size(); ++i) {
@@ -192,9 +209,16 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
             const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Estimate
                                         ? bounds.ownHull(child->index, kEstimatedGrowth)
                                         : AffineHull();
-            for (const Index point : parents.pointsOf(i))
-                if (sought == Sought::Nearest || mayHold(ofChild, hull, point))
-                    children.points.push_back(point);
+            if (sought == Sought::Nearest || !ofChild) {
+                const auto all = parents.pointsOf(i);
+                children.points.insert(children.points.end(), all.begin(), all.end());
+            } else {
+                const WidenedBox box(ofChild->box, descent.margin);
+                for (const Index point : parents.pointsOf(i))
+                    if (box.contains(points[point]) &&
+                        hull.contains(Vector3d(points[point].data())))
+                        children.points.push_back(point);
+            }
             children.endCell(child->index, ofChild);
         }
     }

@@ -155,7 +155,7 @@ private:
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
     /// Base cells with a bound, and without; cells that shrink away are in neither.
     std::vector<Index> bounded_, unbounded_;
-    BoxTree tree_;                                  ///< over the bounded cells
+    BoxTree tree_;  ///< over the bounded cells
 };
 
 }  // namespace espalier::embed

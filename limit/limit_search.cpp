@@ -220,16 +220,18 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
 /// Keeps at most `maxCells` cells for each point: the nearest ones, measured before refinement.
 void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point3> points,
                                   std::size_t maxCells) const {
+    // Base cells may be of any type; CellSolver has no distances for them.
+    if (descent.levels.finest() == 0) return;
     embed::Candidates& candidates = descent.candidates;
+    std::vector<std::size_t> counts(points.size(), 0);
+    for (const Index p : candidates.points) ++counts[p];
+    if (std::all_of(counts.begin(), counts.end(),
+                    [&](std::size_t count) { return count <= maxCells; }))
+        return;
     std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
             cellsOf[p].emplace_back(0, candidates.cells[i]);
-    const bool isWithinLimit = std::all_of(cellsOf.begin(), cellsOf.end(), [&](const auto& cells) {
-        return cells.size() <= maxCells;
-    });
-    // Base cells may be of any type; CellSolver has no distances for them.
-    if (isWithinLimit || descent.levels.finest() == 0) return;
     const embed::CellSolver solver(descent.levels.finestLevel().complex,
                                    descent.levels.finestPositions(), scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {

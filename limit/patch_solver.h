@@ -20,7 +20,7 @@ public:
     TricubicMap around(const Eigen::Vector3d& point) const;
 
     embed::Trilinear::Tangent tangent(const Eigen::Vector3d& uvw) const;
-    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const { return tangent(uvw).position; }
+    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const;
 
     const TricubicPatch::ControlPoints& controlPoints() const { return points_; }
 
@@ -66,6 +66,7 @@ private:
     bool isExcluded(const TricubicMap& map) const;
 
     TricubicMap map_;
+    Eigen::Vector3d middle_;   ///< position of the centre
     Eigen::Matrix3d inverse_;  ///< inverse of the Jacobian at the centre
     embed::AffineHull hull_;   ///< contains the patch
     Eigen::AlignedBox3d box_;  ///< contains the patch

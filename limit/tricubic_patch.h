@@ -48,7 +48,7 @@ public:
     ControlPoints controlPoints(std::span<const Point3> positions) const;
 
 private:
-    std::array<Index, 64> vertices_ = {};  ///< kMaxIndex for a phantom
+    std::array<Index, 64> vertices_ = {};      ///< kMaxIndex for a phantom
     std::array<std::uint8_t, 64> order_ = {};  ///< control points in order of their vertices
     std::array<AxisEnds, 3> ends_ = {};
 };

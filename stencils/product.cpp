@@ -42,7 +42,7 @@ private:
     /// Adds a row to the block, unless the block already has rows and would become too large.
     bool extend(Index row) {
         // Wider blocks are mostly zeros; with more middle rows, they exceed the inner caches.
-        constexpr std::size_t kMaxColumns = 128, kMaxMiddles = 1024;
+        constexpr std::size_t kMaxColumns = 64, kMaxMiddles = 1024;
         const std::size_t middleCount = middles_.items().size();
         const std::size_t columnCount = columns_.items().size();
         for (const Index middle : left_.columns(row)) {

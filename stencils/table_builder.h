@@ -24,6 +24,20 @@ struct RowList {
     Array<Offset> ends;  ///< one per row
 
     void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
+
+    /// Appends a row.
+    /// \param entries column and weight of each entry, with ascending columns
+    template <class Entries>
+    void appendRow(const Entries& entries) {
+        std::size_t at = columns.size();
+        columns.resize(at + entries.size());
+        weights.resize(at + entries.size());
+        for (const auto& [column, weight] : entries) {
+            columns[at] = column;
+            weights[at++] = weight;
+        }
+        endRow();
+    }
 };
 
 /// Builds a table in parallel: fill(first, last, rows) appends the rows order[first] to order[last
