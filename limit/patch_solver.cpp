@@ -110,6 +110,9 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
         const auto uvw = embed::findOrigin(map, start.cwiseMax(0).cwiseMin(1));
         if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
         if (isExcluded(map)) return {Answer::Outside, {}};
+        // The polynomial contains the point beyond the patch. A strongly bent patch might contain
+        // the point, too.
+        if (uvw) return {Answer::Undecided, {}};
     }
     const Vector3d nearest = embed::nearestToOrigin(map);
     if (map.position(nearest).norm() <= 2 * length_) return {Answer::Inside, nearest};
