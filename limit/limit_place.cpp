@@ -95,8 +95,7 @@ std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Ord
 
 }  // namespace
 
-std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span<const Index> cells,
-                                       double tolerance) {
+std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const Index> cells) {
     const far::Incidence& vertices = levels.finestLevel().complex.relation(3, 0);
     const int level = levels.finest();
     std::vector<Index> corners;
@@ -114,14 +113,14 @@ std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span
     const auto rows = stencils::composeRows(levels.tables(), std::move(selections),
                                             stencils::compositionOf(levels.tables()))
                           .back();
-    std::vector<std::uint8_t> result;
+    std::vector<double> result;
     for (const Index cell : cells) {
         double spread = 0;
         for (const Index vertex : vertices[cell])
             spread = std::max(spread, spreadOf(rows, placeIn(corners, vertices[cell][0]),
                                                placeIn(corners, vertex)));
         // By the triangle inequality, any two vertices are at most twice that far apart.
-        result.push_back(2 * spread <= tolerance);
+        result.push_back(2 * spread);
     }
     return result;
 }
@@ -133,8 +132,8 @@ void checkLimitTolerance(double tolerance) {
     throw Error(text.str());
 }
 
-int lowestBlendableLevel(double tolerance) {
-    return std::max(1, static_cast<int>(std::ceil(-std::log2(tolerance))));
+int levelsToShrink(double size, double tolerance) {
+    return std::max(1, static_cast<int>(std::ceil(std::log2(size / tolerance))));
 }
 
 PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places)

@@ -45,7 +45,10 @@ constexpr std::size_t kMaxNearest = 24;
 /// further refinement.
 class LimitSearch::Cells {
 public:
-    Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought)
+    /// \param blendLevel the next level on which a cell may be small enough to be blended; raised
+    ///        if it is the level of the candidates
+    Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought,
+          int& blendLevel)
         : level_(descent.levels.finestLevel()),
           positions_(descent.levels.finestPositions().begin(),
                      descent.levels.finestPositions().end()) {
@@ -66,8 +69,8 @@ public:
             patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
         }
         isBlended_.assign(cells.size(), 0);
-        if (level > 0 && (search.isFineEnough(level) || sought == embed::Sought::Nearest))
-            findBlended(search, descent);
+        if (level > 0 && (level >= blendLevel || sought == embed::Sought::Nearest))
+            findBlended(search, descent, blendLevel);
     }
 
     /// Returns the solver of candidate i, or null if the cell is not regular.
@@ -91,8 +94,9 @@ private:
     /// Precision is lost only at thousands of cell sizes.
     static constexpr double kFar = 8;
 
-    void findBlended(const LimitSearch& search, const embed::Descent& descent) {
+    void findBlended(const LimitSearch& search, const embed::Descent& descent, int& blendLevel) {
         const int level = descent.levels.finest();
+        const bool isFineEnough = level >= blendLevel;
         std::vector<Index> corners;
         for (const Index cell : descent.candidates.cells) {
             const auto row = level_.complex.relation(3, 0)[cell];
@@ -100,7 +104,7 @@ private:
         }
         sortUnique(corners);
         if (corners.empty()) return;
-        if (search.isFineEnough(level)) {
+        if (isFineEnough) {
             // On coarser levels a cell is blended only for points far away, and the vertices are
             // near enough to their limits.
             const auto limits = blendedRows(descent.levels, level, corners);
@@ -114,11 +118,16 @@ private:
             for (const Index vertex : level_.complex.relation(3, 0)[cell])
                 boxes_.back().extend(Vector3d(positions_[vertex].data()));
         }
-        if (!search.isFineEnough(level)) return;
-        isBlended_ = areBlendable(descent.levels, descent.candidates.cells, search.tolerance_);
-        for (std::size_t i = 0; i < isBlended_.size(); ++i)
-            isBlended_[i] |=
+        if (!isFineEnough) return;
+        const auto sizes = cellSizes(descent.levels, descent.candidates.cells);
+        double smallest = 1;
+        for (std::size_t i = 0; i < isBlended_.size(); ++i) {
+            isBlended_[i] =
+                sizes[i] <= search.tolerance_ ||
                 isThin(level_.complex.relation(3, 0)[descent.candidates.cells[i]], search.scale_);
+            if (!isBlended_[i] && !patches_[i]) smallest = std::min(smallest, sizes[i]);
+        }
+        blendLevel = level + levelsToShrink(smallest, search.tolerance_);
     }
 
     bool isThin(std::span<const Index> vertices, const embed::CellSolver::Scale& scale) const {
@@ -144,7 +153,6 @@ LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& 
     : tolerance_(options.tolerance),
       seekNearest_(options.embedding.outside == embed::OutsidePolicy::Nearest),
       scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
-      finestLevel_(lowestBlendableLevel(options.tolerance)),
       descent_(lattice, scale_) {}
 
 /// Refines around the candidates until none is left.
@@ -156,8 +164,9 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     const bool isNearest = sought == embed::Sought::Nearest;
     FoundPoints found{descent_.begin(points, sought), {}};
     found.points.assign(points.size(), {embed::PointStatus::Outside, {}, 0, 0});
+    int blendLevel = levelsToShrink(1, tolerance_);
     for (;;) {
-        settle(found, Cells(*this, found.descent, sought));
+        settle(found, Cells(*this, found.descent, sought, blendLevel));
         if (found.descent.candidates.cells.empty()) return found;
         limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
         // A search for containing cells needs no margin: a bounding box exceeds its cell by a

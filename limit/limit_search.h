@@ -51,7 +51,6 @@ private:
     class Cells;
     void limitCandidates(embed::Descent& descent, std::span<const Point3> points,
                          std::size_t maxCells) const;
-    bool isFineEnough(int level) const { return level >= finestLevel_; }
     /// Distance from a cell at which a point still counts as inside.
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
@@ -62,7 +61,6 @@ private:
     double tolerance_;  ///< LimitOptions::tolerance
     bool seekNearest_;
     embed::CellSolver::Scale scale_;
-    int finestLevel_;  ///< lowest level on which cells may be small enough to blend
     embed::PointDescent descent_;
 };
 
