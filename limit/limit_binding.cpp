@@ -173,10 +173,18 @@ public:
 
     std::vector<Part> bind(std::span<const Point3> points) const {
         std::vector<Part> parts;
-        std::vector<Index> left(points.size());
-        std::iota(left.begin(), left.end(), Index{0});
-        std::vector<Index> unsettled;
-        addParts(search_.findInside(points, unsettled), left, parts);
+        std::vector<Index> all(points.size());
+        std::iota(all.begin(), all.end(), Index{0});
+        std::vector<Index> unsettled, deep;
+        addParts(search_.findInside(points, unsettled, deep), all, parts);
+        for (std::span<const Index> left = deep; !left.empty();) {
+            const auto some = left.first(std::min(left.size(), LimitSearch::kMaxDeepPoints));
+            left = left.subspan(some.size());
+            std::vector<Index> numbers(some.begin(), some.end()), unsettledOfThese, none;
+            addParts(search_.findInside(embed::chosenPoints(points, some), unsettledOfThese, none),
+                     numbers, parts);
+            for (const Index i : unsettledOfThese) unsettled.push_back(some[i]);
+        }
         if (!unsettled.empty())
             addParts(search_.findNearest(embed::chosenPoints(points, unsettled)), unsettled, parts);
         return parts;

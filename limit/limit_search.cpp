@@ -31,6 +31,10 @@ constexpr double kThinnest = 1e-13;
 /// Undecided.
 constexpr int kMaxLevelOfPatches = 12;
 
+/// Level on which most points are found or share no cells.
+constexpr int kDeepLevel = 8;
+constexpr int kNoMaxLevel = std::numeric_limits<int>::max();
+
 /// Maximum number of cells of a level that are searched for a point. More cells contain the point
 /// only where the lattice is folded.
 constexpr std::size_t kMaxContaining = 48;
@@ -120,24 +124,29 @@ private:
         }
         if (!isFineEnough) return;
         const auto sizes = cellSizes(descent.levels, descent.candidates.cells);
-        double smallest = 1;
+        const double thinnest = kThinnest * search.scale_.size;
+        int levelsLeft = std::numeric_limits<int>::max();
         for (std::size_t i = 0; i < isBlended_.size(); ++i) {
-            isBlended_[i] =
-                sizes[i] <= search.tolerance_ ||
-                isThin(level_.complex.relation(3, 0)[descent.candidates.cells[i]], search.scale_);
-            if (!isBlended_[i] && !patches_[i]) smallest = std::min(smallest, sizes[i]);
+            const double shortest =
+                shortestSide(level_.complex.relation(3, 0)[descent.candidates.cells[i]]);
+            isBlended_[i] = sizes[i] <= search.tolerance_ || shortest <= thinnest;
+            if (isBlended_[i] || patches_[i]) continue;
+            levelsLeft = std::min({levelsLeft, levelsToShrink(sizes[i], search.tolerance_),
+                                   levelsToShrink(shortest, thinnest)});
         }
-        blendLevel = level + levelsToShrink(smallest, search.tolerance_);
+        if (levelsLeft < std::numeric_limits<int>::max()) blendLevel = level + levelsLeft;
     }
 
-    bool isThin(std::span<const Index> vertices, const embed::CellSolver::Scale& scale) const {
+    /// Returns the smallest distance between two vertices of a cell.
+    double shortestSide(std::span<const Index> vertices) const {
+        double shortest = std::numeric_limits<double>::infinity();
         for (const Index v : vertices)
             for (const Index w : vertices)
-                if (w < v &&
-                    (Vector3d(positions_[v].data()) - Vector3d(positions_[w].data())).norm() <=
-                        kThinnest * scale.size)
-                    return true;
-        return false;
+                if (w < v)
+                    shortest = std::min(
+                        shortest,
+                        (Vector3d(positions_[v].data()) - Vector3d(positions_[w].data())).norm());
+        return shortest;
     }
 
     const far::Level& level_;
@@ -155,11 +164,11 @@ LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& 
       scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
       descent_(lattice, scale_) {}
 
-/// Refines around the candidates until none is left.
+/// Refines around the candidates until none is left, or up to a level.
 /// \param settle is called on each level: settle(found, cells) removes the candidates that need no
 ///        refinement
 template <class Settle>
-FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
+FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
                                 Settle settle) const {
     const bool isNearest = sought == embed::Sought::Nearest;
     FoundPoints found{descent_.begin(points, sought), {}};
@@ -167,7 +176,8 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     int blendLevel = levelsToShrink(1, tolerance_);
     for (;;) {
         settle(found, Cells(*this, found.descent, sought, blendLevel));
-        if (found.descent.candidates.cells.empty()) return found;
+        if (found.descent.candidates.cells.empty() || found.descent.levels.finest() == maxLevel)
+            return found;
         limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
         // A search for containing cells needs no margin: a bounding box exceeds its cell by a
         // fraction of the cell's size, which is larger than the rounding error of all but the
@@ -177,10 +187,11 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     }
 }
 
-FoundPoints LimitSearch::findInside(std::span<const Point3> points,
-                                    std::vector<Index>& unsettled) const {
-    auto result =
-        search(points, embed::Sought::Containing, [&](FoundPoints& found, const Cells& cells) {
+FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
+                                    std::vector<Index>& deep) const {
+    const int maxLevel = points.size() > kMaxDeepPoints ? kDeepLevel : kNoMaxLevel;
+    auto result = search(
+        points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, const Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
@@ -213,9 +224,15 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 return false;
             });
         });
+    // Candidates also remain of points that another cell contains.
+    deep.clear();
+    for (const Index p : result.descent.candidates.points)
+        if (!result.points[p].place) deep.push_back(p);
+    sortUnique(deep);
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
-        if (located.place) continue;
+        if (located.place || std::binary_search(deep.begin(), deep.end(), static_cast<Index>(p)))
+            continue;
         const auto beyond =
             embed::CellSolver::resultIfUnreachable(Vector3d(points[p].data()), seekNearest_);
         if (beyond)
@@ -268,8 +285,8 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
     // If points outside are kept in place, only points in gaps matter here.
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
-    auto result =
-        search(points, embed::Sought::Nearest, [&](FoundPoints& found, const Cells& cells) {
+    auto result = search(
+        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, const Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);
