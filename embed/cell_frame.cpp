@@ -45,23 +45,28 @@ std::optional<CellFrame> neighbourOf(const far::CellComplex& complex, const Cell
     const auto cells = complex.relation(2, 3)[face.index];
     const auto other =
         std::find_if(cells.begin(), cells.end(), [&](Index cell) { return cell != frame.cell; });
-    if (other == cells.end() || complex.relation(3, 0)[*other].size() != 8) return std::nullopt;
+    if (other == cells.end()) return std::nullopt;
+    const auto itsFrame = frameOf(complex, *other);
+    if (!itsFrame) return std::nullopt;
+    // The places of the face's corners in the other cell's own frame. The face is where one bit of
+    // the place, `across`, is the same for all four.
+    std::array<std::size_t, 8> places = {};
+    std::size_t allOnes = 7, allZeros = 7;
+    for (std::size_t i = 0; i < 8; ++i) {
+        if (bitOf(i, axis) != side) continue;
+        places[i] = static_cast<std::size_t>(
+            std::find(itsFrame->corners.begin(), itsFrame->corners.end(), frame.corners[i]) -
+            itsFrame->corners.begin());
+        allOnes &= places[i];
+        allZeros &= ~places[i];
+    }
+    const std::size_t across = allOnes | allZeros;
     CellFrame result{*other, {}};
-    std::size_t found = 0;
     for (std::size_t i = 0; i < 8; ++i) {
         if (bitOf(i, axis) != side) continue;
         result.corners[i ^ step] = frame.corners[i];
-        // Follow the edge from there that leaves the face.
-        for (const Index edge : complex.relation(3, 1)[*other]) {
-            const auto ends = complex.relation(1, 0)[edge];
-            if (!far::contains(ends, frame.corners[i])) continue;
-            const Index end = ends[0] == frame.corners[i] ? ends[1] : ends[0];
-            if (far::contains(complex.relation(2, 0)[face.index], end)) continue;
-            result.corners[i] = end;
-            ++found;
-        }
+        result.corners[i] = itsFrame->corners[places[i] ^ across];
     }
-    if (found != 4) return std::nullopt;
     return result;
 }
 

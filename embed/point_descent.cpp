@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace espalier::embed {
@@ -32,11 +32,12 @@ double largestCoordinate(std::span<const Point3> positions) {
     return largest;
 }
 
-/// Returns the cells that have a bound, or the cells that have none.
-std::vector<Index> cellsWith(const std::vector<Bound>& bounds, bool bound) {
+/// Returns the cells that have a bound, or the cells that have none; without the cells that shrink
+/// away under Boundary::Open.
+std::vector<Index> cellsWith(const far::Level& base, const std::vector<Bound>& bounds, bool bound) {
     std::vector<Index> cells;
-    for (std::size_t cell = 0; cell < bounds.size(); ++cell)
-        if (bounds[cell].has_value() == bound) cells.push_back(static_cast<Index>(cell));
+    for (Index cell = 0; cell < base.complex.count(3); ++cell)
+        if (bounds[cell].has_value() == bound && remainsInLimit(base, cell)) cells.push_back(cell);
     return cells;
 }
 
@@ -50,6 +51,28 @@ std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::v
     }
     return boxes;
 }
+
+/// Contains the points within a distance of a box, and some more beside the edges of the box.
+class WidenedBox {
+public:
+    WidenedBox(const Eigen::AlignedBox3d& box, double margin)
+        : low_(box.min().array() - margin), high_(box.max().array() + margin) {}
+
+    /// Has no branch for each side: which side fails first is unpredictable.
+    bool contains(const Point3& point) const {
+        unsigned isOutside = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            // The comparisons are such that a NaN is inside.
+            const auto at = static_cast<Eigen::Index>(axis);
+            isOutside |= static_cast<unsigned>(point[axis] < low_[at]) |
+                         static_cast<unsigned>(point[axis] > high_[at]);
+        }
+        return isOutside == 0;
+    }
+
+private:
+    Eigen::Array3d low_, high_;
+};
 
 /// Returns a distance from a point within which the cell certainly has a descendant.
 double reach(const far::CellComplex& complex, std::span<const Point3> positions, Index cell,
@@ -80,18 +103,19 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
               result.push_back(bounds.boundOf(cell, std::nullopt));
           return result;
       }()),
-      bounded_(cellsWith(bounds_, true)),
-      unbounded_(cellsWith(bounds_, false)),
+      bounded_(cellsWith(lattice.base.level(0), bounds_, true)),
+      unbounded_(cellsWith(lattice.base.level(0), bounds_, false)),
       tree_(boxesOf(bounds_, bounded_, margin_)) {}
 
 /// Returns the base cells that may contain a point or have descendants that do.
 Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
-    std::vector<std::pair<Index, Index>> pairs;  // Cell and point.
+    std::vector<std::pair<Index, Index>> pairs;         // Cell and point, by point.
+    std::vector<Offset> begins(bounds_.size() + 1, 0);  // First the number of pairs of each cell.
     std::vector<Index> found;
     for (std::size_t point = 0; point < points.size(); ++point) {
         const auto add = [&](Index cell) {
-            if (remainsInLimit(lattice_.base.level(0), cell))
-                pairs.emplace_back(cell, static_cast<Index>(point));
+            pairs.emplace_back(cell, static_cast<Index>(point));
+            ++begins[static_cast<std::size_t>(cell) + 1];
         };
         for (const Index cell : unbounded_) add(cell);
         found.clear();
@@ -101,8 +125,6 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         } else {
             const auto reachOf = [&](Index i) {
                 const Index cell = bounded_[i];
-                if (!remainsInLimit(lattice_.base.level(0), cell))
-                    return std::numeric_limits<double>::infinity();
                 return reach(lattice_.base.level(0).complex, lattice_.positions, cell,
                              bounds_[cell], position);
             };
@@ -111,14 +133,17 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         }
         for (const Index i : found) add(bounded_[i]);
     }
-    std::sort(pairs.begin(), pairs.end());
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
     Candidates candidates;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const auto [cell, point] = pairs[i];
-        candidates.points.push_back(point);
-        if (i + 1 == pairs.size() || pairs[i + 1].first != cell)
-            candidates.endCell(cell, bounds_[cell]);
-    }
+    candidates.points.resize(pairs.size());
+    for (const auto& [cell, point] : pairs) candidates.points[begins[cell]++] = point;
+    // Now begins[cell] is the end of the cell's points.
+    for (std::size_t cell = 0; cell < bounds_.size(); ++cell)
+        if (begins[cell] > candidates.offsets.back()) {
+            candidates.cells.push_back(static_cast<Index>(cell));
+            candidates.bounds.push_back(bounds_[cell]);
+            candidates.offsets.push_back(begins[cell]);
+        }
     return candidates;
 }
 
@@ -168,11 +193,6 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
         descent.levels.refiner().refinement(descent.levels.finest());
     CellBounds bounds(descent.levels.finestLevel(), descent.levels.finestPositions(),
                       lattice_.base.options().creasing);
-    const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
-        return !bound ||
-               (!(bound->box.exteriorDistance(Vector3d(points[point].data())) > descent.margin) &&
-                hull.contains(Vector3d(points[point].data())));
-    };
     const Candidates parents = std::exchange(descent.candidates, {});
     Candidates& children = descent.candidates;
     for (std::size_t i = 0; i < parents.cells.size(); ++i) {
@@ -189,9 +209,16 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
             const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Estimate
                                         ? bounds.ownHull(child->index, kEstimatedGrowth)
                                         : AffineHull();
-            for (const Index point : parents.pointsOf(i))
-                if (sought == Sought::Nearest || mayHold(ofChild, hull, point))
-                    children.points.push_back(point);
+            if (sought == Sought::Nearest || !ofChild) {
+                const auto all = parents.pointsOf(i);
+                children.points.insert(children.points.end(), all.begin(), all.end());
+            } else {
+                const WidenedBox box(ofChild->box, descent.margin);
+                for (const Index point : parents.pointsOf(i))
+                    if (box.contains(points[point]) &&
+                        hull.contains(Vector3d(points[point].data())))
+                        children.points.push_back(point);
+            }
             children.endCell(child->index, ofChild);
         }
     }

@@ -153,8 +153,9 @@ private:
     double rounding_;
     double margin_;                                 ///< rounding error plus tolerance
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
-    std::vector<Index> bounded_, unbounded_;        ///< base cells with a bound, and without
-    BoxTree tree_;                                  ///< over the bounded cells
+    /// Base cells with a bound, and without; cells that shrink away are in neither.
+    std::vector<Index> bounded_, unbounded_;
+    BoxTree tree_;  ///< over the bounded cells
 };
 
 }  // namespace espalier::embed

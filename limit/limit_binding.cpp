@@ -58,12 +58,27 @@ LimitOptions forGradients(LimitOptions options) {
 /// Returns the rows of places over the vertices of their level.
 stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t placeCount,
                                       Index vertexCount) {
-    return stencils::buildTable(static_cast<Index>(placeCount), vertexCount,
-                                [&](Index row, stencils::RowAccumulator& accumulator) {
-                                    const auto weights = places.weights(row, kPosition);
-                                    for (const auto& [vertex, weight] : weights)
-                                        accumulator.add(vertex, weight);
-                                });
+    const auto isAscending = [](std::span<const embed::VertexWeight> weights) {
+        for (std::size_t i = 1; i < weights.size(); ++i)
+            if (weights[i - 1].vertex >= weights[i].vertex) return false;
+        return true;
+    };
+    return stencils::buildTableByChunks(static_cast<Index>(placeCount), vertexCount, {},
+                                        [&](Offset first, Offset last, stencils::RowList& rows) {
+                                            stencils::RowAccumulator accumulator(vertexCount);
+                                            for (Offset i = first; i < last; ++i) {
+                                                const auto weights = places.weights(i, kPosition);
+                                                // The weights of a patch are a row already, which
+                                                // takes a third of the time.
+                                                if (isAscending(weights)) {
+                                                    rows.appendRow(weights);
+                                                    continue;
+                                                }
+                                                for (const auto& [vertex, weight] : weights)
+                                                    accumulator.add(vertex, weight);
+                                                accumulator.flush(rows);
+                                            }
+                                        });
 }
 
 /// Returns (T X)⁻¹ for the directions T of one place, rows `first` to first + 2, and the rest pose
@@ -158,10 +173,18 @@ public:
 
     std::vector<Part> bind(std::span<const Point3> points) const {
         std::vector<Part> parts;
-        std::vector<Index> left(points.size());
-        std::iota(left.begin(), left.end(), Index{0});
-        std::vector<Index> unsettled;
-        addParts(search_.findInside(points, unsettled), left, parts);
+        std::vector<Index> all(points.size());
+        std::iota(all.begin(), all.end(), Index{0});
+        std::vector<Index> unsettled, deep;
+        addParts(search_.findInside(points, unsettled, deep), all, parts);
+        for (std::span<const Index> left = deep; !left.empty();) {
+            const auto some = left.first(std::min(left.size(), LimitSearch::kMaxDeepPoints));
+            left = left.subspan(some.size());
+            std::vector<Index> numbers(some.begin(), some.end()), unsettledOfThese, none;
+            addParts(search_.findInside(embed::chosenPoints(points, some), unsettledOfThese, none),
+                     numbers, parts);
+            for (const Index i : unsettledOfThese) unsettled.push_back(some[i]);
+        }
         if (!unsettled.empty())
             addParts(search_.findNearest(embed::chosenPoints(points, unsettled)), unsettled, parts);
         return parts;

@@ -78,8 +78,8 @@ struct LimitTable {
 ///         around which the levels would take all memory; for a tolerance that is out of range; and
 ///         under Rules::Rats
 /// \cost O(points · entries of D per point); near an irregular feature times the logarithm of the
-///       distance to it, about 0.2 ms per level. In parallel; the result does not depend on the
-///       number of threads
+///       distance to it, about 0.8 ms per level. In parallel; the result does not depend on the
+///       number of threads. A few points at a time are taken to fine levels, with 15 MB for each
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (the limit replaces their trilinear cells)
 ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                                           std::span<const Point3> points,

@@ -95,8 +95,7 @@ std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Ord
 
 }  // namespace
 
-std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span<const Index> cells,
-                                       double tolerance) {
+std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const Index> cells) {
     const far::Incidence& vertices = levels.finestLevel().complex.relation(3, 0);
     const int level = levels.finest();
     std::vector<Index> corners;
@@ -114,14 +113,14 @@ std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span
     const auto rows = stencils::composeRows(levels.tables(), std::move(selections),
                                             stencils::compositionOf(levels.tables()))
                           .back();
-    std::vector<std::uint8_t> result;
+    std::vector<double> result;
     for (const Index cell : cells) {
         double spread = 0;
         for (const Index vertex : vertices[cell])
             spread = std::max(spread, spreadOf(rows, placeIn(corners, vertices[cell][0]),
                                                placeIn(corners, vertex)));
         // By the triangle inequality, any two vertices are at most twice that far apart.
-        result.push_back(2 * spread <= tolerance);
+        result.push_back(2 * spread);
     }
     return result;
 }
@@ -133,8 +132,8 @@ void checkLimitTolerance(double tolerance) {
     throw Error(text.str());
 }
 
-int lowestBlendableLevel(double tolerance) {
-    return std::max(1, static_cast<int>(std::ceil(-std::log2(tolerance))));
+int levelsToShrink(double size, double tolerance) {
+    return std::max(1, static_cast<int>(std::ceil(std::log2(size / tolerance))));
 }
 
 PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places)
@@ -142,7 +141,8 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
       levelNumber_(level),
       level_(levels.refiner().level(level)),
       places_(places),
-      patches_(places.size()) {
+      patchOf_(places.size(), kMaxIndex) {
+    std::map<std::array<Index, 8>, Index> patchWith;  // By the corners of its frame.
     const auto blend = [&](std::span<const Index> corners) {
         vertices_.insert(vertices_.end(), corners.begin(), corners.end());
     };
@@ -154,12 +154,10 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
         } else if (place->isBlended) {
             blend(place->frame.corners);
         } else {
-            // Points come along a curve, so the point before is often in the same cell.
-            const auto* before = i > 0 ? std::get_if<FramePlace>(&places[i - 1].where) : nullptr;
-            if (before && patches_[i - 1] && before->frame.corners == place->frame.corners)
-                patches_[i] = patches_[i - 1];
-            else
-                patches_[i].emplace(level_, place->frame);
+            const auto [known, isNew] =
+                patchWith.try_emplace(place->frame.corners, static_cast<Index>(patches_.size()));
+            if (isNew) patches_.emplace_back(level_, place->frame);
+            patchOf_[i] = known->second;
         }
     }
     sortUnique(vertices_);
@@ -173,11 +171,11 @@ std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders&
             slope(level_.complex, std::get<embed::CellPlace>(places_[i].where), orders));
     if (place->isBlended) return inLimits(blendWeights(*place, orders));
     const Eigen::Vector3d uvw(place->uvw.data());
-    auto weights = patches_[i]->weights(uvw, orders);
+    auto weights = patch(i)->weights(uvw, orders);
     if (orders == kPosition)
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (place->offset[axis] != 0)
-                add(weights, place->offset[axis], patches_[i]->weights(uvw, kFirst[axis]));
+                add(weights, place->offset[axis], patch(i)->weights(uvw, kFirst[axis]));
     return weights;
 }
 
@@ -185,7 +183,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
     std::vector<CellCorner> corners;
     std::vector<Index> cornerOf(places_.size());  // Used where there is no patch.
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        if (patches_[i]) continue;
+        if (patch(i)) continue;
         cornerOf[i] = static_cast<Index>(corners.size());
         corners.push_back(nearestCorner(i));
     }
@@ -196,7 +194,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const auto i = static_cast<std::size_t>(row / 3);
             const auto axis = static_cast<std::size_t>(row % 3);
-            if (patches_[i]) {
+            if (patch(i)) {
                 for (const auto& [vertex, weight] : weights(i, kFirst[axis]))
                     accumulator.add(vertex, weight);
                 accumulator.makeSumZero();

@@ -48,18 +48,18 @@ inline constexpr std::array<Orders, 6> kSecond = {
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices);
 
-/// Returns 1 for each cell of the finest level that is small enough to be blended, else 0. In any
-/// pose, the vertices of such a cell are at most `tolerance` times the size of level 0 apart.
-/// \pre the finest level is 1 or above
-std::vector<std::uint8_t> areBlendable(const stencils::Levels& levels, std::span<const Index> cells,
-                                       double tolerance);
+/// Returns an upper bound of the size of each cell of the finest level: in any pose, the vertices
+/// of the cell are at most this far apart, as a fraction of the size of level 0. A cell whose size
+/// is at most the tolerance is blended. \pre the finest level is 1 or above \cost the cost of the
+/// rows of S around the cells, on all levels
+std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const Index> cells);
 
 /// \throws Error unless the tolerance is 1e-14 to 0.1
 void checkLimitTolerance(double tolerance);
 
-/// Returns the lowest level on which a cell may be small enough for areBlendable(). A level cannot
-/// make a cell much smaller than half its size.
-int lowestBlendableLevel(double tolerance);
+/// Returns the least number of levels, 1 or more, after which a cell of a given size may be as
+/// small as the tolerance. A level cannot make a cell much smaller than half its size.
+int levelsToShrink(double size, double tolerance);
 
 /// Computes the weights of places of one level over the vertices of the level.
 class PlaceRows {
@@ -83,12 +83,17 @@ public:
 private:
     CellCorner nearestCorner(std::size_t i) const;
     std::vector<embed::VertexWeight> inLimits(std::span<const embed::VertexWeight> weights) const;
+    /// Returns the patch of place i; null if the place is in a blend.
+    const TricubicPatch* patch(std::size_t i) const {
+        return patchOf_[i] == kMaxIndex ? nullptr : &patches_[patchOf_[i]];
+    }
 
     const stencils::Levels& levels_;
     int levelNumber_;
     const far::Level& level_;
     std::span<const LimitPlace> places_;
-    std::vector<std::optional<TricubicPatch>> patches_;  ///< one for each place
+    std::vector<TricubicPatch> patches_;     ///< one for each regular cell
+    std::vector<Index> patchOf_;             ///< for each place; kMaxIndex for a blend
     std::vector<Index> vertices_;            ///< vertices whose limits are known, ascending
     stencils::StencilTable<double> limits_;  ///< a row for each of `vertices_`
 };

@@ -31,6 +31,10 @@ constexpr double kThinnest = 1e-13;
 /// Undecided.
 constexpr int kMaxLevelOfPatches = 12;
 
+/// Level on which most points are found or share no cells.
+constexpr int kDeepLevel = 8;
+constexpr int kNoMaxLevel = std::numeric_limits<int>::max();
+
 /// Maximum number of cells of a level that are searched for a point. More cells contain the point
 /// only where the lattice is folded.
 constexpr std::size_t kMaxContaining = 48;
@@ -45,7 +49,10 @@ constexpr std::size_t kMaxNearest = 24;
 /// further refinement.
 class LimitSearch::Cells {
 public:
-    Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought)
+    /// \param blendLevel the next level on which a cell may be small enough to be blended; raised
+    ///        if it is the level of the candidates
+    Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought,
+          int& blendLevel)
         : level_(descent.levels.finestLevel()),
           positions_(descent.levels.finestPositions().begin(),
                      descent.levels.finestPositions().end()) {
@@ -53,14 +60,21 @@ public:
         const int level = descent.levels.finest();
         patches_.resize(cells.size());
         frames_.resize(cells.size());
+        std::vector<std::optional<bool>> isRegular(level_.complex.count(0));
+        const auto isRegularVertex = [&](Index vertex) {
+            auto& known = isRegular[vertex];
+            if (!known) known = embed::isRegularVertex(level_, vertex);
+            return *known;
+        };
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (!embed::isRegularCell(level_, cells[i])) continue;
+            const auto vertices = level_.complex.relation(3, 0)[cells[i]];
+            if (!std::all_of(vertices.begin(), vertices.end(), isRegularVertex)) continue;
             frames_[i] = *embed::frameOf(level_.complex, cells[i]);
             patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
         }
         isBlended_.assign(cells.size(), 0);
-        if (level > 0 && (search.isFineEnough(level) || sought == embed::Sought::Nearest))
-            findBlended(search, descent);
+        if (level > 0 && (level >= blendLevel || sought == embed::Sought::Nearest))
+            findBlended(search, descent, blendLevel);
     }
 
     /// Returns the solver of candidate i, or null if the cell is not regular.
@@ -84,8 +98,9 @@ private:
     /// Precision is lost only at thousands of cell sizes.
     static constexpr double kFar = 8;
 
-    void findBlended(const LimitSearch& search, const embed::Descent& descent) {
+    void findBlended(const LimitSearch& search, const embed::Descent& descent, int& blendLevel) {
         const int level = descent.levels.finest();
+        const bool isFineEnough = level >= blendLevel;
         std::vector<Index> corners;
         for (const Index cell : descent.candidates.cells) {
             const auto row = level_.complex.relation(3, 0)[cell];
@@ -93,7 +108,7 @@ private:
         }
         sortUnique(corners);
         if (corners.empty()) return;
-        if (search.isFineEnough(level)) {
+        if (isFineEnough) {
             // On coarser levels a cell is blended only for points far away, and the vertices are
             // near enough to their limits.
             const auto limits = blendedRows(descent.levels, level, corners);
@@ -107,21 +122,31 @@ private:
             for (const Index vertex : level_.complex.relation(3, 0)[cell])
                 boxes_.back().extend(Vector3d(positions_[vertex].data()));
         }
-        if (!search.isFineEnough(level)) return;
-        isBlended_ = areBlendable(descent.levels, descent.candidates.cells, search.tolerance_);
-        for (std::size_t i = 0; i < isBlended_.size(); ++i)
-            isBlended_[i] |=
-                isThin(level_.complex.relation(3, 0)[descent.candidates.cells[i]], search.scale_);
+        if (!isFineEnough) return;
+        const auto sizes = cellSizes(descent.levels, descent.candidates.cells);
+        const double thinnest = kThinnest * search.scale_.size;
+        int levelsLeft = std::numeric_limits<int>::max();
+        for (std::size_t i = 0; i < isBlended_.size(); ++i) {
+            const double shortest =
+                shortestSide(level_.complex.relation(3, 0)[descent.candidates.cells[i]]);
+            isBlended_[i] = sizes[i] <= search.tolerance_ || shortest <= thinnest;
+            if (isBlended_[i] || patches_[i]) continue;
+            levelsLeft = std::min({levelsLeft, levelsToShrink(sizes[i], search.tolerance_),
+                                   levelsToShrink(shortest, thinnest)});
+        }
+        if (levelsLeft < std::numeric_limits<int>::max()) blendLevel = level + levelsLeft;
     }
 
-    bool isThin(std::span<const Index> vertices, const embed::CellSolver::Scale& scale) const {
+    /// Returns the smallest distance between two vertices of a cell.
+    double shortestSide(std::span<const Index> vertices) const {
+        double shortest = std::numeric_limits<double>::infinity();
         for (const Index v : vertices)
             for (const Index w : vertices)
-                if (w < v &&
-                    (Vector3d(positions_[v].data()) - Vector3d(positions_[w].data())).norm() <=
-                        kThinnest * scale.size)
-                    return true;
-        return false;
+                if (w < v)
+                    shortest = std::min(
+                        shortest,
+                        (Vector3d(positions_[v].data()) - Vector3d(positions_[w].data())).norm());
+        return shortest;
     }
 
     const far::Level& level_;
@@ -137,21 +162,22 @@ LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& 
     : tolerance_(options.tolerance),
       seekNearest_(options.embedding.outside == embed::OutsidePolicy::Nearest),
       scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
-      finestLevel_(lowestBlendableLevel(options.tolerance)),
       descent_(lattice, scale_) {}
 
-/// Refines around the candidates until none is left.
+/// Refines around the candidates until none is left, or up to a level.
 /// \param settle is called on each level: settle(found, cells) removes the candidates that need no
 ///        refinement
 template <class Settle>
-FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
+FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
                                 Settle settle) const {
     const bool isNearest = sought == embed::Sought::Nearest;
     FoundPoints found{descent_.begin(points, sought), {}};
     found.points.assign(points.size(), {embed::PointStatus::Outside, {}, 0, 0});
+    int blendLevel = levelsToShrink(1, tolerance_);
     for (;;) {
-        settle(found, Cells(*this, found.descent, sought));
-        if (found.descent.candidates.cells.empty()) return found;
+        settle(found, Cells(*this, found.descent, sought, blendLevel));
+        if (found.descent.candidates.cells.empty() || found.descent.levels.finest() == maxLevel)
+            return found;
         limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
         // A search for containing cells needs no margin: a bounding box exceeds its cell by a
         // fraction of the cell's size, which is larger than the rounding error of all but the
@@ -161,10 +187,11 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     }
 }
 
-FoundPoints LimitSearch::findInside(std::span<const Point3> points,
-                                    std::vector<Index>& unsettled) const {
-    auto result =
-        search(points, embed::Sought::Containing, [&](FoundPoints& found, const Cells& cells) {
+FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
+                                    std::vector<Index>& deep) const {
+    const int maxLevel = points.size() > kMaxDeepPoints ? kDeepLevel : kNoMaxLevel;
+    auto result = search(
+        points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, const Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
@@ -197,9 +224,15 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 return false;
             });
         });
+    // Candidates also remain of points that another cell contains.
+    deep.clear();
+    for (const Index p : result.descent.candidates.points)
+        if (!result.points[p].place) deep.push_back(p);
+    sortUnique(deep);
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
-        if (located.place) continue;
+        if (located.place || std::binary_search(deep.begin(), deep.end(), static_cast<Index>(p)))
+            continue;
         const auto beyond =
             embed::CellSolver::resultIfUnreachable(Vector3d(points[p].data()), seekNearest_);
         if (beyond)
@@ -213,16 +246,18 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
 /// Keeps at most `maxCells` cells for each point: the nearest ones, measured before refinement.
 void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point3> points,
                                   std::size_t maxCells) const {
+    // Base cells may be of any type; CellSolver has no distances for them.
+    if (descent.levels.finest() == 0) return;
     embed::Candidates& candidates = descent.candidates;
+    std::vector<std::size_t> counts(points.size(), 0);
+    for (const Index p : candidates.points) ++counts[p];
+    if (std::all_of(counts.begin(), counts.end(),
+                    [&](std::size_t count) { return count <= maxCells; }))
+        return;
     std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
             cellsOf[p].emplace_back(0, candidates.cells[i]);
-    const bool isWithinLimit = std::all_of(cellsOf.begin(), cellsOf.end(), [&](const auto& cells) {
-        return cells.size() <= maxCells;
-    });
-    // Base cells may be of any type; CellSolver has no distances for them.
-    if (isWithinLimit || descent.levels.finest() == 0) return;
     const embed::CellSolver solver(descent.levels.finestLevel().complex,
                                    descent.levels.finestPositions(), scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {
@@ -250,8 +285,8 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
     // If points outside are kept in place, only points in gaps matter here.
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
-    auto result =
-        search(points, embed::Sought::Nearest, [&](FoundPoints& found, const Cells& cells) {
+    auto result = search(
+        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, const Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);

@@ -37,7 +37,13 @@ public:
     /// belongs to the cell of the lowest level, and among these to the cell of the lowest number.
     /// May miss points in strongly bent cells, which reach far beyond their corners.
     /// \param unsettled gets the points that were not found and may be found by findNearest()
-    FoundPoints findInside(std::span<const Point3> points, std::vector<Index>& unsettled) const;
+    /// \param deep gets the points that need many more levels, as on irregular edges, if there are
+    ///        more than kMaxDeepPoints. They are to be sought again, in groups of this size: their
+    ///        levels have no cells in common, and take 15 MB for each point
+    FoundPoints findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
+                           std::vector<Index>& deep) const;
+
+    static constexpr std::size_t kMaxDeepPoints = 4;
 
     /// Finds the nearest place of each point: for points in strongly bent cells, in gaps between
     /// cells and, if points outside are to be carried, beside the lattice.
@@ -51,18 +57,17 @@ private:
     class Cells;
     void limitCandidates(embed::Descent& descent, std::span<const Point3> points,
                          std::size_t maxCells) const;
-    bool isFineEnough(int level) const { return level >= finestLevel_; }
     /// Distance from a cell at which a point still counts as inside.
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
-    FoundPoints search(std::span<const Point3> points, embed::Sought sought, Settle settle) const;
+    FoundPoints search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
+                       Settle settle) const;
     LocatedInLimit continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
                              const Eigen::Vector3d& point) const;
 
     double tolerance_;  ///< LimitOptions::tolerance
     bool seekNearest_;
     embed::CellSolver::Scale scale_;
-    int finestLevel_;  ///< lowest level on which cells may be small enough to blend
     embed::PointDescent descent_;
 };
 

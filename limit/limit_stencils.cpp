@@ -74,15 +74,15 @@ void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
     const int level = walk.levels.finest();
     const far::Level& here = walk.levels.finestLevel();
     const std::vector<Index> cells = cellsOf(walkers);
-    std::vector<std::uint8_t> isSmall(cells.size(), level >= kMaxLevels);
-    if (level >= lowestBlendableLevel(tolerance) && level < kMaxLevels && !cells.empty())
-        isSmall = areBlendable(walk.levels, cells, tolerance);
+    std::vector<double> sizes(cells.size(), level >= kMaxLevels ? 0.0 : 1.0);
+    if (level >= levelsToShrink(1, tolerance) && level < kMaxLevels && !cells.empty())
+        sizes = cellSizes(walk.levels, cells);
     walk.locations.emplace_back();
     walk.places.emplace_back();
     std::erase_if(walkers, [&](const Walker& walker) {
         const bool isRegular = embed::isRegularCell(here, walker.frame.cell);
         const auto cell = std::lower_bound(cells.begin(), cells.end(), walker.frame.cell);
-        if (!isRegular && !isSmall[cell - cells.begin()]) return false;
+        if (!isRegular && sizes[cell - cells.begin()] > tolerance) return false;
         walk.locations.back().push_back(walker.location);
         walk.places.back().push_back({level, FramePlace{walker.frame, walker.uvw, {}, !isRegular}});
         return true;

@@ -19,6 +19,12 @@ Eigen::Vector4d weightsAt(const Vector3d& uvw, std::size_t axis, int order) {
     return Eigen::Vector4d(embed::cubicBSpline(uvw[static_cast<Eigen::Index>(axis)], order).data());
 }
 
+// A patch is summed along one axis after the other: over w to 16 points, over v to 4, over u to
+// one. Matrices of this shape fill the vector registers.
+using Solid = Eigen::Matrix<double, 48, 4>;
+using Sheet = Eigen::Matrix<double, 12, 4>;
+using Line = Eigen::Matrix<double, 3, 4>;
+
 }  // namespace
 
 TricubicMap TricubicMap::around(const Vector3d& point) const {
@@ -33,11 +39,6 @@ embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
         values[axis] = weightsAt(uvw, axis, 0);
         slopes[axis] = weightsAt(uvw, axis, 1);
     }
-    // Sum along one axis after the other: over w to 16 points, over v to 4, over u to one. Matrices
-    // of this shape fill the vector registers.
-    using Solid = Eigen::Matrix<double, 48, 4>;
-    using Sheet = Eigen::Matrix<double, 12, 4>;
-    using Line = Eigen::Matrix<double, 3, 4>;
     const Eigen::Map<const Solid> solid(points_.front().data());
     Sheet sheet, sheetW;
     Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * values[2];
@@ -54,8 +55,19 @@ embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
     return tangent;
 }
 
+Vector3d TricubicMap::position(const Vector3d& uvw) const {
+    const Eigen::Map<const Solid> solid(points_.front().data());
+    Sheet sheet;
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * weightsAt(uvw, 2, 0);
+    Line line;
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * weightsAt(uvw, 1, 0);
+    return line * weightsAt(uvw, 0, 0);
+}
+
 PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(points) {
-    inverse_ = map_.tangent(kCentre).jacobian.inverse();
+    const auto atCentre = map_.tangent(kCentre);
+    middle_ = atCentre.position;
+    inverse_ = atCentre.jacobian.inverse();
     // About ten units in the last place of a coordinate.
     constexpr double kRounding = 2e-15;
     double largest = 0;
@@ -94,10 +106,13 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     if (!hull_.contains(point)) return {Answer::Outside, {}};
     const TricubicMap map = map_.around(point);
     if (inverse_.allFinite()) {
-        const Vector3d start = kCentre - inverse_ * map.position(kCentre);
+        const Vector3d start = kCentre - inverse_ * (middle_ - point);
         const auto uvw = embed::findOrigin(map, start.cwiseMax(0).cwiseMin(1));
         if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
         if (isExcluded(map)) return {Answer::Outside, {}};
+        // The polynomial contains the point beyond the patch. A strongly bent patch might contain
+        // the point, too.
+        if (uvw) return {Answer::Undecided, {}};
     }
     const Vector3d nearest = embed::nearestToOrigin(map);
     if (map.position(nearest).norm() <= 2 * length_) return {Answer::Inside, nearest};

@@ -20,7 +20,7 @@ public:
     TricubicMap around(const Eigen::Vector3d& point) const;
 
     embed::Trilinear::Tangent tangent(const Eigen::Vector3d& uvw) const;
-    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const { return tangent(uvw).position; }
+    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const;
 
     const TricubicPatch::ControlPoints& controlPoints() const { return points_; }
 
@@ -48,11 +48,11 @@ public:
     /// Decides whether a point is in the patch, and finds its place.
     ///
     /// A point outside a hull of the patch is Outside. Otherwise Newton's method runs; where it
-    /// leaves the patch, Krawczyk's test may prove that the patch has no solution. In a flat patch,
-    /// and where neither test decides, the point is Inside if the nearest place of the patch
-    /// coincides with it. A place that is Inside may be outside [0, 1]³ by up to 1e-9 and the
-    /// rounding of the coordinates. A point outside the hull by more than rounding is always
-    /// Outside.
+    /// leaves the patch, Krawczyk's test may prove that the patch has no solution; if it does not,
+    /// the answer is Undecided. In a flat patch, and where Newton's method does not converge, the
+    /// point is Inside if the nearest place of the patch coincides with it. A place that is Inside
+    /// may be outside [0, 1]³ by up to 1e-9 and the rounding of the coordinates. A point outside
+    /// the hull by more than rounding is always Outside.
     Found find(const Eigen::Vector3d& point) const;
 
     /// True if the Jacobian is nearly constant over the patch. Then nearest() finds the global
@@ -66,6 +66,7 @@ private:
     bool isExcluded(const TricubicMap& map) const;
 
     TricubicMap map_;
+    Eigen::Vector3d middle_;   ///< position of the centre
     Eigen::Matrix3d inverse_;  ///< inverse of the Jacobian at the centre
     embed::AffineHull hull_;   ///< contains the patch
     Eigen::AlignedBox3d box_;  ///< contains the patch

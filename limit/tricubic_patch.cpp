@@ -3,7 +3,10 @@
 
 #include <espalier/embed/basis_functions.h>
 
+#include <algorithm>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 namespace espalier::limit {
 namespace {
@@ -58,6 +61,10 @@ TricubicPatch::TricubicPatch(const far::Level& level, const embed::CellFrame& fr
         }
     };
     visit(visit, frame, {0, 0, 0}, 2);
+    std::iota(order_.begin(), order_.end(), std::uint8_t{0});
+    std::sort(order_.begin(), order_.end(), [&](std::uint8_t a, std::uint8_t b) {
+        return std::pair(vertices_[a], a) < std::pair(vertices_[b], b);
+    });
 }
 
 std::vector<embed::VertexWeight> TricubicPatch::weights(const Eigen::Vector3d& uvw,
@@ -66,14 +73,15 @@ std::vector<embed::VertexWeight> TricubicPatch::weights(const Eigen::Vector3d& u
     for (std::size_t axis = 0; axis < 3; ++axis)
         along[axis] = folded(
             embed::cubicBSpline(uvw[static_cast<Eigen::Index>(axis)], orders[axis]), ends_[axis]);
-    std::vector<embed::VertexWeight> result;
-    result.reserve(64);
+    std::array<double, 64> weights;
     for (std::size_t k = 0; k < 4; ++k)
         for (std::size_t j = 0; j < 4; ++j)
-            for (std::size_t i = 0; i < 4; ++i) {
-                const double weight = along[0][i] * along[1][j] * along[2][k];
-                if (weight != 0) result.push_back({vertices_[i + 4 * j + 16 * k], weight});
-            }
+            for (std::size_t i = 0; i < 4; ++i)
+                weights[i + 4 * j + 16 * k] = along[0][i] * along[1][j] * along[2][k];
+    std::vector<embed::VertexWeight> result;
+    result.reserve(64);
+    for (const std::uint8_t i : order_)
+        if (weights[i] != 0) result.push_back({vertices_[i], weights[i]});
     return result;
 }
 

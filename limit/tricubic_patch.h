@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 
 namespace espalier::limit {
@@ -32,9 +33,9 @@ public:
     /// \param frame frame of a regular cell: see isRegularCell()
     TricubicPatch(const far::Level& level, const embed::CellFrame& frame);
 
-    /// Returns the weights of the vertices in a derivative of the limit: at most 64. Weights of the
-    /// position sum to 1, weights of a derivative to 0. Where three cells form a closed loop, a
-    /// vertex occurs more than once.
+    /// Returns the weights of the vertices in a derivative of the limit: at most 64, in ascending
+    /// order of the vertices. Weights of the position sum to 1, weights of a derivative to 0. Where
+    /// three cells form a closed loop, a vertex occurs more than once.
     /// \param uvw in the axes of the frame, 0 to 1; outside this range the polynomial is extended
     /// \param orders orders of the derivative by u, v and w, 0 to 2 each; all 0 is the position
     std::vector<embed::VertexWeight> weights(const Eigen::Vector3d& uvw,
@@ -47,7 +48,8 @@ public:
     ControlPoints controlPoints(std::span<const Point3> positions) const;
 
 private:
-    std::array<Index, 64> vertices_ = {};  ///< kMaxIndex for a phantom
+    std::array<Index, 64> vertices_ = {};      ///< kMaxIndex for a phantom
+    std::array<std::uint8_t, 64> order_ = {};  ///< control points in order of their vertices
     std::array<AxisEnds, 3> ends_ = {};
 };
 

@@ -21,9 +21,11 @@ constexpr Offset kLongRow = 256;
 /// \param columns ascending; contains every column that has an entry
 StencilTable<double> overColumns(const StencilTable<double>& table,
                                  std::span<const Index> columns) {
+    Array<Index> placeOf(table.columnCount());
+    for (std::size_t i = 0; i < columns.size(); ++i) placeOf[columns[i]] = static_cast<Index>(i);
     Array<Index> places(table.columns().size());
     std::transform(table.columns().begin(), table.columns().end(), places.begin(),
-                   [&](Index column) { return placeIn(columns, column); });
+                   [&](Index column) { return placeOf[column]; });
     return StencilTable<double>(Trusted{}, static_cast<Index>(columns.size()),
                                 {table.offsets().begin(), table.offsets().end()}, std::move(places),
                                 {table.weights().begin(), table.weights().end()});
@@ -145,6 +147,7 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
                                               std::vector<StencilTable<double>> rows,
                                               Composition composition) {
     const std::size_t last = rows.size() - 1;
+    if (last == 0) return rows;
     if (composition == Composition::FromRows) {
         const std::vector<Index> counts = rowCounts(rows);
         StencilTable<double> below;
@@ -153,7 +156,7 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
             rows.pop_back();
         }
         std::vector<StencilTable<double>> result;
-        if (last > 0 && below.rowCount() == counts.back()) {
+        if (below.rowCount() == counts.back()) {
             // Only the base and the last level have rows here, as in binding points. The long rows
             // are moved, not copied.
             result.push_back(std::move(rows[0]));
@@ -161,19 +164,18 @@ std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<doubl
             result.push_back(std::move(below));
             return result;
         }
-        appendParts(last > 0 ? concatenated(rows[0], below) : rows[0], counts, result);
+        appendParts(concatenated(rows[0], below), counts, result);
         return result;
     }
     // First go down from the finest level, to find the vertices whose rows of S_k are needed. Then
     // compute these rows from the base up.
     std::vector<std::vector<Index>> vertices(rows.size());
     std::vector<StencilTable<double>> steps(rows.size());  // the rows of R_k for these vertices
-    for (std::size_t k = last;; --k) {
+    for (std::size_t k = last; k > 0; --k) {
         const auto own = columnsOf(rows[k]);
         const auto above = k == last ? std::vector<Index>() : columnsOf(steps[k + 1]);
         std::set_union(own.begin(), own.end(), above.begin(), above.end(),
                        std::back_inserter(vertices[k]));
-        if (k == 0) break;
         steps[k] = selectRows(tables[k - 1], vertices[k]);
     }
     std::vector<StencilTable<double>> result;

@@ -39,10 +39,10 @@ public:
     }
 
 private:
-    /// Adds a row to the block, unless the block already has rows and would become too large.
+    /// Adds a row to the block, unless the block already has rows and would grow too large.
     bool extend(Index row) {
         // Wider blocks are mostly zeros; with more middle rows, they exceed the inner caches.
-        constexpr std::size_t kMaxColumns = 128, kMaxMiddles = 1024;
+        constexpr std::size_t kMaxColumns = 64, kMaxMiddles = 1024;
         const std::size_t middleCount = middles_.items().size();
         const std::size_t columnCount = columns_.items().size();
         for (const Index middle : left_.columns(row)) {
@@ -51,8 +51,9 @@ private:
             for (const Index column : right_.columns(middle))
                 if (!columns_.has(column)) columns_.add(column);
         }
-        if (middleCount == 0 ||
-            (columns_.items().size() <= kMaxColumns && middles_.items().size() <= kMaxMiddles))
+        // A first row that is wider may be followed by rows with the same columns.
+        if (middleCount == 0 || (columns_.items().size() <= std::max(kMaxColumns, columnCount) &&
+                                 middles_.items().size() <= std::max(kMaxMiddles, middleCount)))
             return true;
         middles_.shrink(middleCount);
         columns_.shrink(columnCount);

@@ -24,6 +24,20 @@ struct RowList {
     Array<Offset> ends;  ///< one per row
 
     void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
+
+    /// Appends a row.
+    /// \param entries column and weight of each entry, with ascending columns
+    template <class Entries>
+    void appendRow(const Entries& entries) {
+        std::size_t at = columns.size();
+        columns.resize(at + entries.size());
+        weights.resize(at + entries.size());
+        for (const auto& [column, weight] : entries) {
+            columns[at] = column;
+            weights[at++] = weight;
+        }
+        endRow();
+    }
 };
 
 /// Builds a table in parallel: fill(first, last, rows) appends the rows order[first] to order[last
@@ -54,6 +68,15 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
         }
     });
     for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
+    if (chunks.size() == 1 && order.empty()) {
+        RowList& all = chunks.front();
+        if (all.columns.capacity() > all.columns.size() / 8 * 9) {
+            all.columns.shrink_to_fit();
+            all.weights.shrink_to_fit();
+        }
+        return StencilTable<double>(Trusted{}, columnCount, std::move(offsets),
+                                    std::move(all.columns), std::move(all.weights));
+    }
 
     requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(double)),
                   "a table of " + std::to_string(offsets.back()) + " weights");
@@ -113,15 +136,20 @@ public:
 
     /// Ends the row, and starts a new one. Omits sums that are exactly 0.
     void flush(RowList& rows) {
-        std::sort(touched_.begin(), touched_.end());
+        if (!std::is_sorted(touched_.begin(), touched_.end()))
+            std::sort(touched_.begin(), touched_.end());
+        std::size_t end = rows.columns.size();
+        rows.columns.resize(end + touched_.size());
+        rows.weights.resize(end + touched_.size());
         for (const Index column : touched_) {
-            if (sums_[column] != 0) {
-                rows.columns.push_back(column);
-                rows.weights.push_back(sums_[column]);
-            }
+            rows.columns[end] = column;
+            rows.weights[end] = sums_[column];
+            end += sums_[column] != 0;
             sums_[column] = 0;
             isTouched_[column] = 0;
         }
+        rows.columns.resize(end);
+        rows.weights.resize(end);
         touched_.clear();
         rows.endRow();
     }

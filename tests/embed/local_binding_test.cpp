@@ -244,15 +244,18 @@ TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
                 withThreads(3, bindInFactors).binding.table);
 }
 
-// The whole level would not fit in memory: 8⁸ · 27 cells.
+// The whole level would not fit in memory: 8⁸ · 27 cells. The levels of 600 points at once would
+// take 300 MB.
 TEST(LocalBinding, BindsAtLevelEight) {
     const Lattice lattice = shapes::box({.cells = {3, 3, 3}});
     const TopologyRefiner base(lattice.complex);
     const auto rest = bent(lattice.positions, 0.02);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(0.1, 0.9);
-    std::vector<Point3> points(kIsSlow ? 3 : 300);
+    std::vector<Point3> points(kIsSlow ? 3 : 600);
     for (Point3& point : points) point = {unit(random), unit(random), unit(random)};
+    std::optional<MemoryLimit> limit;
+    if (!kIsSlow) limit.emplace(residentMemory() + 200'000'000);
     const auto bound = bindPoints({base, rest}, points, {.level = 8});
     EXPECT_EQ(bound.count(PointStatus::Inside), static_cast<Index>(points.size()));
     // At rest, D reproduces the points.

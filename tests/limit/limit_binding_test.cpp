@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
 #include <espalier/embed/basis_functions.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/limit/vertex_limits.h>
@@ -324,6 +325,25 @@ TEST(LimitBinding, ATightToleranceIsMet) {
     const auto expected = limitPoints(lattice, 0, pose);
     const Bound result = bound(lattice, rest, {.tolerance = 1e-12});
     EXPECT_LT(largestDistance(times(result.binding.table.points, pose), asMatrix(expected)), 2e-12);
+}
+
+// Points on an irregular edge share no cells on fine levels, and each takes 15 MB there. So few of
+// them are refined at once.
+TEST(LimitBinding, PointsOnAnIrregularEdgeTakeLittleMemory) {
+    const Lattice lattice =
+        shapes::cylinder({.sectors = 8, .layers = 2, .from = {0, 0, 0}, .to = {0, 0, 1}});
+    std::vector<Point3> points;
+    for (int i = 0; i < (kIsSlow ? 6 : 24); ++i) points.push_back({0, 0, (i + 0.5) / 24});
+    std::optional<MemoryLimit> limit;
+    // The sanitizers hold memory that is free.
+    if (!kIsSlow) limit.emplace(residentMemory() + 150'000'000);
+    const Bound together = bound(lattice, points);
+    EXPECT_EQ(together.count(embed::PointStatus::Inside), std::ssize(points));
+    const auto& rows = together.binding.table.points;
+    for (const Index i : {0, 5}) {
+        const auto alone = bound(lattice, {points[i]}).binding.table.points;
+        EXPECT_TRUE(stencils::selectRows(rows, std::vector<Index>{i}) == alone) << i;
+    }
 }
 
 TEST(LimitBinding, RefusesCellsWithTooManyFaces) {
