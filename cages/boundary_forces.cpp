@@ -22,6 +22,9 @@ constexpr double kPush = 1000;
 /// Faces that points push are at most this far away, in cubes of the points.
 constexpr Index kPushRings = 3;
 
+/// Factor of the pulls towards points that have or had no proof, after each proof.
+constexpr double kFade = 0.4;
+
 /// Least cosine between the normals of a face and of the points that it is fitted to.
 constexpr double kFacing = -0.5;
 
@@ -101,135 +104,87 @@ bool BoundaryForces::suits(Index group, Index cell, const Point3& normal) const 
 }
 
 void BoundaryForces::match(std::span<const Point3> positions) {
+    measureFaces(positions);
+    matchPulls();
+    matchPushes();
+}
+
+/// Measures the faces. The depth of a face brings it as near to the points as the proof allows:
+/// hardly apart where the boundary is flat.
+void BoundaryForces::measureFaces(std::span<const Point3> positions) {
     const std::vector<Point3> fine = surface_.fineVertices(positions);
-    const std::span<const std::array<Index, 4>> faces = surface_.fineFaces().loops;
-    std::vector<Point3> centres(faces.size()), normals(faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        const auto& face = faces[f];
-        centres[f] =
-            scaled(sum(sum(fine[face[0]], fine[face[1]]), sum(fine[face[2]], fine[face[3]])), 0.25);
-        normals[f] = cross(difference(fine[face[2]], fine[face[0]]),
-                           difference(fine[face[3]], fine[face[1]]));
-    }
-    for (Point3& normal : normals) {
-        const double size = length(normal);
-        normal = size > 0 ? scaled(normal, 1 / size) : Point3{0, 0, 0};
-    }
-    measureDepths(fine, centres, normals);
-    matchPulls(centres, normals);
-    matchPushes(centres, normals);
-}
-
-/// Finds out how far the hulls of each face of level 3 reach inwards of its centre, so that a face
-/// is as near to the points as the proof allows: hardly apart where the boundary is flat.
-void BoundaryForces::measureDepths(std::span<const Point3> fine, const std::vector<Point3>& centres,
-                                   const std::vector<Point3>& normals) {
-    const double deepest = 0.1 * edge_;  // deeper hulls are of faces that are still folded
-    depths_.assign(centres.size(), 0);
-    const auto deepen = [&](Index f, std::span<const Index> hull, std::span<const Point3> points) {
-        for (const Index vertex : hull) {
-            const double depth = dot(normals[f], difference(centres[f], points[vertex]));
-            depths_[f] = std::max(depths_[f], std::min(depth, deepest));
-        }
-    };
-    for (Index f = 0; f < std::ssize(centres); ++f) deepen(f, surface_.fineFaces().loops[f], fine);
     const std::vector<Point3> finest = surface_.finestVertices(fine);
-    const CageSurface::Faces& finestFaces = surface_.finestFaces();
-    for (Index f = 0; f < std::ssize(finestFaces.loops); ++f)
-        deepen(surface_.fineFaceOf(f), finestFaces.hull(f), finest);
+    const std::span<const std::array<Index, 4>> loops = surface_.fineFaces().loops;
+    fineFaces_.assign(loops.size(), {});
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        const auto& [a, b, c, d] = loops[f];
+        Face& face = fineFaces_[f];
+        face.centre = scaled(sum(sum(fine[a], fine[b]), sum(fine[c], fine[d])), 0.25);
+        const Point3 normal = cross(difference(fine[c], fine[a]), difference(fine[d], fine[b]));
+        const double size = length(normal);
+        if (size > 0) face.normal = scaled(normal, 1 / size);
+        const auto deepen = [&](std::span<const Index> vertices, std::span<const Point3> points) {
+            for (const Index vertex : vertices)
+                face.depth =
+                    std::max(face.depth, dot(face.normal, difference(face.centre, points[vertex])));
+        };
+        deepen(loops[f], fine);
+        deepen(surface_.finestHull(static_cast<Index>(f)), finest);
+        // Deeper hulls are of faces that are still folded.
+        face.depth = std::min(face.depth, 0.1 * edge_);
+    }
+
+    coarseFaces_.assign(pullFactor_.size(), {});
+    for (std::size_t f = 0; f < fineFaces_.size(); ++f) {
+        Face& coarse = coarseFaces_[surface_.coarseFaceOf(static_cast<Index>(f))];
+        coarse.centre = sum(coarse.centre, scaled(fineFaces_[f].centre, 0.25));
+        coarse.normal = sum(coarse.normal, fineFaces_[f].normal);
+        coarse.depth += 0.25 * fineFaces_[f].depth;
+    }
+    for (Face& coarse : coarseFaces_) {
+        const double size = length(coarse.normal);
+        if (size > 0) coarse.normal = scaled(coarse.normal, 1 / size);
+    }
 }
 
-/// Pulls each face of level 2 towards the nearest points.
-void BoundaryForces::matchPulls(const std::vector<Point3>& centres,
-                                const std::vector<Point3>& normals) {
-    const double unit = 1 / (edge_ * edge_);
-    std::vector<Point3> coarseCentres(pullFactor_.size(), {0, 0, 0}),
-        coarseNormals(pullFactor_.size(), {0, 0, 0});
-    std::vector<double> coarseDepths(pullFactor_.size(), 0);
-    for (std::size_t f = 0; f < centres.size(); ++f) {
-        const Index coarse = surface_.coarseFaceOf(static_cast<Index>(f));
-        coarseNormals[coarse] = sum(coarseNormals[coarse], normals[f]);
-        coarseDepths[coarse] += 0.25 * depths_[f];
-        coarseCentres[coarse] = sum(coarseCentres[coarse], scaled(centres[f], 0.25));
-    }
-    const auto groups = groups_.groups();
-    pulls_.assign(pullFactor_.size(), {});
-    parallelFor(std::ssize(pulls_), 64, [&](Offset first, Offset last) {
+/// Finds the nearest points of each face of level 2.
+void BoundaryForces::matchPulls() {
+    pulling_.assign(coarseFaces_.size(), std::nullopt);
+    parallelFor(std::ssize(pulling_), 64, [&](Offset first, Offset last) {
         for (Offset c = first; c < last; ++c) {
-            PlaneTerm& term = pulls_[c];
-            term.row = static_cast<Index>(c);
-            const double size = length(coarseNormals[c]);
-            if (!(size > 0)) continue;
-            const Point3 normal = scaled(coarseNormals[c], 1 / size);
-            const Index cell = surface_.cellOfCoarse(term.row);
-            const auto nearest = groups_.nearest(
-                coarseCentres[c], 24, [&](Index group) { return suits(group, cell, normal); });
-            if (!nearest) continue;
-            const auto& group = groups[*nearest];
-            Point3 way = difference(coarseCentres[c], group.centre);
-            const double distance = length(way);
-            // Near the points, the direction to one of them means little.
-            const double trust = std::clamp(distance / groups_.grid().size - 1, 0.0, 1.0);
-            if (dot(way, normal) > 0 && distance > 0)
-                way = sum(scaled(way, trust / distance), scaled(normal, 1 - trust));
-            else
-                way = normal;
-            term.direction = normalised(way);
-            term.offset = dot(term.direction, groups_.farthest(group, term.direction)) +
-                          clearance_[*nearest] + coarseDepths[c];
-            if (isRaised_[*nearest]) pullFactor_[c] *= 0.8;
-            term.outside = kPull * unit / 16 * pullFactor_[c];
-            term.inside = 0;
-            term.reach = 0.25 * edge_;
+            const Point3& normal = coarseFaces_[c].normal;
+            if (normal == Point3{0, 0, 0}) continue;
+            const Index cell = surface_.cellOfCoarse(static_cast<Index>(c));
+            pulling_[c] = groups_.nearest(coarseFaces_[c].centre, 24,
+                                          [&](Index group) { return suits(group, cell, normal); });
         }
     });
 }
 
-/// Returns the face of level 3 with the nearest centre, of those with accept(face); none if there
-/// is none within `rings` rings of cubes.
-template <class Accept>
-std::optional<Index> BoundaryForces::nearestFace(const Point3& point, Index rings,
-                                                 const std::vector<Point3>& centres,
-                                                 Accept accept) const {
-    const auto place = groups_.grid().coordinatesOf(point);
-    double least = 0;
-    std::optional<Index> best;
-    for (Index ring = 0; ring <= rings; ++ring) {
-        const double reach = (ring - 1) * groups_.grid().size;
-        if (best && reach > 0 && reach * reach > least) break;
-        groups_.grid().forEachInRing(place, ring, [&](Index cube) {
-            for (Index f = firstOfCube_[cube]; f >= 0; f = nextOfFace_[f]) {
-                const Point3 way = difference(centres[f], point);
-                const double distance = dot(way, way);
-                if (best && (distance > least || (distance == least && f > *best))) continue;
-                if (!accept(f)) continue;
-                best = f;
-                least = distance;
-            }
-        });
-    }
-    return best;
-}
-
-/// Pushes the nearest face of level 3 of each group of points outwards. If several groups are
-/// nearest to one face, the one that sticks out most counts. Pushes faces of other parts away from
-/// the group.
-void BoundaryForces::matchPushes(const std::vector<Point3>& centres,
-                                 const std::vector<Point3>& normals) {
-    const double unit = 1 / (edge_ * edge_);
+/// Finds the nearest face of level 3 of each group of points, and the nearest one of another part.
+void BoundaryForces::matchPushes() {
     const auto groups = groups_.groups();
-    const auto faceCount = static_cast<Index>(centres.size());
-    firstOfCube_.assign(groups_.grid().cubeCount(), -1);
-    nextOfFace_.assign(faceCount, -1);
-    for (Index f = faceCount; f-- > 0;) {
-        Index& first = firstOfCube_[groups_.grid().cubeOf(centres[f])];
-        nextOfFace_[f] = first;
+    const CubeGrid& grid = groups_.grid();
+    // A list of the faces in each cube.
+    std::vector<Index> firstOfCube(grid.cubeCount(), -1), nextOfFace(fineFaces_.size(), -1);
+    for (auto f = static_cast<Index>(fineFaces_.size()); f-- > 0;) {
+        Index& first = firstOfCube[grid.cubeOf(fineFaces_[f].centre)];
+        nextOfFace[f] = first;
         first = f;
     }
+    const auto nearestFace = [&](const Point3& point, auto accept) {
+        return grid.nearest(
+            point, kPushRings,
+            [&](Index cube, auto visit) {
+                for (Index f = firstOfCube[cube]; f >= 0; f = nextOfFace[f]) visit(f);
+            },
+            [&](Index f) -> const Point3& { return fineFaces_[f].centre; }, accept);
+    };
     const std::vector<Index>& cells = surface_.fineFaces().cells;
     std::vector<BoundingBox> facesOf(apart_.size());  // boxes around the faces of each cell
-    for (Index f = 0; f < faceCount; ++f) facesOf[cells[f]].include(centres[f]);
-    const double reach = kPushRings * groups_.grid().size;
+    for (std::size_t f = 0; f < fineFaces_.size(); ++f)
+        facesOf[cells[f]].include(fineFaces_[f].centre);
+    const double reach = kPushRings * grid.size;
     const auto isNear = [&](Index group, Index cell) {
         for (int axis = 0; axis < 3; ++axis)
             if (facesOf[cell].min[axis] > groups[group].high[axis] + reach ||
@@ -237,45 +192,88 @@ void BoundaryForces::matchPushes(const std::vector<Point3>& centres,
                 return false;
         return true;
     };
-    std::vector<std::optional<Index>> own(groups.size()), other(groups.size());
+    own_.assign(groups.size(), std::nullopt);
+    other_.assign(groups.size(), std::nullopt);
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
             const auto group = static_cast<Index>(g);
             if (groups[g].isInner) continue;
-            own[g] = nearestFace(groups[g].centre, kPushRings, centres,
-                                 [&](Index f) { return suits(group, cells[f], normals[f]); });
+            own_[g] = nearestFace(groups[g].centre, [&](Index f) {
+                return suits(group, cells[f], fineFaces_[f].normal);
+            });
             if (!groups[g].cell) continue;
             const std::vector<Index>& apart = apart_[*groups[g].cell];
             if (std::any_of(apart.begin(), apart.end(),
                             [&](Index cell) { return isNear(group, cell); }))
-                other[g] = nearestFace(groups[g].centre, kPushRings, centres,
-                                       [&](Index f) { return !belongs(group, cells[f]); });
+                other_[g] = nearestFace(groups[g].centre,
+                                        [&](Index f) { return !belongs(group, cells[f]); });
         }
     });
-    distance_.assign(groups.size(), 0);
-    std::vector<double> leastOf(faceCount, 0.25 * edge_), leastOfOther = leastOf;
-    std::vector<PlaneTerm> terms(faceCount), termsOfOther(faceCount);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        if (const auto f = own[g]) {
-            const Point3& normal = normals[*f];
-            const double offset =
-                dot(normal, groups_.farthest(groups[g], normal)) + clearance_[g] + depths_[*f];
-            const double distance = dot(normal, centres[*f]) - offset;
-            distance_[g] = distance;
+}
+
+void BoundaryForces::renew() {
+    pulls_.resize(coarseFaces_.size());
+    for (std::size_t c = 0; c < pulls_.size(); ++c) pulls_[c] = pullOn(static_cast<Index>(c));
+    renewPushes();
+}
+
+/// Pulls a face of level 2 towards the nearest points.
+PlaneTerm BoundaryForces::pullOn(Index coarseFace) const {
+    PlaneTerm term;
+    term.row = coarseFace;
+    const auto nearest = pulling_[coarseFace];
+    if (!nearest) return term;
+    const Face& face = coarseFaces_[coarseFace];
+    const auto& group = groups_.groups()[*nearest];
+    Point3 way = difference(face.centre, group.centre);
+    const double distance = length(way);
+    // Near the points, the direction to one of them means little.
+    const double trust = std::clamp(distance / groups_.grid().size - 1, 0.0, 1.0);
+    if (dot(way, face.normal) > 0 && distance > 0)
+        way = sum(scaled(way, trust / distance), scaled(face.normal, 1 - trust));
+    else
+        way = face.normal;
+    term.direction = normalised(way);
+    term.offset = dot(term.direction, groups_.farthest(group, term.direction)) +
+                  clearance_[*nearest] + face.depth;
+    term.outside = kPull / (edge_ * edge_) / 16 * pullFactor_[coarseFace];
+    term.reach = 0.25 * edge_;
+    return term;
+}
+
+/// Returns the distance of the face that a group pushes outwards from the plane in which the face
+/// is as near to the points as it may be; negative if the face must move outwards.
+double BoundaryForces::pushedDistance(std::size_t group) const {
+    const Face& face = fineFaces_[*own_[group]];
+    const Point3& farthest = groups_.farthest(groups_.groups()[group], face.normal);
+    return dot(face.normal, difference(face.centre, farthest)) - clearance_[group] - face.depth;
+}
+
+/// Pushes the nearest face of level 3 of each group of points outwards. If several groups are
+/// nearest to one face, the one that sticks out most counts. Pushes faces of other parts away from
+/// the group.
+void BoundaryForces::renewPushes() {
+    const double weight = kPush / (edge_ * edge_) / 64, reach = 0.05 * edge_;
+    std::vector<double> leastOf(fineFaces_.size(), 0.25 * edge_), leastOfOther = leastOf;
+    std::vector<PlaneTerm> terms(fineFaces_.size()), termsOfOther(fineFaces_.size());
+    for (std::size_t g = 0; g < own_.size(); ++g) {
+        if (const auto f = own_[g]) {
+            const Face& face = fineFaces_[*f];
+            const double distance = pushedDistance(g);
             if (distance < leastOf[*f]) {
                 leastOf[*f] = distance;
-                terms[*f] = {*f, normal,      offset, kPush * pushFactor_[g] * unit / 64,
-                             0,  0.05 * edge_};
+                const double offset = dot(face.normal, face.centre) - distance;
+                terms[*f] = {*f, face.normal, offset, weight * pushFactor_[g], 0, reach};
             }
         }
-        if (const auto f = other[g]) {
-            const Point3 inwards = scaled(normals[*f], -1);
+        if (const auto f = other_[g]) {
+            const Point3 inwards = scaled(fineFaces_[*f].normal, -1);
             const double offset =
-                dot(inwards, groups_.farthest(groups[g], inwards)) + distanceToOthers_[g];
-            const double distance = dot(inwards, centres[*f]) - offset;
+                dot(inwards, groups_.farthest(groups_.groups()[g], inwards)) + distanceToOthers_[g];
+            const double distance = dot(inwards, fineFaces_[*f].centre) - offset;
             if (distance < leastOfOther[*f]) {
                 leastOfOther[*f] = distance;
-                termsOfOther[*f] = {*f, inwards, offset, kPush * unit / 64, 0, 0.05 * edge_};
+                termsOfOther[*f] = {*f, inwards, offset, weight, 0, reach};
             }
         }
     }
@@ -300,12 +298,12 @@ void BoundaryForces::strengthen(std::span<const Uncovered> uncovered) {
             distance = std::min(distance + 0.01 * edge_, margin_ + 0.25 * edge_);
             continue;
         }
-        if (distance_[group.group] < -0.02 * edge_)
+        if (own_[group.group] && pushedDistance(group.group) < -0.02 * edge_)
             pushFactor_[group.group] = std::min(2 * pushFactor_[group.group], 64.0);
         // A group that fails again rises further each time.
         const int times = ++failures_[group.group];
         const double more = std::min(
-            times * (std::min(1.1 * group.depth, 0.05 * edge_) + 0.003 * edge_), 0.06 * edge_);
+            times * (std::min(1.5 * group.depth, 0.05 * edge_) + 0.005 * edge_), 0.06 * edge_);
         const auto place = groups_.grid().coordinatesOf(groups_.groups()[group.group].centre);
         for (Index ring = 0; ring <= 2; ++ring)
             groups_.grid().forEachInRing(place, ring, [&](Index cube) {
@@ -321,6 +319,8 @@ void BoundaryForces::strengthen(std::span<const Uncovered> uncovered) {
         clearance_[g] = std::min(clearance_[g] + more, margin_ + 0.25 * edge_);
         if (raises[g] > 0) isRaised_[g] = 1;
     }
+    for (std::size_t c = 0; c < pullFactor_.size(); ++c)
+        if (pulling_[c] && isRaised_[*pulling_[c]] != 0) pullFactor_[c] *= kFade;
 }
 
 void BoundaryForces::weakenPulls(std::span<const char> isChosen, double factor) {

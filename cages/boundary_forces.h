@@ -23,7 +23,7 @@ namespace espalier::cages {
 ///   model.
 ///
 /// match() finds the faces and the points that belong to each other. strengthen() and weakenPulls()
-/// change the forces where a lattice is not proved.
+/// change the forces where a lattice is not proved. renew() computes the forces of both.
 class BoundaryForces {
 public:
     /// \param surface, groups are kept by reference
@@ -40,11 +40,15 @@ public:
     /// \param positions of the vertices of the lattice
     void match(std::span<const Point3> positions);
 
+    /// Computes the forces between the faces and the points that were last matched.
+    void renew();
+
     /// Adds the energy of the forces, and its gradient.
     void addEnergy(std::span<const Point3> positions, double& energy,
                    std::span<Point3> gradient) const;
 
-    /// Makes room around points without proof, and pushes them more.
+    /// Makes room around points without proof, pushes them more, and pulls less there.
+    /// \param uncovered groups at the positions that were last matched
     void strengthen(std::span<const Uncovered> uncovered);
 
     /// Multiplies the pulls on the faces of some cells.
@@ -54,26 +58,32 @@ public:
 private:
     bool belongs(Index group, Index cell) const;
     bool suits(Index group, Index cell, const Point3& normal) const;
-    template <class Accept>
-    std::optional<Index> nearestFace(const Point3& point, Index rings,
-                                     const std::vector<Point3>& centres, Accept accept) const;
-    void measureDepths(std::span<const Point3> fine, const std::vector<Point3>& centres,
-                       const std::vector<Point3>& normals);
-    void matchPulls(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
-    void matchPushes(const std::vector<Point3>& centres, const std::vector<Point3>& normals);
+    /// A face of the boundary.
+    struct Face {
+        Point3 centre = {0, 0, 0};
+        Point3 normal = {0, 0, 0};  ///< a unit vector, or zero for a face without area
+        double depth = 0;           ///< how far the hulls of the face reach inwards of its centre
+    };
+
+    void measureFaces(std::span<const Point3> positions);
+    void matchPulls();
+    void matchPushes();
+    double pushedDistance(std::size_t group) const;
+    PlaneTerm pullOn(Index coarseFace) const;
+    void renewPushes();
 
     const CageSurface& surface_;
     const PointGroups& groups_;
     double edge_, margin_;
-    std::vector<std::vector<Index>> apart_;        ///< of each cell, ascending
-    std::vector<Index> firstOfCube_, nextOfFace_;  ///< lists of the faces of level 3 in each cube
-    /// How far the hulls of each face of level 3 reach inwards of its centre.
-    std::vector<double> depths_;
+    std::vector<std::vector<Index>> apart_;      ///< of each cell, ascending
+    std::vector<Face> fineFaces_, coarseFaces_;  ///< of level 3 and of level 2
+    std::vector<std::optional<Index>> pulling_;  ///< group nearest to each face of level 2
 
-    // The next six arrays have one entry for each group of points.
-    std::vector<double> clearance_;         ///< least distance of the hulls of the boundary
-    std::vector<double> distanceToOthers_;  ///< least distance of faces it does not belong to
-    std::vector<double> distance_;          ///< from its plane, when it was last matched
+    // The next seven arrays have one entry for each group of points.
+    std::vector<double> clearance_;            ///< least distance of the hulls of the boundary
+    std::vector<double> distanceToOthers_;     ///< least distance of faces it does not belong to
+    std::vector<std::optional<Index>> own_;    ///< the face of level 3 that it pushes outwards
+    std::vector<std::optional<Index>> other_;  ///< the one that it pushes away, of another part
     std::vector<double> pushFactor_;
     std::vector<int> failures_;   ///< rounds in which it had no proof
     std::vector<char> isRaised_;  ///< whether it had no proof, or is near such a group

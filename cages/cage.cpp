@@ -44,15 +44,16 @@ constexpr double kMaxDistance = 1e8;
 constexpr double kPower = 2.4;
 
 /// Ways to choose cells, from tight to careful. If no lattice of one way can be fitted, the next
-/// way is tried.
+/// way is tried. The last one makes cells for a few points, which are in few voxels.
 struct Way {
     /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this,
     /// in edges.
     double joinDistance;
     double reach;  ///< a cell is left out if the model reaches less than this into it, in edges
     int attempts;  ///< of fitCage()
+    double around = 0;  ///< cells reach at least this far around the model, in its diagonals
 };
-constexpr std::array<Way, 3> kWays = {{{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}}};
+constexpr std::array<Way, 4> kWays = {{{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}, {2, 0, 4, 0.1}}};
 constexpr std::array<Way, 2> kWaysApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
 
 /// Lattices of one way that are fitted before the next way is tried.
@@ -99,6 +100,7 @@ struct Box {
 struct Frame {
     Axes axes;
     std::vector<Point3> points;
+    Point3 size = Box(points).size();
 };
 
 /// A grid to try.
@@ -127,7 +129,9 @@ public:
     Lattice make();
 
 private:
+    double around() const { return std::max(margin_, way_.around * diagonal_); }
     void addFrames();
+    void choose(const Way& way);
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
     Index voxelsPerEdge(const Frame& frame, double cellSize) const;
     double smallestSize(const Frame& frame) const;
@@ -179,8 +183,7 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     requireNumber(options.shell, "shell", 2 * diagonal_);
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
-    // At least two voxels along each edge, in memory for kMaxVoxels.
-    for (const Frame& frame : frames_) smallestSize_ = std::max(smallestSize_, smallestSize(frame));
+    choose(kWays.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw Error(concat("cage: cellSize is ", textOf(options.cellSize), "; expected at least ",
                            textOf(smallestSize_), " for this model"));
@@ -195,19 +198,25 @@ void CageMaker::addFrames() {
         return (size[0] + least) * (size[1] + least) * (size[2] + least);
     };
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
-    Frame turned{orientedAxes(points), {}};
-    for (const Point3& point : surface_.points())
-        turned.points.push_back(toFrame(turned.axes, point));
-    if (volume(Box(turned.points).size()) < kSmaller * volume(Box(points).size()))
-        frames_.push_back(std::move(turned));
+    const Axes axes = orientedAxes(points);
+    std::vector<Point3> turned;
+    for (const Point3& point : surface_.points()) turned.push_back(toFrame(axes, point));
+    if (volume(Box(turned).size()) < kSmaller * volume(Box(points).size()))
+        frames_.push_back({axes, std::move(turned)});
+}
+
+void CageMaker::choose(const Way& way) {
+    way_ = way;
+    // At least two voxels along each edge, in memory for kMaxVoxels.
+    smallestSize_ = 0;
+    for (const Frame& frame : frames_) smallestSize_ = std::max(smallestSize_, smallestSize(frame));
 }
 
 /// Returns the number of voxels in the box around the model.
 double CageMaker::voxelCount(const Frame& frame, double cellSize, Index perEdge) const {
-    const Point3 size = Box(frame.points).size();
     double count = 1;
     for (int axis = 0; axis < 3; ++axis)
-        count *= (size[axis] + 2 * margin_) / cellSize * perEdge + perEdge + 4;
+        count *= (frame.size[axis] + 2 * around()) / cellSize * perEdge + perEdge + 4;
     return count;
 }
 
@@ -222,7 +231,7 @@ Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
 
 /// Returns the least size of cells that two voxels along an edge allow.
 double CageMaker::smallestSize(const Frame& frame) const {
-    double low = 1e-9 * (diagonal_ + margin_), high = 2 * (diagonal_ + margin_);
+    double low = 1e-9 * (diagonal_ + around()), high = 2 * (diagonal_ + around());
     for (int round = 0; round < 60; ++round) {
         const double middle = std::sqrt(low * high);
         (voxelCount(frame, middle, 2) > kMaxVoxels ? low : high) = middle;
@@ -235,7 +244,7 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
             frame.points,
             {.size = cellSize / voxelsPerEdge(frame, cellSize),
              .isShell = options_.shell > 0,
-             .around = margin_,
+             .around = around(),
              .gap = cellSize / 2}};
 }
 
@@ -277,7 +286,7 @@ double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset,
         if (small > 0 && large > 0 && (size <= small || size >= large))
             size = std::sqrt(small * large);
         // One cell of the largest size holds the model.
-        const double next = std::clamp(size, smallestSize_, 1.2 * (diagonal_ + 2 * margin_));
+        const double next = std::clamp(size, smallestSize_, 1.2 * (diagonal_ + 2 * around()));
         if (next == last) break;
         size = last = next;
     }
@@ -387,7 +396,7 @@ std::string loosePointText(const ModelSurface& surface) {
 Lattice CageMaker::make() {
     std::string failure;
     for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
-        way_ = way;
+        choose(way);
         for (const Candidate& candidate : candidates()) {
             try {
                 return fit(candidate);

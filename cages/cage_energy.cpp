@@ -49,47 +49,78 @@ void addTo(Point3& sum, const Point3& value, double factor) {
 /// that cells around a thin part may be thin.
 constexpr double kLengthPart = 0.1;
 
-/// Returns the energy of a hexahedron, the mean over its corners, less 1. Adds `weight` times its
-/// gradient.
-double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Point3> positions,
-                        double weight, std::span<Point3> gradient) {
+/// The energy of one corner of a hexahedron, and its derivatives by the three edges.
+struct CornerEnergy {
+    double energy = 0;
+    std::array<Point3, 3> slopes;
+};
+
+/// \param u, v, w edges to the three neighbours
+inline CornerEnergy cornerEnergy(const Point3& u, const Point3& v, const Point3& w) {
     // A quotient below this is treated as if it were slowly rising, so that the energy is finite
     // and has a slope in folded cells too.
     constexpr double kFlat = 1e-3;
     constexpr double kTiny = 1e-300;
+    const double uu = dot(u, u) + kTiny, vv = dot(v, v) + kTiny, ww = dot(w, w) + kTiny;
+    const Point3 vw = cross(v, w), wu = cross(w, u), uv = cross(u, v);
+    const double determinant = dot(u, vw);
+    // q = determinant · density is 1 for a cube.
+    const double perSquare = 3 / (uu + vv + ww);
+    const double perProduct = 1 / (uu * (vv * ww));
+    const double density = perSquare * std::sqrt(perSquare), q = determinant * density;
+    const double densityOfAngles = std::sqrt(perProduct), qOfAngles = determinant * densityOfAngles;
+    // The energy is a mean of 1 / safe(q)², with safe(q) = (q + root) / 2 and safe' = safe / root.
+    const double root = std::sqrt(q * q + kFlat * kFlat), safe = (q + root) / 2;
+    const double rootOfAngles = std::sqrt(qOfAngles * qOfAngles + kFlat * kFlat),
+                 safeOfAngles = (qOfAngles + rootOfAngles) / 2;
+    const double energy = kLengthPart / (safe * safe);
+    const double energyOfAngles = (1 - kLengthPart) / (safeOfAngles * safeOfAngles);
+    const double slope = -2 * energy / root, slopeOfAngles = -2 * energyOfAngles / rootOfAngles;
+    // dq/du = v × w · density − q u / (square of the length of u, or mean of the three squares)
+    const double ofArea = slope * density + slopeOfAngles * densityOfAngles;
+    const double ofEdge = slope * q * perSquare, ofAngles = slopeOfAngles * qOfAngles * perProduct;
+    return {energy + energyOfAngles,
+            {difference(scaled(vw, ofArea), scaled(u, ofEdge + ofAngles * (vv * ww))),
+             difference(scaled(wu, ofArea), scaled(v, ofEdge + ofAngles * (ww * uu))),
+             difference(scaled(uv, ofArea), scaled(w, ofEdge + ofAngles * (uu * vv)))}};
+}
+
+/// Returns the energy of a hexahedron, the mean over its corners, less 1. Adds `weight` times its
+/// gradient.
+double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Point3> positions,
+                        double weight, std::span<Point3> gradient) {
+    // One array for each coordinate, so that the compiler computes several corners at once.
+    using OfCorners = std::array<double, 8>;
+    std::array<std::array<OfCorners, 3>, 3> edges, slopes;
+    OfCorners energies;
+    for (std::size_t corner = 0; corner < 8; ++corner)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Point3 edge =
+                difference(positions[vertices[far::kHexahedronNeighbours[corner][i]]],
+                           positions[vertices[corner]]);
+            for (std::size_t axis = 0; axis < 3; ++axis) edges[i][axis][corner] = edge[axis];
+        }
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const auto edge = [&](std::size_t i) {
+            return Point3{edges[i][0][corner], edges[i][1][corner], edges[i][2][corner]};
+        };
+        const CornerEnergy at = cornerEnergy(edge(0), edge(1), edge(2));
+        energies[corner] = at.energy;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                slopes[i][axis][corner] = at.slopes[i][axis];
+    }
+    std::array<Point3, 8> gradients = {};
+    for (std::size_t corner = 0; corner < 8; ++corner)
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                gradients[far::kHexahedronNeighbours[corner][i]][axis] += slopes[i][axis][corner];
+                gradients[corner][axis] -= slopes[i][axis][corner];
+            }
     double total = 0;
     for (std::size_t corner = 0; corner < 8; ++corner) {
-        const auto& next = far::kHexahedronNeighbours[corner];
-        const Point3& origin = positions[vertices[corner]];
-        std::array<Point3, 3> ways, areas, slopes = {};
-        std::array<double, 3> squares;
-        for (int i = 0; i < 3; ++i) {
-            ways[i] = difference(positions[vertices[next[i]]], origin);
-            squares[i] = dot(ways[i], ways[i]) + kTiny;
-        }
-        for (int i = 0; i < 3; ++i) areas[i] = cross(ways[(i + 1) % 3], ways[(i + 2) % 3]);
-        const double determinant = dot(ways[0], areas[0]);
-        // \param volume q = determinant / volume is 1 for a cube
-        // \param unit of each edge: d(volume)/d(edge) = edge · volume / unit
-        const auto add = [&](double part, double volume, const std::array<double, 3>& units) {
-            const double q = determinant / volume;
-            const double root = std::sqrt(q * q + kFlat * kFlat);
-            const double safe = (q + root) / 2;
-            total += part / (safe * safe);
-            // d(1/safe²)/dq = −2 safe'/safe³, with safe' = safe / root
-            const double slope = -part * weight / 4 / (safe * safe * root);
-            for (int i = 0; i < 3; ++i) {
-                addTo(slopes[i], areas[i], slope / volume);
-                addTo(slopes[i], ways[i], -slope * q / units[i]);
-            }
-        };
-        const double square = (squares[0] + squares[1] + squares[2]) / 3;
-        add(kLengthPart, square * std::sqrt(square), {square, square, square});
-        add(1 - kLengthPart, std::sqrt(squares[0] * squares[1] * squares[2]), squares);
-        for (int i = 0; i < 3; ++i) {
-            addTo(gradient[vertices[next[i]]], slopes[i], 1);
-            addTo(gradient[vertices[corner]], slopes[i], -1);
-        }
+        total += energies[corner];
+        addTo(gradient[vertices[corner]], gradients[corner], weight / 8);
     }
     return weight * (total / 8 - 1);
 }

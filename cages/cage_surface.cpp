@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "left_side.h"
+#include "oriented_box.h"
 
 namespace espalier::cages {
 namespace {
@@ -109,14 +110,8 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
         withColumns(stencils::buildStencils(refiner, kLevel - 1), names, complex.count(0)),
         refiner.level(kLevel - 1).complex);
 
-    const auto parents = [&](int level) {
-        std::vector<Index> result;
-        for (Index face = 0; face < refiner.level(level).complex.count(2); ++face)
-            result.push_back(refiner.refinement(level).parentOf({2, face}).upper.index);
-        return result;
-    };
-    coarseOfFine_ = parents(kLevel);
-    fineOfFinest_ = parents(kLevel + 1);
+    for (Index face = 0; face < refiner.level(kLevel).complex.count(2); ++face)
+        coarseOfFine_.push_back(refiner.refinement(kLevel).parentOf({2, face}).upper.index);
     const auto cellsOf = [&](int level) {
         std::vector<Index> result;
         for (Index face = 0; face < refiner.level(level).complex.count(2); ++face) {
@@ -131,6 +126,17 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     finestTable_ = stencils::buildLevelTable(refiner, kLevel + 1);
     fineFaces_.emplace(refiner.level(kLevel), cellsOf(kLevel));
     finestFaces_.emplace(refiner.level(kLevel + 1), cellsOf(kLevel + 1));
+    // A face has four children, which follow each other.
+    finestHulls_ = far::buildRows<Index>(
+        refiner.level(kLevel).complex.count(2), [&](Index face, std::vector<Index>& out) {
+            std::vector<Index> hull;
+            for (Index child = 4 * face; child < 4 * face + 4; ++child) {
+                const auto ofChild = finestFaces_->hull(child);
+                hull.insert(hull.end(), ofChild.begin(), ofChild.end());
+            }
+            sortUnique(hull);
+            out.insert(out.end(), hull.begin(), hull.end());
+        });
 }
 
 CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFaces)
@@ -190,62 +196,29 @@ std::vector<Point3> CageSurface::finestVertices(std::span<const Point3> fineVert
 
 namespace {
 
-/// A box around the hull of a face, with its own axes; `low[2]` is its inner side.
-struct HullBox {
-    std::array<Point3, 3> axes;  ///< the last one is the normal
-    std::array<double, 3> low, high;
-
-    /// Returns true if the distance of a point from the box is at most `margin`.
-    bool isNear(const Point3& point, double margin) const {
-        double square = 0;
-        for (int axis = 2; axis >= 0; --axis) {
-            const double value = dot(axes[axis], point);
-            const double away = std::max({low[axis] - value, value - high[axis], 0.0});
-            if (away > margin) return false;
-            square += away * away;
-        }
-        return square <= margin * margin;
-    }
-};
-
-HullBox boxAround(std::span<const Index> hull, const std::array<Index, 4>& face,
-                  std::span<const Point3> vertices) {
+/// Returns a box around the hull of a face. The low side along its last axis is the inner one.
+/// \param hull points whose convex hull counts
+OrientedBox boxAround(std::span<const Point3> hull, const std::array<Index, 4>& face,
+                      std::span<const Point3> vertices) {
     const Point3 along = difference(vertices[face[2]], vertices[face[0]]);
-    Point3 normal = cross(along, difference(vertices[face[3]], vertices[face[1]]));
-    const double size = length(normal);
-    HullBox box;
-    if (size > 0) {
-        box.axes[2] = scaled(normal, 1 / size);
-        box.axes[0] = normalised(along);
-        box.axes[1] = cross(box.axes[2], box.axes[0]);
-    } else {
-        box.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    }
-    BoundingBox bounds;
-    for (const Index vertex : hull) {
-        const Point3& at = vertices[vertex];
-        bounds.include({dot(box.axes[0], at), dot(box.axes[1], at), dot(box.axes[2], at)});
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-        box.low[axis] = bounds.min[axis];
-        box.high[axis] = bounds.max[axis];
-    }
-    return box;
+    return {axesAround(cross(along, difference(vertices[face[3]], vertices[face[1]])), along),
+            hull};
 }
 
-/// Lists, for each of some bins, the items that may be in it.
+/// Lists, for each of some bins, the items in it, ascending.
 class Bins {
 public:
-    /// \param forEachBin calls visit(bin) for the bins of an item
-    template <class ForEachBin>
-    Bins(Index binCount, Index itemCount, ForEachBin forEachBin) : offsets_(binCount + 1, 0) {
-        for (Index item = 0; item < itemCount; ++item)
-            forEachBin(item, [&](Index bin) { ++offsets_[bin + 1]; });
-        for (Index bin = 0; bin < binCount; ++bin) offsets_[bin + 1] += offsets_[bin];
-        items_.resize(offsets_.back());
+    struct Entry {
+        Index bin, item;
+    };
+
+    /// \param entries by ascending items
+    Bins(Index binCount, std::span<const Entry> entries)
+        : offsets_(static_cast<std::size_t>(binCount) + 1, 0), items_(entries.size()) {
+        for (const Entry& entry : entries) ++offsets_[entry.bin + 1];
+        std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         std::vector<Offset> next(offsets_.begin(), offsets_.end() - 1);
-        for (Index item = 0; item < itemCount; ++item)
-            forEachBin(item, [&](Index bin) { items_[next[bin]++] = item; });
+        for (const Entry& entry : entries) items_[next[entry.bin]++] = entry.item;
     }
 
     std::span<const Index> operator[](Index bin) const {
@@ -260,19 +233,14 @@ private:
 /// Counts how often triangles wind around points.
 class Winding {
 public:
+    /// \param isUsed per cube of the grid: whether it holds points
     Winding(std::span<const std::array<Index, 4>> faces, std::span<const Point3> vertices,
-            const CubeGrid& grid)
+            const CubeGrid& grid, std::span<const char> isUsed)
         : faces_(faces),
           vertices_(vertices),
           grid_(grid),
-          bounds_(boundsOf(faces, vertices)),
-          columns_(grid.counts[0] * grid.counts[1], static_cast<Index>(faces.size()),
-                   [&](Index face, auto visit) {
-                       const auto from = grid.coordinatesOf(bounds_[face].min);
-                       const auto to = grid.coordinatesOf(bounds_[face].max);
-                       for (Index y = from[1]; y <= to[1]; ++y)
-                           for (Index x = from[0]; x <= to[0]; ++x) visit(y * grid.counts[0] + x);
-                   }) {}
+          bounds_(faces.size()),
+          columns_(grid.counts[0] * grid.counts[1], columnsOfFaces(isUsed)) {}
 
     /// Follows the ray from `point` upwards. The point must not be on a triangle.
     int around(const Point3& point) const {
@@ -291,12 +259,22 @@ public:
     }
 
 private:
-    static std::vector<BoundingBox> boundsOf(std::span<const std::array<Index, 4>> faces,
-                                             std::span<const Point3> vertices) {
-        std::vector<BoundingBox> bounds(faces.size());
-        for (std::size_t face = 0; face < faces.size(); ++face)
-            for (const Index vertex : faces[face]) bounds[face].include(vertices[vertex]);
-        return bounds;
+    /// Measures the faces. Returns the columns of cubes with points that they reach into.
+    std::vector<Bins::Entry> columnsOfFaces(std::span<const char> isUsed) {
+        const Index width = grid_.counts[0], columnCount = width * grid_.counts[1];
+        std::vector<char> isUsedColumn(columnCount, 0);
+        for (std::size_t cube = 0; cube < isUsed.size(); ++cube)
+            if (isUsed[cube] != 0) isUsedColumn[cube % isUsedColumn.size()] = 1;
+        std::vector<Bins::Entry> entries;
+        for (Index face = 0; face < std::ssize(faces_); ++face) {
+            for (const Index vertex : faces_[face]) bounds_[face].include(vertices_[vertex]);
+            const auto from = grid_.coordinatesOf(bounds_[face].min);
+            const auto to = grid_.coordinatesOf(bounds_[face].max);
+            for (Index y = from[1]; y <= to[1]; ++y)
+                for (Index x = from[0]; x <= to[0]; ++x)
+                    if (isUsedColumn[y * width + x] != 0) entries.push_back({y * width + x, face});
+        }
+        return entries;
     }
 
     static int crossing(const Point3& a, const Point3& b, const Point3& c, const Point3& p) {
@@ -317,79 +295,77 @@ private:
 /// The boxes to use: around the hull of each face, or around its four corners.
 enum class Around { Hull, Corners };
 
-/// Returns the groups in `tried` that have a point within `margin` of a box, or a point around
-/// which the triangles of the faces do not wind once.
+/// Groups of points that are not proved to be inside, and the faces that may be near them.
+struct NearGroups {
+    std::vector<Uncovered> groups;  ///< ascending
+    std::vector<Index> faces;       ///< ascending
+};
+
+/// Returns the groups in `tried` that have a point within `margin` of a box around a face in
+/// `near`, or a point around which the triangles of all faces do not wind once.
 /// \param namesOnly only the names of the groups are wanted; faster
-std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around,
-                                std::span<const Point3> vertices, const PointGroups& points,
-                                std::span<const Index> tried, double margin,
-                                bool namesOnly = false) {
+NearGroups findNear(const CageSurface::Faces& surface, Around around, std::span<const Index> near,
+                    std::span<const Point3> vertices, const PointGroups& points,
+                    std::span<const Index> tried, double margin, bool namesOnly = false) {
     const std::span<const std::array<Index, 4>> faces = surface.loops;
-    const auto faceCount = static_cast<Index>(faces.size());
     const CubeGrid& grid = points.grid();
-    std::vector<HullBox> boxes(faceCount);
-    std::vector<std::array<Index, 3>> from(faceCount), to(faceCount);
-    for (Index face = 0; face < faceCount; ++face) {
-        boxes[face] = boxAround(
-            around == Around::Hull ? surface.hull(face) : std::span<const Index>(faces[face]),
-            faces[face], vertices);
-        Point3 centre = {0, 0, 0}, reach = {margin, margin, margin};
-        for (int k = 0; k < 3; ++k)
-            for (int axis = 0; axis < 3; ++axis) {
-                const Point3& way = boxes[face].axes[k];
-                centre[axis] += way[axis] * (boxes[face].low[k] + boxes[face].high[k]) / 2;
-                reach[axis] += std::abs(way[axis]) * (boxes[face].high[k] - boxes[face].low[k]) / 2;
-            }
-        // Enlarged by more than rounding.
-        reach = sum(reach, scaled({1, 1, 1}, 1e-6 * grid.size));
-        from[face] = grid.coordinatesOf(difference(centre, reach));
-        to[face] = grid.coordinatesOf(sum(centre, reach));
-    }
-    std::vector<char> isUsed(grid.cubeCount(), 0);
     const auto groups = points.groups();
+    std::vector<char> isUsed(grid.cubeCount(), 0);
     for (const Index group : tried) isUsed[groups[group].cube] = 1;
-    const Bins cubes(grid.cubeCount(), faceCount, [&](Index face, auto visit) {
-        for (Index z = from[face][2]; z <= to[face][2]; ++z)
-            for (Index y = from[face][1]; y <= to[face][1]; ++y)
-                for (Index x = from[face][0]; x <= to[face][0]; ++x)
-                    if (const Index cube = grid.cubeAt({x, y, z}); isUsed[cube]) visit(cube);
-    });
-    const Winding winding(faces, vertices, grid);
+    std::vector<OrientedBox> boxes(near.size());
+    std::vector<Bins::Entry> entries;
+    std::vector<Point3> hull;
+    for (Index number = 0; number < std::ssize(near); ++number) {
+        const Index face = near[number];
+        hull.clear();
+        BoundingBox bounds;
+        for (const Index vertex :
+             around == Around::Hull ? surface.hull(face) : std::span<const Index>(faces[face])) {
+            hull.push_back(vertices[vertex]);
+            bounds.include(vertices[vertex]);
+        }
+        // Enlarged by more than rounding.
+        const double reach = margin + 1e-6 * grid.size;
+        const auto from = grid.coordinatesOf(difference(bounds.min, {reach, reach, reach}));
+        const auto to = grid.coordinatesOf(sum(bounds.max, {reach, reach, reach}));
+        for (Index z = from[2]; z <= to[2]; ++z)
+            for (Index y = from[1]; y <= to[1]; ++y)
+                for (Index x = from[0]; x <= to[0]; ++x)
+                    if (const Index cube = grid.cubeAt({x, y, z}); isUsed[cube] != 0)
+                        entries.push_back({cube, number});
+        boxes[number] = boxAround(hull, faces[face], vertices);
+    }
+    const Bins cubes(grid.cubeCount(), entries);
+    const Winding winding(faces, vertices, grid, isUsed);
+    const auto findBoxes = [&](Index group, std::vector<Index>& found) {
+        const double apart = margin + 1e-9 * grid.size;
+        const OrientedBox& box = groups[group].box;
+        found.clear();
+        for (const Index number : cubes[groups[group].cube])
+            if (!boxes[number].isApart(box, apart) && !box.isApart(boxes[number], apart))
+                found.push_back(number);
+    };
     std::vector<Uncovered> ofGroups(tried.size());
     parallelFor(std::ssize(tried), 256, [&](Offset first, Offset last) {
-        std::vector<Index> near;
+        std::vector<Index> nearBoxes;
         for (Offset t = first; t < last; ++t) {
             const Index g = tried[t];
             const PointGroups::Group& group = groups[g];
             Uncovered& worst = ofGroups[t];
             worst = {g, group.first, -1, std::nullopt, 1};
-            const Point3 middle = scaled(sum(group.low, group.high), 0.5);
-            const Point3 half = scaled(difference(group.high, group.low), 0.5);
-            near.clear();
-            for (const Index face : cubes[group.cube]) {
-                const HullBox& box = boxes[face];
-                bool isApart = false;
-                for (int k = 2; k >= 0 && !isApart; --k) {
-                    const Point3& way = box.axes[k];
-                    const double value = dot(way, middle);
-                    const double reach = std::abs(way[0]) * half[0] + std::abs(way[1]) * half[1] +
-                                         std::abs(way[2]) * half[2] + margin + 1e-9 * grid.size;
-                    isApart = value + reach < box.low[k] || value - reach > box.high[k];
-                }
-                if (!isApart) near.push_back(face);
-            }
-            const Index end = near.empty() ? group.first + 1 : group.last;
+            findBoxes(g, nearBoxes);
+            const Index end = nearBoxes.empty() ? group.first + 1 : group.last;
             for (Index i = group.first; i < end; ++i) {
                 const Point3& point = points.points()[i];
                 double depth = -1;
                 std::optional<Index> deepest;
-                for (const Index face : near) {
-                    if (!boxes[face].isNear(point, margin)) continue;
-                    const double here =
-                        dot(boxes[face].axes[2], point) - boxes[face].low[2] + margin;
+                for (const Index number : nearBoxes) {
+                    const OrientedBox& box = boxes[number];
+                    if (!box.isNear(point, margin)) continue;
+                    const double here = dot(box.axes[2], point) - box.low[2] + margin;
                     if (here <= depth) continue;
                     depth = here;
-                    deepest = surface.cells[face];
+                    deepest = surface.cells[near[number]];
                 }
                 int turns = 1;
                 if (depth < 0) {
@@ -402,25 +378,41 @@ std::vector<Uncovered> findNear(const CageSurface::Faces& surface, Around around
         }
     });
     std::erase_if(ofGroups, [](const Uncovered& group) { return group.depth < 0; });
-    return ofGroups;
+    NearGroups result{std::move(ofGroups), {}};
+    std::vector<Index> nearBoxes;
+    for (const Uncovered& group : result.groups) {
+        findBoxes(group.group, nearBoxes);
+        for (const Index number : nearBoxes) result.faces.push_back(near[number]);
+    }
+    sortUnique(result.faces);
+    return result;
 }
 
 }  // namespace
 
 std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
                                      const PointGroups& points, double margin) {
-    std::vector<Index> groups(points.groups().size());
-    std::iota(groups.begin(), groups.end(), 0);
-    const std::vector<Point3> fine = surface.fineVertices(positions);
-    const auto namesOf = [&](const std::vector<Uncovered>& uncovered) {
-        groups.clear();
-        for (const Uncovered& group : uncovered) groups.push_back(group.group);
+    const auto allOf = [](std::size_t count) {
+        std::vector<Index> numbers(count);
+        std::iota(numbers.begin(), numbers.end(), 0);
+        return numbers;
     };
-    namesOf(findNear(surface.fineFaces(), Around::Hull, fine, points, groups, margin, true));
+    const CageSurface::Faces& faces = surface.fineFaces();
+    const std::vector<Point3> fine = surface.fineVertices(positions);
+    const NearGroups found = findNear(faces, Around::Hull, allOf(faces.loops.size()), fine, points,
+                                      allOf(points.groups().size()), margin, true);
+    std::vector<Index> groups, children;
+    for (const Uncovered& group : found.groups) groups.push_back(group.group);
     if (groups.empty()) return {};
-    auto atLevel = findNear(surface.fineFaces(), Around::Corners, fine, points, groups, margin);
-    auto inLimit = findNear(surface.finestFaces(), Around::Hull, surface.finestVertices(fine),
-                            points, groups, margin);
+    // All other faces are apart from these groups. The hulls of the children of a face are in its
+    // own hull.
+    for (const Index face : found.faces)
+        for (Index child = 4 * face; child < 4 * face + 4; ++child) children.push_back(child);
+    const auto atLevel =
+        findNear(faces, Around::Corners, found.faces, fine, points, groups, margin).groups;
+    const auto inLimit = findNear(surface.finestFaces(), Around::Hull, children,
+                                  surface.finestVertices(fine), points, groups, margin)
+                             .groups;
     std::vector<Uncovered> result;
     for (auto a = atLevel.begin(), b = inLimit.begin(); a != atLevel.end() || b != inLimit.end();) {
         if (b == inLimit.end() || (a != atLevel.end() && a->group < b->group)) {

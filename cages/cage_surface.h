@@ -52,14 +52,18 @@ public:
     /// The faces of level 4.
     const Faces& finestFaces() const { return *finestFaces_; }
     std::vector<Point3> finestVertices(std::span<const Point3> fineVertices) const;
-    /// Returns the face of level 3 that contains a face of level 4.
-    Index fineFaceOf(Index finestFace) const { return fineOfFinest_[finestFace]; }
+    /// Returns the vertices of level 4 whose convex hull contains the limit of a face of level 3.
+    std::span<const Index> finestHull(Index fineFace) const {
+        const auto begin = finestHulls_.offsets[fineFace], end = finestHulls_.offsets[fineFace + 1];
+        return std::span(finestHulls_.values).subspan(begin, end - begin);
+    }
 
 private:
     stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
     stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
     std::optional<Faces> fineFaces_, finestFaces_;
-    std::vector<Index> coarseOfFine_, fineOfFinest_, cellOfCoarse_;
+    far::Rows<Index> finestHulls_;  ///< per face of level 3
+    std::vector<Index> coarseOfFine_, cellOfCoarse_;
 };
 
 /// A group of points that is not proved to be inside.

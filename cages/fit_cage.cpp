@@ -32,10 +32,11 @@ constexpr double kMaxGrowth = 2;
 /// How far a point may be outside the start, in edges of the start.
 constexpr double kMaxOutside = 1;
 
-/// After the first proof, at most kPolishes rounds give more weight to cells with a scaled Jacobian
-/// below kGoodJacobian. Better cells move the boundary, so other rounds repair the proof.
-constexpr int kPolishes = 3;
-constexpr double kGoodJacobian = 0.3;
+/// The last kImprovements of the first rounds give more weight to cells with a scaled Jacobian
+/// below kGoodJacobian. If a cell is below kLeastJacobian after the first proof, so do at most
+/// kPolishes more rounds. Better cells move the boundary, so other rounds repair the proof.
+constexpr int kImprovements = 3, kPolishes = 3;
+constexpr double kGoodJacobian = 0.3, kLeastJacobian = 0.28;
 
 /// An attempt is given up if this many rounds of repair leave more than kLeftOver of the failures.
 /// A few failures may come and go before the last one is repaired.
@@ -116,6 +117,10 @@ private:
     void optimise(int iterations);
     void improve(int steps, int iterations);
     bool certify();
+    std::vector<Index> unprovedCells() const;
+    std::vector<Index> foldedCells() const;
+    void favourPoorCells();
+    double leastJacobian() const;
     void polish();
     void requireNear() const;
     double enclosedVolume() const;
@@ -140,6 +145,7 @@ void Fit::begin(int attempt) {
     anchor_ = 0.001 * std::pow(4, attempt) / (edge_ * edge_);
     shapes_.resetWeights();
     forces_.reset(pull);
+    forces_.match(positions_);
 }
 
 void Fit::optimise(int iterations) {
@@ -154,22 +160,22 @@ void Fit::optimise(int iterations) {
         forces_.addEnergy(positions, total, gradient);
         return total;
     };
+    forces_.renew();
     positions_ = minimise(energy, std::move(positions_), iterations, 0.1 * edge_);
 }
 
+/// Moves the vertices. The forces then match their new positions.
 void Fit::improve(int steps, int iterations) {
     for (int step = 0; step < steps; ++step) {
-        forces_.match(positions_);
         optimise(iterations);
+        forces_.match(positions_);
     }
 }
 
 /// Tries to prove the lattice. Where that fails, makes room for points and gives more weight to
 /// cells.
 bool Fit::certify() {
-    forces_.match(positions_);
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
-    bool isProved = uncovered.empty();
     double deepest = 0;
     for (const Uncovered& group : uncovered)
         if (group.depth > deepest) {
@@ -179,22 +185,36 @@ bool Fit::certify() {
                                                 : " is not proved to be inside");
         }
     forces_.strengthen(uncovered);
-    const solve::ValidityCheck check(parts_, positions_);
-    failureCount_ = uncovered.size() + check.badAtRest().size();
-    std::vector<char> isBad(shapes_.cellCount(), 0);
+    const std::vector<Index> badCells = uncovered.empty() ? unprovedCells() : foldedCells();
+    failureCount_ = uncovered.size() + badCells.size();
+    if (uncovered.empty() && !badCells.empty())
+        failure_ = concat("cell ", badCells.front(), " is not proved to be free of folds");
+    shapes_.examine(badCells);
+    std::vector<char> isNearBad(shapes_.cellCount(), 0);
     const far::CellComplex& complex = base_.level(0).complex;
-    shapes_.examine(check.badAtRest());
-    for (const Index cell : check.badAtRest()) {
+    for (const Index cell : badCells) {
         shapes_.scaleWeight(cell, 2);
         for (const Index vertex : complex.relation(3, 0)[cell])
-            for (const Index near : complex.relation(0, 3)[vertex]) isBad[near] = 1;
-        if (isProved) failure_ = concat("cell ", cell, " is not proved to be free of folds");
-        isProved = false;
+            for (const Index near : complex.relation(0, 3)[vertex]) isNearBad[near] = 1;
     }
     for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
-        if (isBad[cell]) shapes_.scaleWeight(cell, 1.5);
-    forces_.weakenPulls(isBad, 0.5);
-    return isProved;
+        if (isNearBad[cell]) shapes_.scaleWeight(cell, 1.5);
+    forces_.weakenPulls(isNearBad, 0.5);
+    return failureCount_ == 0;
+}
+
+/// Returns the cells that are not proved to be free of folds.
+std::vector<Index> Fit::unprovedCells() const {
+    return solve::ValidityCheck(parts_, positions_).badAtRest();
+}
+
+/// Returns cells that are folded: some of the cells without proof, in much less time.
+std::vector<Index> Fit::foldedCells() const {
+    std::vector<Index> folded;
+    const std::vector<double> shapes = shapes_.leastJacobians(positions_);
+    for (Index cell = 0; cell < shapes_.cellCount(); ++cell)
+        if (!(shapes[cell] > 0)) folded.push_back(cell);
+    return folded;
 }
 
 /// Throws if a point is further than kMaxOutside edges from the box around the start.
@@ -227,29 +247,35 @@ double Fit::enclosedVolume() const {
     return volume;
 }
 
+/// Gives more weight to poor cells, and less to the pulls on their faces.
+void Fit::favourPoorCells() {
+    const far::CellComplex& complex = base_.level(0).complex;
+    const std::vector<double> shapes = shapes_.leastJacobians(positions_);
+    std::vector<Index> poor;
+    std::vector<char> isPoor(shapes.size(), 0);
+    for (Index cell = 0; cell < shapes_.cellCount(); ++cell) {
+        if (shapes[cell] >= kGoodJacobian) continue;
+        poor.push_back(cell);
+        isPoor[cell] = 1;
+        shapes_.scaleWeight(cell, 2);
+        for (const Index face : complex.relation(3, 2)[cell])
+            for (const Index near : complex.relation(2, 3)[face]) shapes_.scaleWeight(near, 1.2);
+    }
+    shapes_.examine(poor);
+    forces_.weakenPulls(isPoor, 0.6);
+}
+
+double Fit::leastJacobian() const {
+    const std::vector<double> shapes = shapes_.leastJacobians(positions_);
+    return *std::min_element(shapes.begin(), shapes.end());
+}
+
 /// Improves the worst cells of a lattice that is proved.
 void Fit::polish() {
-    const far::CellComplex& complex = base_.level(0).complex;
-    std::vector<double> shapes = shapes_.leastJacobians(positions_);
-    double best = *std::min_element(shapes.begin(), shapes.end());
+    double best = leastJacobian();
     std::vector<Point3> kept = positions_;
-    const auto favourPoorCells = [&] {
-        std::vector<Index> poor;
-        std::vector<char> isPoor(shapes.size(), 0);
-        for (Index cell = 0; cell < shapes_.cellCount(); ++cell) {
-            if (shapes[cell] >= kGoodJacobian) continue;
-            poor.push_back(cell);
-            isPoor[cell] = 1;
-            shapes_.scaleWeight(cell, 2);
-            for (const Index face : complex.relation(3, 2)[cell])
-                for (const Index near : complex.relation(2, 3)[face])
-                    shapes_.scaleWeight(near, 1.2);
-        }
-        shapes_.examine(poor);
-        forces_.weakenPulls(isPoor, 0.6);
-    };
     bool isProved = true;
-    for (int polishes = 0, repairs = 0; best < kGoodJacobian;) {
+    for (int polishes = 0, repairs = 0; best < kLeastJacobian;) {
         if (isProved) {
             if (polishes++ == kPolishes) break;
             favourPoorCells();
@@ -258,8 +284,7 @@ void Fit::polish() {
         }
         improve(2, 15);
         isProved = certify();
-        shapes = shapes_.leastJacobians(positions_);
-        const double least = *std::min_element(shapes.begin(), shapes.end());
+        const double least = leastJacobian();
         if (isProved && least > best) {
             best = least;
             kept = positions_;
@@ -276,7 +301,11 @@ std::vector<Point3> Fit::run() {
         begin(attempt);
         // Early steps are short, because faces then change their nearest points.
         improve(6, 8);
-        improve(6, 20);
+        improve(6 - kImprovements, 20);
+        for (int round = 0; round < kImprovements; ++round) {
+            favourPoorCells();
+            improve(1, 20);
+        }
         std::vector<std::size_t> failures;
         for (int round = 0; round < options_.maxRounds; ++round) {
             if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;

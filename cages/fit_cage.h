@@ -52,8 +52,7 @@ struct FitOptions {
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
 ///         box around the start; FitError if no lattice with these cells is found. Both name the
 ///         point or the cell
-/// \cost on one thread about 2 s for 300,000 points and 500 vertices; 6 s and 450 MB for
-///       5 million points
+/// \cost on one thread about 2 s for 300,000 points and 500 vertices, and 5 s for 5 million points
 Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options = {});
 
 }  // namespace espalier::cages

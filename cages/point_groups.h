@@ -5,11 +5,15 @@
 #include <espalier/base/point.h>
 #include <espalier/base/vector3.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 #include <tuple>
 #include <vector>
+
+#include "oriented_box.h"
 
 namespace espalier::cages {
 
@@ -37,21 +41,78 @@ struct CubeGrid {
     /// `centre`.
     template <class Visit>
     void forEachInRing(const std::array<Index, 3>& centre, Index ring, Visit visit) const {
+        forEachInRing(
+            centre, ring, [](int, Index) { return 0.0; }, [](double) { return true; }, visit);
+    }
+
+    /// Returns the item nearest to a point, the one with the lowest number if there are several;
+    /// none if there is none within `rings` rings of cubes.
+    /// \param forEachIn forEachIn(cube, visit) calls visit(item) for the items in a cube
+    /// \param placeOf placeOf(item) is the place of an item, in its cube
+    /// \param accept items without accept(item) do not count
+    template <class ForEachIn, class PlaceOf, class Accept>
+    std::optional<Index> nearest(const Point3& point, Index rings, ForEachIn forEachIn,
+                                 PlaceOf placeOf, Accept accept) const {
+        const auto centre = coordinatesOf(point);
+        Point3 inside;  // the cube `centre`
+        double wall = size;
+        for (int axis = 0; axis < 3; ++axis) {
+            inside[axis] = point[axis] - origin[axis] - centre[axis] * size;
+            wall = std::min({wall, inside[axis], size - inside[axis]});
+        }
+        // Items may be outside their cubes by rounding.
+        const double slack = 1e-9 * size;
+        const auto squareTo = [&](int axis, Index coordinate) {
+            const Index steps = coordinate - centre[axis];
+            if (steps == 0) return 0.0;
+            const double way =
+                steps > 0 ? steps * size - inside[axis] : inside[axis] - (steps + 1) * size;
+            return way > slack ? (way - slack) * (way - slack) : 0.0;
+        };
+        std::optional<Index> best;
+        double least = std::numeric_limits<double>::infinity();
+        for (Index ring = 0; ring <= rings; ++ring) {
+            const double reach = (ring - 1) * size + wall - slack;
+            if (best && reach > 0 && reach * reach > least) break;
+            forEachInRing(
+                centre, ring, squareTo, [&](double square) { return square <= least; },
+                [&](Index cube) {
+                    forEachIn(cube, [&](Index item) {
+                        const Point3 way = difference(placeOf(item), point);
+                        const double distance = dot(way, way);
+                        if (distance > least || (distance == least && best && item > *best)) return;
+                        if (!accept(item)) return;
+                        best = item;
+                        least = distance;
+                    });
+                });
+        }
+        return best;
+    }
+
+private:
+    /// Leaves out cubes for which isWanted(square) is false.
+    /// \param squareTo squareTo(axis, coordinate) is a part of `square` for each axis
+    template <class SquareTo, class IsWanted, class Visit>
+    void forEachInRing(const std::array<Index, 3>& centre, Index ring, SquareTo squareTo,
+                       IsWanted isWanted, Visit visit) const {
         std::array<Index, 3> low, high;
         for (int axis = 0; axis < 3; ++axis) {
             low[axis] = std::max(centre[axis] - ring, 0);
             high[axis] = std::min(centre[axis] + ring, counts[axis] - 1);
         }
         for (Index z = low[2]; z <= high[2]; ++z) {
+            const double ofZ = squareTo(2, z);
+            if (!isWanted(ofZ)) continue;
             const bool isEndZ = z == centre[2] - ring || z == centre[2] + ring;
             for (Index y = low[1]; y <= high[1]; ++y) {
+                const double ofRow = ofZ + squareTo(1, y);
+                if (!isWanted(ofRow)) continue;
                 const bool isEnd = isEndZ || y == centre[1] - ring || y == centre[1] + ring;
-                if (isEnd) {
-                    for (Index x = low[0]; x <= high[0]; ++x) visit(cubeAt({x, y, z}));
-                } else {
-                    if (centre[0] - ring >= 0) visit(cubeAt({centre[0] - ring, y, z}));
-                    if (centre[0] + ring < counts[0]) visit(cubeAt({centre[0] + ring, y, z}));
-                }
+                // Without an end, only the first and the last cube of the row are in the ring.
+                const Index step = isEnd || ring == 0 ? 1 : 2 * ring;
+                for (Index x = isEnd ? low[0] : centre[0] - ring; x <= high[0]; x += step)
+                    if (x >= low[0] && isWanted(ofRow + squareTo(0, x))) visit(cubeAt({x, y, z}));
             }
         }
     }
@@ -91,8 +152,9 @@ public:
         bool isInner = false;
         Index first = 0, last = 0;  ///< points first to last − 1
         Point3 low = {}, high = {};
-        Point3 centre = {};  ///< mean of the points
-        Point3 normal = {};  ///< a unit vector, or zero if the normals are not known or differ
+        Point3 centre = {};    ///< mean of the points
+        Point3 normal = {};    ///< a unit vector, or zero if the normals are not known or differ
+        OrientedBox box = {};  ///< around the points; its last axis is the normal, if it is known
     };
 
     /// Sorts and groups points. Their order has no effect.
@@ -119,25 +181,9 @@ public:
     /// there is none within `rings` rings of cubes.
     template <class Accept>
     std::optional<Index> nearest(const Point3& point, Index rings, Accept accept) const {
-        const auto centre = grid_.coordinatesOf(point);
-        std::optional<Index> best;
-        double least = 0;
-        for (Index ring = 0; ring <= rings; ++ring) {
-            // A cube of this ring is at least ring − 1 cubes away.
-            const double reach = (ring - 1) * grid_.size;
-            if (best && reach > 0 && reach * reach > least) break;
-            grid_.forEachInRing(centre, ring, [&](Index cube) {
-                forEachInCube(cube, [&](Index group) {
-                    const Point3 way = difference(groups_[group].centre, point);
-                    const double distance = dot(way, way);
-                    if (best && (distance > least || (distance == least && group > *best))) return;
-                    if (!accept(group)) return;
-                    best = group;
-                    least = distance;
-                });
-            });
-        }
-        return best;
+        return grid_.nearest(
+            point, rings, [&](Index cube, auto visit) { forEachInCube(cube, visit); },
+            [&](Index group) -> const Point3& { return groups_[group].centre; }, accept);
     }
 
 private:

@@ -75,9 +75,13 @@ TEST(CageSurface, hullsHoldTheNextLevel) {
             const Point3 way = {normal(random), normal(random), normal(random)};
             double most = -1e9;
             for (const Index v : faces.hull(face)) most = std::max(most, dot(way, fine[v]));
-            for (const Index v : surface.finestFaces().loops[child])
+            // This holds the limit of the face, too.
+            for (const Index v : surface.finestFaces().hull(static_cast<Index>(child)))
                 ASSERT_LE(dot(way, finest[v]), most + 1e-12) << "face " << face;
         }
+        const auto hull = surface.finestHull(face);
+        for (const Index v : surface.finestFaces().hull(static_cast<Index>(child)))
+            ASSERT_TRUE(std::ranges::binary_search(hull, v)) << "face " << face;
     }
 }
 

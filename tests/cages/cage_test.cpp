@@ -183,6 +183,11 @@ TEST(Cage, holdsFlatAndThinModels) {
     needle.points = {{0, 0, 0}, {3, 1, 2}};
     needle.addFace({0, 1});
     expectCage(cage(needle, {.vertices = 40}), needle, 40);
+    // They are in two voxels, however small the cells are.
+    FaceModel twoPoints;
+    twoPoints.points = {{0, 0, 0}, {3, 1, 2}};
+    twoPoints.addFace({0});
+    expectCage(cage(twoPoints, {.vertices = 150}), twoPoints, 150);
 }
 
 /// Makes a cage of a model: it is right, or an error says that there is none.
