@@ -296,6 +296,7 @@ void Fit::polish() {
 std::vector<Point3> Fit::run() {
     // Each attempt starts anew and pulls less. The last one only pushes.
     const double startVolume = enclosedVolume();
+    if (!(startVolume > 0)) throw Error("fitting a cage: the start lattice is inside out");
     requireNear();
     for (int attempt = 0; attempt < options_.maxAttempts; ++attempt) {
         begin(attempt);
@@ -308,7 +309,11 @@ std::vector<Point3> Fit::run() {
         }
         std::vector<std::size_t> failures;
         for (int round = 0; round < options_.maxRounds; ++round) {
-            if (!(enclosedVolume() <= kMaxGrowth * startVolume)) break;
+            if (!(enclosedVolume() <= kMaxGrowth * startVolume)) {
+                failure_ =
+                    concat("it grows to more than ", textOf(kMaxGrowth), " times its volume");
+                break;
+            }
             if (certify()) {
                 polish();
                 return std::move(positions_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/vector3.h>
+#include <espalier/shapes/inventory.h>
 #include <gtest/gtest.h>
 
 #include "cages/fit_cage.h"
@@ -96,6 +97,21 @@ TEST(FitCage, widensAStartThatIsTooSmall) {
     const Lattice cage = fitTo(small.start, small.points);
     EXPECT_THAT(badCells(cage), IsEmpty());
     EXPECT_EQ(outsideLevel(cage, small.points), 0);
+}
+
+// A point and a margin of two edges need at least 33 times the volume of the start.
+TEST(FitCage, saysThatTheStartIsTooSmall) {
+    const std::vector<Point3> points = {{0.5, 0.5, 0.5}};
+    EXPECT_REFUSED(FitError,
+                   "fitting a cage of 8 vertices: it grows to more than 2 times its volume",
+                   fitTo(shapes::box({.cells = {1, 1, 1}}), points, {.margin = 2}));
+}
+
+TEST(FitCage, refusesAStartThatIsInsideOut) {
+    Lattice start = shapes::box({.cells = {1, 1, 1}});
+    for (Point3& position : start.positions) position[0] *= -1;
+    EXPECT_MESSAGE("fitting a cage: the start lattice is inside out",
+                   fitTo(start, std::vector<Point3>{{-0.5, 0.5, 0.5}}));
 }
 
 TEST(FitCage, leavesTopologyAndMarks) {

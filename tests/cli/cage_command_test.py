@@ -40,11 +40,17 @@ class Cage(CliTest):
         self.assertTrue(found, out)
         return int(found[1])
 
-    def assert_all_inside(self, model, lattice="rest.ovm"):
+    def inside_and_outside(self, model, lattice="rest.ovm"):
+        """Returns the numbers of points of a model that are inside a lattice, and that are not."""
         report = json.loads(self.deform(model, lattice, lattice, "--report", "json",
                                         out="moved.obj").stdout)
-        self.assertEqual(report["points"]["inside"], sum(report["points"].values()))
-        self.assertGreater(report["points"]["inside"], 0)
+        inside = report["points"]["inside"]
+        return inside, sum(report["points"].values()) - inside
+
+    def assert_all_inside(self, model, lattice="rest.ovm"):
+        inside, outside = self.inside_and_outside(model, lattice)
+        self.assertEqual(outside, 0)
+        self.assertGreater(inside, 0)
 
     def setUp(self):
         super().setUp()
@@ -70,11 +76,12 @@ class Cage(CliTest):
         self.assert_all_inside("second.obj")
 
     def test_a_margin_and_a_shell(self):
+        # The margin is a tenth of the diagonal, which is 4.24: points 0.42 outside the tube are inside.
+        self.write("wide.obj", *tube(20, 12, 0.5 + 0.42, 4))
         self.cage("tube.obj", "--vertices", 40)
-        near = max(p[1] for p in self.read_ovm_positions("rest.ovm"))
+        self.assertGreater(self.inside_and_outside("wide.obj")[1], 0)
         self.cage("tube.obj", "--vertices", 40, "--margin", 0.1)
-        far = max(p[1] for p in self.read_ovm_positions("rest.ovm"))
-        self.assertGreater(far, near + 0.2)
+        self.assert_all_inside("wide.obj")
         self.write("square.obj", [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
         self.cage("square.obj", "--vertices", 40, "--shell", 0.3)
         self.assert_all_inside("square.obj")
