@@ -69,7 +69,7 @@ struct CageOptions {
 ///         finite or beyond ±1e90, the diagonal of the model is not between 1e-40 and 1e40, or a
 ///         coordinate is beyond 1e8 diagonals; for an option out of range; if no lattice of about
 ///         this size can be fitted, which happens for tangled models and few vertices
-/// \cost on one thread about 6 s for 70,000 triangles and 500 vertices, 29 s and 1.15 GB for 1.7
+/// \cost on one thread about 4 s for 100,000 triangles and 500 vertices, 19 s and 1.04 GB for 1.7
 ///       million triangles. Grows with the number of vertices; docs/cages.md has times
 ESPALIER_API Lattice cage(const SurfaceModel& model, const CageOptions& options = {});
 

@@ -22,8 +22,7 @@ public:
 
     /// \param lattice level 0 of a lattice
     /// \throws Error for semi-sharp marks; if a smooth vertex of the boundary has fewer than three
-    /// edges there: weights
-    ///         would be negative
+    ///         edges there, because weights would be negative
     explicit CageSurface(const far::TopologyRefiner& lattice);
 
     /// Centres of the faces of level 3 over the vertices of the lattice.

@@ -36,9 +36,8 @@ struct FitOptions {
 /// Moves the vertices of a lattice so that its boundary follows a model.
 ///
 /// The result is proved:
-/// - Every point is inside level 3 and inside the limit volume, `margin` away from the boundary.
-/// The
-///   limit volume contains it only once.
+/// - Every point is inside level 3 and inside the limit volume, `margin` away from the boundary;
+///   the limit volume contains it only once.
 /// - Every patch of the limit volume has a positive Jacobian (solve::ValidityCheck on
 ///   limit::LimitParts of `levelOfParts`).
 ///
