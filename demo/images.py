@@ -139,8 +139,11 @@ def row(images, gap=16):
 
 
 def column(images, gap=0):
-    """Images of equal width from top to bottom."""
-    return joined(images, gap, 0)
+    """Images from top to bottom, each in the middle of the widest."""
+    width = max(image.shape[1] for image in images)
+    sides = [(width - image.shape[1]) // 2 for image in images]
+    return joined([row([blank(side, len(image)), image, blank(width - image.shape[1] - side, len(image))], 0)
+                   for side, image in zip(sides, images)], gap, 0)
 
 
 def joined(images, gap, axis):
