@@ -15,8 +15,8 @@ void moveByItk(std::span<const Point3> rest, std::span<const Point3> pose,
     const std::size_t side = std::lround(std::cbrt(rest.size()));
     const double spacing = 1 / static_cast<double>(side - 1);
     const auto made = Transform::New();
-    // Along each axis the number of control points, the origin and the spacing; and a matrix of
-    // directions.
+    // Three numbers of control points, three coordinates of the origin, three spacings, and a 3 × 3
+    // matrix of directions.
     Transform::FixedParametersType grid(18);
     grid.Fill(0);
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -25,7 +25,7 @@ void moveByItk(std::span<const Point3> rest, std::span<const Point3> pose,
         grid[9 + 4 * axis] = 1;
     }
     made->SetFixedParameters(grid);
-    // All displacements along x, then along y, then along z.
+    // The displacements along x come first, then the displacements along y and z.
     Transform::ParametersType displacements(made->GetNumberOfParameters());
     for (std::size_t vertex = 0; vertex < rest.size(); ++vertex) {
         std::array<std::size_t, 3> at;

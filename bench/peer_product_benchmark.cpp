@@ -17,8 +17,8 @@
 namespace espalier {
 namespace {
 
-/// The table as blocks of libxsmm. libxsmm reserves memory for the dense matrix, 6 bytes an entry,
-/// so a table of some thousand columns does not fit.
+/// The table as sparse blocks of libxsmm. libxsmm reserves 6 bytes for each entry of the dense
+/// matrix, so a million rows must have few columns.
 class SparseBlocks {
 public:
     SparseBlocks(const stencils::StencilTable<float>& table, int components)

@@ -571,18 +571,18 @@ their results with the results of Espalier:
 `scripts/install-packages peers && scripts/build release peer_bench && build/release/bench/peer_bench`.
 
 (Measured on 2026-11-25 on two shared cores of an AMD EPYC with AVX-512: processor time on one thread, the quickest of
-five runs that alternate, of nine for binding and location.)
+nine runs that alternate, of ten for libxsmm.)
 
 | task | Espalier | peer | time of the peer | ratio |
 | --- | --- | --- | --- | --- |
-| one pose, double | 10.2 ms | ITK 5.2 | 557 ms | 54.6 |
-| binding, compiling and one pose, double | 2.81 s | ITK 5.2 | 557 ms | 0.2 |
-| one pose, float | 6.3 ms | Blender 3.4, points only | 158 ms | 25.1 |
-| one pose, float | 6.3 ms | Blender 3.4, a mesh | 250 ms | 39.7 |
-| location | 726 ms | Embree 3.13 | 1.34 s | 1.8 |
-| location | 726 ms | Embree 3.13, points along a curve | 689 ms | 0.9 |
-| location | 726 ms | nanoflann 1.4 | 1.71 s | 2.4 |
-| location | 726 ms | nanoflann 1.4, points along a curve | 599 ms | 0.8 |
+| one pose, double | 10.2 ms | ITK 5.2 | 524 ms | 51.4 |
+| binding, compiling and one pose, double | 2.59 s | ITK 5.2 | 524 ms | 0.2 |
+| one pose, float | 6.2 ms | Blender 3.4, points only | 159 ms | 25.6 |
+| one pose, float | 6.2 ms | Blender 3.4, a mesh | 248 ms | 40.0 |
+| location | 648 ms | Embree 3.13 | 1.30 s | 2.0 |
+| location | 648 ms | Embree 3.13, points along a curve | 630 ms | 1.0 |
+| location | 648 ms | nanoflann 1.4 | 1.57 s | 2.4 |
+| location | 648 ms | nanoflann 1.4, points along a curve | 568 ms | 0.9 |
 | one pose, float | 6.3 ms | libxsmm 1.17 | 346 ms | 54.9 |
 | 12 poses in one call, float | 72.1 ms | libxsmm 1.17 | 535 ms | 7.4 |
 | 32 poses in one call, float | 190 ms | libxsmm 1.17 | 245 ms | 1.3 |
@@ -605,7 +605,7 @@ Each row is one task and one peer. Times: lower is better; ratio: the peer's tim
 - **libxsmm** has two products with a sparse matrix. Its generated kernels put each entry into the code: they are for small
   matrices and were not measured. `libxsmm_spmdm` makes sparse blocks from a dense matrix, and reserves 6 bytes for each
   entry of the dense matrix: 8 GB for the *regular model*, and more than 200 GB for *surface 1.6 M*. It works on blocks of
-  96 columns, which is 32 poses.
+  96 columns, which is 32 poses: it computes 32 poses in less time than 12.
 
 ## How cost grows
 
