@@ -4,8 +4,6 @@
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/shapes/inventory.h>
-#include <espalier/stencils/composition.h>
 #include <sys/resource.h>
 
 #include <string>
@@ -34,7 +32,7 @@ namespace {
 struct Scene {
     int level;
     std::vector<Point3> points;
-    Lattice lattice = shapes::box({.cells = {10, 10, 10}});
+    Lattice lattice = bench::regularLattice();
     far::TopologyRefiner base{lattice.complex};
 
     embed::Binding bind() const {
@@ -43,27 +41,14 @@ struct Scene {
 };
 
 Scene randomScene() {
-    return {3, bench::randomPoints()};
+    return {bench::RefinedBox::kLevel, bench::randomPoints()};
 }
 Scene surfaceScene() {
     return {5, bench::model()};
 }
 
-/// A scene with a whole level.
-struct Refined {
-    Scene scene = randomScene();
-    far::TopologyRefiner refiner{scene.lattice.complex};
-    std::vector<Point3> positions;
-
-    Refined() {
-        refiner.refineUniform(scene.level);
-        positions = stencils::refinePositions(refiner, scene.level, scene.lattice.positions);
-    }
-    const far::CellComplex& complex() const { return refiner.level(scene.level).complex; }
-};
-
-const Refined& refined() {
-    static const Refined made;
+const bench::RefinedBox& refined() {
+    static const bench::RefinedBox made;
     return made;
 }
 
@@ -82,10 +67,10 @@ void bind(benchmark::State& state, Scene (*make)(), int threads) {
 /// Only finds the points, in the whole level.
 void embed(benchmark::State& state, int threads) {
     const ThreadLimit limit(threads);
-    const Refined& made = refined();
+    const std::vector<Point3> points = bench::randomPoints();
     for (auto _ : state)
         benchmark::DoNotOptimize(
-            embed::embedPoints(made.complex(), made.positions, made.scene.points));
+            embed::embedPoints(refined().complex(), refined().positions(), points));
 }
 
 #ifdef ESPALIER_WITH_VTK
@@ -102,8 +87,8 @@ vtkNew<vtkPoints> toVtk(std::span<const Point3> points) {
 /// Finds the points with VTK, and interpolates the positions of the vertices there.
 void probe(benchmark::State& state) {
     const far::CellComplex& complex = refined().complex();
-    const std::vector<Point3>& positions = refined().positions;
-    const std::vector<Point3>& points = refined().scene.points;
+    const std::vector<Point3>& positions = refined().positions();
+    const std::vector<Point3> points = bench::randomPoints();
     vtkNew<vtkCellArray> cells;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
         const auto corners = far::hexahedronVertices(complex, CellId(cell));

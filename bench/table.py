@@ -564,6 +564,49 @@ changed, on one thread. The comparison is `cat` of the same file into another on
 Each row is one task. Times: lower is better; speed: higher is better; the ratio is Espalier's time divided by that of `cat`
 (lower is better).
 
+## Further peers
+
+Other libraries and a program that can do one of the tasks above, on the same data. `peer_bench` measures them and compares
+their results with the results of Espalier:
+`scripts/install-packages peers && scripts/build release peer_bench && build/release/bench/peer_bench`.
+
+(Measured on 2026-11-25 on two shared cores of an AMD EPYC with AVX-512: processor time on one thread, the quickest of
+nine runs that alternate, of ten for libxsmm.)
+
+| task | Espalier | peer | time of the peer | ratio |
+| --- | --- | --- | --- | --- |
+| one pose, double | 10.2 ms | ITK 5.2 | 524 ms | 51.4 |
+| binding, compiling and one pose, double | 2.59 s | ITK 5.2 | 524 ms | 0.2 |
+| one pose, float | 6.2 ms | Blender 3.4, points only | 159 ms | 25.6 |
+| one pose, float | 6.2 ms | Blender 3.4, a mesh | 248 ms | 40.0 |
+| location | 648 ms | Embree 3.13 | 1.30 s | 2.0 |
+| location | 648 ms | Embree 3.13, points along a curve | 630 ms | 1.0 |
+| location | 648 ms | nanoflann 1.4 | 1.57 s | 2.4 |
+| location | 648 ms | nanoflann 1.4, points along a curve | 568 ms | 0.9 |
+| one pose, float | 6.3 ms | libxsmm 1.17 | 346 ms | 54.9 |
+| 12 poses in one call, float | 72.1 ms | libxsmm 1.17 | 535 ms | 7.4 |
+| 32 poses in one call, float | 190 ms | libxsmm 1.17 | 245 ms | 1.3 |
+
+Each row is one task and one peer. Times: lower is better; ratio: the peer's time divided by Espalier's (higher is better).
+
+- **Poses** are poses of the *regular model*. ITK's `BSplineTransform` makes no matrix: it computes the 64 weights of each
+  point for every pose. So it is faster for a few poses, and Espalier takes less time in total from the sixth pose on. The
+  results differ by at most 1e-14. Blender's time is the time of an update of the scene after a change of the lattice, with
+  a lattice modifier on a million points without faces or with as many quadrilaterals. Blender makes no matrix either, and
+  computes in single precision: the results differ by at most 1e-6.
+- **Location** is the task *location only* of [Binding](#binding). Embree gets the boxes of the cells (a user geometry, which
+  it builds with low quality, because that takes less time in total), and `rtcPointQuery` with radius 0 finds the
+  candidates; building takes 0.17 s of its time. nanoflann finds the nearest centre of a cell, and more centres if the point
+  is not in that cell; building takes 0.10 s. Newton's method of `embed::Trilinear` decides whether a candidate contains the
+  point. All find the same cells. Espalier visits the points along a space-filling curve, so that consecutive points use the
+  same memory; *points along a curve* means that the peer visits them in Espalier's order, and its time includes sorting.
+  The peers get the corners of the cells in an array; Espalier reads them from the lattice. The nearest centre is a good guess
+  because the cells of this box are nearly cubes: for thin cells nanoflann would have to try many.
+- **libxsmm** has two products with a sparse matrix. Its generated kernels put each entry into the code: they are for small
+  matrices and were not measured. `libxsmm_spmdm` makes sparse blocks from a dense matrix, and reserves 6 bytes for each
+  entry of the dense matrix: 8 GB for the *regular model*, and more than 200 GB for *surface 1.6 M*. It works on blocks of
+  96 columns, which is 32 poses: it computes 32 poses in less time than 12.
+
 ## How cost grows
 
 Each panel shows time by size, for points on a surface in a box. Both axes are logarithmic. The slope of the

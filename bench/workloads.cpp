@@ -77,6 +77,11 @@ Lattice regularLattice() {
     return shapes::box({.cells = {10, 10, 10}});
 }
 
+RefinedBox::RefinedBox() : refiner_(regularLattice().complex) {
+    refiner_.refineUniform(kLevel);
+    positions_ = stencils::refinePositions(refiner_, kLevel, regularLattice().positions);
+}
+
 template <class Real>
 stencils::StencilTable<Real> regularTable(int pointCount) {
     const Lattice box = regularLattice();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/point.h>
+#include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/stencil_table.h>
@@ -60,6 +61,20 @@ stencils::StencilTable<Real> regularTable(int pointCount);
 
 /// Returns the box of the regular model.
 Lattice regularLattice();
+
+/// Level 3 of the regular lattice: 512,000 cells.
+class RefinedBox {
+public:
+    RefinedBox();
+    const far::CellComplex& complex() const { return refiner_.level(kLevel).complex; }
+    const std::vector<Point3>& positions() const { return positions_; }
+
+    static constexpr int kLevel = 3;
+
+private:
+    far::TopologyRefiner refiner_;
+    std::vector<Point3> positions_;
+};
 
 /// Returns a cylinder with an irregular axis and irregular ends.
 Lattice irregularLattice();
