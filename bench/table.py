@@ -524,9 +524,8 @@ Each row is one task for the limit and for a level. *Error of the level* is the 
 the limit, in a pose that moves vertices by a tenth of the lattice. Times are for one point: lower is better.
 The ratio is the level's time divided by the limit's: above 1 the limit is faster.
 
-The table was measured before binding to the limit was made faster on 2026-11-25. Since then a point takes 1.05 µs of
-processor time on one thread where it took 2.3 µs (regular), and 4.5 µs where it took 10.1 µs (irregular): both programs in
-turn on a busy machine, the quickest of four runs.
+On 2026-11-25 binding to the limit became faster: a point takes 1.05 µs of processor time on one thread where it took 2.3 µs
+(regular), and 4.5 µs where it took 10.1 µs (irregular): both programs in turn on a busy machine, the quickest of four runs.
 
 An irregular point takes 58,000 instructions: 32 % multiply its row by the rows of S, 20 % refine cells and select the
 points of each child, 14 % solve for the place, 10 % search the base cells. Even without the solve, which takes 3.5 steps,

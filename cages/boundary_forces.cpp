@@ -22,7 +22,8 @@ constexpr double kPush = 1000;
 /// Faces that points push are at most this far away, in cubes of the points.
 constexpr Index kPushRings = 3;
 
-/// Factor of the pulls towards points that have or had no proof, after each proof.
+/// Each attempt to prove multiplies by this the pulls towards points without proof, now or before,
+/// and towards points near them.
 constexpr double kFade = 0.4;
 
 /// Least cosine between the normals of a face and of the points that it is fitted to.

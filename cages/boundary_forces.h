@@ -23,7 +23,8 @@ namespace espalier::cages {
 ///   model.
 ///
 /// match() finds the faces and the points that belong to each other. strengthen() and weakenPulls()
-/// change the forces where a lattice is not proved. renew() computes the forces of both.
+/// change the forces where a lattice is not proved. renew() computes the pulls
+/// and the pushes.
 class BoundaryForces {
 public:
     /// \param surface, groups are kept by reference
@@ -32,7 +33,7 @@ public:
     BoundaryForces(const CageSurface& surface, const PointGroups& groups, const Lattice& start,
                    double edge, double margin);
 
-    /// Makes all forces as they are at first.
+    /// Resets all forces to their first values.
     /// \param pull factor of all pulls
     void reset(double pull);
 
@@ -81,9 +82,9 @@ private:
 
     // The next seven arrays have one entry for each group of points.
     std::vector<double> clearance_;            ///< least distance of the hulls of the boundary
-    std::vector<double> distanceToOthers_;     ///< least distance of faces it does not belong to
+    std::vector<double> distanceToOthers_;     ///< least distance from faces of other parts
     std::vector<std::optional<Index>> own_;    ///< the face of level 3 that it pushes outwards
-    std::vector<std::optional<Index>> other_;  ///< the one that it pushes away, of another part
+    std::vector<std::optional<Index>> other_;  ///< the face of another part that it pushes away
     std::vector<double> pushFactor_;
     std::vector<int> failures_;   ///< rounds in which it had no proof
     std::vector<char> isRaised_;  ///< whether it had no proof, or is near such a group

@@ -397,6 +397,8 @@ Lattice CageMaker::make() {
     std::string failure;
     for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
         choose(way);
+        // Room around the model takes voxels, too.
+        if (options_.cellSize > 0 && options_.cellSize < smallestSize_) continue;
         for (const Candidate& candidate : candidates()) {
             try {
                 return fit(candidate);

@@ -40,7 +40,7 @@ public:
         std::vector<std::array<Index, 4>> loops;
         std::vector<Offset> hullOffsets = {0};
         std::vector<Index> hulls = {};
-        std::vector<Index> cells = {};  ///< of the lattice, that the faces bound
+        std::vector<Index> cells = {};  ///< the cell of the lattice that each face bounds
 
         Faces(const far::Level& level, std::vector<Index> cells);
         std::span<const Index> hull(Index face) const;

@@ -33,8 +33,8 @@ constexpr double kMaxGrowth = 2;
 constexpr double kMaxOutside = 1;
 
 /// The last kImprovements of the first rounds give more weight to cells with a scaled Jacobian
-/// below kGoodJacobian. If a cell is below kLeastJacobian after the first proof, so do at most
-/// kPolishes more rounds. Better cells move the boundary, so other rounds repair the proof.
+/// below kGoodJacobian. If a cell is below kLeastJacobian after the first proof, at most kPolishes
+/// more rounds do the same. Better cells move the boundary, so other rounds repair the proof.
 constexpr int kImprovements = 3, kPolishes = 3;
 constexpr double kGoodJacobian = 0.3, kLeastJacobian = 0.28;
 

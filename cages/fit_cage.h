@@ -51,7 +51,8 @@ struct FitOptions {
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
 ///         box around the start; FitError if no lattice with these cells is found. Both name the
 ///         point or the cell
-/// \cost on one thread about 2 s for 300,000 points and 500 vertices, and 5 s for 5 million points
+/// \cost O(points) for each proof and each of the 12 times that faces and points are matched;
+///       docs/cages.md has times of whole cages
 Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options = {});
 
 }  // namespace espalier::cages

@@ -48,7 +48,7 @@ struct CubeGrid {
     /// Returns the item nearest to a point, the one with the lowest number if there are several;
     /// none if there is none within `rings` rings of cubes.
     /// \param forEachIn forEachIn(cube, visit) calls visit(item) for the items in a cube
-    /// \param placeOf placeOf(item) is the place of an item, in its cube
+    /// \param placeOf placeOf(item) is the place of an item; its cube is the cube of this place
     /// \param accept items without accept(item) do not count
     template <class ForEachIn, class PlaceOf, class Accept>
     std::optional<Index> nearest(const Point3& point, Index rings, ForEachIn forEachIn,
@@ -177,8 +177,8 @@ public:
     /// Returns the point of a group that is farthest along `direction`.
     const Point3& farthest(const Group& group, const Point3& direction) const;
 
-    /// Returns the group whose centre is nearest to a point, of those with accept(group); none if
-    /// there is none within `rings` rings of cubes.
+    /// Returns the group whose centre is nearest to a point, among the groups with accept(group);
+    /// none if there is none within `rings` rings of cubes.
     template <class Accept>
     std::optional<Index> nearest(const Point3& point, Index rings, Accept accept) const {
         return grid_.nearest(

@@ -120,8 +120,9 @@ void requireForRows(const LevelSearch& search, const LengthUnit& unit,
 /// than the distances between the points. On finer levels points share no cells, and larger groups
 /// only take memory, since all levels of a group exist at once: 100 kB per level for each point. So
 /// finer levels have more groups: 8 groups on level 4, 32 on level 5, and from level 6 on 128, 256,
-/// and so on. Then 62,194 points of a surface in 10³ cells take at most 4 times the memory of D on
-/// two threads, and no more time.
+/// and so on. Then 62,001 points of a surface in 10³ cells take at most 3.7 times the memory of D
+/// on two threads, in about the same time (docs/performance.md). Points that fill the volume share
+/// fewer cells and take more.
 Offset groupSizeFor(int level, Offset pointCount) {
     constexpr Offset kMin = 1 << 7, kMax = 1 << 14, kMaxOnFineLevels = 1 << 11;
     const int bits = std::clamp(std::min(2 * level - 5, level + 1), 0, 12);

@@ -50,7 +50,9 @@ constexpr std::size_t kMaxNearest = 24;
 class LimitSearch::Cells {
 public:
     /// \param blendLevel the next level on which a cell may be small enough to be blended; raised
-    ///        if it is the level of the candidates
+    ///        if it is the level of the candidates. It is the same for all points of a group, so a
+    ///        cell that shrinks unusually fast may be blended a level later because of the others;
+    ///        its error is within the tolerance in both cases
     Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought,
           int& blendLevel)
         : level_(descent.levels.finestLevel()),

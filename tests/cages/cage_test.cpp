@@ -183,7 +183,7 @@ TEST(Cage, holdsFlatAndThinModels) {
     needle.points = {{0, 0, 0}, {3, 1, 2}};
     needle.addFace({0, 1});
     expectCage(cage(needle, {.vertices = 40}), needle, 40);
-    // They are in two voxels, however small the cells are.
+    // Two points are in two voxels, however small the cells are.
     FaceModel twoPoints;
     twoPoints.points = {{0, 0, 0}, {3, 1, 2}};
     twoPoints.addFace({0});

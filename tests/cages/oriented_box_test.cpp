@@ -46,7 +46,7 @@ TEST(OrientedBox, isApartOnlyFromBoxesWithoutNearPoints) {
         EXPECT_FALSE(hasNear) << "pair " << pair;
     }
     EXPECT_GE(near, 50);
-    // Boxes that are apart along an axis of one of them: most of those that do not meet.
+    // Most boxes that do not meet are apart along an axis of one of them.
     EXPECT_GE(apart, 50);
 }
 

@@ -346,7 +346,7 @@ export class Editor {
     await this.edit(from(this.document, { ...lattice, command: null }));
   }
 
-  /** Adds the cells of another lattice. Vertices that are as near as kWeldTolerance become one. */
+  /** Adds the cells of another lattice. Vertices within kWeldTolerance, in diagonals, become one. */
   joinLattice(file: NamedFile): Promise<void> {
     return this.editLattice({ kind: "join", file, tolerance: kWeldTolerance });
   }
