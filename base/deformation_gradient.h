@@ -5,8 +5,9 @@
 
 namespace espalier {
 
-/// The deformation gradient F at a point, by rows: number 3 i + j is d x'_i / d X_j, the derivative
-/// of coordinate i of the deformed point by coordinate j of the point at rest.
+/// The deformation gradient F = dx' / dX at a point: how fast the deformed position x' changes if
+/// the position at rest X moves. Its rows follow each other: number 3 i + j is dx'_i / dX_j, where
+/// i and j are coordinates.
 ///
 /// Where nothing moves, F should be the identity to the last bit, so that directions stay as they
 /// are. F has this property if it is computed as 1 + d u / d X from the displacements u.

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "peer_itk.h"
+#include "support/temporary_folder.h"
 #include "workloads.h"
 
 // Moves a million points by a box lattice of 10 × 10 × 10 cells with B-splines, as the table of
@@ -127,10 +128,7 @@ std::vector<Value> readFile(const std::filesystem::path& path, std::size_t count
 /// without faces.
 template <bool kHasFaces>
 void update(benchmark::State& state) {
-    namespace fs = std::filesystem;
-    std::string name = (fs::temp_directory_path() / "espalier-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) return state.SkipWithError("no temporary folder");
-    const fs::path folder(name);
+    const test::TemporaryFolder folder;
     const auto side = static_cast<Index>(std::lround(std::sqrt(scene().points.size())));
     std::vector<Index> loops;
     if (kHasFaces)
@@ -141,11 +139,10 @@ void update(benchmark::State& state) {
     writeFile(folder / "loops", loops);
     const std::string command =
         "blender --background --factory-startup --threads 1 --python-exit-code 1 --python '" +
-        std::string(ESPALIER_BLENDER_SCRIPT) + "' -- '" + name + "' >&2";
+        std::string(ESPALIER_BLENDER_SCRIPT) + "' -- '" + folder.path().string() + "' >&2";
     const int status = std::system(command.c_str());
     const auto seconds = readFile<double>(folder / "seconds", 1);
     const auto moved = readFile<float>(folder / "moved", 3 * scene().points.size());
-    fs::remove_all(folder);
     if (status != 0 || seconds.empty()) return state.SkipWithError("blender failed");
     for (auto _ : state) state.SetIterationTime(seconds[0]);
     // Blender computes in single precision. Coordinates of up to 10 cells are rounded to 5e-7 of a

@@ -21,6 +21,8 @@
 #include <thread>
 #include <vector>
 
+#include "support/temporary_folder.h"
+
 // Binds lattices, applies them from several threads, saves, loads and frees them, one after the
 // other, as a host does in a long session. Results must stay correct, and memory must not grow.
 //
@@ -116,28 +118,9 @@ private:
     std::vector<std::uint64_t> bytes_;
 };
 
-class Folder {
-public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "soak-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw Error("no temporary folder");
-        path_ = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
-
 /// \return true if memory did not grow
 bool soak(int latticeCount, int threadCount) {
-    const Folder folder;
+    const test::TemporaryFolder folder;
     MemoryRecord record;
     std::atomic<int> next = 0;
     std::exception_ptr failure;

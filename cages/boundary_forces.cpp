@@ -188,8 +188,8 @@ void BoundaryForces::matchPushes() {
     const double reach = kPushRings * grid.size;
     const auto isNear = [&](Index group, Index cell) {
         for (int axis = 0; axis < 3; ++axis)
-            if (facesOf[cell].min[axis] > groups[group].high[axis] + reach ||
-                facesOf[cell].max[axis] < groups[group].low[axis] - reach)
+            if (facesOf[cell].min[axis] > groups[group].bounds.max[axis] + reach ||
+                facesOf[cell].max[axis] < groups[group].bounds.min[axis] - reach)
                 return false;
         return true;
     };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
 #include <espalier/base/vector3.h>
@@ -51,7 +52,7 @@ struct Way {
     double joinDistance;
     double reach;  ///< a cell is left out if the model reaches less than this into it, in edges
     int attempts;  ///< of fitCage()
-    double around = 0;  ///< cells reach at least this far around the model, in its diagonals
+    double padding = 0;  ///< cells reach at least this far around the model, in its diagonals
 };
 constexpr std::array<Way, 4> kWays = {{{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}, {2, 0, 4, 0.1}}};
 constexpr std::array<Way, 2> kWaysApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
@@ -83,24 +84,11 @@ Point3 fromFrame(const Axes& axes, const Point3& p) {
     return sum(sum(scaled(axes[0], p[0]), scaled(axes[1], p[1])), scaled(axes[2], p[2]));
 }
 
-struct Box {
-    Point3 low, high;
-    explicit Box(std::span<const Point3> points) : low(points.front()), high(low) {
-        for (const Point3& point : points)
-            for (int axis = 0; axis < 3; ++axis) {
-                low[axis] = std::min(low[axis], point[axis]);
-                high[axis] = std::max(high[axis], point[axis]);
-            }
-    }
-    Point3 size() const { return difference(high, low); }
-    double diagonal() const { return length(size()); }
-};
-
 /// Axes for the grid, with the points of the model along them.
 struct Frame {
     Axes axes;
     std::vector<Point3> points;
-    Point3 size = Box(points).size();
+    Point3 size = BoundingBox(points).size();
 };
 
 /// A grid to try.
@@ -129,7 +117,7 @@ public:
     Lattice make();
 
 private:
-    double around() const { return std::max(margin_, way_.around * diagonal_); }
+    double padding() const { return std::max(margin_, way_.padding * diagonal_); }
     void addFrames();
     void choose(const Way& way);
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
@@ -168,7 +156,7 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     requireNumber(options.cellSize, "cellSize", 1e90);
     requireNumber(options.margin, "margin", 1);
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
-    diagonal_ = Box(points).diagonal();
+    diagonal_ = BoundingBox(points).diagonal();
     if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
     if (diagonal_ < kMinDiagonal || diagonal_ > kMaxDiagonal)
         throw Error(concat("cage: the diagonal of the model is ", textOf(diagonal_), "; expected ",
@@ -201,7 +189,7 @@ void CageMaker::addFrames() {
     const Axes axes = orientedAxes(points);
     std::vector<Point3> turned;
     for (const Point3& point : surface_.points()) turned.push_back(toFrame(axes, point));
-    if (volume(Box(turned).size()) < kSmaller * volume(Box(points).size()))
+    if (volume(BoundingBox(turned).size()) < kSmaller * volume(BoundingBox(points).size()))
         frames_.push_back({axes, std::move(turned)});
 }
 
@@ -216,7 +204,7 @@ void CageMaker::choose(const Way& way) {
 double CageMaker::voxelCount(const Frame& frame, double cellSize, Index perEdge) const {
     double count = 1;
     for (int axis = 0; axis < 3; ++axis)
-        count *= (frame.size[axis] + 2 * around()) / cellSize * perEdge + perEdge + 4;
+        count *= (frame.size[axis] + 2 * padding()) / cellSize * perEdge + perEdge + 4;
     return count;
 }
 
@@ -231,7 +219,7 @@ Index CageMaker::voxelsPerEdge(const Frame& frame, double cellSize) const {
 
 /// Returns the least size of cells that two voxels along an edge allow.
 double CageMaker::smallestSize(const Frame& frame) const {
-    double low = 1e-9 * (diagonal_ + around()), high = 2 * (diagonal_ + around());
+    double low = 1e-9 * (diagonal_ + padding()), high = 2 * (diagonal_ + padding());
     for (int round = 0; round < 60; ++round) {
         const double middle = std::sqrt(low * high);
         (voxelCount(frame, middle, 2) > kMaxVoxels ? low : high) = middle;
@@ -244,7 +232,7 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
             frame.points,
             {.size = cellSize / voxelsPerEdge(frame, cellSize),
              .isShell = options_.shell > 0,
-             .around = around(),
+             .around = padding(),
              .gap = cellSize / 2}};
 }
 
@@ -286,7 +274,7 @@ double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset,
         if (small > 0 && large > 0 && (size <= small || size >= large))
             size = std::sqrt(small * large);
         // One cell of the largest size holds the model.
-        const double next = std::clamp(size, smallestSize_, 1.2 * (diagonal_ + 2 * around()));
+        const double next = std::clamp(size, smallestSize_, 1.2 * (diagonal_ + 2 * padding()));
         if (next == last) break;
         size = last = next;
     }

@@ -243,7 +243,7 @@ public:
           columns_(grid.counts[0] * grid.counts[1], columnsOfFaces(isUsed)) {}
 
     /// Follows the ray from `point` upwards. The point must not be on a triangle.
-    int around(const Point3& point) const {
+    int turnsAround(const Point3& point) const {
         const auto place = grid_.coordinatesOf(point);
         int count = 0;
         for (const Index face : columns_[place[1] * grid_.counts[0] + place[0]]) {
@@ -292,8 +292,8 @@ private:
     Bins columns_;
 };
 
-/// The boxes to use: around the hull of each face, or around its four corners.
-enum class Around { Hull, Corners };
+/// What the box of a face contains: the hull of the face, or its four corners.
+enum class Enclosed { Hull, Corners };
 
 /// Groups of points that are not proved to be inside, and the faces that may be near them.
 struct NearGroups {
@@ -304,9 +304,10 @@ struct NearGroups {
 /// Returns the groups in `tried` that have a point within `margin` of a box around a face in
 /// `near`, or a point around which the triangles of all faces do not wind once.
 /// \param namesOnly only the names of the groups are wanted; faster
-NearGroups findNear(const CageSurface::Faces& surface, Around around, std::span<const Index> near,
-                    std::span<const Point3> vertices, const PointGroups& points,
-                    std::span<const Index> tried, double margin, bool namesOnly = false) {
+NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
+                    std::span<const Index> near, std::span<const Point3> vertices,
+                    const PointGroups& points, std::span<const Index> tried, double margin,
+                    bool namesOnly = false) {
     const std::span<const std::array<Index, 4>> faces = surface.loops;
     const CubeGrid& grid = points.grid();
     const auto groups = points.groups();
@@ -319,8 +320,9 @@ NearGroups findNear(const CageSurface::Faces& surface, Around around, std::span<
         const Index face = near[number];
         hull.clear();
         BoundingBox bounds;
-        for (const Index vertex :
-             around == Around::Hull ? surface.hull(face) : std::span<const Index>(faces[face])) {
+        for (const Index vertex : enclosed == Enclosed::Hull
+                                      ? surface.hull(face)
+                                      : std::span<const Index>(faces[face])) {
             hull.push_back(vertices[vertex]);
             bounds.include(vertices[vertex]);
         }
@@ -369,7 +371,7 @@ NearGroups findNear(const CageSurface::Faces& surface, Around around, std::span<
                 }
                 int turns = 1;
                 if (depth < 0) {
-                    turns = winding.around(point);
+                    turns = winding.turnsAround(point);
                     if (turns != 1) depth = 0.5 * grid.size;
                 }
                 if (depth > worst.depth) worst = {g, i, depth, deepest, turns};
@@ -399,8 +401,8 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
     };
     const CageSurface::Faces& faces = surface.fineFaces();
     const std::vector<Point3> fine = surface.fineVertices(positions);
-    const NearGroups found = findNear(faces, Around::Hull, allOf(faces.loops.size()), fine, points,
-                                      allOf(points.groups().size()), margin, true);
+    const NearGroups found = findNear(faces, Enclosed::Hull, allOf(faces.loops.size()), fine,
+                                      points, allOf(points.groups().size()), margin, true);
     std::vector<Index> groups, children;
     for (const Uncovered& group : found.groups) groups.push_back(group.group);
     if (groups.empty()) return {};
@@ -409,8 +411,8 @@ std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const
     for (const Index face : found.faces)
         for (Index child = 4 * face; child < 4 * face + 4; ++child) children.push_back(child);
     const auto atLevel =
-        findNear(faces, Around::Corners, found.faces, fine, points, groups, margin).groups;
-    const auto inLimit = findNear(surface.finestFaces(), Around::Hull, children,
+        findNear(faces, Enclosed::Corners, found.faces, fine, points, groups, margin).groups;
+    const auto inLimit = findNear(surface.finestFaces(), Enclosed::Hull, children,
                                   surface.finestVertices(fine), points, groups, margin)
                              .groups;
     std::vector<Uncovered> result;

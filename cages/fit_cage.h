@@ -49,8 +49,9 @@ struct FitOptions {
 /// \param points of the model; their order has no effect
 /// \throws Error if there are no points; for a number that is not finite or out of range; for an
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
-///         box around the start; FitError if no lattice with these cells is found. Both name the
-///         point or the cell
+///         box around the start; for a start that is inside out; FitError if no lattice with these
+///         cells is found: it names a point or a cell without proof, or says that the lattice grew
+///         too much
 /// \cost O(points) for each proof and each of the 12 times that faces and points are matched;
 ///       docs/cages.md has times of whole cages
 Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options = {});

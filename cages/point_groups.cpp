@@ -70,8 +70,11 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
         if (last == nullptr || groups_.back().cube != cube || last->cell != at.cell ||
             last->isInner != at.isInner) {
             endGroup();
-            groups_.push_back(
-                {cube, at.cell, at.isInner, number, number, at.position, at.position});
+            groups_.push_back({.cube = cube,
+                               .cell = at.cell,
+                               .isInner = at.isInner,
+                               .first = number,
+                               .last = number});
             last = nullptr;
         }
         Group& group = groups_.back();
@@ -83,10 +86,7 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
         last = &at;
         if (!isNew) return;
         ++group.last;
-        for (int axis = 0; axis < 3; ++axis) {
-            group.low[axis] = std::min(group.low[axis], at.position[axis]);
-            group.high[axis] = std::max(group.high[axis], at.position[axis]);
-        }
+        group.bounds.include(at.position);
         group.centre = sum(group.centre, at.position);
         points_.push_back(at.position);
     };

@@ -151,7 +151,7 @@ public:
         std::optional<Index> cell = {};
         bool isInner = false;
         Index first = 0, last = 0;  ///< points first to last − 1
-        Point3 low = {}, high = {};
+        BoundingBox bounds = {};
         Point3 centre = {};    ///< mean of the points
         Point3 normal = {};    ///< a unit vector, or zero if the normals are not known or differ
         OrientedBox box = {};  ///< around the points; its last axis is the normal, if it is known

@@ -141,8 +141,9 @@ std::array<stencils::StencilTable<double>, 3> gradientsOf(
 }
 
 /// Limits the number of sides. Each point near an irregular entity needs twenty to thirty levels,
-/// each with as many cells as the entity has sides: beyond this number the levels would take all
-/// memory. \throws Error naming a cell, a face or a vertex with more sides
+/// each with as many cells as the entity has sides: with more sides the levels would take all the
+/// memory.
+/// \throws Error naming a cell, a face or a vertex with more sides
 void checkSides(const far::CellComplex& complex) {
     constexpr std::ptrdiff_t kMaxSides = 1000;
     const auto check = [&](int dimension, int other, const char* entity, const char* sides) {

@@ -6,7 +6,6 @@
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
-#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -48,10 +47,11 @@ inline constexpr std::array<Orders, 6> kSecond = {
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices);
 
-/// Returns an upper bound of the size of each cell of the finest level: in any pose, the vertices
-/// of the cell are at most this far apart, as a fraction of the size of level 0. A cell whose size
-/// is at most the tolerance is blended. \pre the finest level is 1 or above \cost the cost of the
-/// rows of S around the cells, on all levels
+/// Returns an upper bound of the size of each cell of the finest level, in units of the size of
+/// level 0. In any pose, no two vertices of the cell are further apart than this. If the bound is
+/// at most the tolerance, the cell is blended.
+/// \pre the finest level is 1 or above
+/// \cost the cost of the rows of S around the cells, on all levels
 std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const Index> cells);
 
 /// \throws Error unless the tolerance is 1e-14 to 0.1

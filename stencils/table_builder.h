@@ -69,6 +69,8 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
     });
     for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
     if (chunks.size() == 1 && order.empty()) {
+        // The arrays become the table. Memory that they reserved too much is given back, unless it
+        // is less than an eighth.
         RowList& all = chunks.front();
         if (all.columns.capacity() > all.columns.size() / 8 * 9) {
             all.columns.shrink_to_fit();

@@ -42,8 +42,8 @@ TEST(PointGroups, holdsEachPointOnce) {
         for (Index i = group.first; i < group.last; ++i) {
             EXPECT_EQ(grid.cubeOf(groups.points()[i]), group.cube);
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                EXPECT_GE(groups.points()[i][axis], group.low[axis]);
-                EXPECT_LE(groups.points()[i][axis], group.high[axis]);
+                EXPECT_GE(groups.points()[i][axis], group.bounds.min[axis]);
+                EXPECT_LE(groups.points()[i][axis], group.bounds.max[axis]);
             }
         }
     points.insert(points.end(), points.begin(), points.end());
@@ -94,7 +94,7 @@ TEST(PointGroups, separatesCellsAndInnerPoints) {
     EXPECT_EQ(groups.groups()[1].cell, 5);
     EXPECT_EQ(groups.groups()[1].normal, (Point3{0, 0, 0}));  // they are opposite
     EXPECT_TRUE(groups.groups()[2].isInner);
-    EXPECT_EQ(groups.groups()[2].low, (Point3{0.8, 0.2, 0.2}));
+    EXPECT_EQ(groups.groups()[2].bounds.min, (Point3{0.8, 0.2, 0.2}));
 }
 
 }  // namespace
