@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bind_model.h"
 
+#include <espalier/embed/tensor_product.h>
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
 #include <fmt/format.h>

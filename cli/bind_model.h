@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/basis_functions.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/shapes/lattice.h>

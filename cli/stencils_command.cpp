@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
+#include <espalier/embed/basis_functions.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/matrix_market.h>

@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/embed/embedding.h>
-#include <espalier/embed/tensor_product.h>
 
 #include <cstdint>
 #include <utility>
@@ -37,12 +36,5 @@ auto convertBinding(BindingOf<Table> binding) {
     return BindingOf<decltype(table)>{std::move(table), std::move(binding.kept),
                                       std::move(binding.keptAt), binding.topologyHash};
 }
-
-/// Builds the binding of a model to a box lattice with Bézier or B-spline weights. (bindPoints()
-/// binds to a level of a subdivided lattice.)
-/// \param points those that were embedded
-/// \throws Error if the embedding has another number of points, or is in another lattice
-ESPALIER_API Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
-                                 std::span<const Point3> points);
 
 }  // namespace espalier::embed

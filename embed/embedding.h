@@ -3,7 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/word.h>
-#include <espalier/embed/point_location.h>
+#include <espalier/embed/located_point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/levels.h>

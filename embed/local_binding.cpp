@@ -165,14 +165,4 @@ BindingResultOf<stencils::FactoredTable<double>> bindFactored(const RestLattice&
     return bind<stencils::FactoredTable<double>>(lattice, points, options);
 }
 
-BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                         const EmbeddingOptions& options,
-                         const std::function<void(Offset)>& progress) {
-    const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
-    BindingResult result{makeBinding(lattice, embedding, points), {}, embedding.largestResidual()};
-    result.statuses.reserve(points.size());
-    for (const auto& point : embedding.points) result.statuses.push_back(point.status);
-    return result;
-}
-
 }  // namespace espalier::embed

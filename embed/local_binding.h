@@ -68,12 +68,6 @@ struct BindingOptions {
 ESPALIER_API BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> points,
                                       const BindingOptions& options = {});
 
-/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and makeBinding().
-/// \throws Error as embedPoints()
-ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                                      const EmbeddingOptions& options = {},
-                                      const std::function<void(Offset)>& progress = {});
-
 /// Binds points to a level, and leaves D in its factors. Their product is the D of bindPoints(), up
 /// to rounding. The table may contain a vertex of the level several times, for points of different
 /// groups.

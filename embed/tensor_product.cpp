@@ -4,6 +4,7 @@
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/tensor_product.h>
+#include <espalier/far/topology_match.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <Eigen/Geometry>
@@ -212,6 +213,32 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
             for (const auto& [vertex, weight] : lattice.weights(*points[row].place))
                 accumulator.add(vertex, weight);
         });
+}
+
+Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
+                    std::span<const Point3> points) {
+    if (points.size() != embedding.points.size())
+        throw Error("got " + std::to_string(points.size()) + " points, but " +
+                    std::to_string(embedding.points.size()) + " were embedded");
+    Binding binding;
+    binding.table = buildDeformationTable(lattice, embedding);
+    binding.topologyHash = far::topologyHash(lattice.complex());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (embedding.points[i].place) continue;
+        binding.kept.push_back(static_cast<Index>(i));
+        binding.keptAt.push_back(points[i]);
+    }
+    return binding;
+}
+
+BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                         const EmbeddingOptions& options,
+                         const std::function<void(Offset)>& progress) {
+    const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
+    BindingResult result{makeBinding(lattice, embedding, points), {}, embedding.largestResidual()};
+    result.statuses.reserve(points.size());
+    for (const auto& point : embedding.points) result.statuses.push_back(point.status);
+    return result;
 }
 
 }  // namespace espalier::embed

@@ -3,7 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/embed/basis_functions.h>
-#include <espalier/embed/embedding.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/box_grid.h>
 
 #include <Eigen/Core>
@@ -97,5 +97,18 @@ ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
 /// \cost O(entries), in parallel
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
                                                                   const TensorEmbedding& embedding);
+
+/// Builds the binding of a model to a box lattice with Bézier or B-spline weights. (bindPoints()
+/// binds to a level of a subdivided lattice.)
+/// \param points those that were embedded
+/// \throws Error if the embedding has another number of points, or is in another lattice
+ESPALIER_API Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
+                                 std::span<const Point3> points);
+
+/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and makeBinding().
+/// \throws Error as embedPoints()
+ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                                      const EmbeddingOptions& options = {},
+                                      const std::function<void(Offset)>& progress = {});
 
 }  // namespace espalier::embed

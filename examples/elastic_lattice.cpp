@@ -23,6 +23,7 @@
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/sparse_matrix.h>
 
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <array>
 #include <cmath>

@@ -3,8 +3,8 @@
 #include <espalier/base/parallel.h>
 #include <espalier/base/progress.h>
 #include <espalier/embed/continuity.h>
-#include <espalier/embed/local_binding.h>
 #include <espalier/embed/nested_lattices.h>
+#include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/change_evaluator.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/embed/local_binding.h>
+#include <espalier/embed/tensor_product.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/embed/cell_place.h>
+
+#include <cstdint>
+#include <optional>
+
+namespace espalier::embed {
+
+enum class PointStatus : std::uint8_t {
+    Inside,       ///< in a cell, in a gap between two cells, or within the tolerance of the lattice
+    Outside,      ///< outside the region that the cells fill
+    NotConverged  ///< no place reproduces the point: its cell is degenerate, or a coordinate is not
+                  ///< finite; or the nearest cell should carry the point, and the point is farther
+                  ///< away than 1e8 times the size of the lattice
+};
+
+/// The result of locating a point in a lattice. Place is CellPlace or TensorPlace.
+template <class Place>
+struct Located {
+    PointStatus status = PointStatus::NotConverged;
+
+    /// The place whose position is the point; nothing if it was not sought (Outside) or not found
+    /// (NotConverged).
+    std::optional<Place> place;
+
+    /// Distance from the region of the lattice; 0 for points in it. Not computed for a point
+    /// outside if no place was sought.
+    double distance = 0;
+
+    /// Distance between the point and the position of the place; 0 without a place.
+    double residual = 0;
+};
+
+/// The result of locating a point in a refined lattice. The residual is the rounding error of the
+/// solution: at most 1e-12 of the size of the lattice or of the point's distance from the origin,
+/// whichever is larger. For a point more than a few thousand cells away, it is the rounding error
+/// of the point's weights, 1e-15 of their size. If the nearest cell is too flat to solve for, a
+/// point within the tolerance gets the place nearest to it, and the residual is the distance to
+/// that place.
+using LocatedPoint = Located<CellPlace>;
+
+}  // namespace espalier::embed
