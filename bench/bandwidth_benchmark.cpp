@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
+#include <espalier/base/array.h>
 #include <espalier/base/parallel.h>
-
-#include <vector>
 
 namespace espalier {
 namespace {
@@ -12,7 +11,7 @@ namespace {
 void triad(benchmark::State& state) {
     constexpr Offset kCount = 64 << 20;
     const ThreadLimit limit(static_cast<int>(state.range(0)));
-    std::vector<float> a(kCount, 0), b(kCount, 1), c(kCount, 2);
+    Array<float> a(kCount, 0), b(kCount, 1), c(kCount, 2);
     for (auto _ : state)
         parallelFor(kCount, 1 << 18, [&](Offset first, Offset last) {
             float* to = a.data();

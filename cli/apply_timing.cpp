@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apply_timing.h"
 
+#include <espalier/base/array.h>
 #include <espalier/base/parallel.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <numbers>
 
 #include "result_check.h"
@@ -144,10 +144,10 @@ constexpr Offset kTriadGrain = 1 << 18;
 
 /// Returns an array that is first written by the threads that will read it, so that its pages lie
 /// in memory near them.
-std::unique_ptr<float[]> filled(float value) {
-    auto array = std::make_unique_for_overwrite<float[]>(std::size_t{kTriadLength});
+Array<float> filled(float value) {
+    Array<float> array(std::size_t{kTriadLength});
     parallelFor(kTriadLength, kTriadGrain, [&](Offset first, Offset last) {
-        std::fill(array.get() + first, array.get() + last, value);
+        std::fill(array.data() + first, array.data() + last, value);
     });
     return array;
 }
@@ -225,11 +225,12 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
 
 double triadBytesPerSecond(int threads, double seconds) {
     const ThreadLimit limit(threads);
-    const auto a = filled(0), b = filled(1), c = filled(2);
+    auto a = filled(0);
+    const auto b = filled(1), c = filled(2);
     const double least = quickest(seconds, [&] {
         parallelFor(kTriadLength, kTriadGrain, [&](Offset first, Offset last) {
-            float* to = a.get();
-            const float *from = b.get(), *other = c.get();
+            float* to = a.data();
+            const float *from = b.data(), *other = c.data();
             for (Offset i = first; i < last; ++i) to[i] = from[i] + 3.0F * other[i];
         });
     });
