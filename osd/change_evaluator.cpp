@@ -61,11 +61,11 @@ struct ChangeEvaluator<Real>::Data {
     using Run = typename CompiledRows<Real>::Run;
 
     std::shared_ptr<const Table> table;
-    InverseIndex<Index> groups;        ///< column → groups that have it
-    InverseIndex<Index> ungrouped;     ///< column → rows in no group, by their place in rows.rows
-    std::vector<char> hasZeroWeights;  ///< group → 1 if any of its weights is 0
-    std::vector<Index> ascending;      ///< 0, 1, … as many as the longest run has columns
-    Index maxColumns;                  ///< of any group or run
+    InverseIndex<Index> groups;     ///< column → groups that have it
+    InverseIndex<Index> ungrouped;  ///< column → rows in no group, by their place in rows.rows
+    std::vector<char> isFull;       ///< for each of groupColumns: 1 if no row has weight 0 for it
+    std::vector<Index> ascending;   ///< 0, 1, … as many as the longest run has columns
+    Index maxColumns;               ///< of any group or run
 
     explicit Data(std::shared_ptr<const Table> shared)
         : table(std::move(shared)),
@@ -79,14 +79,14 @@ struct ChangeEvaluator<Real>::Data {
                         for (const Run& run : table->rows.runs)
                             for (Index i = 0; i < run.rowCount; ++i) addRow(run, i, found);
                     }),
-          hasZeroWeights(table->rows.groups.size()),
+          isFull(table->rows.groupColumns.size()),
           maxColumns(table->maxColumns) {
         for (Index g = 0; g < groupCount(); ++g) {
             const Group& group = groupAt(g);
             for (Index k = 0; k < group.columnCount; ++k) {
                 Index count = 0;
                 forRowsWith(group, k, [&](Index) { ++count; });
-                if (count < group.rowCount) hasZeroWeights[g] = 1;
+                isFull[group.firstColumn + k] = count == group.rowCount;
             }
         }
         Index longest = 0;
@@ -182,17 +182,13 @@ struct ChangeEvaluator<Real>::Data {
     ChangedRows changedRows(Index g, const BitSet& columns, GroupRows& rows) const {
         const Group& group = groupAt(g);
         const auto all = table->rowsOf(group), own = table->columnsOf(group);
-        if (hasZeroWeights[g] == 0) return {all.data(), true};
+        for (Index k = 0; k < group.columnCount; ++k)
+            if (isFull[group.firstColumn + k] && columns.contains(own[k]))
+                return {all.data(), true};
         std::fill_n(rows.begin(), group.rowCount, Index{-1});
-        for (Index k = 0; k < group.columnCount; ++k) {
-            if (!columns.contains(own[k])) continue;
-            Index count = 0;
-            forRowsWith(group, k, [&](Index row) {
-                rows[row] = all[row];
-                ++count;
-            });
-            if (count == group.rowCount) return {all.data(), true};
-        }
+        for (Index k = 0; k < group.columnCount; ++k)
+            if (columns.contains(own[k]))
+                forRowsWith(group, k, [&](Index row) { rows[row] = all[row]; });
         return {rows.data(), false};
     }
 
@@ -226,7 +222,7 @@ Index ChangeEvaluator<Real>::columnCount() const {
 template <class Real>
 std::size_t ChangeEvaluator<Real>::byteCount() const {
     const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    return data_->groups.byteCount() + data_->ungrouped.byteCount() + bytes(data_->hasZeroWeights) +
+    return data_->groups.byteCount() + data_->ungrouped.byteCount() + bytes(data_->isFull) +
            bytes(data_->ascending);
 }
 

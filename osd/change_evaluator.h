@@ -19,8 +19,8 @@ namespace espalier::osd {
 /// vertex affects points in the cells around it and in the cells around these.
 ///
 /// The evaluator shares the data of the compiled table. In addition it holds, for each column, an
-/// index of the rows that depend on it: one number for each column of each group of rows, and one
-/// for each entry of the remaining rows.
+/// index of the rows that depend on it: one number and one byte for each column of each group of
+/// rows, and one number for each entry of the remaining rows.
 ///
 /// Where nearly all rows depend on the changed columns, a whole evaluation is faster
 /// (docs/performance.md). There is none for a CompiledChain, in which every row depends on all

@@ -127,6 +127,10 @@ bool isPadded(Index count, std::span<const Real> source, const BufferDescriptor&
 /// Copies an entry and fills the padding behind it with zeros.
 template <class Real>
 void copyPadded(const Real* entry, Offset length, Offset paddedStride, Real* to) {
+    if (length == 3) {  // points, without loops of unknown length
+        to[0] = entry[0], to[1] = entry[1], to[2] = entry[2], to[3] = 0;
+        return;
+    }
     std::fill(std::copy_n(entry, length, to), to + paddedStride, Real{0});
 }
 
