@@ -37,9 +37,9 @@ public:
 
     /// Adds a tetrahedron, pyramid, wedge or hexahedron. Returns its number.
     /// \throws TopologyError (TooFewVertices) if the number of `vertices` is not vertexCount(cell)
-    Index addCell(StandardCell cell, std::span<const Index> vertices);
-    Index addCell(StandardCell cell, std::initializer_list<Index> vertices) {
-        return addCell(cell, std::span(vertices.begin(), vertices.size()));
+    Index addCell(StandardCell kind, std::span<const Index> vertices);
+    Index addCell(StandardCell kind, std::initializer_list<Index> vertices) {
+        return addCell(kind, std::span(vertices.begin(), vertices.size()));
     }
 
     /// Adds a face of a mesh and keeps its direction. Returns its number. Throws as addCell(), but
@@ -61,7 +61,7 @@ public:
 
     /// Returns the complex, validated.
     /// \throws TopologyError that names the first offender
-    /// \cost O(n log n) in the number of entries
+    /// \cost O(n) on average in the number of entries
     CellComplex build() const;
 
 private:
@@ -71,9 +71,10 @@ private:
 
     int dimension_;
     Index vertexCount_;
-    Rows<Index> loops_;                      ///< all loops as given; an edge is a loop of two
-    std::vector<Offset> cellOffsets_ = {0};  ///< cell c has loops cellOffsets_[c] to cellOffsets_[c
-                                             ///< + 1] − 1
+    // All loops as given, one after the other; an edge is a loop of two vertices.
+    Array<Index> corners_;            ///< the vertices of all loops
+    std::vector<Index> loopLengths_;  ///< per loop: its number of vertices
+    std::vector<Index> loopCounts_;   ///< per cell: its number of loops
 };
 
 /// Builds a curve through vertices 0 to vertexCount − 1 in order.

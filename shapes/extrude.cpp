@@ -73,7 +73,8 @@ private:
 
     void prism(const Loop& loop, Index row, std::vector<Loop>& loops) const {
         const std::size_t n = loop.size();
-        loops.assign(n + 2, {});
+        loops.resize(n + 2);
+        for (Loop& each : loops) each.clear();
         for (std::size_t i = 0; i < n; ++i) {
             const Index a = loop[i];
             const Index b = loop[(i + 1) % n];
