@@ -17,6 +17,13 @@ namespace espalier::far {
 ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
     : dimension_(dimension), vertexCount_(vertexCount) {}
 
+void ComplexBuilder::reserve(std::size_t cellCount, std::size_t loopCount,
+                             std::size_t cornerCount) {
+    loopCounts_.reserve(cellCount);
+    loopLengths_.reserve(loopCount);
+    corners_.reserve(cornerCount);
+}
+
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
@@ -211,6 +218,14 @@ std::vector<bool> separateSteps(std::span<const Index> loop) {
     return areSeparate;
 }
 
+/// Returns the starts of the rows that have the lengths of some loops.
+RowStarts startsOf(const Loops& loops, std::span<const Index> chosen) {
+    Array<Index> lengths(chosen.size());
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+        lengths[i] = static_cast<Index>(loops[chosen[i]].size());
+    return RowStarts::ofLengths(lengths);
+}
+
 /// The entries of a SignedIncidence, in the order of its rows.
 struct SignedArrays {
     Array<Index> values;
@@ -236,10 +251,7 @@ struct Edges {
 
     /// \param faces for each face its loop
     Edges(Index vertexCount, const Loops& loops, std::span<const Index> faces) {
-        Array<Index> lengths;
-        lengths.reserve(faces.size());
-        for (const Index loop : faces) lengths.push_back(static_cast<Index>(loops[loop].size()));
-        RowStarts starts = RowStarts::ofLengths(lengths);
+        RowStarts starts = startsOf(loops, faces);
         SignedArrays edgeEnds, faceEdges;
         faceEdges.reserve(starts[starts.rowCount()]);
         Numbering edges(vertexCount);
@@ -367,7 +379,7 @@ CellComplex oriented(const CellComplex& lattice) {
 
 /// Returns the lattice with loops directed as they are given.
 CellComplex latticeOf(Index vertexCount, const Loops& loops, std::span<const Index> loopCounts) {
-    std::vector<Index> firstLoops;  // per face
+    Array<Index> firstLoops;  // per face
     SignedArrays cellFaces;
     cellFaces.reserve(loops.count());
     {

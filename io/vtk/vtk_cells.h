@@ -110,7 +110,8 @@ struct VtkCells {
     std::vector<std::int64_t> offsets;       ///< one per cell: end of its vertices
     std::vector<std::int64_t> faces;         ///< the face stream of each polyhedron
     std::vector<std::int64_t> faceOffsets;   ///< one per cell: end of its face stream; −1 for
-                                             ///< standard cells, as VTK's formats require
+                                             ///< standard cells, as VTK's formats require;
+                                             ///< empty if there are no polyhedra
 
     bool havePolyhedra() const { return !faces.empty(); }
 };

@@ -212,7 +212,7 @@ std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> va
         text += asciiLines(head, values, indent);
     } else {
         text.append("\n").append(indent).append("  ");
-        text += encodePayload(encodeNumbers(values, head.type, coding.byteOrder), coding);
+        text += encodePayload(values, head.type, coding);
     }
     return text.append("\n").append(indent).append("</DataArray>");
 }
