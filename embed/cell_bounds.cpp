@@ -59,12 +59,12 @@ const CellBounds::Box& CellBounds::boxAround(Index vertex) {
     return *box;
 }
 
-const CellFrame& CellBounds::hexahedron(Index cell) {
+const std::optional<CellFrame>& CellBounds::hexahedron(Index cell) {
     // Allocated on first use: lattices without regular cells never need it.
     if (hexahedra_.empty()) hexahedra_.resize(level_.complex.count(3));
     auto& frame = hexahedra_[cell];
     if (!frame) frame = frameOf(level_.complex, cell);
-    return *frame;
+    return frame;
 }
 
 CellBound CellBounds::ownBox(Index cell, double widening) const {
@@ -138,7 +138,9 @@ bool CellBounds::isRegular(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
     return std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
         auto& isRegular = isRegular_[vertex];
-        if (!isRegular) isRegular = isRegularVertex(level_, vertex);
+        if (!isRegular)
+            isRegular = isRegularVertex(
+                level_, vertex, [&](Index around) { return hexahedron(around).has_value(); });
         return *isRegular;
     });
 }
@@ -161,9 +163,9 @@ const Vector3d& CellBounds::secondDifferenceAround(Index vertex) {
     auto& largest = secondDifferenceAround_[vertex];
     if (!largest) {
         largest = Vector3d::Zero();
+        const far::Incidence& cells = level_.complex.relation(2, 3);
         for (const Index face : level_.complex.relation(0, 2)[vertex])
-            if (level_.complex.relation(2, 3)[face].size() == 2)
-                *largest = largest->cwiseMax(secondDifferenceAcross(face));
+            if (cells[face].size() == 2) *largest = largest->cwiseMax(secondDifferenceAcross(face));
     }
     return *largest;
 }
@@ -178,8 +180,8 @@ const Vector3d& CellBounds::secondDifferenceAcross(Index face) {
         const auto corners = level_.complex.relation(2, 0)[face];
         const auto cells = level_.complex.relation(2, 3)[face];
         largest = Vector3d::Zero();
-        const auto& before = hexahedron(cells[0]);
-        const auto& after = hexahedron(cells[1]);
+        const CellFrame& before = *hexahedron(cells[0]);
+        const CellFrame& after = *hexahedron(cells[1]);
         for (const Index corner : corners) {
             const Vector3d difference = positionOf(beyond(before, corners, corner)) -
                                         2 * positionOf(corner) +
