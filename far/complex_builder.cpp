@@ -5,7 +5,9 @@
 #include <espalier/far/topology_error.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstdint>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -16,13 +18,6 @@ namespace espalier::far {
 
 ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
     : dimension_(dimension), vertexCount_(vertexCount) {}
-
-void ComplexBuilder::reserve(std::size_t cellCount, std::size_t loopCount,
-                             std::size_t cornerCount) {
-    loopCounts_.reserve(cellCount);
-    loopLengths_.reserve(loopCount);
-    corners_.reserve(cornerCount);
-}
 
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
@@ -44,7 +39,7 @@ void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
 
 void ComplexBuilder::appendLoop(std::span<const Index> loop) {
     corners_.insert(corners_.end(), loop.begin(), loop.end());
-    loopLengths_.push_back(static_cast<Index>(loop.size()));
+    loops_.append(static_cast<Index>(loop.size()));
 }
 
 void ComplexBuilder::checkDimension(int dimension) const {
@@ -57,15 +52,15 @@ void ComplexBuilder::checkDimension(int dimension) const {
 
 Index ComplexBuilder::addCell(std::span<const std::vector<Index>> loops) {
     checkDimension(3);
-    const Entity cell{3, static_cast<Index>(loopCounts_.size())};
+    const Entity cell{3, cells_.rowCount()};
     for (const auto& loop : loops) checkLoop(loop, 3, cell);
     for (const auto& loop : loops) appendLoop(loop);
-    loopCounts_.push_back(static_cast<Index>(loops.size()));
+    cells_.append(static_cast<Index>(loops.size()));
     return cell.index;
 }
 
 Index ComplexBuilder::addCell(StandardCell kind, std::span<const Index> vertices) {
-    const Entity cell{3, static_cast<Index>(loopCounts_.size())};
+    const Entity cell{3, cells_.rowCount()};
     if (vertices.size() != static_cast<std::size_t>(vertexCount(kind)))
         throw TopologyError(TopologyCause::TooFewVertices, cell,
                             concat("cell ", cell.index, " has ", vertices.size(),
@@ -81,13 +76,13 @@ Index ComplexBuilder::addCell(StandardCell kind, std::span<const Index> vertices
     };
     forEachLoop([&](std::span<const Index> loop) { checkLoop(loop, 3, cell); });
     forEachLoop([&](std::span<const Index> loop) { appendLoop(loop); });
-    loopCounts_.push_back(static_cast<Index>(faces.size()));
+    cells_.append(static_cast<Index>(faces.size()));
     return cell.index;
 }
 
 Index ComplexBuilder::addFace(std::span<const Index> loop) {
     checkDimension(2);
-    const Entity face{2, static_cast<Index>(loopLengths_.size())};
+    const Entity face{2, loops_.rowCount()};
     checkLoop(loop, 3, face);
     appendLoop(loop);
     return face.index;
@@ -95,7 +90,7 @@ Index ComplexBuilder::addFace(std::span<const Index> loop) {
 
 Index ComplexBuilder::addEdge(Index tail, Index head) {
     checkDimension(1);
-    const Entity edge{1, static_cast<Index>(loopLengths_.size())};
+    const Entity edge{1, loops_.rowCount()};
     const Index ends[] = {tail, head};
     checkLoop(ends, 2, edge);
     appendLoop(ends);
@@ -122,7 +117,7 @@ namespace {
 
 /// The loops of a builder.
 struct Loops {
-    RowStarts starts;
+    const RowStarts& starts;
     std::span<const Index> corners;
 
     Index count() const { return starts.rowCount(); }
@@ -163,7 +158,7 @@ public:
 private:
     static constexpr Index kNone = -1;
 
-    /// The bucket depends neither on the order nor on the first of the vertices.
+    /// The bucket does not depend on the order of the vertices.
     std::size_t bucketOf(std::span<const Index> vertices) const {
         constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // 2^64 divided by the golden ratio
         std::uint64_t low = vertices[0], sum = 0;
@@ -171,7 +166,8 @@ private:
             low = std::min(low, std::uint64_t(vertex));
             sum += vertex;
         }
-        return (low + (sum - vertices.size() * low) * kSpread) & (latest_.size() - 1);
+        const std::uint64_t hash = low + (sum - vertices.size() * low) * kSpread;
+        return static_cast<std::size_t>(hash) & (latest_.size() - 1);
     }
 
     Array<Index> latest_;  ///< per bucket: the latest number in it
@@ -218,14 +214,6 @@ std::vector<bool> separateSteps(std::span<const Index> loop) {
     return areSeparate;
 }
 
-/// Returns the starts of the rows that have the lengths of some loops.
-RowStarts startsOf(const Loops& loops, std::span<const Index> chosen) {
-    Array<Index> lengths(chosen.size());
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-        lengths[i] = static_cast<Index>(loops[chosen[i]].size());
-    return RowStarts::ofLengths(lengths);
-}
-
 /// The entries of a SignedIncidence, in the order of its rows.
 struct SignedArrays {
     Array<Index> values;
@@ -251,7 +239,8 @@ struct Edges {
 
     /// \param faces for each face its loop
     Edges(Index vertexCount, const Loops& loops, std::span<const Index> faces) {
-        RowStarts starts = startsOf(loops, faces);
+        RowStarts starts;
+        for (const Index face : faces) starts.append(static_cast<Index>(loops[face].size()));
         SignedArrays edgeEnds, faceEdges;
         faceEdges.reserve(starts[starts.rowCount()]);
         Numbering edges(vertexCount);
@@ -323,7 +312,7 @@ std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
 
 /// Returns the ties of the loops of a lattice. A loop is a face of a cell, numbered by its position
 /// in cell → faces.
-std::vector<Tie> tiesOf(const CellComplex& lattice) {
+std::vector<Tie> allTies(const CellComplex& lattice) {
     std::vector<Tie> ties;
     // The edge, the loop, and whether the step runs against the edge, in one number for the speed
     // of sorting.
@@ -369,7 +358,7 @@ std::vector<Tie> tiesOf(const CellComplex& lattice) {
 CellComplex oriented(const CellComplex& lattice) {
     const SignedIncidence& faces = lattice.boundary(3);
     Array<std::int8_t> signs(faces.signs().begin(), faces.signs().end());
-    const std::vector<int> turns = turnsOf(static_cast<Index>(signs.size()), tiesOf(lattice));
+    const std::vector<int> turns = turnsOf(static_cast<Index>(signs.size()), allTies(lattice));
     for (std::size_t loop = 0; loop < signs.size(); ++loop)
         signs[loop] = static_cast<std::int8_t>(turns[loop] * signs[loop]);
     return CellComplex(3, lattice.count(0),
@@ -378,7 +367,7 @@ CellComplex oriented(const CellComplex& lattice) {
 }
 
 /// Returns the lattice with loops directed as they are given.
-CellComplex latticeOf(Index vertexCount, const Loops& loops, std::span<const Index> loopCounts) {
+CellComplex latticeOf(Index vertexCount, const Loops& loops, const RowStarts& cells) {
     Array<Index> firstLoops;  // per face
     SignedArrays cellFaces;
     cellFaces.reserve(loops.count());
@@ -398,9 +387,9 @@ CellComplex latticeOf(Index vertexCount, const Loops& loops, std::span<const Ind
         }
     }
     Edges edges(vertexCount, loops, firstLoops);
-    return CellComplex(3, vertexCount,
-                       {std::move(edges.ends), std::move(edges.ofFaces),
-                        cellFaces.relation(RowStarts::ofLengths(loopCounts))});
+    return CellComplex(
+        3, vertexCount,
+        {std::move(edges.ends), std::move(edges.ofFaces), cellFaces.relation(cells)});
 }
 
 CellComplex meshOf(Index vertexCount, const Loops& loops) {
@@ -426,8 +415,8 @@ CellComplex ComplexBuilder::build() const {
         throw TopologyError(TopologyCause::TooManyEntities, {dimension_, kMaxIndex},
                             concat("the loops name ", corners_.size(),
                                    " vertices in all; the most is ", kMaxIndex));
-    const Loops loops{RowStarts::ofLengths(loopLengths_), corners_};
-    CellComplex complex = dimension_ == 3   ? latticeOf(vertexCount_, loops, loopCounts_)
+    const Loops loops{loops_, corners_};
+    CellComplex complex = dimension_ == 3   ? latticeOf(vertexCount_, loops, cells_)
                           : dimension_ == 2 ? meshOf(vertexCount_, loops)
                                             : curveOf(vertexCount_, loops);
     if (dimension_ == 3) {

@@ -26,10 +26,9 @@ public:
     /// \param vertexCount vertices 0 to vertexCount − 1 exist from the start
     explicit ComplexBuilder(int dimension, Index vertexCount = 0);
 
-    /// Allocates memory for cells that will be added; optional.
-    /// \param loopCount number of loops of all cells
+    /// Allocates memory for loops that will be added; optional.
     /// \param cornerCount number of vertices of all loops
-    void reserve(std::size_t cellCount, std::size_t loopCount, std::size_t cornerCount);
+    void reserve(std::size_t cornerCount) { corners_.reserve(cornerCount); }
 
     /// Adds one vertex and returns its number.
     Index addVertex() { return vertexCount_++; }
@@ -77,9 +76,9 @@ private:
     int dimension_;
     Index vertexCount_;
     // All loops as given, one after the other; an edge is a loop of two vertices.
-    Array<Index> corners_;      ///< the vertices of all loops
-    Array<Index> loopLengths_;  ///< per loop: its number of vertices
-    Array<Index> loopCounts_;   ///< per cell: its number of loops
+    Array<Index> corners_;  ///< the vertices of all loops
+    RowStarts loops_;       ///< per loop: its vertices
+    RowStarts cells_;       ///< per cell: its loops
 };
 
 /// Builds a curve through vertices 0 to vertexCount − 1 in order.

@@ -151,7 +151,8 @@ std::vector<std::vector<Index>> outwardLoops(const CellComplex& complex, CellId 
 std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex, CellId cell) {
     if (const auto h = hexahedronVertices(complex, cell)) {
         // The first loop of the pattern is 0, 4, 7, 3. It begins where the outward loop of the
-        // cell's first face begins; if the face is directed inwards, that is the loop's last vertex.
+        // cell's first face begins; if the face is directed inwards, that is the loop's last
+        // vertex.
         const std::size_t a = complex.boundary(3).signs(cell.value)[0] > 0 ? 0 : 3;
         const std::size_t b = (a + 1) % 4, c = (a + 2) % 4, d = (a + 3) % 4;
         const auto& v = *h;

@@ -8,7 +8,9 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
+#include <vector>
 
 namespace espalier::far {
 namespace {
@@ -34,7 +36,7 @@ public:
     /// Returns the value of a key; 0 at first.
     Index& operator[](Index key) {
         constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // 2^64 divided by the golden ratio
-        std::size_t at = (static_cast<std::uint64_t>(key) * kSpread) >> shift_;
+        auto at = static_cast<std::size_t>((static_cast<std::uint64_t>(key) * kSpread) >> shift_);
         while (slots_[at].round == round_ && slots_[at].key != key)
             at = (at + 1) & (slots_.size() - 1);
         if (slots_[at].round != round_) slots_[at] = {round_, key, 0};

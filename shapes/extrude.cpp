@@ -27,9 +27,7 @@ public:
     far::CellComplex complex(const std::vector<bool>& reversed) const {
         far::ComplexBuilder builder(3, layerCount_ * mesh_.complex.count(0));
         // A face of n corners becomes a prism: two faces of n corners and n of four.
-        const std::size_t rows = rowCount_, faces = mesh_.complex.count(2),
-                          corners = mesh_.complex.relation(2, 0).values().size();
-        builder.reserve(rows * faces, rows * (2 * faces + corners), rows * 6 * corners);
+        builder.reserve(mesh_.complex.relation(2, 0).values().size() * 6 * rowCount_);
         std::vector<Loop> loops;
         for (Index row = 0; row < rowCount_; ++row)
             for (Index face = 0; face < mesh_.complex.count(2); ++face) {

@@ -221,9 +221,9 @@ VtkCells vtkCells(const far::CellComplex& complex) {
             cells.types.push_back(kVtkPolyhedron);
             cells.connectivity.insert(cells.connectivity.end(), vertices.begin(), vertices.end());
             const auto loops = far::outwardLoops(complex, CellId(cell));
-            cells.faces.push_back(static_cast<std::int64_t>(loops.size()));
+            cells.faces.push_back(static_cast<Index>(loops.size()));
             for (const auto& loop : loops) {
-                cells.faces.push_back(static_cast<std::int64_t>(loop.size()));
+                cells.faces.push_back(static_cast<Index>(loop.size()));
                 cells.faces.insert(cells.faces.end(), loop.begin(), loop.end());
             }
             cells.faceOffsets.resize(cells.types.size(), -1);

@@ -105,10 +105,11 @@ std::string encodeCompressed(std::span<const Value> values, NumberType type,
     const std::size_t blockCount = (values.size() + blockLength - 1) / blockLength;
     std::vector<std::string> blocks(blockCount);
     parallelFor(static_cast<Offset>(blockCount), 16, [&](Offset first, Offset last) {
-        for (std::size_t block = first; block < static_cast<std::size_t>(last); ++block) {
+        for (auto block = static_cast<std::size_t>(first); static_cast<Offset>(block) < last;
+             ++block) {
             const auto rest = values.subspan(block * blockLength);
-            blocks[block] = compressed(encodeNumbers(
-                rest.first(std::min(blockLength, rest.size())), type, coding.byteOrder));
+            blocks[block] = compressed(encodeNumbers(rest.first(std::min(blockLength, rest.size())),
+                                                     type, coding.byteOrder));
         }
     });
     std::string header;
@@ -161,5 +162,6 @@ std::string encodePayload(std::span<const Value> values, NumberType type, const 
 
 template std::string encodePayload(std::span<const double>, NumberType, const VtkCoding&);
 template std::string encodePayload(std::span<const std::int64_t>, NumberType, const VtkCoding&);
+template std::string encodePayload(std::span<const Index>, NumberType, const VtkCoding&);
 
 }  // namespace espalier::io

@@ -48,7 +48,7 @@ std::string decodePayloadOfSize(std::string_view text, std::uint64_t size, Paylo
 
 /// Encodes the numbers of one array in base64: decodePayload() returns the bytes of
 /// encodeNumbers(). Compresses blocks in parallel.
-/// \tparam Value double or std::int64_t
+/// \tparam Value double, std::int64_t or Index
 /// \throws CodingError if there are too many bytes for a 32-bit header
 template <class Value>
 std::string encodePayload(std::span<const Value> values, NumberType type, const VtkCoding& coding);

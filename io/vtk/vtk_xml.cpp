@@ -246,6 +246,7 @@ std::string xmlEscaped(std::string_view text) {
                                           VtkArrayForm, const VtkCoding&, std::string_view);
 ESPALIER_INSTANTIATE(double)
 ESPALIER_INSTANTIATE(std::int64_t)
+ESPALIER_INSTANTIATE(Index)
 #undef ESPALIER_INSTANTIATE
 
 std::vector<Point3> pointsOf(std::span<const double> coordinates) {

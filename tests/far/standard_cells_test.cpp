@@ -56,8 +56,8 @@ TEST(StandardCells, AreRecognisedByTheirFaces) {
             for (const Index place : faceLoops(kind)[0]) first.push_back(cell->vertices[place]);
             const auto outward = outwardLoops(complex, CellId(0));
             EXPECT_EQ(first, *std::find_if(outward.begin(), outward.end(), [&](const auto& loop) {
-                return loop.size() == first.size();
-            }));
+                          return loop.size() == first.size();
+                      }));
         }
     }
 }
