@@ -13,7 +13,12 @@ namespace espalier {
 /// halve the paths that they follow.
 class DisjointSets {
 public:
-    explicit DisjointSets(std::size_t count) : parents_(count), setCount_(count) {
+    explicit DisjointSets(std::size_t count) { reset(count); }
+
+    /// Makes each of the numbers 0 to count − 1 a set of its own.
+    void reset(std::size_t count) {
+        parents_.resize(count);
+        setCount_ = count;
         std::iota(parents_.begin(), parents_.end(), std::size_t{0});
     }
 

@@ -14,11 +14,7 @@ CellBounds::CellBounds(const far::Level& level, std::span<const Point3> position
                        far::Creasing creasing)
     : level_(level),
       positions_(positions),
-      mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()),
-      isRegular_(level.complex.count(0)),
-      secondDifferenceAround_(level.complex.count(0)),
-      aroundVertex_(level.complex.count(0)),
-      staysInHull_(level.complex.count(0)) {}
+      mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()) {}
 
 std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vector3d>& inherited) {
     CellBound bound;
@@ -38,10 +34,20 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
     return bound;
 }
 
+namespace {
+
+/// Returns the value of an entity in a cache, which is allocated on first use: regular lattices
+/// never need some of the caches, and lattices without regular cells never need the others.
+template <class Value>
+Value& valueIn(std::vector<Value>& cache, const far::CellComplex& complex, Entity entity) {
+    if (cache.empty()) cache.resize(complex.count(entity.dimension));
+    return cache[entity.index];
+}
+
+}  // namespace
+
 const CellBounds::Box& CellBounds::boxOf(Index cell) {
-    // Allocated on first use: regular lattices never need it.
-    if (ofCell_.empty()) ofCell_.resize(level_.complex.count(3));
-    auto& box = ofCell_[cell];
+    auto& box = valueIn(ofCell_, level_.complex, {3, cell});
     if (!box) {
         box.emplace();
         for (const Index corner : level_.complex.relation(3, 0)[cell])
@@ -51,7 +57,7 @@ const CellBounds::Box& CellBounds::boxOf(Index cell) {
 }
 
 const CellBounds::Box& CellBounds::boxAround(Index vertex) {
-    auto& box = aroundVertex_[vertex];
+    auto& box = valueIn(aroundVertex_, level_.complex, {0, vertex});
     if (!box) {
         box.emplace();
         for (const Index cell : level_.complex.relation(0, 3)[vertex]) box->extend(boxOf(cell));
@@ -59,12 +65,10 @@ const CellBounds::Box& CellBounds::boxAround(Index vertex) {
     return *box;
 }
 
-const CellFrame& CellBounds::hexahedron(Index cell) {
-    // Allocated on first use: lattices without regular cells never need it.
-    if (hexahedra_.empty()) hexahedra_.resize(level_.complex.count(3));
-    auto& frame = hexahedra_[cell];
+const std::optional<CellFrame>& CellBounds::hexahedron(Index cell) {
+    auto& frame = valueIn(hexahedra_, level_.complex, {3, cell});
     if (!frame) frame = frameOf(level_.complex, cell);
-    return *frame;
+    return frame;
 }
 
 CellBound CellBounds::ownBox(Index cell, double widening) const {
@@ -112,7 +116,7 @@ Eigen::Matrix3d CellBounds::axesOf(Index cell) const {
 bool CellBounds::staysInHull(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
     return !mayExtrapolate_ && std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-        auto& stays = staysInHull_[vertex];
+        auto& stays = valueIn(staysInHull_, level_.complex, {0, vertex});
         if (!stays) stays = isConvexAround(vertex);
         return *stays;
     });
@@ -137,8 +141,10 @@ bool CellBounds::isConvexAround(Index vertex) const {
 bool CellBounds::isRegular(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
     return std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-        auto& isRegular = isRegular_[vertex];
-        if (!isRegular) isRegular = isRegularVertex(level_, vertex);
+        auto& isRegular = valueIn(isRegular_, level_.complex, {0, vertex});
+        if (!isRegular)
+            isRegular = isRegularVertex(
+                level_, vertex, [&](Index around) { return hexahedron(around).has_value(); });
         return *isRegular;
     });
 }
@@ -158,12 +164,12 @@ Vector3d CellBounds::largestSecondDifference(Index cell) {
 
 /// Returns the largest second difference across the faces around a regular vertex.
 const Vector3d& CellBounds::secondDifferenceAround(Index vertex) {
-    auto& largest = secondDifferenceAround_[vertex];
+    auto& largest = valueIn(secondDifferenceAround_, level_.complex, {0, vertex});
     if (!largest) {
         largest = Vector3d::Zero();
+        const far::Incidence& cells = level_.complex.relation(2, 3);
         for (const Index face : level_.complex.relation(0, 2)[vertex])
-            if (level_.complex.relation(2, 3)[face].size() == 2)
-                *largest = largest->cwiseMax(secondDifferenceAcross(face));
+            if (cells[face].size() == 2) *largest = largest->cwiseMax(secondDifferenceAcross(face));
     }
     return *largest;
 }
@@ -171,15 +177,13 @@ const Vector3d& CellBounds::secondDifferenceAround(Index vertex) {
 /// Returns the largest second difference at the corners of a face, along the edges that leave the
 /// face in its two cells, which are hexahedra.
 const Vector3d& CellBounds::secondDifferenceAcross(Index face) {
-    // Allocated on first use: lattices without regular cells never need it.
-    if (secondDifferenceAcross_.empty()) secondDifferenceAcross_.resize(level_.complex.count(2));
-    auto& largest = secondDifferenceAcross_[face];
+    auto& largest = valueIn(secondDifferenceAcross_, level_.complex, {2, face});
     if (!largest) {
         const auto corners = level_.complex.relation(2, 0)[face];
         const auto cells = level_.complex.relation(2, 3)[face];
         largest = Vector3d::Zero();
-        const auto& before = hexahedron(cells[0]);
-        const auto& after = hexahedron(cells[1]);
+        const CellFrame& before = *hexahedron(cells[0]);
+        const CellFrame& after = *hexahedron(cells[1]);
         for (const Index corner : corners) {
             const Vector3d difference = positionOf(beyond(before, corners, corner)) -
                                         2 * positionOf(corner) +

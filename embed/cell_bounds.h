@@ -75,7 +75,8 @@ private:
     const Eigen::Vector3d& secondDifferenceAround(Index vertex);
     const Eigen::Vector3d& secondDifferenceAcross(Index face);
     static Index beyond(const CellFrame& frame, std::span<const Index> face, Index corner);
-    const CellFrame& hexahedron(Index cell);
+    /// Returns the frame of a cell; nothing if the cell is not a hexahedron.
+    const std::optional<CellFrame>& hexahedron(Index cell);
 
     Eigen::Vector3d positionOf(Index vertex) const {
         return Eigen::Vector3d(positions_[vertex].data());

@@ -44,6 +44,7 @@ std::vector<Index> cellsWith(const far::Level& base, const std::vector<Bound>& b
 std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::vector<Index>& cells,
                                   double margin) {
     std::vector<BoxTree::Box> boxes;
+    boxes.reserve(cells.size());
     for (const Index cell : cells) {
         boxes.push_back(bounds[cell]->box);
         boxes.back().min().array() -= margin;
@@ -99,6 +100,7 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
           CellBounds bounds(lattice.base.level(0), lattice.positions,
                             lattice.base.options().creasing);
           std::vector<Bound> result;
+          result.reserve(lattice.base.level(0).complex.count(3));
           for (Index cell = 0; cell < lattice.base.level(0).complex.count(3); ++cell)
               result.push_back(bounds.boundOf(cell, std::nullopt));
           return result;

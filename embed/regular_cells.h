@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/function_ref.h>
 #include <espalier/base/index.h>
 #include <espalier/far/topology_refiner.h>
 
@@ -12,6 +13,11 @@ namespace espalier::embed {
 /// inside (8 cells), at a flat boundary (4), at a sharp edge (2) or at a corner (1), with no other
 /// features and no semi-sharp ones.
 ESPALIER_API bool isRegularVertex(const far::Level& level, Index vertex);
+
+/// Does the same for a caller that knows which cells are hexahedra.
+/// \param isHexahedron called with a cell; returns whether far::hexahedronVertices() has a result
+ESPALIER_API bool isRegularVertex(const far::Level& level, Index vertex,
+                                  FunctionRef<bool(Index)> isHexahedron);
 
 /// Returns true if all vertices of a cell are regular. The map of the cell is then one tricubic
 /// polynomial on this level and all further ones; at a boundary, it belongs to a spline with a

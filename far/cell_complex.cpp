@@ -105,13 +105,18 @@ Incidence faceLoops(const CellComplex& complex) {
 
 /// Returns cell → vertices or cell → edges: the union over the cell's faces, ascending.
 Incidence cellClosure(const CellComplex& complex, int to) {
+    constexpr std::ptrdiff_t kFew = 16;  // up to this number, a scan is faster than sorting
     const Incidence& faces = complex.relation(3, 2);
     const Incidence& parts = complex.relation(2, to);
     return Incidence(
         buildRows<Index>(complex.count(3), [&](Index cell, std::vector<Index>& closure) {
             const auto begin = static_cast<std::ptrdiff_t>(closure.size());
             for (const Index face : faces[cell])
-                closure.insert(closure.end(), parts[face].begin(), parts[face].end());
+                for (const Index part : parts[face]) {
+                    const auto few = std::min(std::ssize(closure) - begin, kFew);
+                    if (!contains({closure.data() + begin, static_cast<std::size_t>(few)}, part))
+                        closure.push_back(part);
+                }
             std::sort(closure.begin() + begin, closure.end());
             closure.erase(std::unique(closure.begin() + begin, closure.end()), closure.end());
         }));

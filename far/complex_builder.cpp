@@ -4,11 +4,15 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <numeric>
 #include <string>
 #include <utility>
 
-#include "canonical_loop.h"
+#include "valid_lattice.h"
 
 namespace espalier::far {
 
@@ -34,8 +38,8 @@ void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
 }
 
 void ComplexBuilder::appendLoop(std::span<const Index> loop) {
-    loops_.values.insert(loops_.values.end(), loop.begin(), loop.end());
-    loops_.offsets.push_back(static_cast<Offset>(loops_.values.size()));
+    corners_.insert(corners_.end(), loop.begin(), loop.end());
+    loops_.append(static_cast<Index>(loop.size()));
 }
 
 void ComplexBuilder::checkDimension(int dimension) const {
@@ -48,32 +52,37 @@ void ComplexBuilder::checkDimension(int dimension) const {
 
 Index ComplexBuilder::addCell(std::span<const std::vector<Index>> loops) {
     checkDimension(3);
-    const Entity cell{3, static_cast<Index>(cellOffsets_.size() - 1)};
+    const Entity cell{3, cells_.rowCount()};
     for (const auto& loop : loops) checkLoop(loop, 3, cell);
     for (const auto& loop : loops) appendLoop(loop);
-    cellOffsets_.push_back(static_cast<Offset>(loops_.offsets.size()) - 1);
+    cells_.append(static_cast<Index>(loops.size()));
     return cell.index;
 }
 
-Index ComplexBuilder::addCell(StandardCell cell, std::span<const Index> vertices) {
-    if (vertices.size() != static_cast<std::size_t>(vertexCount(cell)))
-        throw TopologyError(TopologyCause::TooFewVertices,
-                            {3, static_cast<Index>(cellOffsets_.size() - 1)},
-                            concat("cell ", cellOffsets_.size() - 1, " has ", vertices.size(),
-                                   " vertices; expected ", vertexCount(cell)));
-    std::array<std::vector<Index>, 6> loops;
-    std::size_t count = 0;
-    for (const auto& places : faceLoops(cell)) {
-        loops[count].reserve(places.size());
-        for (const Index place : places) loops[count].push_back(vertices[place]);
-        ++count;
-    }
-    return addCell(std::span(loops).first(count));
+Index ComplexBuilder::addCell(StandardCell kind, std::span<const Index> vertices) {
+    const Entity cell{3, cells_.rowCount()};
+    if (vertices.size() != static_cast<std::size_t>(vertexCount(kind)))
+        throw TopologyError(TopologyCause::TooFewVertices, cell,
+                            concat("cell ", cell.index, " has ", vertices.size(),
+                                   " vertices; expected ", vertexCount(kind)));
+    checkDimension(3);
+    const auto& faces = faceLoops(kind);
+    const auto forEachLoop = [&](auto visit) {
+        for (const auto& places : faces) {
+            std::array<Index, 4> loop = {};
+            for (std::size_t i = 0; i < places.size(); ++i) loop[i] = vertices[places[i]];
+            visit(std::span(loop).first(places.size()));
+        }
+    };
+    forEachLoop([&](std::span<const Index> loop) { checkLoop(loop, 3, cell); });
+    forEachLoop([&](std::span<const Index> loop) { appendLoop(loop); });
+    cells_.append(static_cast<Index>(faces.size()));
+    return cell.index;
 }
 
 Index ComplexBuilder::addFace(std::span<const Index> loop) {
     checkDimension(2);
-    const Entity face{2, static_cast<Index>(loops_.offsets.size() - 1)};
+    const Entity face{2, loops_.rowCount()};
     checkLoop(loop, 3, face);
     appendLoop(loop);
     return face.index;
@@ -81,7 +90,7 @@ Index ComplexBuilder::addFace(std::span<const Index> loop) {
 
 Index ComplexBuilder::addEdge(Index tail, Index head) {
     checkDimension(1);
-    const Entity edge{1, static_cast<Index>(loops_.offsets.size() - 1)};
+    const Entity edge{1, loops_.rowCount()};
     const Index ends[] = {tail, head};
     checkLoop(ends, 2, edge);
     appendLoop(ends);
@@ -90,142 +99,175 @@ Index ComplexBuilder::addEdge(Index tail, Index head) {
 
 std::vector<Index> ComplexBuilder::dropUnusedVertices() {
     std::vector<bool> isUsed(vertexCount_, false);
-    for (const Index vertex : loops_.values) isUsed[vertex] = true;
+    for (const Index vertex : corners_) isUsed[vertex] = true;
     std::vector<Index> dropped;
+    for (Index vertex = 0; vertex < vertexCount_; ++vertex)
+        if (!isUsed[vertex]) dropped.push_back(vertex);
+    if (dropped.empty()) return dropped;
     std::vector<Index> newNumbers(isUsed.size());
     Index next = 0;
     for (std::size_t vertex = 0; vertex < isUsed.size(); ++vertex)
-        if (isUsed[vertex])
-            newNumbers[vertex] = next++;
-        else
-            dropped.push_back(static_cast<Index>(vertex));
-    if (dropped.empty()) return dropped;
-    for (Index& vertex : loops_.values) vertex = newNumbers[vertex];
+        newNumbers[vertex] = isUsed[vertex] ? next++ : -1;
+    for (Index& vertex : corners_) vertex = newNumbers[vertex];
     vertexCount_ = next;
     return dropped;
 }
 
 namespace {
 
-/// Equivalence classes of the items 0 to count − 1, numbered in the order of their first items.
-struct Classes {
-    std::vector<Index> classOf;         ///< per item
-    std::vector<Index> representative;  ///< per class: its first item
+/// The loops of a builder.
+struct Loops {
+    const RowStarts& starts;
+    std::span<const Index> corners;
+
+    Index count() const { return starts.rowCount(); }
+    std::span<const Index> operator[](Index loop) const {
+        return corners.subspan(starts[loop], starts[loop + 1] - starts[loop]);
+    }
 };
 
-/// Finds the classes of items. Sorts only items with the same smallest vertex, which are few and
-/// near to each other in memory.
-/// \param smallestVertex called with an item; equal for equivalent items
-/// \param less orders items with the same smallest vertex; equivalent items are not less
-template <class SmallestVertex, class Less>
-Classes classify(Index vertexCount, Index count, SmallestVertex smallestVertex, Less less) {
-    std::vector<Index> ends(static_cast<std::size_t>(vertexCount) + 1, 0);
-    for (Index item = 0; item < count; ++item) ++ends[smallestVertex(item) + 1];
-    std::partial_sum(ends.begin(), ends.end(), ends.begin());
-    std::vector<Index> items(count);  // in the order of their smallest vertices
-    for (Index item = 0; item < count; ++item) items[ends[smallestVertex(item)]++] = item;
+/// Numbers lists of vertices in the order of their first appearance. Equal lists get one number.
+///
+/// A hash table. The bucket of a list moves by k if all its vertices move by k: in a lattice whose
+/// vertices are numbered row by row, successive searches look at memory that is near.
+class Numbering {
+public:
+    explicit Numbering(Index vertexCount)
+        : latest_(std::bit_ceil(static_cast<std::size_t>(vertexCount) + 1), kNone) {}
 
-    Classes classes;
-    classes.classOf.resize(count);  // at first the first item of the class, then its number
-    Index begin = 0;
-    for (Index vertex = 0; vertex < vertexCount; ++vertex) {
-        const Index end = ends[vertex];
-        std::sort(items.begin() + begin, items.begin() + end, [&](Index a, Index b) {
-            if (less(a, b)) return true;
-            return !less(b, a) && a < b;
-        });
-        for (Index i = begin; i < end; ++i)
-            classes.classOf[items[i]] = i == begin || less(items[i - 1], items[i])
-                                            ? items[i]
-                                            : classes.classOf[items[i - 1]];
-        begin = end;
+    /// Returns the number of a list; count() before the call if the list is new.
+    /// \param isEqual called with numbers; returns true for the number of this list
+    /// \cost O(1) on average
+    template <class IsEqual>
+    Index find(std::span<const Index> vertices, IsEqual isEqual) {
+        Index& latest = latest_[bucketOf(vertices)];
+        for (Index number = latest; number != kNone; number = before_[number])
+            if (isEqual(number)) return number;
+        before_.push_back(latest);
+        return latest = count() - 1;
     }
-    for (Index item = 0; item < count; ++item) {
-        const Index first = classes.classOf[item];
-        if (first == item) {
-            classes.classOf[item] = static_cast<Index>(classes.representative.size());
-            classes.representative.push_back(item);
-        } else {
-            classes.classOf[item] = classes.classOf[first];
+
+    /// Returns a number that find() never returns.
+    Index addSeparate() {
+        before_.push_back(kNone);
+        return count() - 1;
+    }
+
+    Index count() const { return static_cast<Index>(before_.size()); }
+
+private:
+    static constexpr Index kNone = -1;
+
+    /// The bucket does not depend on the order of the vertices.
+    std::size_t bucketOf(std::span<const Index> vertices) const {
+        constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // 2^64 divided by the golden ratio
+        std::uint64_t low = vertices[0], sum = 0;
+        for (const Index vertex : vertices) {
+            low = std::min(low, std::uint64_t(vertex));
+            sum += vertex;
         }
+        const std::uint64_t hash = low + (sum - vertices.size() * low) * kSpread;
+        return static_cast<std::size_t>(hash) & (latest_.size() - 1);
     }
-    return classes;
-}
 
-/// Returns +1 if two ways of writing the same face run in the same direction, else −1.
+    Array<Index> latest_;  ///< per bucket: the latest number in it
+    Array<Index> before_;  ///< per number: the number before it in its bucket
+};
+
+/// Returns +1 if two loops without repeated vertices are the same face and run in the same
+/// direction, −1 if they are the same face and run in opposite directions, 0 for different faces.
 int relativeDirection(std::span<const Index> loop, std::span<const Index> reference) {
     const std::size_t n = loop.size();
+    if (reference.size() != n) return 0;
     const std::size_t at =
         std::find(reference.begin(), reference.end(), loop[0]) - reference.begin();
-    return reference[(at + 1) % n] == loop[1] ? 1 : -1;
+    if (at == n) return 0;
+    const bool isForward = reference[at + 1 < n ? at + 1 : 0] == loop[1];
+    std::size_t place = at;
+    for (const Index vertex : loop) {
+        if (reference[place] != vertex) return 0;
+        if (isForward)
+            place = place + 1 < n ? place + 1 : 0;
+        else
+            place = place > 0 ? place - 1 : n - 1;
+    }
+    return isForward ? 1 : -1;
 }
 
-/// All steps from one vertex to the next in some loops.
-struct Steps {
-    std::vector<std::array<Index, 2>> ends;  ///< one per position in the values of the loops
-    Classes edges;                           ///< steps with the same two ends are the same edge
+/// Finds the steps of a loop that are separate edges: steps from a vertex to itself, and steps
+/// between two vertices that the loop has joined before. Returns one value per step; none if the
+/// loop passes each vertex once.
+std::vector<bool> separateSteps(std::span<const Index> loop) {
+    if (!repeatedIn(loop)) return {};
+    std::vector<std::array<Index, 3>> sorted;  // the two ends, and the step
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+        const auto [low, high] = std::minmax(loop[i], loop[(i + 1) % loop.size()]);
+        sorted.push_back({low, high, static_cast<Index>(i)});
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<bool> areSeparate(loop.size(), false);
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        const auto& [low, high, step] = sorted[i];
+        areSeparate[step] =
+            low == high || (i > 0 && sorted[i - 1][0] == low && sorted[i - 1][1] == high);
+    }
+    return areSeparate;
+}
 
-    Steps(Index vertexCount, const Incidence& loops) {
-        // 0 for most steps. A step from a vertex to itself, or one that its loop has made before,
-        // gets a number of its own, and so becomes a separate edge.
-        std::vector<Index> repeats(loops.values().size(), 0);
-        std::vector<std::array<Index, 3>> sorted;  // the two ends, and the position
-        ends.reserve(repeats.size());
-        for (Index row = 0; row < loops.rowCount(); ++row) {
-            const auto loop = loops[row];
-            const auto first = static_cast<Index>(ends.size());
-            for (std::size_t i = 0; i + 1 < loop.size(); ++i)
-                ends.push_back({loop[i], loop[i + 1]});
-            ends.push_back({loop.back(), loop.front()});
-            if (!repeatedIn(loop)) continue;
-            sorted.clear();
-            for (auto step = first; step < std::ssize(ends); ++step) {
-                const auto [low, high] = std::minmax(ends[step][0], ends[step][1]);
-                sorted.push_back({low, high, step});
+/// The entries of a SignedIncidence, in the order of its rows.
+struct SignedArrays {
+    Array<Index> values;
+    Array<std::int8_t> signs;
+
+    void reserve(std::size_t count) {
+        values.reserve(count);
+        signs.reserve(count);
+    }
+    void add(Index value, int sign) {
+        values.push_back(value);
+        signs.push_back(static_cast<std::int8_t>(sign));
+    }
+    SignedIncidence relation(RowStarts starts) {
+        return {{std::move(starts), std::move(values)}, std::move(signs)};
+    }
+};
+
+/// The relations of the edges of some loops.
+struct Edges {
+    SignedIncidence ends;     ///< edge → (tail, head), in the direction of the edge's first step
+    SignedIncidence ofFaces;  ///< face → (edge, sign), in the order of its loop
+
+    /// \param faces for each face its loop
+    Edges(Index vertexCount, const Loops& loops, std::span<const Index> faces) {
+        RowStarts starts;
+        for (const Index face : faces) starts.append(static_cast<Index>(loops[face].size()));
+        SignedArrays edgeEnds, faceEdges;
+        faceEdges.reserve(starts[starts.rowCount()]);
+        Numbering edges(vertexCount);
+        for (const Index face : faces) {
+            const auto loop = loops[face];
+            const std::vector<bool> areSeparate = separateSteps(loop);
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Index tail = loop[i], head = loop[i + 1 < loop.size() ? i + 1 : 0];
+                const auto isEqual = [&](Index edge) {
+                    const Index* known = &edgeEnds.values[2 * std::size_t(edge)];
+                    return (known[0] == tail && known[1] == head) ||
+                           (known[0] == head && known[1] == tail);
+                };
+                const Index next = edges.count();
+                const Index step[] = {tail, head};
+                const Index edge = !areSeparate.empty() && areSeparate[i]
+                                       ? edges.addSeparate()
+                                       : edges.find(step, isEqual);
+                if (edge == next) {
+                    edgeEnds.add(tail, -1);
+                    edgeEnds.add(head, +1);
+                }
+                faceEdges.add(edge, edgeEnds.values[2 * std::size_t(edge)] == tail ? 1 : -1);
             }
-            std::sort(sorted.begin(), sorted.end());
-            for (std::size_t i = 0; i < sorted.size(); ++i) {
-                const auto& [low, high, step] = sorted[i];
-                if (low == high || (i > 0 && sorted[i - 1][0] == low && sorted[i - 1][1] == high))
-                    repeats[step] = step + 1;
-            }
         }
-        const auto low = [&](Index step) { return std::min(ends[step][0], ends[step][1]); };
-        const auto key = [&](Index step) {
-            return std::pair(std::max(ends[step][0], ends[step][1]), repeats[step]);
-        };
-        edges = classify(vertexCount, static_cast<Index>(ends.size()), low,
-                         [&](Index a, Index b) { return key(a) < key(b); });
-    }
-
-    Index edge(Offset step) const { return edges.classOf[step]; }
-
-    /// Returns +1 if the step runs from the tail to the head of its edge, else −1.
-    std::int8_t sign(Offset step) const {
-        const auto leader = edges.representative[edge(step)];
-        return ends[step] == ends[leader] ? std::int8_t{1} : std::int8_t{-1};
-    }
-
-    /// Returns edge → (tail, head), in the direction of the edge's first step.
-    SignedIncidence edgeEnds() const {
-        Rows<Signed> rows;
-        for (const Index step : edges.representative) {
-            rows.values.push_back({ends[step][0], -1});
-            rows.values.push_back({ends[step][1], +1});
-            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
-        }
-        return SignedIncidence(rows);
-    }
-
-    /// Returns face → (edge, sign) for the loops that represent the faces.
-    SignedIncidence faceEdges(const Incidence& loops, std::span<const Index> faces) const {
-        Rows<Signed> rows;
-        for (const Index loop : faces) {
-            for (Offset step = loops.offset(loop); step < loops.offset(loop + 1); ++step)
-                rows.values.push_back({edge(step), sign(step)});
-            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
-        }
-        return SignedIncidence(rows);
+        ends = edgeEnds.relation(RowStarts(edges.count(), 2));
+        ofFaces = faceEdges.relation(std::move(starts));
     }
 };
 
@@ -268,100 +310,120 @@ std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
     return turn;
 }
 
-CellComplex latticeOf(Index vertexCount, const Incidence& loops,
-                      const std::vector<Offset>& cellOffsets) {
-    const Incidence canonical(buildRows<Index>(
-        loops.rowCount(),
-        [&](Index row, std::vector<Index>& out) { appendCanonicalLoop(loops[row], out); }));
-    const auto low = [&](Index loop) { return canonical[loop].front(); };
-    const Classes faces = classify(vertexCount, loops.rowCount(), low, [&](Index a, Index b) {
-        return std::lexicographical_compare(canonical[a].begin(), canonical[a].end(),
-                                            canonical[b].begin(), canonical[b].end());
-    });
-    const Steps steps(vertexCount, loops);
-    const auto faceOf = [&](Offset loop) { return faces.classOf[loop]; };
-    const auto directionInFace = [&](Offset loop) {
-        const Index leader = faces.representative[faceOf(loop)];
-        return relativeDirection(loops[static_cast<Index>(loop)], loops[leader]);
+/// Returns the ties of the loops of a lattice. A loop is a face of a cell, numbered by its position
+/// in cell → faces.
+std::vector<Tie> allTies(const CellComplex& lattice) {
+    std::vector<Tie> ties;
+    // The edge, the loop, and whether the step runs against the edge, in one number for the speed
+    // of sorting.
+    std::vector<std::uint64_t> sides;
+    const auto edgeOf = [](std::uint64_t side) { return side >> 32; };
+    const auto loopOf = [](std::uint64_t side) {
+        return static_cast<Index>(static_cast<std::uint32_t>(side) >> 1);
     };
-
-    const auto forEachTie = [&](auto visit) {
-        // The edge, the loop, and whether the step runs against the edge, in one number for the
-        // speed of sorting.
-        std::vector<std::uint64_t> sides;
-        const auto edgeOf = [](std::uint64_t side) { return side >> 32; };
-        const auto loopOf = [](std::uint64_t side) {
-            return static_cast<Index>(static_cast<std::uint32_t>(side) >> 1);
-        };
-        for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
-            sides.clear();
-            const auto first = static_cast<Index>(cellOffsets[cell]);
-            const auto last = static_cast<Index>(cellOffsets[cell + 1]);
-            for (Index loop = first; loop < last; ++loop)
-                for (Offset step = loops.offset(loop); step < loops.offset(loop + 1); ++step)
-                    sides.push_back(std::uint64_t(steps.edge(step)) << 32 |
-                                    std::uint64_t(loop) << 1 | std::uint64_t(steps.sign(step) < 0));
-            std::sort(sides.begin(), sides.end());
-            for (std::size_t i = 0; i + 1 < sides.size(); ++i)
-                if (edgeOf(sides[i]) == edgeOf(sides[i + 1]))
-                    visit(Tie{loopOf(sides[i]), loopOf(sides[i + 1]),
-                              (sides[i] & 1) != (sides[i + 1] & 1)});
+    const SignedIncidence& faces = lattice.boundary(3);
+    const SignedIncidence& edges = lattice.boundary(2);
+    for (Index cell = 0; cell < lattice.count(3); ++cell) {
+        sides.clear();
+        auto loop = static_cast<std::uint64_t>(faces.unsignedRows().offset(cell));
+        for (std::size_t f = 0; f < faces[cell].size(); ++f, ++loop) {
+            const Index face = faces[cell][f];
+            for (std::size_t i = 0; i < edges[face].size(); ++i) {
+                const bool isAgainst = faces.signs(cell)[f] != edges.signs(face)[i];
+                sides.push_back(std::uint64_t(edges[face][i]) << 32 | loop << 1 |
+                                std::uint64_t(isAgainst));
+            }
         }
-        for (Index loop = 0; loop < loops.rowCount(); ++loop) {
-            const Index leader = faces.representative[faceOf(loop)];
-            if (leader != loop) visit(Tie{leader, loop, directionInFace(loop) < 0});
-        }
-    };
-    // Most lattices are oriented as they are given.
-    bool isOriented = true;
-    forEachTie([&](const Tie& tie) { isOriented = isOriented && tie.sameTurn; });
-    std::vector<int> turn(loops.rowCount(), 1);
-    if (!isOriented) {
-        std::vector<Tie> ties;
-        forEachTie([&](const Tie& tie) { ties.push_back(tie); });
-        turn = turnsOf(loops.rowCount(), ties);
+        std::sort(sides.begin(), sides.end());
+        for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+            if (edgeOf(sides[i]) == edgeOf(sides[i + 1]))
+                ties.push_back(
+                    {loopOf(sides[i]), loopOf(sides[i + 1]), (sides[i] & 1) != (sides[i + 1] & 1)});
     }
-
-    Rows<Signed> cellFaces;
-    for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
-        for (Offset loop = cellOffsets[cell]; loop < cellOffsets[cell + 1]; ++loop)
-            cellFaces.values.push_back(
-                {faceOf(loop), static_cast<std::int8_t>(turn[loop] * directionInFace(loop))});
-        cellFaces.offsets.push_back(static_cast<Offset>(cellFaces.values.size()));
+    std::vector<Index> firstLoop(lattice.count(2), -1);  // per face
+    const auto values = faces.unsignedRows().values();
+    for (std::size_t at = 0; at < values.size(); ++at) {
+        const auto loop = static_cast<Index>(at);
+        Index& first = firstLoop[values[at]];
+        if (first < 0)
+            first = loop;
+        else
+            ties.push_back({first, loop, faces.signs()[at] < 0});
     }
-    return CellComplex(3, vertexCount,
-                       {steps.edgeEnds(), steps.faceEdges(loops, faces.representative),
-                        SignedIncidence(cellFaces)});
+    return ties;
 }
 
-CellComplex meshOf(Index vertexCount, const Incidence& loops) {
-    const Steps steps(vertexCount, loops);
-    std::vector<Index> faces(loops.rowCount());
+/// Returns the lattice with its loops reversed as turnsOf() says.
+/// \param lattice the sign of a face in a cell is −1 if its loop runs against its first loop
+CellComplex oriented(const CellComplex& lattice) {
+    const SignedIncidence& faces = lattice.boundary(3);
+    Array<std::int8_t> signs(faces.signs().begin(), faces.signs().end());
+    const std::vector<int> turns = turnsOf(static_cast<Index>(signs.size()), allTies(lattice));
+    for (std::size_t loop = 0; loop < signs.size(); ++loop)
+        signs[loop] = static_cast<std::int8_t>(turns[loop] * signs[loop]);
+    return CellComplex(3, lattice.count(0),
+                       {lattice.boundary(1), lattice.boundary(2),
+                        SignedIncidence(faces.unsignedRows(), std::move(signs))});
+}
+
+/// Returns the lattice with loops directed as they are given.
+CellComplex latticeOf(Index vertexCount, const Loops& loops, const RowStarts& cells) {
+    Array<Index> firstLoops;  // per face
+    SignedArrays cellFaces;
+    cellFaces.reserve(loops.count());
+    {
+        Numbering faces(vertexCount);
+        for (Index loop = 0; loop < loops.count(); ++loop) {
+            int direction = 1;
+            const Index face = faces.find(loops[loop], [&](Index known) {
+                direction = relativeDirection(loops[loop], loops[firstLoops[known]]);
+                return direction != 0;
+            });
+            if (face == std::ssize(firstLoops)) {
+                firstLoops.push_back(loop);
+                direction = 1;
+            }
+            cellFaces.add(face, direction);
+        }
+    }
+    Edges edges(vertexCount, loops, firstLoops);
+    return CellComplex(
+        3, vertexCount,
+        {std::move(edges.ends), std::move(edges.ofFaces), cellFaces.relation(cells)});
+}
+
+CellComplex meshOf(Index vertexCount, const Loops& loops) {
+    std::vector<Index> faces(loops.count());
     std::iota(faces.begin(), faces.end(), Index{0});
-    return CellComplex(2, vertexCount, {steps.edgeEnds(), steps.faceEdges(loops, faces), {}});
+    Edges edges(vertexCount, loops, faces);
+    return CellComplex(2, vertexCount, {std::move(edges.ends), std::move(edges.ofFaces), {}});
 }
 
-CellComplex curveOf(Index vertexCount, const Incidence& edges) {
-    Rows<Signed> ends;
-    for (Index edge = 0; edge < edges.rowCount(); ++edge) {
-        ends.values.push_back({edges[edge][0], -1});
-        ends.values.push_back({edges[edge][1], +1});
-        ends.offsets.push_back(static_cast<Offset>(ends.values.size()));
+CellComplex curveOf(Index vertexCount, const Loops& loops) {
+    SignedArrays ends;
+    for (Index edge = 0; edge < loops.count(); ++edge) {
+        ends.add(loops[edge][0], -1);
+        ends.add(loops[edge][1], +1);
     }
-    return CellComplex(1, vertexCount, {SignedIncidence(ends), {}, {}});
+    return CellComplex(1, vertexCount, {ends.relation(RowStarts(loops.count(), 2)), {}, {}});
 }
 
 }  // namespace
 
 CellComplex ComplexBuilder::build() const {
-    if (loops_.values.size() > static_cast<std::size_t>(kMaxIndex))
+    if (corners_.size() > static_cast<std::size_t>(kMaxIndex))
         throw TopologyError(TopologyCause::TooManyEntities, {dimension_, kMaxIndex},
-                            concat("the loops name ", loops_.values.size(),
+                            concat("the loops name ", corners_.size(),
                                    " vertices in all; the most is ", kMaxIndex));
-    const Incidence loops(loops_);
-    CellComplex complex = dimension_ == 3   ? latticeOf(vertexCount_, loops, cellOffsets_)
+    const Loops loops{loops_, corners_};
+    CellComplex complex = dimension_ == 3   ? latticeOf(vertexCount_, loops, cells_)
                           : dimension_ == 2 ? meshOf(vertexCount_, loops)
                                             : curveOf(vertexCount_, loops);
+    if (dimension_ == 3) {
+        // Most lattices are oriented as they are given.
+        if (isValidLattice(complex)) return complex;
+        complex = oriented(complex);
+    }
     validate(complex);
     return complex;
 }

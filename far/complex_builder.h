@@ -26,6 +26,10 @@ public:
     /// \param vertexCount vertices 0 to vertexCount − 1 exist from the start
     explicit ComplexBuilder(int dimension, Index vertexCount = 0);
 
+    /// Allocates memory for loops that will be added; optional.
+    /// \param cornerCount number of vertices of all loops
+    void reserve(std::size_t cornerCount) { corners_.reserve(cornerCount); }
+
     /// Adds one vertex and returns its number.
     Index addVertex() { return vertexCount_++; }
 
@@ -37,9 +41,9 @@ public:
 
     /// Adds a tetrahedron, pyramid, wedge or hexahedron. Returns its number.
     /// \throws TopologyError (TooFewVertices) if the number of `vertices` is not vertexCount(cell)
-    Index addCell(StandardCell cell, std::span<const Index> vertices);
-    Index addCell(StandardCell cell, std::initializer_list<Index> vertices) {
-        return addCell(cell, std::span(vertices.begin(), vertices.size()));
+    Index addCell(StandardCell kind, std::span<const Index> vertices);
+    Index addCell(StandardCell kind, std::initializer_list<Index> vertices) {
+        return addCell(kind, std::span(vertices.begin(), vertices.size()));
     }
 
     /// Adds a face of a mesh and keeps its direction. Returns its number. Throws as addCell(), but
@@ -61,7 +65,7 @@ public:
 
     /// Returns the complex, validated.
     /// \throws TopologyError that names the first offender
-    /// \cost O(n log n) in the number of entries
+    /// \cost O(n) on average in the number of entries
     CellComplex build() const;
 
 private:
@@ -71,9 +75,10 @@ private:
 
     int dimension_;
     Index vertexCount_;
-    Rows<Index> loops_;                      ///< all loops as given; an edge is a loop of two
-    std::vector<Offset> cellOffsets_ = {0};  ///< cell c has loops cellOffsets_[c] to cellOffsets_[c
-                                             ///< + 1] − 1
+    // All loops as given, one after the other; an edge is a loop of two vertices.
+    Array<Index> corners_;  ///< the vertices of all loops
+    RowStarts loops_;       ///< per loop: its vertices
+    RowStarts cells_;       ///< per cell: its loops
 };
 
 /// Builds a curve through vertices 0 to vertexCount − 1 in order.

@@ -17,6 +17,17 @@ RowStarts RowStarts::ofLengths(std::span<const Index> lengths) {
     return RowStarts(std::move(offsets));
 }
 
+void RowStarts::append(Index length) {
+    if (rowCount_ == 0) length_ = length;
+    if (length_ > 0 && length != length_) {
+        offsets_.resize(static_cast<std::size_t>(rowCount_) + 1);
+        for (Index row = 0; row <= rowCount_; ++row) offsets_[row] = Offset{length_} * row;
+        length_ = 0;
+    }
+    if (length_ == 0) offsets_.push_back(offsets_.back() + length);
+    ++rowCount_;
+}
+
 Index RowStarts::rowOf(Offset position) const {
     if (length_ > 0) return static_cast<Index>(position / length_);
     const auto end = std::upper_bound(offsets_.begin(), offsets_.end(), position);

@@ -68,6 +68,9 @@ public:
     /// Makes rows of these lengths; without offsets if they are all equal and not 0.
     static RowStarts ofLengths(std::span<const Index> lengths);
 
+    /// Adds a row. Stores offsets as soon as two lengths differ.
+    void append(Index length);
+
     Index rowCount() const { return rowCount_; }
 
     /// Returns the length of every row; 0 if rows have offsets.

@@ -149,9 +149,20 @@ std::vector<std::vector<Index>> outwardLoops(const CellComplex& complex, CellId 
 }
 
 std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex, CellId cell) {
+    if (const auto h = hexahedronVertices(complex, cell)) {
+        // The first loop of the pattern is 0, 4, 7, 3. It begins where the outward loop of the
+        // cell's first face begins; if the face is directed inwards, that is the loop's last
+        // vertex.
+        const std::size_t a = complex.boundary(3).signs(cell.value)[0] > 0 ? 0 : 3;
+        const std::size_t b = (a + 1) % 4, c = (a + 2) % 4, d = (a + 3) % 4;
+        const auto& v = *h;
+        return StandardCellVertices{
+            StandardCell::Hexahedron,
+            {v[a], v[a + 4], v[b + 4], v[b], v[d], v[d + 4], v[c + 4], v[c]}};
+    }
     const std::vector<Loop> loops = outwardLoops(complex, cell);
-    for (const StandardCell kind : {StandardCell::Tetrahedron, StandardCell::Pyramid,
-                                    StandardCell::Wedge, StandardCell::Hexahedron}) {
+    for (const StandardCell kind :
+         {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge}) {
         const auto& pattern = faceLoops(kind);
         const std::size_t count = vertexCount(kind);
         if (!haveEqualSizes(pattern, loops)) continue;

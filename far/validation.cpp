@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "valid_lattice.h"
+
 namespace espalier::far {
 namespace {
 
@@ -191,6 +193,10 @@ void checkEach(const CellComplex& complex, int dimension, Check check) {
 }  // namespace
 
 void validate(const CellComplex& complex) {
+    if (!isValidLattice(complex)) requireValid(complex);
+}
+
+void requireValid(const CellComplex& complex) {
     const int dimension = complex.dimension();
     if (dimension < 1 || complex.count(dimension) == 0)
         throw TopologyError(

@@ -26,6 +26,8 @@ public:
     /// \param reversed per face of the mesh: true if it runs clockwise seen from the next layer
     far::CellComplex complex(const std::vector<bool>& reversed) const {
         far::ComplexBuilder builder(3, layerCount_ * mesh_.complex.count(0));
+        // A face of n corners becomes a prism: two faces of n corners and n of four.
+        builder.reserve(mesh_.complex.relation(2, 0).values().size() * 6 * rowCount_);
         std::vector<Loop> loops;
         for (Index row = 0; row < rowCount_; ++row)
             for (Index face = 0; face < mesh_.complex.count(2); ++face) {
@@ -73,7 +75,8 @@ private:
 
     void prism(const Loop& loop, Index row, std::vector<Loop>& loops) const {
         const std::size_t n = loop.size();
-        loops.assign(n + 2, {});
+        loops.resize(n + 2);
+        for (Loop& each : loops) each.clear();
         for (std::size_t i = 0; i < n; ++i) {
             const Index a = loop[i];
             const Index b = loop[(i + 1) % n];

@@ -173,6 +173,8 @@ Value readNumber(TextReader& text, NumberType type, const char* what) {
     return static_cast<Value>(number);
 }
 
+template std::string encodeNumbers(std::span<const Index>, NumberType, std::endian);
+
 #define ESPALIER_INSTANTIATE(Value)                                                       \
     template std::vector<Value> decodeNumbers(std::string_view, NumberType, std::endian); \
     template std::string encodeNumbers(std::span<const Value>, NumberType, std::endian);  \

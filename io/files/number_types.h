@@ -101,6 +101,7 @@ template <class Value>
 std::vector<Value> decodeNumbers(std::string_view bytes, NumberType type, std::endian order);
 
 /// The inverse of decodeNumbers, for values that the type can hold; doubles are rounded to Float32.
+/// \tparam Value double, std::int64_t or Index
 template <class Value>
 std::string encodeNumbers(std::span<const Value> values, NumberType type, std::endian order);
 

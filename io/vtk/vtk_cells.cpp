@@ -207,26 +207,31 @@ void VtkCellReader::fail(const std::string& cause) const {
 
 VtkCells vtkCells(const far::CellComplex& complex) {
     VtkCells cells;
+    const std::size_t count = complex.count(3);
+    cells.types.reserve(count);
+    cells.offsets.reserve(count);
+    cells.connectivity.reserve(8 * count);
     for (Index cell = 0; cell < complex.count(3); ++cell) {
         if (const auto standard = far::asStandardCell(complex, CellId(cell))) {
             cells.types.push_back(typeOf(standard->kind));
             cells.connectivity.insert(cells.connectivity.end(), standard->vertices.begin(),
                                       standard->vertices.end());
-            cells.faceOffsets.push_back(-1);
         } else {
             const auto vertices = complex.relation(3, 0)[cell];
             cells.types.push_back(kVtkPolyhedron);
             cells.connectivity.insert(cells.connectivity.end(), vertices.begin(), vertices.end());
             const auto loops = far::outwardLoops(complex, CellId(cell));
-            cells.faces.push_back(static_cast<std::int64_t>(loops.size()));
+            cells.faces.push_back(static_cast<Index>(loops.size()));
             for (const auto& loop : loops) {
-                cells.faces.push_back(static_cast<std::int64_t>(loop.size()));
+                cells.faces.push_back(static_cast<Index>(loop.size()));
                 cells.faces.insert(cells.faces.end(), loop.begin(), loop.end());
             }
-            cells.faceOffsets.push_back(static_cast<std::int64_t>(cells.faces.size()));
+            cells.faceOffsets.resize(cells.types.size(), -1);
+            cells.faceOffsets.back() = static_cast<std::int64_t>(cells.faces.size());
         }
         cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
     }
+    if (cells.havePolyhedra()) cells.faceOffsets.resize(count, -1);
     return cells;
 }
 

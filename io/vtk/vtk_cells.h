@@ -105,12 +105,13 @@ private:
 /// The cells of a lattice as arrays of a VTK file. Standard cells have their own types; all other
 /// cells are polyhedra.
 struct VtkCells {
-    std::vector<std::int64_t> types;         ///< one per cell
-    std::vector<std::int64_t> connectivity;  ///< the vertices of each cell
-    std::vector<std::int64_t> offsets;       ///< one per cell: end of its vertices
-    std::vector<std::int64_t> faces;         ///< the face stream of each polyhedron
-    std::vector<std::int64_t> faceOffsets;   ///< one per cell: end of its face stream; −1 for
-                                             ///< standard cells, as VTK's formats require
+    std::vector<std::int64_t> types;        ///< one per cell
+    std::vector<Index> connectivity;        ///< the vertices of each cell
+    std::vector<std::int64_t> offsets;      ///< one per cell: end of its vertices
+    std::vector<Index> faces;               ///< the face stream of each polyhedron
+    std::vector<std::int64_t> faceOffsets;  ///< one per cell: end of its face stream; −1 for
+                                            ///< standard cells, as VTK's formats require;
+                                            ///< empty if there are no polyhedra
 
     bool havePolyhedra() const { return !faces.empty(); }
 };

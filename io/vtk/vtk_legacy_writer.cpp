@@ -94,12 +94,12 @@ private:
 
     /// Writes one line per cell. A polyhedron is written as its face stream.
     void writeCells(const VtkCells& cells) {
-        std::vector<std::span<const std::int64_t>> lines;
+        std::vector<std::span<const Index>> lines;
         std::size_t numberCount = 0;
         std::size_t vertex = 0;
         std::size_t face = 0;
         for (std::size_t cell = 0; cell < cells.types.size(); ++cell) {
-            const auto take = [](const std::vector<std::int64_t>& list, std::size_t& begin,
+            const auto take = [](const std::vector<Index>& list, std::size_t& begin,
                                  std::int64_t endOffset) {
                 const std::size_t end = endOffset;
                 const auto row = std::span(list).subspan(begin, end - begin);
@@ -115,7 +115,7 @@ private:
         out_.put("CELLS ", lines.size(), " ", numberCount, "\n");
         for (const auto line : lines) {
             out_.put(line.size());
-            for (const std::int64_t number : line) {
+            for (const Index number : line) {
                 out_.put(" ", number);
             }
             out_.put("\n");

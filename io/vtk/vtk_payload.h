@@ -3,8 +3,11 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+
+#include "../files/number_types.h"
 
 // Encodes and decodes the bytes of an array in VTK's XML files: a header of 32- or 64-bit words,
 // then the bytes.
@@ -43,8 +46,11 @@ std::string decodePayload(std::string_view text, PayloadForm form, const VtkCodi
 std::string decodePayloadOfSize(std::string_view text, std::uint64_t size, PayloadForm form,
                                 const VtkCoding& coding);
 
-/// Encodes the bytes of one array in base64: the inverse of decodePayload().
+/// Encodes the numbers of one array in base64: decodePayload() returns the bytes of
+/// encodeNumbers(). Compresses blocks in parallel.
+/// \tparam Value double, std::int64_t or Index
 /// \throws CodingError if there are too many bytes for a 32-bit header
-std::string encodePayload(std::string_view bytes, const VtkCoding& coding);
+template <class Value>
+std::string encodePayload(std::span<const Value> values, NumberType type, const VtkCoding& coding);
 
 }  // namespace espalier::io

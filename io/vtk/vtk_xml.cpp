@@ -212,7 +212,7 @@ std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> va
         text += asciiLines(head, values, indent);
     } else {
         text.append("\n").append(indent).append("  ");
-        text += encodePayload(encodeNumbers(values, head.type, coding.byteOrder), coding);
+        text += encodePayload(values, head.type, coding);
     }
     return text.append("\n").append(indent).append("</DataArray>");
 }
@@ -246,6 +246,7 @@ std::string xmlEscaped(std::string_view text) {
                                           VtkArrayForm, const VtkCoding&, std::string_view);
 ESPALIER_INSTANTIATE(double)
 ESPALIER_INSTANTIATE(std::int64_t)
+ESPALIER_INSTANTIATE(Index)
 #undef ESPALIER_INSTANTIATE
 
 std::vector<Point3> pointsOf(std::span<const double> coordinates) {

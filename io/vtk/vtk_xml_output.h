@@ -69,6 +69,10 @@ public:
         array<std::int64_t>({name, type}, values);
     }
 
+    void array(const std::string& name, const std::vector<Index>& values) {
+        array<Index>({name, NumberType::Int64}, values);
+    }
+
 private:
     std::ostream& out_;
     std::string dataSet_;

@@ -2,6 +2,7 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_match.h>
 
+#include <map>
 #include <optional>
 
 #include "support/complexes.h"
@@ -44,6 +45,48 @@ TEST(ComplexBuilder, LoopStartsAndDirectionsDoNotMatter) {
         for (Index face = 0; face < shuffled.count(2); ++face)
             EXPECT_LE(shuffled.relation(2, 3)[face].size(), 2u);
     }
+}
+
+/// Returns the vertices of a loop in an order that is the same for all ways of writing one face.
+std::vector<Index> canonical(std::vector<Index> loop) {
+    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+    if (loop[1] > loop.back()) std::reverse(loop.begin() + 1, loop.end());
+    return loop;
+}
+
+// The slow reference: maps from the vertices of faces and edges to their numbers.
+TEST(ComplexBuilder, NumbersEntitiesInTheOrderOfTheirFirstAppearance) {
+    for (const CellComplex& original : {mixedCells(), grid({3, 2, 4}), bipyramid(9)})
+        for (unsigned seed = 0; seed < 20; ++seed) {
+            const auto names = shuffledIndices(original.count(0), seed);
+            const auto cells = cellLoops(relabelled(original, names, seed));
+            const CellComplex built = lattice(original.count(0), cells);
+            std::map<std::vector<Index>, Index> faces;
+            std::map<std::array<Index, 2>, Index> edges;
+            for (std::size_t cell = 0; cell < cells.size(); ++cell)
+                for (std::size_t f = 0; f < cells[cell].size(); ++f) {
+                    const auto& loop = cells[cell][f];
+                    const auto [at, isNewFace] =
+                        faces.try_emplace(canonical(loop), Index(faces.size()));
+                    const Index face = at->second;
+                    EXPECT_EQ(built.relation(3, 2)[Index(cell)][f], face);
+                    if (isNewFace) {
+                        const auto vertices = built.relation(2, 0)[face];
+                        EXPECT_EQ(std::vector<Index>(vertices.begin(), vertices.end()), loop);
+                    }
+                    for (std::size_t i = 0; i < loop.size(); ++i) {
+                        const Index a = loop[i], b = loop[(i + 1) % loop.size()];
+                        const auto [edge, isNewEdge] = edges.try_emplace(
+                            {std::min(a, b), std::max(a, b)}, Index(edges.size()));
+                        const auto ends = built.relation(1, 0)[edge->second];
+                        if (isNewEdge) EXPECT_EQ(ends[0], a);
+                        EXPECT_EQ(ends[0] + ends[1], a + b);
+                        if (isNewFace) EXPECT_EQ(built.relation(2, 1)[face][i], edge->second);
+                    }
+                }
+            EXPECT_EQ(built.count(2), Index(faces.size()));
+            EXPECT_EQ(built.count(1), Index(edges.size()));
+        }
 }
 
 // A cell directed inwards among cells directed outwards is reversed: the majority decides.
@@ -204,6 +247,20 @@ TEST(ComplexBuilderRefuses, CellWithAHandle) {
     ASSERT_EQ(surface.size(), 32u);
     expectRefused(TopologyCause::NotASphere, {3, 0}, "Euler characteristic is 0; expected 2",
                   [&] { lattice(32, {surface}); });
+}
+
+// The Euler characteristics of a sphere and a torus have the sum 2, as for one sphere.
+TEST(ComplexBuilderRefuses, CellOfASphereAndATorus) {
+    Loops loops = faceLoops(StandardCell::Tetrahedron);
+    for (Index i = 0; i < 3; ++i) {  // The torus is a ring of three boxes.
+        const Index a = 4 + 4 * i, b = 4 + 4 * ((i + 1) % 3);
+        for (Index side = 0; side < 4; ++side) {
+            const Index next = (side + 1) % 4;
+            loops.push_back({a + side, a + next, b + next, b + side});
+        }
+    }
+    expectRefused(TopologyCause::NotASphere, {3, 0}, "a surface of 2 pieces",
+                  [&] { lattice(16, {loops}); });
 }
 
 TEST(ComplexBuilderRefuses, PartsOfAnotherDimension) {

@@ -50,6 +50,14 @@ TEST(StandardCells, AreRecognisedByTheirFaces) {
             ASSERT_TRUE(cell);
             EXPECT_EQ(cell->kind, kind);
             EXPECT_EQ(facesOf(*cell), facesOf(complex, 0));
+            // Files keep the order of the vertices: it begins with the cell's first face, or with
+            // the first that has as many corners as the first face of the standard cell.
+            std::vector<Index> first;
+            for (const Index place : faceLoops(kind)[0]) first.push_back(cell->vertices[place]);
+            const auto outward = outwardLoops(complex, CellId(0));
+            EXPECT_EQ(first, *std::find_if(outward.begin(), outward.end(), [&](const auto& loop) {
+                          return loop.size() == first.size();
+                      }));
         }
     }
 }

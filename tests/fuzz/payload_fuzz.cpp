@@ -18,7 +18,10 @@ const Target kPayload("payload", [](std::string_view bytes) {
     const std::string_view text = bytes.substr(bytes.size() - input.left());
     const auto decoded = resultOf([&] { return io::decodePayload(text, form, coding); });
     if (!decoded) return;
-    const std::string coded = io::encodePayload(*decoded, coding);
+    const std::vector<std::int64_t> numbers =
+        io::decodeNumbers<std::int64_t>(*decoded, io::NumberType::UInt8, coding.byteOrder);
+    const std::string coded =
+        io::encodePayload<std::int64_t>(numbers, io::NumberType::UInt8, coding);
     require(io::decodePayload(coded, io::PayloadForm::Base64, coding) == *decoded,
             "what is coded is decoded");
 });

@@ -61,12 +61,18 @@ std::vector<VtkCoding> allCodings() {
     return codings;
 }
 
+std::string encoded(std::string_view bytes, const VtkCoding& coding) {
+    const auto numbers =
+        io::decodeNumbers<std::int64_t>(bytes, io::NumberType::UInt8, coding.byteOrder);
+    return io::encodePayload<std::int64_t>(numbers, io::NumberType::UInt8, coding);
+}
+
 TEST(VtkPayload, RoundTripIsExact) {
     std::string bytes;
     for (const std::size_t size : {0u, 1u, 2u, 3u, 32768u, 32769u, 100000u}) {
         while (bytes.size() < size) bytes += char(bytes.size() * bytes.size() / 7);
         for (const VtkCoding& coding : allCodings()) {
-            const std::string text = io::encodePayload(bytes, coding);
+            const std::string text = encoded(bytes, coding);
             EXPECT_EQ(decodePayload(text, PayloadForm::Base64, coding), bytes) << size;
             // Text after an array is ignored.
             EXPECT_EQ(decodePayload(text + "AAAA", PayloadForm::Base64, coding), bytes) << size;
@@ -74,11 +80,31 @@ TEST(VtkPayload, RoundTripIsExact) {
     }
 }
 
+TEST(VtkPayload, EncodesNumbersOfEachSize) {
+    std::vector<std::int64_t> integers;
+    std::vector<double> reals;
+    for (int i = 0; i < 20000; ++i) {
+        integers.push_back(i % 100);
+        reals.push_back(i / 8.0);
+    }
+    for (const VtkCoding& coding : allCodings()) {
+        for (const auto type :
+             {io::NumberType::UInt8, io::NumberType::Int16, io::NumberType::Int64})
+            EXPECT_EQ(decodePayload(io::encodePayload<std::int64_t>(integers, type, coding),
+                                    PayloadForm::Base64, coding),
+                      io::encodeNumbers<std::int64_t>(integers, type, coding.byteOrder));
+        for (const auto type : {io::NumberType::Float32, io::NumberType::Float64})
+            EXPECT_EQ(decodePayload(io::encodePayload<double>(reals, type, coding),
+                                    PayloadForm::Base64, coding),
+                      io::encodeNumbers<double>(reals, type, coding.byteOrder));
+    }
+}
+
 /// VTK wrote these: 7 bytes of bits in a file with 32-bit headers, without compression.
 TEST(VtkPayload, DecodesBytesWrittenByVtk) {
     const VtkCoding coding{std::endian::little, false, false};
     EXPECT_EQ(decodePayload("BwAAAFVVVVVVVUA=", PayloadForm::Base64, coding), "UUUUUU@");
-    EXPECT_EQ(io::encodePayload("UUUUUU@", coding), "BwAAAFVVVVVVVUA=");
+    EXPECT_EQ(encoded("UUUUUU@", coding), "BwAAAFVVVVVVVUA=");
 }
 
 TEST(VtkPayload, DecodesRawData) {
@@ -93,7 +119,7 @@ TEST(VtkPayload, DecodesRawData) {
 
 TEST(VtkPayload, TruncatedDataIsRefused) {
     for (const VtkCoding& coding : allCodings()) {
-        const std::string text = io::encodePayload(std::string(1000, 'x') + "y", coding);
+        const std::string text = encoded(std::string(1000, 'x') + "y", coding);
         for (std::size_t size = 0; size < text.size(); size += 1 + text.size() / 50)
             EXPECT_THROW(decodePayload(text.substr(0, size), PayloadForm::Base64, coding),
                          CodingError)
@@ -127,7 +153,7 @@ TEST(VtkPayload, ClaimedSizesAreCheckedBeforeAllocating) {
 }
 
 TEST(VtkPayload, SizeOtherThanClaimedIsRefused) {
-    std::string text = io::encodePayload("abcdefgh", {});
+    std::string text = encoded("abcdefgh", {});
     // The header has 4 words (44 characters): 1 block, its size, the size of the last block (8),
     // the compressed size. The third word begins with byte 16, in characters 21 to 23; it is
     // changed to 7 and 9.
