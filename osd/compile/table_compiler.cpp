@@ -168,9 +168,7 @@ private:
         for (const Index set : subsets) {
             std::span<const Index> others = sets.rowsOf(set);
             if (product) {
-                others_.clear();
-                for (const Index row : others)
-                    (addFactors(*product, row) ? products_ : others_).push_back(row);
+                addFactors(*product, others);
                 others = others_;
             }
             // Full panels use the subset's own columns.
@@ -214,14 +212,22 @@ private:
         all.insert(all.end(), more.begin(), more.end());
     }
 
-    /// Adds the factors of a row to the groups. Returns false if the row is not this kind of outer
-    /// product.
-    bool addFactors(const OuterProduct& product, Index row) {
-        factors_.resize(product.size[0] + product.size[1] + product.size[2]);
-        const auto weights = spreadRow(table_, row, shared_, spread_);
-        if (!factorizeRow<Real>(product, weights, factors_)) return false;
-        groups_.addFactors(factors_);
-        return true;
+    /// Adds the factors of the rows of a set to the groups. Puts rows that are not this kind of
+    /// outer product into others_.
+    void addFactors(const OuterProduct& product, std::span<const Index> rows) {
+        positions_.clear();
+        for (std::size_t place = 0; const Index column : table_.columns(rows.front())) {
+            while (shared_[place] != column) ++place;
+            positions_.push_back(static_cast<Index>(place));
+        }
+        weights_.clear();
+        for (const Index row : rows) weights_.push_back(table_.weights(row));
+        others_.clear();
+        factorizeRows<Real>(product, positions_, weights_,
+                            [&](std::size_t i, std::span<const Real> factors) {
+                                (factors.empty() ? others_ : products_).push_back(rows[i]);
+                                groups_.addFactors(factors);
+                            });
     }
 
     /// Divides the groups into tasks.
@@ -241,13 +247,13 @@ private:
     std::vector<Index> ungrouped_;  ///< rows that are in no group
 
     // Of the current superset. Members, so that their memory is used again.
-    std::span<const Index> shared_;  ///< its columns
-    std::vector<std::span<const Real>> weights_;
-    std::vector<Index> products_;  ///< rows that are outer products
-    std::vector<Index> others_;    ///< rows of a subset that are not
-    std::vector<Index> left_;      ///< rows that do not fill panels with the columns of their set
-    std::vector<Index> columns_;   ///< in the order of the outer product
-    std::vector<Real> factors_, spread_;  ///< of one row
+    std::span<const Index> shared_;               ///< its columns
+    std::vector<std::span<const Real>> weights_;  ///< of the rows of a set
+    std::vector<Index> positions_;                ///< of the columns of a subset in shared_
+    std::vector<Index> products_;                 ///< rows that are outer products
+    std::vector<Index> others_;                   ///< rows of a subset that are not
+    std::vector<Index> left_;     ///< rows that do not fill panels with the columns of their set
+    std::vector<Index> columns_;  ///< in the order of the outer product
 };
 
 }  // namespace
