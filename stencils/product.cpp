@@ -29,14 +29,12 @@ public:
 
     /// Counts the columns of rows order.row(first) to order.row(last − 1): all columns of the right
     /// rows that a row uses. Sums that are exactly 0 are counted too.
-    /// \param lengths for each row of the product, the count
-    void count(Offset first, Offset last, const RowOrder& order, std::span<Offset> lengths) {
+    /// \param use use(row, count) is called for each row
+    template <class Use>
+    void count(Offset first, Offset last, const RowOrder& order, Use use) {
         forEachBlock(first, last, order, [&](Offset begin, Offset end) {
             collectMasks();
-            for (; begin < end; ++begin) {
-                const Index row = order.row(begin);
-                lengths[row] = countColumns(row);
-            }
+            for (; begin < end; ++begin) use(order.row(begin), countColumns(order.row(begin)));
         });
     }
 
@@ -217,10 +215,13 @@ void closeGaps(std::span<const Index> lengths, Array<Offset>& offsets, Array<Ind
 }  // namespace
 
 StencilTable<double> multiply(const StencilTable<double>& left, const StencilTable<double>& right,
-                              const RowOrder& order) {
+                              const RowOrder& order, std::span<const Index> places) {
     if (left.columnCount() != right.rowCount())
         throw Error("cannot multiply a table of " + std::to_string(left.columnCount()) +
                     " columns by one of " + std::to_string(right.rowCount()) + " rows");
+    const auto placeOf = [&](Index row) {
+        return static_cast<std::size_t>(places.empty() ? row : places[row]);
+    };
     // Counts first, so that each row is computed in its final place.
     constexpr Offset kGrain = 4096;
     Pool<BlockProduct> pool;
@@ -234,7 +235,8 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
     Array<Offset> offsets(static_cast<std::size_t>(left.rowCount()) + 1);
     offsets[0] = 0;
     forEachChunk([&](BlockProduct& product, Offset first, Offset last) {
-        product.count(first, last, order, std::span(offsets).subspan(1));
+        product.count(first, last, order,
+                      [&](Index row, Offset length) { offsets[placeOf(row) + 1] = length; });
     });
     std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
     requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(double)),
@@ -244,11 +246,11 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
     std::atomic<bool> hasGaps = false;
     forEachChunk([&](BlockProduct& product, Offset first, Offset last) {
         product.compute(first, last, order, [&](Index row, auto rowColumns, auto rowWeights) {
-            lengths[row] = static_cast<Index>(rowColumns.size());
-            if (lengths[row] < offsets[static_cast<std::size_t>(row) + 1] - offsets[row])
-                hasGaps = true;
-            std::ranges::copy(rowColumns, columns.begin() + offsets[row]);
-            std::ranges::copy(rowWeights, weights.begin() + offsets[row]);
+            const std::size_t place = placeOf(row);
+            lengths[place] = static_cast<Index>(rowColumns.size());
+            if (lengths[place] < offsets[place + 1] - offsets[place]) hasGaps = true;
+            std::ranges::copy(rowColumns, columns.begin() + offsets[place]);
+            std::ranges::copy(rowWeights, weights.begin() + offsets[place]);
         });
     });
     if (hasGaps) closeGaps(lengths, offsets, columns, weights);
