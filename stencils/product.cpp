@@ -47,8 +47,8 @@ public:
             for (; begin < end; ++begin) {
                 const Index row = order.row(begin);
                 addUp(row);
-                const auto length = static_cast<std::ptrdiff_t>(dropZeros());
-                use(row, std::span(rowColumns_.begin(), length), std::span(sums_.begin(), length));
+                const std::size_t length = dropZeros();
+                use(row, std::span(rowColumns_).first(length), std::span(sums_).first(length));
             }
         });
     }

@@ -60,10 +60,12 @@ public:
             auto weight = compiled_.weights.begin() + run.firstWeight;
             for (Index i = 0; i < run.rowCount; ++i) {
                 const Index row = compiled_.rows[run.firstRow + i];
-                column = std::ranges::copy(table_.columns(row), column).out;
+                const auto columns = table_.columns(row);
+                column = std::copy(columns.begin(), columns.end(), column);
                 // All parts of a shared run have the same weights; the first part stores them.
-                const bool isStored = !run.isShared || (i == 0 && isFirstOf(r));
-                if (isStored) weight = std::ranges::copy(table_.weights(row), weight).out;
+                if (run.isShared && (i > 0 || !isFirstOf(r))) continue;
+                const auto weights = table_.weights(row);
+                weight = std::copy(weights.begin(), weights.end(), weight);
             }
         });
     }
