@@ -60,6 +60,19 @@ void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, I
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::FactoredTable<double>& result);
 
+/// Adds the remaining data of a binding: the topology of the base, and the points without a place.
+template <class Table>
+void completeBinding(const far::TopologyRefiner& base, std::span<const Point3> points,
+                     BindingOf<Table>& binding) {
+    binding.topologyHash = far::topologyHash(base.level(0).complex);
+    const auto& rows = pointRows(binding.table);
+    for (Index i = 0; i < rows.rowCount(); ++i) {
+        if (!rows.columns(i).empty()) continue;
+        binding.kept.push_back(i);
+        binding.keptAt.push_back(points[i]);
+    }
+}
+
 /// Binds points in parallel, group by group; the points of a group are near each other.
 /// \param bindGroup works in units of `unit`. It is destroyed before the rows are gathered, since
 ///        gathering needs the most memory
@@ -103,13 +116,7 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
     if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
                model.binding.table);
-    model.binding.topologyHash = far::topologyHash(base.level(0).complex);
-    const auto& rows = pointRows(model.binding.table);
-    for (Index i = 0; i < rows.rowCount(); ++i) {
-        if (!rows.columns(i).empty()) continue;
-        model.binding.kept.push_back(i);
-        model.binding.keptAt.push_back(points[i]);
-    }
+    completeBinding(base, points, model.binding);
     return model;
 }
 

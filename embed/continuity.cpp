@@ -136,8 +136,7 @@ std::vector<Index> verticesHoldingPoints(const RestLattice& lattice, std::span<c
     const LengthUnit unit(lattice.positions);
     const std::vector<Point3> restInUnits = unit.toUnits(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(points);
-    const LevelSearch search({lattice.base, restInUnits}, options.level, options.embedding,
-                             LevelSearch::Scope::Parts);
+    const LevelSearch search({lattice.base, restInUnits}, options.level, options.embedding);
     const std::vector<Index> order = alongCurve(inUnits);
     constexpr Offset kGroupSize = 1 << 11;
     std::vector<std::vector<Index>> columns((std::ssize(points) + kGroupSize - 1) / kGroupSize);

@@ -96,7 +96,7 @@ stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& compl
         return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
     };
     return stencils::buildTableByChunks(
-        pointCount, complex.count(0), {}, [&](Offset first, Offset last, stencils::RowList& rows) {
+        pointCount, complex.count(0), [&](Offset first, Offset last, stencils::RowList& rows) {
             const auto count = static_cast<std::size_t>(last - first);
             rows.columns.reserve(8 * count);
             rows.weights.reserve(8 * count);

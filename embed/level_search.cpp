@@ -2,7 +2,6 @@
 #include "level_search.h"
 
 #include <espalier/embed/place_points.h>
-#include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <limits>
@@ -24,58 +23,14 @@ LocatedPart partOf(std::size_t pointCount) {
 
 }  // namespace
 
-WholeLevel::WholeLevel(const RestLattice& lattice, int level, double tolerance) {
-    far::TopologyRefiner refiner = lattice.base;
-    refiner.refineUniform(level);
-    complex = refiner.level(level).complex;
-    locator = std::make_unique<PointLocator>(
-        complex, stencils::refinePositions(refiner, level, lattice.positions),
-        CellSolver::scaleOf(lattice.positions, tolerance));
-    stencilTable = stencils::buildStencils(refiner, level);
-    const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
-    baseCells.assign(origins.of(3).begin(), origins.of(3).end());
-    baseCellCount = origins.count();
-}
-
-Embedding WholeLevel::locate(std::span<const Point3> points, bool seekNearest) const {
-    Embedding embedding{{}, complex.count(0)};
-    for (const Point3& point : points)
-        embedding.points.push_back(locator->locate(point, seekNearest));
-    return embedding;
-}
-
-stencils::StencilTable<double> buildDeformationTable(const WholeLevel& level,
-                                                     const Embedding& embedding) {
-    return stencils::multiply(buildEmbeddingTable(level.complex, embedding), level.stencilTable,
-                              orderByBaseCell(embedding, level.baseCells, level.baseCellCount));
-}
-
-stencils::FactoredTable<double> buildFactoredTable(const WholeLevel& level,
-                                                   const Embedding& embedding) {
-    stencils::CompactTable weights =
-        stencils::compactColumns(buildEmbeddingTable(level.complex, embedding));
-    return {stencils::selectRows(level.stencilTable, weights.columns), std::move(weights.table)};
-}
-
-LevelSearch::LevelSearch(const RestLattice& lattice, int level, const EmbeddingOptions& options,
-                         Scope scope)
+LevelSearch::LevelSearch(const RestLattice& lattice, int level, const EmbeddingOptions& options)
     : level_(level),
       seekNearest_(options.outside == OutsidePolicy::Nearest),
-      scale_(CellSolver::scaleOf(lattice.positions, options.tolerance)) {
-    if (scope == Scope::Whole)
-        whole_.emplace(lattice, level, options.tolerance);
-    else
-        descent_.emplace(lattice, scale_);
-}
+      scale_(CellSolver::scaleOf(lattice.positions, options.tolerance)),
+      descent_(lattice, scale_) {}
 
 void LevelSearch::locate(std::span<const Point3> points, Extent extent,
                          FunctionRef<void(LocatedPart)> use) const {
-    if (whole_) {
-        LocatedPart part = partOf(points.size());
-        part.embedding = whole_->locate(points, seekNearest_);
-        use(std::move(part));
-        return;
-    }
     std::vector<Index> unsettled;
     use(locateInside(points, extent, unsettled));
     if (unsettled.empty()) return;
@@ -89,7 +44,7 @@ void LevelSearch::locate(std::span<const Point3> points, Extent extent,
 LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent extent,
                                       std::vector<Index>& unsettled) const {
     LocatedPart part = partOf(points.size());
-    auto found = descent_->descend(points, level_, Sought::Containing, extent);
+    auto found = descent_.descend(points, level_, Sought::Containing, extent);
     std::optional<CellSolver> solver;
     CellsOfPoints cells;
     if (found) {
@@ -122,7 +77,7 @@ LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points) cons
     LocatedPart part = partOf(points.size());
     // Extent::Ring also refines the neighbours of a cell: they tell which faces of the cell are on
     // the boundary.
-    auto found = descent_->descend(points, level_, Sought::Nearest, Extent::Ring);
+    auto found = descent_.descend(points, level_, Sought::Nearest, Extent::Ring);
     const far::CellComplex& complex = found->levels.finestLevel().complex;
     part.embedding.vertexCount = complex.count(0);
     const CellSolver solver(complex, found->levels.finestPositions(), scale_);

@@ -2,6 +2,8 @@
 #include <espalier/base/memory.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/embed/point_location.h>
+#include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 
 #include <algorithm>
@@ -25,23 +27,22 @@ bool hasAtMost(const far::CellComplex& base, int level, Offset maxCells) {
     return cells <= static_cast<double>(maxCells);
 }
 
-LevelSearch::Scope scopeFor(const far::CellComplex& base, int level, Offset pointCount) {
-    // If there are as many points as cells, leaving cells out saves nothing, and neighbouring
-    // groups would both refine the cells between them. But if rows of S are long, rows for all
-    // vertices of the level take too much memory.
-    const bool isWhole = hasAtMost(base, level, pointCount) &&
-                         stencils::compositionAbove(base) == stencils::Composition::FromBase;
-    return isWhole ? LevelSearch::Scope::Whole : LevelSearch::Scope::Parts;
+/// Returns true if points should be bound to the whole level, and not to the parts around them.
+///
+/// If there are as many points as cells, leaving cells out saves nothing, and neighbouring groups
+/// would both refine the cells between them. But if rows of S are long, rows for all vertices of
+/// the level take too much memory.
+bool needWholeLevel(const far::CellComplex& base, int level, Offset pointCount) {
+    return hasAtMost(base, level, pointCount) &&
+           stencils::compositionAbove(base) == stencils::Composition::FromBase;
 }
 
-/// Returns D or its factors.
-/// \param where a stencils::Levels or a WholeLevel
-template <class Table, class Where>
-Table rowsIn(const Where& where, const Embedding& embedding) {
+template <class Table>
+Table rowsIn(const stencils::Levels& levels, const Embedding& embedding) {
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
-        return buildDeformationTable(where, embedding);
+        return buildDeformationTable(levels, embedding);
     else
-        return buildFactoredTable(where, embedding);
+        return buildFactoredTable(levels, embedding);
 }
 
 template <class Table>
@@ -53,10 +54,7 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
         for (const LocatedPoint& point : located.embedding.points)
             part.statuses.push_back(point.status);
         part.largestResidual = located.embedding.largestResidual();
-        if (located.levels)
-            part.table = rowsIn<Table>(*located.levels, located.embedding);
-        else if (search.whole())
-            part.table = rowsIn<Table>(*search.whole(), located.embedding);
+        if (located.levels) part.table = rowsIn<Table>(*located.levels, located.embedding);
         part.baseVertices = std::move(located.baseVertices);
         parts.push_back(std::move(part));
     });
@@ -129,6 +127,76 @@ Offset groupSizeFor(int level, Offset pointCount) {
     return std::clamp(pointCount >> bits, kMin, level < 7 ? kMax : kMaxOnFineLevels);
 }
 
+/// Points in the whole level, without the level.
+struct PointsInLevel {
+    std::vector<PointStatus> statuses;
+    double largestResidual;
+    stencils::FactoredTable<double> factors;
+    stencils::RowOrder byBaseCell;
+};
+
+/// Locates points in the whole level.
+/// \param rest the positions of the lattice, in units
+/// \param points in units, each near the one before
+PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const Point3> rest,
+                                 std::span<const Point3> points, const BindingOptions& options) {
+    const int level = options.level;
+    refiner.refineUniform(level);
+    const auto embed = [&] {
+        const far::CellComplex& complex = refiner.level(level).complex;
+        const PointLocator locator(complex, stencils::refinePositions(refiner, level, rest),
+                                   CellSolver::scaleOf(rest, options.embedding.tolerance));
+        const bool seekNearest = options.embedding.outside == OutsidePolicy::Nearest;
+        return locatePoints<CellPlace>(
+            points, complex.count(0), OutsidePolicy::Keep, options.progress,
+            [&](const Point3& point, bool) { return locator.locate(point, seekNearest); });
+    };
+    const Embedding embedding = embed();
+    const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
+    PointsInLevel located{{},
+                          embedding.largestResidual(),
+                          buildFactoredTable(refiner, level, embedding),
+                          orderByBaseCell(embedding, origins.of(3), origins.count())};
+    located.statuses.reserve(points.size());
+    for (const LocatedPoint& point : embedding.points) located.statuses.push_back(point.status);
+    return located;
+}
+
+/// Makes D or its factors from factors whose points are in another order.
+/// \param order the points in the order of the factors
+void orderRows(stencils::FactoredTable<double> factors, const stencils::RowOrder&,
+               std::span<const Index> order, stencils::FactoredTable<double>& result) {
+    std::vector<Index> rowOf(order.size());
+    for (std::size_t row = 0; row < order.size(); ++row)
+        rowOf[order[row]] = static_cast<Index>(row);
+    result = {std::move(factors.vertices), stencils::selectRows<double>(factors.points, rowOf)};
+}
+void orderRows(const stencils::FactoredTable<double>& factors, const stencils::RowOrder& byCell,
+               std::span<const Index> order, stencils::StencilTable<double>& result) {
+    result = stencils::multiply(factors.points, factors.vertices, byCell, order);
+}
+
+/// Binds points to the whole level, all at once. The points are processed along a curve, but the
+/// rows of D are computed in their final place.
+/// \param rest the positions of the lattice, in units
+template <class Table>
+BindingResultOf<Table> bindToWholeLevel(const far::TopologyRefiner& base, const LengthUnit& unit,
+                                        std::span<const Point3> rest,
+                                        std::span<const Point3> points,
+                                        const BindingOptions& options) {
+    const std::vector<Index> order = alongCurve(points);
+    PointsInLevel located =
+        locateInWholeLevel(base, rest, unit.toUnits(chosenPoints(points, order)), options);
+    BindingResultOf<Table> model;
+    model.statuses.resize(points.size());
+    for (std::size_t i = 0; i < order.size(); ++i) model.statuses[order[i]] = located.statuses[i];
+    if (options.embedding.outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
+    model.largestResidual = unit.fromUnits(located.largestResidual);
+    orderRows(std::move(located.factors), located.byBaseCell, order, model.binding.table);
+    completeBinding(base, points, model.binding);
+    return model;
+}
+
 /// Binds points to D or to its factors.
 template <class Table>
 BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> points,
@@ -138,9 +206,10 @@ BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> 
     const LengthUnit unit(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
     const far::CellComplex& complex = lattice.base.level(0).complex;
-    auto search = std::make_shared<const LevelSearch>(
-        RestLattice{lattice.base, inUnits}, options.level, options.embedding,
-        scopeFor(complex, options.level, std::ssize(points)));
+    if (needWholeLevel(complex, options.level, std::ssize(points)))
+        return bindToWholeLevel<Table>(lattice.base, unit, inUnits, points, options);
+    auto search = std::make_shared<const LevelSearch>(RestLattice{lattice.base, inUnits},
+                                                      options.level, options.embedding);
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
             requireForRows(*search, unit, points, complex.count(0));

@@ -53,7 +53,9 @@ struct BindingOptions {
 /// the cells around them that their rules need. It processes points in groups of neighbours, and
 /// keeps only the rows of D of each group. So at any level it needs memory for D, for the base, and
 /// for one group per thread: it can bind a million points at level 8 of a thousand cells, although
-/// that level has 16 billion cells.
+/// that level has 16 billion cells. If the level has at most as many cells as there are points, and
+/// few columns in each row, the function refines the whole level, and needs memory for it, for W and
+/// for D.
 ///
 /// The tolerance is a fraction of the diagonal of the base lattice's bounding box.
 ///
@@ -70,7 +72,7 @@ ESPALIER_API BindingResult bindPoints(const RestLattice& lattice, std::span<cons
 
 /// Binds points to a level, and leaves D in its factors. Their product is the D of bindPoints(), up
 /// to rounding. The table may contain a vertex of the level several times, for points of different
-/// groups.
+/// groups, unless the level has at most as many cells as there are points.
 ///
 /// \cost the cost of bindPoints() without the product
 ESPALIER_API BindingResultOf<stencils::FactoredTable<double>> bindFactored(

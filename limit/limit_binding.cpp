@@ -63,7 +63,7 @@ stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t place
             if (weights[i - 1].vertex >= weights[i].vertex) return false;
         return true;
     };
-    return stencils::buildTableByChunks(static_cast<Index>(placeCount), vertexCount, {},
+    return stencils::buildTableByChunks(static_cast<Index>(placeCount), vertexCount,
                                         [&](Offset first, Offset last, stencils::RowList& rows) {
                                             stencils::RowAccumulator accumulator(vertexCount);
                                             for (Offset i = first; i < last; ++i) {

@@ -40,20 +40,12 @@ struct RowList {
     }
 };
 
-/// Builds a table in parallel: fill(first, last, rows) appends the rows order[first] to order[last
-/// − 1], or first to last − 1 if `order` is empty.
+/// Builds a table in parallel: fill(first, last, rows) appends the rows first to last − 1.
 ///
 /// The result does not depend on the number of threads. Needs twice the memory of the result.
-///
-/// \param order a permutation of the rows, or empty
 template <class Fill>
-StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
-                                        std::span<const Index> order, Fill fill) {
+StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount, Fill fill) {
     constexpr Offset kGrain = 4096;
-    const auto rowAt = [&](Offset position) {
-        return order.empty() ? static_cast<std::size_t>(position)
-                             : static_cast<std::size_t>(order[position]);
-    };
     std::vector<RowList> chunks((Offset{rowCount} + kGrain - 1) / kGrain);
     // First the length of each row, then their running sum.
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
@@ -62,13 +54,13 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
         RowList& chunk = chunks[first / kGrain];
         fill(first, last, chunk);
         Offset begin = 0;
-        for (Offset position = first; position < last; ++position) {
-            const Offset end = chunk.ends[position - first];
-            offsets[rowAt(position) + 1] = end - std::exchange(begin, end);
+        for (Offset row = first; row < last; ++row) {
+            const Offset end = chunk.ends[row - first];
+            offsets[static_cast<std::size_t>(row) + 1] = end - std::exchange(begin, end);
         }
     });
     for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
-    if (chunks.size() == 1 && order.empty()) {
+    if (chunks.size() == 1) {
         // The arrays become the table. Memory that they reserved too much is given back, unless it
         // is less than an eighth.
         RowList& all = chunks.front();
@@ -84,18 +76,10 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
                   "a table of " + std::to_string(offsets.back()) + " weights");
     Array<Index> columns(offsets.back());
     Array<double> weights(columns.size());
-    parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
+    parallelFor(rowCount, kGrain, [&](Offset first, Offset) {
         RowList& chunk = chunks[first / kGrain];
-        Offset begin = 0;
-        for (Offset position = first; position < last; ++position) {
-            const Offset end = chunk.ends[position - first];
-            const Offset to = offsets[rowAt(position)];
-            std::copy(chunk.columns.begin() + begin, chunk.columns.begin() + end,
-                      columns.begin() + to);
-            std::copy(chunk.weights.begin() + begin, chunk.weights.begin() + end,
-                      weights.begin() + to);
-            begin = end;
-        }
+        std::ranges::copy(chunk.columns, columns.begin() + offsets[first]);
+        std::ranges::copy(chunk.weights, weights.begin() + offsets[first]);
         chunk = {};
     });
     return StencilTable<double>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
@@ -190,16 +174,14 @@ private:
 template <class Fill>
 StencilTable<double> buildTable(Index rowCount, Index columnCount, Fill fill) {
     Pool<RowAccumulator> pool;
-    return buildTableByChunks(
-        rowCount, columnCount, {}, [&](Offset first, Offset last, RowList& rows) {
-            auto accumulator =
-                pool.take([&] { return std::make_unique<RowAccumulator>(columnCount); });
-            for (Offset row = first; row < last; ++row) {
-                fill(static_cast<Index>(row), *accumulator);
-                accumulator->flush(rows);
-            }
-            pool.giveBack(std::move(accumulator));
-        });
+    return buildTableByChunks(rowCount, columnCount, [&](Offset first, Offset last, RowList& rows) {
+        auto accumulator = pool.take([&] { return std::make_unique<RowAccumulator>(columnCount); });
+        for (Offset row = first; row < last; ++row) {
+            fill(static_cast<Index>(row), *accumulator);
+            accumulator->flush(rows);
+        }
+        pool.giveBack(std::move(accumulator));
+    });
 }
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/function_ref.h>
 #include <espalier/osd/kernels/kernels.h>
 
 #include <array>
@@ -33,13 +34,18 @@ struct OuterProduct {
 template <class Real>
 std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows);
 
-/// Computes the factors of a row: size[0] + size[1] + size[2] numbers, a then b then c.
+/// Computes the factors of rows: size[0] + size[1] + size[2] numbers for each row, a then b then c.
 ///
-/// \return false if the row is not such an outer product: a weight differs from its product by more
-///         than three times the precision of Real (plus the smallest normal number), or the largest
-///         weight is so small that this test would mean nothing
+/// \param positions for each weight of a row, its position among the columns of the outer product;
+///        the row has the weight 0 for other columns
+/// \param rows the weights of each row
+/// \param use use(i, factors) is called for each row in turn. There are no factors if row i is not
+///        such an outer product: a weight differs from its product by more than three times the
+///        precision of Real (plus the smallest normal number), or the largest weight is so small
+///        that this test would mean nothing
 template <class Real>
-bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
-                  std::span<Real> factors);
+void factorizeRows(const OuterProduct& product, std::span<const Index> positions,
+                   std::span<const std::span<const Real>> rows,
+                   FunctionRef<void(std::size_t, std::span<const Real>)> use);
 
 }  // namespace espalier::osd

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/array.h>
 #include <espalier/base/index.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
 #include <cstddef>
-#include <numeric>
 #include <span>
 #include <vector>
 
 #include "../kernels/scratch.h"
+#include "inverse_index.h"
 
 // The data of a compiled table, and the functions that make it.
 
@@ -51,8 +52,8 @@ struct CompiledRows {
         Index rowCount;
     };
     std::vector<Run> runs;
-    std::vector<Index> columns;
-    std::vector<Real> weights;
+    Array<Index> columns;
+    Array<Real> weights;
     std::vector<Index> rows;
 
     /// Memory in bytes.
@@ -73,35 +74,5 @@ CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table);
 template <class Real>
 stencils::StencilTable<Real> rowsOnly(const stencils::StencilTable<Real>& table,
                                       std::span<const Index> rows);
-
-/// An inverse index: for each column of a table, the places that refer to it, ascending. `Place` is
-/// any type in which the caller counts them.
-template <class Place>
-class InverseIndex {
-public:
-    /// \param forEach calls its argument with each pair of column and place, places ascending. It
-    ///        is called twice and must produce the same pairs both times
-    template <class ForEach>
-    InverseIndex(Index columnCount, ForEach forEach) : offsets_(columnCount + 1, 0) {
-        forEach([&](Index column, Place) { ++offsets_[column + 1]; });
-        std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-        places_.resize(offsets_.back());
-        std::vector<Offset> next(offsets_.begin(), offsets_.end() - 1);
-        forEach([&](Index column, Place place) { places_[next[column]++] = place; });
-    }
-
-    std::span<const Place> of(Index column) const {
-        return std::span(places_).subspan(offsets_[column],
-                                          offsets_[column + 1] - offsets_[column]);
-    }
-
-    std::size_t byteCount() const {
-        return offsets_.size() * sizeof(Offset) + places_.size() * sizeof(Place);
-    }
-
-private:
-    std::vector<Offset> offsets_;
-    std::vector<Place> places_;
-};
 
 }  // namespace espalier::osd

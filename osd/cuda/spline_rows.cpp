@@ -227,7 +227,7 @@ private:
     Offset append(const std::vector<std::array<Real, size>>& rows, std::size_t length) {
         constexpr std::size_t lanes = kLanes<Real>;
         const std::size_t first = numbers_.size();
-        numbers_.resize(first + (rows.size() + lanes - 1) / lanes * lanes * length);
+        numbers_.resize(first + (rows.size() + lanes - 1) / lanes * lanes * length, Real{0});
         for (std::size_t row = 0; row < rows.size(); ++row)
             for (std::size_t k = 0; k < length; ++k)
                 numbers_[first + (row / lanes * length + k) * lanes + row % lanes] = rows[row][k];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/array.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/kernels/kernels.h>
 
@@ -16,20 +17,29 @@
 
 namespace espalier::osd {
 
-/// Allocates memory aligned to 64 bytes, the size of the widest register.
+/// Allocates memory aligned to 64 bytes, the size of the widest register. Like the allocator of
+/// Array, it leaves new elements uninitialized unless they are given a value.
 template <class T>
-struct Aligned {
-    using value_type = T;
+struct Aligned : UninitializedAllocator<T> {
     static constexpr std::align_val_t kAlignment{64};
+    template <class U>
+    struct rebind {
+        using other = Aligned<U>;
+    };
 
     Aligned() = default;
     template <class U>
     Aligned(const Aligned<U>&) {}
     T* allocate(std::size_t count) {
+        // Large arrays are aligned to 2 MB.
+        if (count >= kLargeArray / sizeof(T)) return UninitializedAllocator<T>::allocate(count);
         return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
     }
-    void deallocate(T* values, std::size_t) { ::operator delete(values, kAlignment); }
-    friend bool operator==(const Aligned&, const Aligned&) { return true; }
+    void deallocate(T* values, std::size_t count) {
+        if (count >= kLargeArray / sizeof(T))
+            return UninitializedAllocator<T>::deallocate(values, count);
+        ::operator delete(values, kAlignment);
+    }
 };
 
 template <class T>

@@ -208,9 +208,28 @@ TEST(LocalBinding, ManyPointsInFewCells) {
                            4);
 }
 
+// Points are processed along a curve, but an error names the first point outside.
+TEST(LocalBinding, NamesTheFirstPointOutsideTheWholeLevel) {
+    const Lattice lattice = shapes::box({.cells = {1, 1, 1}});
+    std::vector<Point3> points;
+    for (int i = 0; i < 100; ++i) points.push_back({0.99 - 0.009 * i, 0.5, 0.5});
+    points[57] = {2, 2, 2};
+    points[80] = {-1, -1, -1};
+    BindingOptions options{.level = 1};
+    options.embedding.outside = OutsidePolicy::Error;
+    const TopologyRefiner base(lattice.complex);
+    EXPECT_THAT(messageOf<Error>([&] {
+                    bindPoints({base, lattice.positions}, points, options);
+                }),
+                HasSubstr("point 57 at (2, 2, 2) is outside"));
+    options.embedding.outside = OutsidePolicy::Keep;
+    EXPECT_THAT(bindPoints({base, lattice.positions}, points, options).binding.kept,
+                ElementsAre(57, 80));
+}
+
 TEST(LocalBinding, ReportsProgressOfEachPointOnce) {
     const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
-    // 20,000 points are two groups.
+    // 20,000 points are located in several chunks.
     const std::vector<Point3> points(20'000, Point3{0.1, 0.2, 0.3});
     std::atomic<Offset> largest = 0;
     bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,

@@ -239,6 +239,28 @@ std::optional<OuterProduct> find(const std::vector<std::vector<double>>& rows) {
     return findOuterProduct<double>(spans);
 }
 
+/// Returns the factors of each row; nothing for a row that is not an outer product.
+template <class Real>
+std::vector<std::vector<Real>> factorsOf(const OuterProduct& product,
+                                         const std::vector<std::vector<Real>>& rows) {
+    std::vector<Index> positions(product.order.size());
+    std::iota(positions.begin(), positions.end(), Index{0});
+    const std::vector<std::span<const Real>> spans(rows.begin(), rows.end());
+    std::vector<std::vector<Real>> all;
+    factorizeRows<Real>(product, positions, spans, [&](std::size_t i, std::span<const Real> own) {
+        EXPECT_EQ(i, all.size());
+        all.emplace_back(own.begin(), own.end());
+    });
+    return all;
+}
+
+template <class Real>
+bool isProduct(const OuterProduct& product, const std::vector<Real>& row) {
+    const auto factors = factorsOf<Real>(product, {row});
+    EXPECT_EQ(factors.size(), 1u);
+    return !factors.front().empty();
+}
+
 TEST(OuterProduct, IsFoundInAnyOrderOfTheColumns) {
     for (const auto& sides : std::vector<std::array<std::size_t, 3>>{
              {4, 4, 4}, {4, 4, 3}, {3, 3, 3}, {2, 2, 2}, {5, 2, 1}, {4, 4, 1}}) {
@@ -246,9 +268,7 @@ TEST(OuterProduct, IsFoundInAnyOrderOfTheColumns) {
         const auto found = find(products.rows);
         ASSERT_TRUE(found) << sides[0] << sides[1] << sides[2];
         EXPECT_TRUE(std::equal(sides.begin(), sides.end(), found->size.begin()));
-        std::vector<double> factors(sides[0] + sides[1] + sides[2]);
-        for (const auto& row : products.rows)
-            EXPECT_TRUE(factorizeRow<double>(*found, row, factors));
+        for (const auto& row : products.rows) EXPECT_TRUE(isProduct(*found, row));
     }
 }
 
@@ -266,14 +286,12 @@ TEST(OuterProduct, HasFactorsOfEitherSign) {
         }
     const auto found = find(products.rows);
     ASSERT_TRUE(found);
-    std::vector<double> factors(11);
-    for (const auto& row : products.rows) EXPECT_TRUE(factorizeRow<double>(*found, row, factors));
-    EXPECT_TRUE(factorizeRow<double>({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5},
-                                     std::span(factors).first(5)));
+    for (const auto& row : products.rows) EXPECT_TRUE(isProduct(*found, row));
+    EXPECT_TRUE(isProduct({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5}));
     // A row with one changed sign is not an outer product.
     auto wrong = products.rows[0];
     wrong[7] *= -1;
-    EXPECT_FALSE(factorizeRow<double>(*found, wrong, factors));
+    EXPECT_FALSE(isProduct(*found, wrong));
 }
 
 TEST(OuterProduct, IsNotFoundInOtherRows) {
@@ -283,10 +301,9 @@ TEST(OuterProduct, IsNotFoundInOtherRows) {
     const auto found = find(products.rows);
     ASSERT_TRUE(found);
     // One row is not an outer product, though the others are.
-    std::vector<double> factors(12);
     auto wrong = products.rows[3];
     wrong[17] *= 1 + 1e-14;
-    EXPECT_FALSE(factorizeRow<double>(*found, wrong, factors));
+    EXPECT_FALSE(isProduct(*found, wrong));
     for (auto& row : products.rows) row[17] *= 1.001;
     EXPECT_FALSE(find(products.rows));
     products = randomProducts({4, 4, 4}, 10);
@@ -294,7 +311,7 @@ TEST(OuterProduct, IsNotFoundInOtherRows) {
     products.rows[0][5] = 0;
     const auto others = find(products.rows);
     ASSERT_TRUE(others);
-    EXPECT_FALSE(factorizeRow<double>(*others, products.rows[0], factors));
+    EXPECT_FALSE(isProduct(*others, products.rows[0]));
     for (auto& row : products.rows) row[5] = 0;
     EXPECT_FALSE(find(products.rows));
     for (auto& row : products.rows) row[5] = -1;
@@ -306,14 +323,62 @@ TEST(OuterProduct, IsNotFoundInOtherRows) {
     EXPECT_FALSE(find(std::vector<std::vector<double>>(3, std::vector<double>(400, 0.0025))));
 }
 
+// Several rows are factorized at once. Each row must have the factors that it has alone, beside
+// rows of either sign, rows that are not products, and rows that lack columns.
+template <class Real>
+void expectRowsAlone() {
+    const Products products = randomProducts({4, 3, 2}, 11);
+    std::vector<std::vector<double>> samples = products.rows;
+    const auto found = find(samples);
+    ASSERT_TRUE(found);
+    std::vector<std::vector<Real>> rows;
+    for (const auto& row : products.rows) rows.emplace_back(row.begin(), row.end());
+    for (Real& weight : rows[2]) weight *= -1;
+    rows[5][3] *= Real(1.5);
+    rows[7][0] = std::numeric_limits<Real>::quiet_NaN();
+    rows[8][0] = std::numeric_limits<Real>::infinity();
+    const auto factors = factorsOf<Real>(*found, rows);
+    ASSERT_EQ(factors.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_EQ(factors[i], factorsOf<Real>(*found, {rows[i]}).front()) << i;
+        EXPECT_EQ(factors[i].empty(), i == 5 || i == 7 || i == 8) << i;
+        if (factors[i].empty()) continue;
+        // Each product of factors is within 3 ulp of its weight: see factorizeRows().
+        for (std::size_t at = 0; at < 24; ++at) {
+            const Real weight = rows[i][std::size_t(found->order[at])];
+            const Real expected =
+                factors[i][at % 4] * factors[i][4 + at / 4 % 3] * factors[i][7 + at / 12];
+            EXPECT_NEAR(expected, weight,
+                        5 * std::numeric_limits<Real>::epsilon() * std::abs(weight));
+        }
+    }
+    // Rows without the columns of the last plane: the rest has the same factors, and a 0.
+    std::vector<Index> positions(found->order.begin(), found->order.begin() + 12);
+    std::vector<std::vector<Real>> parts;
+    for (const auto& row : rows) {
+        parts.emplace_back();
+        for (const Index position : positions) parts.back().push_back(row[std::size_t(position)]);
+    }
+    const std::vector<std::span<const Real>> spans(parts.begin(), parts.end());
+    factorizeRows<Real>(*found, positions, spans, [&](std::size_t i, std::span<const Real> own) {
+        if (own.empty()) return;
+        EXPECT_EQ(own[7], 1) << i;
+        EXPECT_EQ(own[8], 0) << i;
+    });
+}
+
+TEST(OuterProduct, HasTheSameFactorsBesideOtherRows) {
+    expectRowsAlone<float>();
+    expectRowsAlone<double>();
+}
+
 // If nearly all weights are 0, products of factors have no accuracy, so the row is rejected.
 TEST(OuterProduct, RejectsRowsOfTinyWeights) {
     const OuterProduct product{{2, 2, 1}, {0, 1, 2, 3}};
-    std::vector<float> factors(5);
     const std::vector<float> tiny = {1e-38F, 3e-39F, 2e-39F, 1.1e-38F};
-    EXPECT_FALSE(factorizeRow<float>(product, tiny, factors));
+    EXPECT_FALSE(isProduct(product, tiny));
     const std::vector<float> one = {0.5F, 0.5F, 1e-39F, 1e-39F};
-    EXPECT_TRUE(factorizeRow<float>(product, one, factors));
+    EXPECT_TRUE(isProduct(product, one));
 }
 
 TEST(Simd, BestAndBaselineAreSupported) {
