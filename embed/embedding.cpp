@@ -2,6 +2,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/embed/place_points.h>
+#include <espalier/embed/point_location.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
