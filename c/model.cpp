@@ -3,6 +3,7 @@
 #include <espalier/base/lazy.h>
 #include <espalier/io/model.h>
 
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>

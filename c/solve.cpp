@@ -6,6 +6,7 @@
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>

@@ -54,8 +54,8 @@ struct BindingOptions {
 /// keeps only the rows of D of each group. So at any level it needs memory for D, for the base, and
 /// for one group per thread: it can bind a million points at level 8 of a thousand cells, although
 /// that level has 16 billion cells. If the level has at most as many cells as there are points, and
-/// few columns in each row, the function refines the whole level, and needs memory for it, for W and
-/// for D.
+/// few columns in each row, the function refines the whole level, and needs memory for it, for W
+/// and for D.
 ///
 /// The tolerance is a fraction of the diagonal of the base lattice's bounding box.
 ///

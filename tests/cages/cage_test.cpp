@@ -183,8 +183,8 @@ TEST(Cage, holdsFlatAndThinModels) {
     needle.points = {{0, 0, 0}, {3, 1, 2}};
     needle.addFace({0, 1});
     expectCage(cage(needle, {.vertices = 40}), needle, 40);
-    // Two points are in two voxels, however small the cells are. (Soup 351, a slow test, asks for 150
-    // vertices.)
+    // Two points are in two voxels, however small the cells are. (Soup 351, a slow test, asks for
+    // 150 vertices.)
     FaceModel twoPoints;
     twoPoints.points = {{0, 0, 0}, {3, 1, 2}};
     twoPoints.addFace({0});

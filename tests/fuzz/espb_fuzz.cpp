@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <bit>
+#include <cstring>
 
 #include "fuzz_target.h"
 #include "written.h"

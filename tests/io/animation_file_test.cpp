@@ -3,6 +3,8 @@
 #include <espalier/io/animations/animation_file.h>
 #include <io/model_files.h>
 
+#include <cstring>
+
 #include "support/test.h"
 
 namespace espalier::io {
