@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/embed/point_location.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>

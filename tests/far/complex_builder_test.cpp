@@ -79,9 +79,13 @@ TEST(ComplexBuilder, NumbersEntitiesInTheOrderOfTheirFirstAppearance) {
                         const auto [edge, isNewEdge] = edges.try_emplace(
                             {std::min(a, b), std::max(a, b)}, Index(edges.size()));
                         const auto ends = built.relation(1, 0)[edge->second];
-                        if (isNewEdge) EXPECT_EQ(ends[0], a);
+                        if (isNewEdge) {
+                            EXPECT_EQ(ends[0], a);
+                        }
                         EXPECT_EQ(ends[0] + ends[1], a + b);
-                        if (isNewFace) EXPECT_EQ(built.relation(2, 1)[face][i], edge->second);
+                        if (isNewFace) {
+                            EXPECT_EQ(built.relation(2, 1)[face][i], edge->second);
+                        }
                     }
                 }
             EXPECT_EQ(built.count(2), Index(faces.size()));
