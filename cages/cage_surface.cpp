@@ -292,7 +292,7 @@ private:
     Bins columns_;
 };
 
-/// What the box of a face contains: the hull of the face, or its four corners.
+/// A box is put around each face. It contains either the hull of the face or its four corners.
 enum class Enclosed { Hull, Corners };
 
 /// Groups of points that are not proved to be inside, and the faces that may be near them.

@@ -62,9 +62,9 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
 
 /// Adds the remaining data of a binding: the topology of the base, and the points without a place.
 template <class Table>
-void completeBinding(const far::TopologyRefiner& base, std::span<const Point3> points,
+void completeBinding(const far::CellComplex& base, std::span<const Point3> points,
                      BindingOf<Table>& binding) {
-    binding.topologyHash = far::topologyHash(base.level(0).complex);
+    binding.topologyHash = far::topologyHash(base);
     const auto& rows = pointRows(binding.table);
     for (Index i = 0; i < rows.rowCount(); ++i) {
         if (!rows.columns(i).empty()) continue;
@@ -116,7 +116,7 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
     if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
                model.binding.table);
-    completeBinding(base, points, model.binding);
+    completeBinding(base.level(0).complex, points, model.binding);
     return model;
 }
 

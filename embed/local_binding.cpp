@@ -193,7 +193,7 @@ BindingResultOf<Table> bindToWholeLevel(const far::TopologyRefiner& base, const 
     if (options.embedding.outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     model.largestResidual = unit.fromUnits(located.largestResidual);
     orderRows(std::move(located.factors), located.byBaseCell, order, model.binding.table);
-    completeBinding(base, points, model.binding);
+    completeBinding(base.level(0).complex, points, model.binding);
     return model;
 }
 

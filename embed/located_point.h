@@ -33,12 +33,13 @@ struct Located {
     double residual = 0;
 };
 
-/// The result of locating a point in a refined lattice. The residual is the rounding error of the
-/// solution: at most 1e-12 of the size of the lattice or of the point's distance from the origin,
-/// whichever is larger. For a point more than a few thousand cells away, it is the rounding error
-/// of the point's weights, 1e-15 of their size. If the nearest cell is too flat to solve for, a
-/// point within the tolerance gets the place nearest to it, and the residual is the distance to
-/// that place.
+/// The result of locating a point in a refined lattice.
+///
+/// The residual is the rounding error of the solution. It is at most 1e-12 of the size of the
+/// lattice, or of the point's distance from the origin if that distance is larger. A point more
+/// than a few thousand cells away has large weights, and the residual is 1e-15 of their size. A
+/// cell may be too flat to solve for: if such a cell is the nearest one, a point within the
+/// tolerance gets the place nearest to it, and the residual is the distance to that place.
 using LocatedPoint = Located<CellPlace>;
 
 }  // namespace espalier::embed

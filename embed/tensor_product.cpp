@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/embed/bind_groups.h>
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/tensor_product.h>
-#include <espalier/far/topology_match.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <Eigen/Geometry>
@@ -222,12 +222,7 @@ Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embeddi
                     std::to_string(embedding.points.size()) + " were embedded");
     Binding binding;
     binding.table = buildDeformationTable(lattice, embedding);
-    binding.topologyHash = far::topologyHash(lattice.complex());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (embedding.points[i].place) continue;
-        binding.kept.push_back(static_cast<Index>(i));
-        binding.keptAt.push_back(points[i]);
-    }
+    completeBinding(lattice.complex(), points, binding);
     return binding;
 }
 

@@ -98,9 +98,8 @@ ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
                                                                   const TensorEmbedding& embedding);
 
-/// Builds the binding of a model to a box lattice with Bézier or B-spline weights. (bindPoints()
-/// binds to a level of a subdivided lattice.)
-/// \param points those that were embedded
+/// Builds the binding of points to a box lattice from their places in it.
+/// \param points the points that were embedded
 /// \throws Error if the embedding has another number of points, or is in another lattice
 ESPALIER_API Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
                                  std::span<const Point3> points);

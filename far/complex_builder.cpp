@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/hash.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
@@ -160,13 +161,12 @@ private:
 
     /// The bucket does not depend on the order of the vertices.
     std::size_t bucketOf(std::span<const Index> vertices) const {
-        constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // 2^64 divided by the golden ratio
         std::uint64_t low = vertices[0], sum = 0;
         for (const Index vertex : vertices) {
             low = std::min(low, std::uint64_t(vertex));
             sum += vertex;
         }
-        const std::uint64_t hash = low + (sum - vertices.size() * low) * kSpread;
+        const std::uint64_t hash = low + (sum - vertices.size() * low) * kHashFactor;
         return static_cast<std::size_t>(hash) & (latest_.size() - 1);
     }
 
@@ -314,8 +314,8 @@ std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
 /// in cell → faces.
 std::vector<Tie> allTies(const CellComplex& lattice) {
     std::vector<Tie> ties;
-    // The edge, the loop, and whether the step runs against the edge, in one number for the speed
-    // of sorting.
+    // One number for each step of a loop, so that sorting is fast: the edge, the loop, and whether
+    // the step runs against the edge.
     std::vector<std::uint64_t> sides;
     const auto edgeOf = [](std::uint64_t side) { return side >> 32; };
     const auto loopOf = [](std::uint64_t side) {

@@ -2,6 +2,7 @@
 #include "valid_lattice.h"
 
 #include <espalier/base/disjoint_sets.h>
+#include <espalier/base/hash.h>
 #include <espalier/base/sort_unique.h>
 
 #include <algorithm>
@@ -35,8 +36,8 @@ public:
 
     /// Returns the value of a key; 0 at first.
     Index& operator[](Index key) {
-        constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // 2^64 divided by the golden ratio
-        auto at = static_cast<std::size_t>((static_cast<std::uint64_t>(key) * kSpread) >> shift_);
+        auto at =
+            static_cast<std::size_t>((static_cast<std::uint64_t>(key) * kHashFactor) >> shift_);
         while (slots_[at].round == round_ && slots_[at].key != key)
             at = (at + 1) & (slots_.size() - 1);
         if (slots_[at].round != round_) slots_[at] = {round_, key, 0};
@@ -54,16 +55,6 @@ private:
     int shift_ = 63;
 };
 
-/// Returns true if `check` returns true for each range of [0, count).
-template <class Check>
-bool holdsForAll(Index count, Check check) {
-    std::atomic<bool> holds = true;
-    parallelFor(count, 4096, [&](Offset first, Offset last) {
-        if (!check(static_cast<Index>(first), static_cast<Index>(last))) holds = false;
-    });
-    return holds;
-}
-
 /// Returns true if a relation has signs of ±1 and names all of `count` entities and no other.
 bool namesAll(const SignedIncidence& relation, Index count) {
     const auto isSign = [](std::int8_t sign) { return sign == 1 || sign == -1; };
@@ -76,22 +67,22 @@ bool namesAll(const SignedIncidence& relation, Index count) {
     return std::find(isNamed.begin(), isNamed.end(), false) == isNamed.end();
 }
 
-/// Returns true if an edge runs from its first vertex to another one, its second.
-bool isEdge(const SignedIncidence& ends, Index edge) {
-    return ends[edge].size() == 2 && ends[edge][0] != ends[edge][1] && ends.signs(edge)[0] == -1 &&
-           ends.signs(edge)[1] == 1;
-}
-
 /// Returns the vertex where a face enters (end 0) or leaves (end 1) an edge of its loop.
 Index vertexOf(const SignedIncidence& ends, Index edge, std::int8_t sign, int end) {
     return ends[edge][sign > 0 ? end : 1 - end];
 }
 
-/// Checks faces and cells, and reuses its memory.
+/// Checks edges, faces and cells, and reuses its memory.
 class LatticeCheck {
 public:
     explicit LatticeCheck(const CellComplex& complex)
         : ends_(complex.boundary(1)), edges_(complex.boundary(2)), faces_(complex.boundary(3)) {}
+
+    /// Returns true if an edge runs from its first vertex to another one, its second.
+    bool isEdge(Index edge) {
+        return ends_[edge].size() == 2 && ends_[edge][0] != ends_[edge][1] &&
+               ends_.signs(edge)[0] == -1 && ends_.signs(edge)[1] == 1;
+    }
 
     /// Returns true if a face is a loop of three or more different vertices.
     bool isLoop(Index face) {
@@ -160,6 +151,20 @@ private:
     DisjointSets pieces_{0};
 };
 
+/// Returns true if all entities of a dimension pass a check.
+bool allPass(const CellComplex& complex, int dimension, bool (LatticeCheck::*passes)(Index)) {
+    std::atomic<bool> allDo = true;
+    parallelFor(complex.count(dimension), 4096, [&](Offset first, Offset last) {
+        LatticeCheck check(complex);
+        for (; first < last; ++first)
+            if (!(check.*passes)(static_cast<Index>(first))) {
+                allDo = false;
+                return;
+            }
+    });
+    return allDo;
+}
+
 /// Returns true if each face has at most two cells, from opposite sides, and no two cells have the
 /// same faces.
 bool areCellsApart(const SignedIncidence& faces, Index faceCount) {
@@ -192,23 +197,9 @@ bool isValidLattice(const CellComplex& complex) {
     if (complex.dimension() != 3 || complex.count(0) < 0 || complex.count(3) == 0) return false;
     for (int d = 1; d <= 3; ++d)
         if (!namesAll(complex.boundary(d), complex.count(d - 1))) return false;
-    return holdsForAll(complex.count(1),
-                       [&](Index first, Index last) {
-                           while (first < last && isEdge(complex.boundary(1), first)) ++first;
-                           return first == last;
-                       }) &&
-           holdsForAll(complex.count(2),
-                       [&](Index first, Index last) {
-                           LatticeCheck check(complex);
-                           while (first < last && check.isLoop(first)) ++first;
-                           return first == last;
-                       }) &&
-           holdsForAll(complex.count(3),
-                       [&](Index first, Index last) {
-                           LatticeCheck check(complex);
-                           while (first < last && check.isSphere(first)) ++first;
-                           return first == last;
-                       }) &&
+    return allPass(complex, 1, &LatticeCheck::isEdge) &&
+           allPass(complex, 2, &LatticeCheck::isLoop) &&
+           allPass(complex, 3, &LatticeCheck::isSphere) &&
            areCellsApart(complex.boundary(3), complex.count(2));
 }
 

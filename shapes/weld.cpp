@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/bounding_box.h>
+#include <espalier/base/hash.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -58,7 +59,7 @@ private:
             // Odd multipliers spread neighbouring boxes over the table.
             std::uint64_t hash = 0;
             for (const std::int64_t coordinate : box)
-                hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * 0x9E3779B97F4A7C15U;
+                hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * kHashFactor;
             return hash ^ (hash >> 32U);
         }
     };

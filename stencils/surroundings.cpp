@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/hash.h>
 #include <espalier/stencils/surroundings.h>
 
 #include <cstdint>
@@ -9,7 +10,7 @@ namespace espalier::stencils {
 std::size_t Surroundings::Hash::operator()(const std::vector<Index>& numbers) const {
     std::uint64_t hash = numbers.size();
     for (const Index number : numbers)
-        hash = (hash ^ static_cast<std::uint32_t>(number)) * 0x9E3779B97F4A7C15U;
+        hash = (hash ^ static_cast<std::uint32_t>(number)) * kHashFactor;
     return static_cast<std::size_t>(hash ^ (hash >> 32));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/hash.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -20,8 +21,7 @@ std::uint64_t hashOf(std::span<const Number> numbers) {
     for (const Number number : numbers) {
         std::uint64_t bits = 0;
         std::memcpy(&bits, &number, sizeof(number));
-        hash = (hash ^ bits) * 0x9E3779B97F4A7C15U;
-        hash ^= hash >> 29;
+        hash = appendedHash(hash, bits);
     }
     return hash;
 }

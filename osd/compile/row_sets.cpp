@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/array.h>
+#include <espalier/base/hash.h>
 #include <espalier/base/parallel.h>
 
 #include <algorithm>
@@ -18,25 +19,20 @@ namespace {
 std::uint64_t maskOf(std::span<const Index> columns) {
     std::uint64_t mask = 0;
     for (const Index column : columns)
-        mask |=
-            std::uint64_t{1} << ((static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U) >> 58);
+        mask |= std::uint64_t{1} << ((static_cast<std::uint64_t>(column) * kHashFactor) >> 58);
     return mask;
 }
 
 /// Returns a hash of columns. Four sums at a time take a quarter of the time of one.
 std::uint64_t hashOfColumns(std::span<const Index> columns) {
-    constexpr std::uint64_t kFactor = 0x9E3779B97F4A7C15U;
-    const auto mix = [](std::uint64_t hash, std::uint64_t bits) {
-        hash = (hash ^ bits) * kFactor;
-        return hash ^ hash >> 29;
-    };
     std::array<std::uint64_t, 4> sums = {1, 2, 3, columns.size()};
     std::size_t i = 0;
     for (; i + sums.size() <= columns.size(); i += sums.size())
         for (std::size_t k = 0; k < sums.size(); ++k)
-            sums[k] = mix(sums[k], static_cast<std::uint64_t>(columns[i + k]));
-    for (; i < columns.size(); ++i) sums[0] = mix(sums[0], static_cast<std::uint64_t>(columns[i]));
-    return mix(mix(mix(sums[0], sums[1]), sums[2]), sums[3]);
+            sums[k] = appendedHash(sums[k], static_cast<std::uint64_t>(columns[i + k]));
+    for (; i < columns.size(); ++i)
+        sums[0] = appendedHash(sums[0], static_cast<std::uint64_t>(columns[i]));
+    return appendedHash(appendedHash(appendedHash(sums[0], sums[1]), sums[2]), sums[3]);
 }
 
 /// Groups the rows of a table by their columns: set → its rows. Sets are in the order of their

@@ -248,8 +248,8 @@ private:
     GroupList<Real> groups_;
     std::vector<Index> ungrouped_;  ///< rows that are in no group
 
-    // Of the current superset. Members, so that their memory is used again.
-    std::span<const Index> shared_;               ///< its columns
+    // addSuperset() works on these. They are members so that all supersets use the same memory.
+    std::span<const Index> shared_;               ///< columns of the superset
     std::vector<std::span<const Real>> weights_;  ///< of the rows of a set
     std::vector<Index> positions_;                ///< of the columns of a subset in shared_
     std::vector<Index> products_;                 ///< rows that are outer products
