@@ -8,6 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace espalier::limit {
@@ -30,6 +31,33 @@ bool hasSemiSharp(const far::Level& level, Index vertex) {
            std::any_of(edges.begin(), edges.end(), [&](Index edge) {
                return far::isSemiSharp(level.strata.sharpness({1, edge}));
            });
+}
+
+/// Returns the eigenvalues of a matrix, from its real Schur form T: T has the eigenvalues on its
+/// diagonal, and for a pair of conjugate ones a block of 2 × 2 there. (Eigen's EigenSolver also
+/// computes vectors. It takes seconds to compile even if no vectors are wanted.)
+std::vector<std::complex<double>> eigenvaluesOf(const Eigen::MatrixXd& matrix) {
+    using Eigen::MatrixXd;
+    const MatrixXd hessenberg = Eigen::HessenbergDecomposition<MatrixXd>(matrix).matrixH();
+    Eigen::RealSchur<MatrixXd> schur(matrix.rows());
+    schur.computeFromHessenberg(hessenberg, MatrixXd(), false);
+    if (schur.info() != Eigen::Success)
+        throw Error("the eigenvalues of a matrix of " + std::to_string(matrix.rows()) +
+                    " rows do not converge");
+    const MatrixXd& t = schur.matrixT();
+    std::vector<std::complex<double>> values;
+    for (Eigen::Index i = 0; i < t.rows(); ++i) {
+        if (i + 1 == t.rows() || t(i + 1, i) == 0) {
+            values.emplace_back(t(i, i));
+        } else {
+            const double half = (t(i, i) - t(i + 1, i + 1)) / 2, middle = t(i + 1, i + 1) + half;
+            const double imaginary = std::sqrt(std::abs(half * half + t(i + 1, i) * t(i, i + 1)));
+            values.emplace_back(middle, imaginary);
+            values.emplace_back(middle, -imaginary);
+            ++i;
+        }
+    }
+    return values;
 }
 
 /// A star that is refined around its vertex.
@@ -161,9 +189,7 @@ std::vector<std::complex<double>> eigenvalues(const VertexRing& ring) {
                     std::to_string(ring.subdivision.rows()) +
                     " points; eigenvalues are computed of at most " +
                     std::to_string(kMaxEigenvalues));
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(ring.subdivision), false);
-    std::vector<std::complex<double>> values(solver.eigenvalues().begin(),
-                                             solver.eigenvalues().end());
+    std::vector<std::complex<double>> values = eigenvaluesOf(Eigen::MatrixXd(ring.subdivision));
     std::stable_sort(values.begin(), values.end(),
                      [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
     return values;

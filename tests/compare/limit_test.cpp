@@ -5,13 +5,13 @@
 #include <opensubdiv/far/primvarRefiner.h>
 
 #include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 
 #include "compare/level_match.h"
 #include "compare/open_subdiv_refiner.h"
 #include "compare/shapes.h"
 #include "support/named_polyhedra.h"
 #include "support/tables.h"
+#include "support/tangent_weights.h"
 #include "support/test.h"
 
 namespace espalier::compare {
@@ -65,18 +65,10 @@ Eigen::Vector3d normalAt(const far::Level& level, const limit::VertexRing& ring,
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
         if (level.strata.smoothStratum(ring.entities[i]) == 2) onSurface.push_back(Eigen::Index(i));
     const Eigen::MatrixXd whole(ring.subdivision);
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(whole(onSurface, onSurface).transpose());
-    std::vector<Eigen::Index> order(onSurface.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = Eigen::Index(i);
-    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-        return solver.eigenvalues()[a].real() > solver.eigenvalues()[b].real();
-    });
     const Eigen::MatrixXd first = firstRing(ring, positions)(onSurface, Eigen::all);
-    const auto tangent = [&](std::size_t i) {
-        return Eigen::Vector3d(
-            (solver.eigenvectors().col(order[i]).real().transpose() * first).transpose());
-    };
-    return tangent(1).cross(tangent(2)).normalized();
+    const Eigen::MatrixXd tangents =
+        tangentWeights(whole(onSurface, onSurface)).transpose() * first;
+    return Eigen::Vector3d(tangents.row(0)).cross(Eigen::Vector3d(tangents.row(1))).normalized();
 }
 
 /// Returns the direction of a crease: its two points in the ring are on either side of the vertex,

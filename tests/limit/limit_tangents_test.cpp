@@ -5,13 +5,13 @@
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"
 #include "support/tables.h"
+#include "support/tangent_weights.h"
 #include "support/test.h"
 #include "support/zoo.h"
 
@@ -83,21 +83,8 @@ Matrix3d gradientOnAxis(const Lattice& lattice, Index vertex, const std::vector<
     const far::Level& level = refiner.level(0);
     const VertexRing ring = ringOf(level, refiner.options(), vertex);
     const Eigen::MatrixXd m = Eigen::MatrixXd(ring.subdivision).transpose();
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(m);
-    std::vector<Eigen::Index> order(std::size_t(m.rows()));
-    std::iota(order.begin(), order.end(), Eigen::Index{0});
-    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-        return std::abs(solver.eigenvalues()[a]) > std::abs(solver.eigenvalues()[b]);
-    });
-    EXPECT_NEAR(std::abs(solver.eigenvalues()[order[1]] - solver.eigenvalues()[order[2]]), 0,
-                1e-12);
     Eigen::MatrixXd functionals(m.rows(), 3);
-    // The two may come as a complex conjugate pair.
-    const Eigen::VectorXcd first = solver.eigenvectors().col(order[1]);
-    const bool isPair = first.imag().norm() > 1e-6;
-    functionals.col(0) = first.real();
-    functionals.col(1) = isPair ? Eigen::VectorXd(first.imag())
-                                : Eigen::VectorXd(solver.eigenvectors().col(order[2]).real());
+    functionals.leftCols(2) = tangentWeights(m.transpose());
     Eigen::VectorXd along = Eigen::VectorXd::Zero(m.rows());
     const auto heightOf = [&](Index v) { return lattice.positions[v][2]; };
     for (std::size_t i = 0; i < ring.entities.size(); ++i) {
