@@ -8,6 +8,21 @@ else()
   set(ESPALIER_SOVERSION ${PROJECT_VERSION_MAJOR})
 endif()
 
+# A preset may take the libraries of ESPALIER_PREBUILT from the build folder ESPALIER_PREBUILT_IN, instead of
+# compiling them too. They are brought up to date there first.
+if(ESPALIER_PREBUILT)
+  if(NOT EXISTS ${ESPALIER_PREBUILT_IN}/build.ninja)
+    cmake_path(GET ESPALIER_PREBUILT_IN FILENAME preset)
+    message(FATAL_ERROR "${ESPALIER_PREBUILT_IN} is missing: run scripts/build ${preset} first")
+  endif()
+  set(names ${ESPALIER_PREBUILT})
+  list(TRANSFORM names PREPEND espalier_)
+  list(TRANSFORM ESPALIER_PREBUILT REPLACE "(.+)" "${ESPALIER_PREBUILT_IN}/\\1/libespalier_\\1.a"
+       OUTPUT_VARIABLE files)
+  add_custom_target(espalier_prebuilt COMMAND ${CMAKE_COMMAND} --build ${ESPALIER_PREBUILT_IN} --target ${names}
+                    BYPRODUCTS ${files} VERBATIM)
+endif()
+
 # espalier_library(NAME [FOLDER name] SOURCES ... HEADERS ... DEPENDS ...)
 #
 # Adds the library of a folder, which is one component of the package: espalier_NAME, with the alias
@@ -20,6 +35,10 @@ function(espalier_library name)
   set(target espalier_${name})
   if(NOT arg_FOLDER)
     set(arg_FOLDER ${name})
+  endif()
+  if(name IN_LIST ESPALIER_PREBUILT)
+    set(arg_SOURCES ${PROJECT_BINARY_DIR}/empty.cpp)
+    file(CONFIGURE OUTPUT ${arg_SOURCES} CONTENT "")
   endif()
   add_library(${target} ${arg_SOURCES})
   add_library(espalier::${name} ALIAS ${target})
@@ -50,8 +69,14 @@ function(espalier_library name)
   espalier_compile_options(${target})
   # Results must not depend on whether a processor can fuse products. Only the kernels of osd allow it.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
-  if(name IN_LIST ESPALIER_UNSANITIZED)  # a preset's choice: compiling with sanitizers takes twice as long
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize=all>)
+  if(name IN_LIST ESPALIER_PREBUILT)
+    add_library(${target}_prebuilt STATIC IMPORTED GLOBAL)
+    set_target_properties(${target}_prebuilt PROPERTIES
+      IMPORTED_LOCATION ${ESPALIER_PREBUILT_IN}/${name}/lib${target}.a)
+    list(TRANSFORM arg_DEPENDS PREPEND espalier:: OUTPUT_VARIABLE dependencies)
+    target_link_libraries(${target}_prebuilt INTERFACE ${dependencies})
+    target_link_libraries(${target} PUBLIC ${target}_prebuilt)
+    add_dependencies(${target}_prebuilt espalier_prebuilt)
   endif()
   if(name IN_LIST ESPALIER_UNOPTIMIZED)  # a preset's choice: optimizing takes longer than it saves in the tests
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)

@@ -3,13 +3,15 @@
 // compared with what the program makes from the same files.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { EspalierError, isCancelled, load, SHARP } from "../../../out/espalier-npm/espalier.js";
 import { program, root } from "../program.mjs";
 
+const library = join(root, "out/espalier-npm/espalier.js");
+assert.ok(existsSync(library), `${library} is missing: run scripts/web first`);
+const { EspalierError, isCancelled, load, SHARP } = await import(library);
 const espalier = await load();
 const bytesOf = (text) => new TextEncoder().encode(text);
 const textOf = (bytes) => new TextDecoder().decode(bytes);

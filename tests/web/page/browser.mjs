@@ -5,10 +5,10 @@ import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
 
 const path = (relative) => fileURLToPath(new URL(relative, import.meta.url));
+export const pageFile = path("../../../out/espalier.html");
+if (!existsSync(pageFile)) throw new Error(`${pageFile} is missing: run scripts/web first`);
 const require = createRequire(path("../../../web/package.json"));
 const { chromium } = require("playwright-core");
-
-export const pageFile = path("../../../out/espalier.html");
 
 const kFlags =
   "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking " +
@@ -16,7 +16,6 @@ const kFlags =
   "--enable-unsafe-swiftshader";
 
 export function openBrowser() {
-  if (!existsSync(pageFile)) throw new Error(`${pageFile} is missing: run scripts/web`);
   return chromium.launch({ executablePath: "/usr/bin/chromium", args: kFlags.split(" ") });
 }
 
