@@ -133,8 +133,11 @@ struct Loops {
 /// vertices are numbered row by row, successive searches look at memory that is near.
 class Numbering {
 public:
-    explicit Numbering(Index vertexCount)
-        : latest_(std::bit_ceil(static_cast<std::size_t>(vertexCount) + 1), kNone) {}
+    /// \param expected the most numbers that are to be expected; more are allowed
+    Numbering(Index vertexCount, Offset expected)
+        : latest_(std::bit_ceil(static_cast<std::size_t>(vertexCount) + 1), kNone) {
+        before_.reserve(expected);
+    }
 
     /// Returns the number of a list; count() before the call if the list is new.
     /// \param isEqual called with numbers; returns true for the number of this list
@@ -241,9 +244,13 @@ struct Edges {
     Edges(Index vertexCount, const Loops& loops, std::span<const Index> faces) {
         RowStarts starts;
         for (const Index face : faces) starts.append(static_cast<Index>(loops[face].size()));
+        const Offset stepCount = starts[starts.rowCount()];
         SignedArrays edgeEnds, faceEdges;
-        faceEdges.reserve(starts[starts.rowCount()]);
-        Numbering edges(vertexCount);
+        faceEdges.reserve(stepCount);
+        // In most complexes at least two faces share an edge. Memory that is reserved and not used
+        // costs nothing, while a growing array is copied, and exists twice meanwhile.
+        edgeEnds.reserve(stepCount);
+        Numbering edges(vertexCount, stepCount / 2);
         for (const Index face : faces) {
             const auto loop = loops[face];
             const std::vector<bool> areSeparate = separateSteps(loop);
@@ -372,7 +379,8 @@ CellComplex latticeOf(Index vertexCount, const Loops& loops, const RowStarts& ce
     SignedArrays cellFaces;
     cellFaces.reserve(loops.count());
     {
-        Numbering faces(vertexCount);
+        firstLoops.reserve(loops.count());
+        Numbering faces(vertexCount, loops.count());
         for (Index loop = 0; loop < loops.count(); ++loop) {
             int direction = 1;
             const Index face = faces.find(loops[loop], [&](Index known) {
