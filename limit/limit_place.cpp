@@ -93,6 +93,18 @@ std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Ord
     return weights;
 }
 
+/// Returns the weights of the position or of a first derivative.
+std::vector<embed::VertexWeight> edgeWeights(const EdgePlace& place, const Orders& orders) {
+    if (orders != kPosition)
+        return place.rows->directions[std::find(kFirst.begin(), kFirst.end(), orders) -
+                                      kFirst.begin()];
+    std::vector<embed::VertexWeight> weights = place.rows->position;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (place.offset[axis] != 0)
+            add(weights, place.offset[axis], place.rows->directions[axis]);
+    return weights;
+}
+
 }  // namespace
 
 std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const Index> cells) {
@@ -147,11 +159,11 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
         vertices_.insert(vertices_.end(), corners.begin(), corners.end());
     };
     for (std::size_t i = 0; i < places.size(); ++i) {
+        if (const auto* inCell = std::get_if<embed::CellPlace>(&places[i].where))
+            blend(level_.complex.relation(3, 0)[inCell->cell.value]);
         const auto* place = std::get_if<FramePlace>(&places[i].where);
-        if (!place) {
-            blend(level_.complex.relation(
-                3, 0)[std::get<embed::CellPlace>(places[i].where).cell.value]);
-        } else if (place->isBlended) {
+        if (!place) continue;
+        if (place->isBlended) {
             blend(place->frame.corners);
         } else {
             const auto [known, isNew] =
@@ -165,25 +177,27 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
 }
 
 std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders) const {
-    const auto* place = std::get_if<FramePlace>(&places_[i].where);
-    if (!place)
-        return inLimits(
-            slope(level_.complex, std::get<embed::CellPlace>(places_[i].where), orders));
-    if (place->isBlended) return inLimits(blendWeights(*place, orders));
-    const Eigen::Vector3d uvw(place->uvw.data());
-    auto weights = patch(i)->weights(uvw, orders);
+    if (const auto* inCell = std::get_if<embed::CellPlace>(&places_[i].where))
+        return inLimits(slope(level_.complex, *inCell, orders));
+    if (const auto* onEdge = std::get_if<EdgePlace>(&places_[i].where))
+        return edgeWeights(*onEdge, orders);
+    const FramePlace& place = std::get<FramePlace>(places_[i].where);
+    if (place.isBlended) return inLimits(blendWeights(place, orders));
+    const TricubicPatch& patch = patches_[patchOf_[i]];
+    const Eigen::Vector3d uvw(place.uvw.data());
+    auto weights = patch.weights(uvw, orders);
     if (orders == kPosition)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            if (place->offset[axis] != 0)
-                add(weights, place->offset[axis], patch(i)->weights(uvw, kFirst[axis]));
+            if (place.offset[axis] != 0)
+                add(weights, place.offset[axis], patch.weights(uvw, kFirst[axis]));
     return weights;
 }
 
 stencils::StencilTable<double> PlaceRows::tangents() const {
     std::vector<CellCorner> corners;
-    std::vector<Index> cornerOf(places_.size());  // Used where there is no patch.
+    std::vector<Index> cornerOf(places_.size());  // Used in blends.
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        if (patch(i)) continue;
+        if (!isBlended(i)) continue;
         cornerOf[i] = static_cast<Index>(corners.size());
         corners.push_back(nearestCorner(i));
     }
@@ -194,7 +208,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const auto i = static_cast<std::size_t>(row / 3);
             const auto axis = static_cast<std::size_t>(row % 3);
-            if (patch(i)) {
+            if (!isBlended(i)) {
                 for (const auto& [vertex, weight] : weights(i, kFirst[axis]))
                     accumulator.add(vertex, weight);
                 accumulator.makeSumZero();

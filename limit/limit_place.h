@@ -6,10 +6,12 @@
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
+#include <memory>
 #include <span>
 #include <variant>
 #include <vector>
 
+#include "layered_edge.h"
 #include "limit_tangents.h"
 #include "tricubic_patch.h"
 
@@ -25,11 +27,19 @@ struct FramePlace {
     bool isBlended = false;  ///< the limits of the corners are blended; else the cell is regular
 };
 
-/// A place in a cell of a level. A FramePlace is in a hexahedron. A CellPlace is in a cell of any
-/// type, with the meaning it has in a level, except that the vertices are at their limits.
+/// A place on a layered edge. `offset`, in the directions of the rows, continues from there along
+/// the tangent.
+struct EdgePlace {
+    std::shared_ptr<const EdgeRows> rows;
+    std::array<double, 3> offset = {};
+};
+
+/// A place in a cell or on an edge of a level. A FramePlace is in a hexahedron. A CellPlace is in a
+/// cell of any type, with the meaning it has in a level, except that the vertices are at their
+/// limits.
 struct LimitPlace {
     int level = 0;
-    std::variant<FramePlace, embed::CellPlace> where;
+    std::variant<FramePlace, embed::CellPlace, EdgePlace> where;
 };
 
 /// Orders of a derivative by u, v and w, each 0, 1 or 2. All 0 is the position.
@@ -70,22 +80,25 @@ public:
     PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places);
 
     /// Returns a derivative at place i. An offset of the place continues the position along the
-    /// tangent; it does not change derivatives. Second derivatives exist for a FramePlace only. In
-    /// a blend, second derivatives by the same coordinate twice are 0.
+    /// tangent; it does not change derivatives. On an edge, the first derivatives are the
+    /// directions of the edge's rows. Second derivatives exist for a FramePlace only. In a blend,
+    /// second derivatives by the same coordinate twice are 0.
     std::vector<embed::VertexWeight> weights(std::size_t i, const Orders& orders) const;
 
     /// Rows 3i to 3i + 2 give three directions of the limit at place i. They sum to 0. In a regular
-    /// cell they are the derivatives by u, v and w. In a blend, they are the directions in which
-    /// the edges of the cell leave the vertex that has the largest weight (see
+    /// cell and on an edge they are the first derivatives. In a blend, they are the directions in
+    /// which the edges of the cell leave the vertex that has the largest weight (see
     /// buildTangentTable()).
     stencils::StencilTable<double> tangents() const;
 
 private:
     CellCorner nearestCorner(std::size_t i) const;
     std::vector<embed::VertexWeight> inLimits(std::span<const embed::VertexWeight> weights) const;
-    /// Returns the patch of place i; null if the place is in a blend.
-    const TricubicPatch* patch(std::size_t i) const {
-        return patchOf_[i] == kMaxIndex ? nullptr : &patches_[patchOf_[i]];
+    /// Returns true if limits of vertices are blended at place i.
+    bool isBlended(std::size_t i) const {
+        const auto* place = std::get_if<FramePlace>(&places_[i].where);
+        return place ? place->isBlended
+                     : std::holds_alternative<embed::CellPlace>(places_[i].where);
     }
 
     const stencils::Levels& levels_;
@@ -93,7 +106,7 @@ private:
     const far::Level& level_;
     std::span<const LimitPlace> places_;
     std::vector<TricubicPatch> patches_;     ///< one for each regular cell
-    std::vector<Index> patchOf_;             ///< for each place; kMaxIndex for a blend
+    std::vector<Index> patchOf_;             ///< for each place; kMaxIndex if it has none
     std::vector<Index> vertices_;            ///< vertices whose limits are known, ascending
     stencils::StencilTable<double> limits_;  ///< a row for each of `vertices_`
 };

@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
 
 #include "patch_solver.h"
 
@@ -55,7 +57,9 @@ public:
     ///        its error is within the tolerance in both cases
     Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought,
           int& blendLevel)
-        : level_(descent.levels.finestLevel()),
+        : search_(search),
+          level_(descent.levels.finestLevel()),
+          vertices_(descent.levels.finestPositions()),
           positions_(descent.levels.finestPositions().begin(),
                      descent.levels.finestPositions().end()) {
         const auto& cells = descent.candidates.cells;
@@ -74,6 +78,7 @@ public:
             frames_[i] = *embed::frameOf(level_.complex, cells[i]);
             patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
         }
+        if (sought == embed::Sought::Containing) findIrregularEdges(cells);
         isBlended_.assign(cells.size(), 0);
         if (level > 0 && (level >= blendLevel || sought == embed::Sought::Nearest))
             findBlended(search, descent, blendLevel);
@@ -94,7 +99,76 @@ public:
     /// \pre isBlended() is true for some candidate
     const embed::CellSolver& blend() const { return *blend_; }
 
+    /// Returns the place on a layered edge of candidate i that a point is at, within the tolerance.
+    /// Knows the edges of cells that are sought for containing a point.
+    std::optional<EdgePlace> onEdge(std::size_t i, const Vector3d& point) {
+        for (Offset k = edgeStarts_[i]; k < edgeStarts_[i + 1]; ++k) {
+            const IrregularEdge& edge = edges_[k];
+            if (!edge.isNear(point)) continue;
+            const auto [known, isNew] = layeredEdges_.try_emplace(edge.edge);
+            std::optional<LayeredEdge>& layered = known->second;
+            if (isNew) layered = layeredEdge(edge.edge);
+            if (!layered) continue;
+            const auto at = layered->refinement->find(layered->points, point,
+                                                      search_.tolerance_ * search_.scale_.size);
+            if (at)
+                return EdgePlace{std::make_shared<const EdgeRows>(
+                    layered->refinement->rowsAt(layered->layers, *at))};
+        }
+        return std::nullopt;
+    }
+
 private:
+    /// An edge inside the lattice with other than four cells around it.
+    struct IrregularEdge {
+        Index edge;
+        Vector3d from, along;
+
+        /// True if the limit of the edge may pass through a point. May miss edges whose limit is
+        /// farther from the edge than a fraction of its length; the edges of further levels are
+        /// nearer to their limits.
+        bool isNear(const Vector3d& point) const {
+            constexpr double kNear = 0.25;
+            const Vector3d to = point - from;
+            const double square = along.squaredNorm();
+            const double at = std::clamp(to.dot(along) / square, 0.0, 1.0);
+            return (to - at * along).squaredNorm() <= kNear * kNear * square;
+        }
+    };
+
+    /// An edge with its surroundings.
+    struct LayeredEdge {
+        const EdgeRefinement* refinement;
+        std::vector<Index> layers;
+        EdgeRefinement::ControlPoints points;
+    };
+
+    void findIrregularEdges(std::span<const Index> cells) {
+        const far::CellComplex& complex = level_.complex;
+        const far::Incidence &edgesOf = complex.relation(3, 1), &cellsOf = complex.relation(1, 3);
+        edgeStarts_.push_back(0);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (!patches_[i])
+                for (const Index edge : edgesOf[cells[i]]) {
+                    if (cellsOf[edge].size() == 4 || level_.strata.of({1, edge}) != 3) continue;
+                    const auto ends = complex.relation(1, 0)[edge];
+                    const Vector3d from(vertices_[ends[0]].data());
+                    edges_.push_back({edge, from, Vector3d(vertices_[ends[1]].data()) - from});
+                }
+            edgeStarts_.push_back(std::ssize(edges_));
+        }
+    }
+
+    std::optional<LayeredEdge> layeredEdge(Index edge) const {
+        auto layers = layersAround(level_, edge);
+        if (!layers) return std::nullopt;
+        const auto* refinement = search_.refinements_.of(
+            static_cast<Index>(level_.complex.relation(1, 3)[edge].size()));
+        if (!refinement) return std::nullopt;
+        const auto points = refinement->controlPoints(*layers, vertices_);
+        return LayeredEdge{refinement, std::move(*layers), points};
+    }
+
     /// Distance from a cell, in diagonals of the cell, beyond which a blend is used. At this
     /// distance the nearest place of the blend is wrong by about 1/8 of the cell's size squared.
     /// Precision is lost only at thousands of cell sizes.
@@ -151,20 +225,28 @@ private:
         return shortest;
     }
 
+    const LimitSearch& search_;
     const far::Level& level_;
+    std::span<const Point3> vertices_;
     std::vector<Point3> positions_;  ///< vertices; corners of blended cells are at their limits
     std::vector<std::optional<PatchSolver>> patches_;
     std::vector<embed::CellFrame> frames_;
     std::vector<std::uint8_t> isBlended_;
     std::vector<Eigen::AlignedBox3d> boxes_;  ///< contain the candidates, in the limit
     std::optional<embed::CellSolver> blend_;
+    /// The irregular edges of candidate i are edges_[edgeStarts_[i]] to edges_[edgeStarts_[i + 1] −
+    /// 1].
+    std::vector<Offset> edgeStarts_;
+    std::vector<IrregularEdge> edges_;
+    std::map<Index, std::optional<LayeredEdge>> layeredEdges_;  ///< edges that a point is near
 };
 
 LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options)
     : tolerance_(options.tolerance),
       seekNearest_(options.embedding.outside == embed::OutsidePolicy::Nearest),
       scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
-      descent_(lattice, scale_) {}
+      descent_(lattice, scale_),
+      refinements_(lattice.base.rules()) {}
 
 /// Refines around the candidates until none is left, or up to a level.
 /// \param settle is called on each level: settle(found, cells) removes the candidates that need no
@@ -177,7 +259,8 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     found.points.assign(points.size(), {embed::PointStatus::Outside, {}, 0, 0});
     int blendLevel = levelsToShrink(1, tolerance_);
     for (;;) {
-        settle(found, Cells(*this, found.descent, sought, blendLevel));
+        Cells cells(*this, found.descent, sought, blendLevel);
+        settle(found, cells);
         if (found.descent.candidates.cells.empty() || found.descent.levels.finest() == maxLevel)
             return found;
         limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
@@ -193,7 +276,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                                     std::vector<Index>& deep) const {
     const int maxLevel = points.size() > kMaxDeepPoints ? kDeepLevel : kNoMaxLevel;
     auto result = search(
-        points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, const Cells& cells) {
+        points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
@@ -211,6 +294,14 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                         return false;
                     }
                     return answer == PatchSolver::Answer::Undecided && level < kMaxLevelOfPatches;
+                }
+                if (const auto place = cells.onEdge(i, point)) {
+                    const Continued there =
+                        continued({level, *place}, found.descent.levels, point);
+                    if (there.isSettled) {
+                        located = {embed::PointStatus::Inside, there.place, 0, there.residual};
+                        return false;
+                    }
                 }
                 if (!cells.isBlended(i)) return true;
                 const Index cell = found.descent.candidates.cells[i];
@@ -288,7 +379,7 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
     auto result = search(
-        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, const Cells& cells) {
+        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);
@@ -323,14 +414,14 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
         LocatedInLimit& located = result.points[p];
         // There is no cell within the width of a gap.
         if (!located.place && !seekNearest_) continue;
-        located = continued(located, result.descent.levels, Vector3d(points[p].data()));
+        located = carried(located, result.descent.levels, Vector3d(points[p].data()));
     }
     return result;
 }
 
 /// Continues the nearest place of a point along the tangent, up to the point.
-LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
-                                      const Vector3d& point) const {
+LocatedInLimit LimitSearch::carried(const LocatedInLimit& nearest, const stencils::Levels& levels,
+                                    const Vector3d& point) const {
     if (!nearest.place) return {embed::PointStatus::NotConverged, {}, 0, 0};
     const double distance = nearest.distance;
     // The point is in the gap between a patch and a blended cell, or on the boundary within
@@ -339,7 +430,14 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const stenc
     const embed::PointStatus status =
         isInside ? embed::PointStatus::Inside : embed::PointStatus::Outside;
     if (!isInside && !seekNearest_) return {status, {}, distance, 0};
-    LimitPlace place = *nearest.place;
+    const Continued there = continued(*nearest.place, levels, point);
+    if (!there.isSettled && !isInside) return {embed::PointStatus::NotConverged, {}, distance, 0};
+    return {status, there.place, distance, there.residual};
+}
+
+/// Continues a place along the tangent, up to a point.
+LimitSearch::Continued LimitSearch::continued(LimitPlace place, const stencils::Levels& levels,
+                                              const Vector3d& point) const {
     const PlaceRows rows(levels, place.level, {&place, 1});
     const auto sum = [&](const Orders& orders) {
         return embed::weightedSum(rows.weights(0, orders), [&](Index vertex) {
@@ -353,19 +451,18 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const stenc
     Eigen::Matrix3d jacobian;
     for (std::size_t axis = 0; axis < 3; ++axis)
         jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]).sum;
-    const auto continued =
+    const auto continuation =
         embed::continueTo(point, jacobian, scale_.size, [&](const Vector3d& offset) {
             setOffset(offset);
             return sum(kPosition);
         });
-    if (continued) {
-        setOffset(continued->offset);
-        if (embed::isSettled(continued->position, point, scale_.size))
-            return {status, place, distance, (continued->position.sum - point).norm()};
+    if (continuation) {
+        setOffset(continuation->offset);
+        if (embed::isSettled(continuation->position, point, scale_.size))
+            return {place, (continuation->position.sum - point).norm(), true};
     }
-    if (!isInside) return {embed::PointStatus::NotConverged, {}, distance, 0};
     setOffset(Vector3d::Zero());
-    return {embed::PointStatus::Inside, place, distance, (sum(kPosition).sum - point).norm()};
+    return {place, (sum(kPosition).sum - point).norm(), false};
 }
 
 }  // namespace espalier::limit

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "layered_edge.h"
 #include "limit_place.h"
 
 namespace espalier::limit {
@@ -62,13 +63,23 @@ private:
     template <class Settle>
     FoundPoints search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
                        Settle settle) const;
-    LocatedInLimit continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
-                             const Eigen::Vector3d& point) const;
+    LocatedInLimit carried(const LocatedInLimit& nearest, const stencils::Levels& levels,
+                           const Eigen::Vector3d& point) const;
+
+    /// A place with the offset that leads to a point along the tangent.
+    struct Continued {
+        LimitPlace place;
+        double residual;  ///< distance of the position from the point
+        bool isSettled;   ///< false if no offset leads to the point; the offset is then 0
+    };
+    Continued continued(LimitPlace place, const stencils::Levels& levels,
+                        const Eigen::Vector3d& point) const;
 
     double tolerance_;  ///< LimitOptions::tolerance
     bool seekNearest_;
     embed::CellSolver::Scale scale_;
     embed::PointDescent descent_;
+    EdgeRefinements refinements_;
 };
 
 }  // namespace espalier::limit
