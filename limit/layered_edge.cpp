@@ -32,8 +32,8 @@ Index layerSize(Index cellCount) {
 }
 
 /// Returns true if the cells around an edge continue beyond one of its ends: n hexahedra around the
-/// edge and n around another edge are all cells at this vertex. Then all rules around the vertex are
-/// the rules for the interior.
+/// edge and n around another edge are all cells at this vertex. Then all rules around the vertex
+/// are the rules for the interior.
 bool isContinued(const far::Level& level, Index edge, Index vertex) {
     const far::CellComplex& complex = level.complex;
     const auto around = complex.relation(1, 3)[edge];
@@ -139,7 +139,8 @@ far::CellComplex layersOfCells(Index cellCount) {
     return builder.build();
 }
 
-/// Returns the entity of a dimension that contains some vertices.
+/// Returns the entity of a dimension that contains some vertices. Searches the entities of the
+/// first vertex.
 Entity entityWith(const far::CellComplex& complex, int dimension, std::span<const Index> vertices) {
     for (const Index index : complex.relation(0, dimension)[vertices[0]]) {
         const auto own = complex.relation(dimension, 0)[index];
@@ -163,12 +164,13 @@ stencils::StencilTable<double> refinedLayers(far::Rules rules, Index cellCount) 
     for (Index half = 1; half <= 5; ++half)
         for (Index i = 0; i < size; ++i) {
             // Even numbers of halves are layers of the parent; the others are between two of them.
-            std::vector<Index> parents = {0};
+            std::vector<Index> parents;
             if (i > 0) parents.push_back(i);
             if (kindOf(i) == 2) parents.insert(parents.end(), {i - 1, 1 + i % (2 * cellCount)});
+            parents.push_back(0);
             for (Index& vertex : parents) vertex += half / 2 * size;
-            if (half % 2 == 1)
-                for (std::size_t k = parents.size(); k-- > 0;) parents.push_back(parents[k] + size);
+            const std::size_t count = half % 2 == 1 ? parents.size() : 0;
+            for (std::size_t k = 0; k < count; ++k) parents.push_back(parents[k] + size);
             const Entity parent = entityWith(complex, kindOf(i) + half % 2, parents);
             children.push_back(levels.refiner().refinement(1).childOf({parent, parent})->index);
         }
@@ -212,29 +214,29 @@ std::optional<Eigen::Matrix<double, 15, 12>> actionOn(const Wave& wave,
     return action;
 }
 
-/// Returns the angle of vertex i of a layer, 1 or above, around the axis.
-double angleOf(Index i, Index cellCount) {
-    return (i - 1) * std::numbers::pi / cellCount;
-}
-
 }  // namespace
 
-std::optional<EdgeRefinement> EdgeRefinement::make(far::Rules rules, Index cellCount) {
-    const auto rows = refinedLayers(rules, cellCount);
-    const Index size = layerSize(cellCount);
-    Wave cosine(size, 0.0), sine(size, 0.0);
-    for (Index i = 1; i < size; ++i) {
-        cosine[i] = std::cos(angleOf(i, cellCount));
-        sine[i] = std::sin(angleOf(i, cellCount));
+EdgeRefinement::EdgeRefinement(Index cellCount)
+    : cellCount_(cellCount), cosines_{0.0}, sines_{0.0} {
+    for (Index i = 1; i < layerSize(cellCount); ++i) {
+        const double angle = (i - 1) * std::numbers::pi / cellCount;
+        cosines_.push_back(std::cos(angle));
+        sines_.push_back(std::sin(angle));
     }
-    const auto averages = actionOn(Wave(size, 1.0), rows), waves = actionOn(cosine, rows),
-               others = actionOn(sine, rows);
+}
+
+std::optional<EdgeRefinement> EdgeRefinement::make(far::Rules rules, Index cellCount) {
+    EdgeRefinement result(cellCount);
+    const auto rows = refinedLayers(rules, cellCount);
+    const auto averages = actionOn(Wave(result.cosines_.size(), 1.0), rows),
+               cosines = actionOn(result.cosines_, rows), sines = actionOn(result.sines_, rows);
     // Below this difference the two actions are equal up to rounding.
     constexpr double kRounding = 1e-12;
-    if (!averages || !waves || !others ||
-        (*waves - *others).lpNorm<Eigen::Infinity>() > kRounding)
+    if (!averages || !cosines || !sines ||
+        (*cosines - *sines).lpNorm<Eigen::Infinity>() > kRounding)
         return std::nullopt;
-    EdgeRefinement result(cellCount, *averages, *waves);
+    result.averages_ = *averages;
+    result.waves_ = *cosines;
     Vertex middle = Vertex::Zero(), upwards = Vertex::Zero(), outwards = Vertex::Zero();
     middle[kKindCount] = 1;
     upwards[2 * kKindCount] = 1;
@@ -261,8 +263,8 @@ std::optional<EdgeRefinement::Vertex> EdgeRefinement::leading(const Refinement& 
     for (int step = 0; step < kMaxSteps && change > kSettled; ++step) {
         Vertex next = weights * refinement.topLeftCorner<9, 9>();
         // Rounding must not add the other parity, which may shrink more slowly.
-        const Vertex reversed = (Vertex() << next.tail<3>(), next.segment<3>(3), next.head<3>())
-                                    .finished();
+        const Vertex reversed =
+            (Vertex() << next.tail<3>(), next.segment<3>(3), next.head<3>()).finished();
         next = (next + parity * reversed).normalized();
         change = (next - weights).norm();
         weights = next;
@@ -300,7 +302,8 @@ std::optional<double> EdgeRefinement::find(ControlPoints edge, const Vector3d& p
             if (away > distance) return std::nullopt;
             return low + at * width;
         }
-        const Eigen::Matrix<double, 15, 3> halves = averages_ * edge;
+        // The general product is slower for matrices of this size.
+        const Eigen::Matrix<double, 15, 3> halves = averages_.lazyProduct(edge);
         const Vector3d middle = limit_ * halves.middleRows<9>(kKindCount);
         const bool isHigh = middle.dot(chord) < 0;
         edge = halves.middleRows<12>(isHigh ? kKindCount : 0);
@@ -323,9 +326,9 @@ EdgeRows EdgeRefinement::rowsAt(std::span<const Index> layers, double at) const 
     across.segment<9>(nearest) = across_;
     for (std::size_t k = isHigh.size(); k-- > 0;) {
         const Index first = isHigh[k] ? kKindCount : 0;
-        position = (position * averages_.middleRows<12>(first)).eval();
-        along = (along * averages_.middleRows<12>(first)).eval();
-        across = (across * waves_.middleRows<12>(first)).eval();
+        position = position.lazyProduct(averages_.middleRows<12>(first)).eval();
+        along = along.lazyProduct(averages_.middleRows<12>(first)).eval();
+        across = across.lazyProduct(waves_.middleRows<12>(first)).eval();
         // The rounding of the sum would not shrink with the weights.
         along[kKindCount] -= along.sum();
     }
@@ -340,9 +343,8 @@ EdgeRows EdgeRefinement::rowsAt(std::span<const Index> layers, double at) const 
             rows.position.push_back({vertex, share * position[number]});
             rows.directions[0].push_back({vertex, share * along[number]});
             if (i == 0) continue;
-            const double angle = angleOf(i, cellCount_);
-            rows.directions[1].push_back({vertex, share * across[number] * std::cos(angle)});
-            rows.directions[2].push_back({vertex, share * across[number] * std::sin(angle)});
+            rows.directions[1].push_back({vertex, share * across[number] * cosines_[i]});
+            rows.directions[2].push_back({vertex, share * across[number] * sines_[i]});
         }
     return rows;
 }

@@ -79,17 +79,18 @@ private:
     using Vertex = Eigen::Matrix<double, 1, 9>;        ///< over three layers
     using Refinement = Eigen::Matrix<double, 15, 12>;  ///< gives five layers, half as far apart
 
-    EdgeRefinement(Index cellCount, Refinement averages, Refinement waves)
-        : cellCount_(cellCount), averages_(std::move(averages)), waves_(std::move(waves)) {}
+    explicit EdgeRefinement(Index cellCount);
 
-    static std::optional<Vertex> leading(const Refinement& refinement, Vertex weights, double parity);
+    static std::optional<Vertex> leading(const Refinement& refinement, Vertex weights,
+                                         double parity);
 
     Index cellCount_;
-    Refinement averages_;  ///< of the averages
-    Refinement waves_;     ///< of the first Fourier coefficients
-    Vertex limit_;         ///< weights of the averages in the limit of the vertex of the middle layer
-    Vertex along_;         ///< and in its derivative along the edge
-    Vertex across_;        ///< weights of the coefficients in its derivative across the edge
+    std::vector<double> cosines_, sines_;  ///< the first waves around the axis, for a layer
+    Refinement averages_;                  ///< of the averages
+    Refinement waves_;                     ///< of the first Fourier coefficients
+    Vertex limit_;   ///< weights of the averages in the limit of the vertex of the middle layer
+    Vertex along_;   ///< and in its derivative along the edge
+    Vertex across_;  ///< weights of the coefficients in its derivative across the edge
 };
 
 /// The refinements of layered edges under one set of rules, made on first use. Any number of

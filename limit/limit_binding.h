@@ -16,9 +16,10 @@
 //
 // Types: a VertexRing holds a vertex with its neighbours; the left eigenvector of its subdivision
 // matrix gives the limit of the vertex. A TricubicPatch is the limit of a regular cell. LimitSearch
-// finds points. A LimitTable is D with its gradients.
+// finds points, on irregular edges by an EdgeRefinement. A LimitTable is D with its gradients.
 //
-// Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header and limit_search.h.
+// Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header, limit_search.h and
+// layered_edge.h.
 //
 // Notation: F = ∂x'/∂X is the deformation gradient; X is the rest pose, x' the deformed one.
 namespace espalier::limit {
@@ -31,7 +32,8 @@ struct LimitOptions {
 
     /// Largest size of a blended cell, as a fraction of the size of the base. Cells at irregular
     /// features are refined until their corners are at most this far apart in any pose; then the
-    /// exact limits of their corners are blended. 1e-14 to 1e-1.
+    /// exact limits of their corners are blended. A point within this distance of the limit of an
+    /// irregular edge gets a place on the edge. 1e-14 to 1e-1.
     double tolerance = kLimitTolerance;
 
     /// Makes LimitTable::gradients. Points are then placed with a tolerance of at most 1e-12,
@@ -70,6 +72,12 @@ struct LimitTable {
 /// vertices are blended in the way a level blends its vertices. D has rows of 64 entries in regular
 /// regions, the same as the D of a level.
 ///
+/// A point on an irregular edge needs no further levels if the cells around the edge continue
+/// beyond both of its ends: its weights follow from repeated halving of the edge. A point within
+/// the tolerance of the limit of the edge follows the tangent there. The gradient at the point
+/// differs from the gradient on the edge by a power of their distance; so the error is smaller than
+/// the distance, times the change of the gradient.
+///
 /// Statuses have the meaning that they have for a level. A point outside that is carried follows
 /// the tangent at the nearest place. A point in the gap between a patch and a blended cell counts
 /// as inside; the gap is narrower than the tolerance.
@@ -77,9 +85,10 @@ struct LimitTable {
 /// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
 ///         around which the levels would take all memory; for a tolerance that is out of range; and
 ///         under Rules::Rats
-/// \cost O(points · entries of D per point); near an irregular feature times the logarithm of the
-///       distance to it, about 0.8 ms per level. In parallel; the result does not depend on the
-///       number of threads. A few points at a time are taken to fine levels, with 15 MB for each
+/// \cost O(points · entries of D per point); on an irregular edge 20 µs per point, and beside it or
+///       near an irregular vertex times the logarithm of the distance to it, about 0.8 ms per
+///       level. In parallel; the result does not depend on the number of threads. A few points at a
+///       time are taken to fine levels, with 15 MB for each
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (the limit replaces their trilinear cells)
 ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                                           std::span<const Point3> points,

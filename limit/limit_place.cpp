@@ -96,12 +96,11 @@ std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Ord
 /// Returns the weights of the position or of a first derivative.
 std::vector<embed::VertexWeight> edgeWeights(const EdgePlace& place, const Orders& orders) {
     if (orders != kPosition)
-        return place.rows->directions[std::find(kFirst.begin(), kFirst.end(), orders) -
-                                      kFirst.begin()];
+        return place.rows
+            ->directions[std::find(kFirst.begin(), kFirst.end(), orders) - kFirst.begin()];
     std::vector<embed::VertexWeight> weights = place.rows->position;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        if (place.offset[axis] != 0)
-            add(weights, place.offset[axis], place.rows->directions[axis]);
+        if (place.offset[axis] != 0) add(weights, place.offset[axis], place.rows->directions[axis]);
     return weights;
 }
 

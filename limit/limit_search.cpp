@@ -12,9 +12,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
+#include <utility>
 
+#include "edge_search.h"
 #include "patch_solver.h"
 
 namespace espalier::limit {
@@ -57,11 +58,11 @@ public:
     ///        its error is within the tolerance in both cases
     Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought,
           int& blendLevel)
-        : search_(search),
-          level_(descent.levels.finestLevel()),
-          vertices_(descent.levels.finestPositions()),
+        : level_(descent.levels.finestLevel()),
           positions_(descent.levels.finestPositions().begin(),
-                     descent.levels.finestPositions().end()) {
+                     descent.levels.finestPositions().end()),
+          edges_(level_, descent.levels.finestPositions(), search.refinements_,
+                 search.tolerance_ * search.scale_.size) {
         const auto& cells = descent.candidates.cells;
         const int level = descent.levels.finest();
         patches_.resize(cells.size());
@@ -78,7 +79,9 @@ public:
             frames_[i] = *embed::frameOf(level_.complex, cells[i]);
             patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
         }
-        if (sought == embed::Sought::Containing) findIrregularEdges(cells);
+        if (sought == embed::Sought::Containing)
+            for (std::size_t i = 0; i < cells.size(); ++i)
+                if (!patches_[i]) edges_.add(i, cells[i]);
         isBlended_.assign(cells.size(), 0);
         if (level > 0 && (level >= blendLevel || sought == embed::Sought::Nearest))
             findBlended(search, descent, blendLevel);
@@ -99,76 +102,13 @@ public:
     /// \pre isBlended() is true for some candidate
     const embed::CellSolver& blend() const { return *blend_; }
 
-    /// Returns the place on a layered edge of candidate i that a point is at, within the tolerance.
-    /// Knows the edges of cells that are sought for containing a point.
-    std::optional<EdgePlace> onEdge(std::size_t i, const Vector3d& point) {
-        for (Offset k = edgeStarts_[i]; k < edgeStarts_[i + 1]; ++k) {
-            const IrregularEdge& edge = edges_[k];
-            if (!edge.isNear(point)) continue;
-            const auto [known, isNew] = layeredEdges_.try_emplace(edge.edge);
-            std::optional<LayeredEdge>& layered = known->second;
-            if (isNew) layered = layeredEdge(edge.edge);
-            if (!layered) continue;
-            const auto at = layered->refinement->find(layered->points, point,
-                                                      search_.tolerance_ * search_.scale_.size);
-            if (at)
-                return EdgePlace{std::make_shared<const EdgeRows>(
-                    layered->refinement->rowsAt(layered->layers, *at))};
-        }
-        return std::nullopt;
+    /// Returns the place on the limit of an irregular edge of candidate i that a point is at. Null
+    /// if there is none, and if the nearest cell is sought.
+    std::shared_ptr<const EdgeRows> onEdge(std::size_t i, const Vector3d& point) {
+        return edges_.find(i, point);
     }
 
 private:
-    /// An edge inside the lattice with other than four cells around it.
-    struct IrregularEdge {
-        Index edge;
-        Vector3d from, along;
-
-        /// True if the limit of the edge may pass through a point. May miss edges whose limit is
-        /// farther from the edge than a fraction of its length; the edges of further levels are
-        /// nearer to their limits.
-        bool isNear(const Vector3d& point) const {
-            constexpr double kNear = 0.25;
-            const Vector3d to = point - from;
-            const double square = along.squaredNorm();
-            const double at = std::clamp(to.dot(along) / square, 0.0, 1.0);
-            return (to - at * along).squaredNorm() <= kNear * kNear * square;
-        }
-    };
-
-    /// An edge with its surroundings.
-    struct LayeredEdge {
-        const EdgeRefinement* refinement;
-        std::vector<Index> layers;
-        EdgeRefinement::ControlPoints points;
-    };
-
-    void findIrregularEdges(std::span<const Index> cells) {
-        const far::CellComplex& complex = level_.complex;
-        const far::Incidence &edgesOf = complex.relation(3, 1), &cellsOf = complex.relation(1, 3);
-        edgeStarts_.push_back(0);
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (!patches_[i])
-                for (const Index edge : edgesOf[cells[i]]) {
-                    if (cellsOf[edge].size() == 4 || level_.strata.of({1, edge}) != 3) continue;
-                    const auto ends = complex.relation(1, 0)[edge];
-                    const Vector3d from(vertices_[ends[0]].data());
-                    edges_.push_back({edge, from, Vector3d(vertices_[ends[1]].data()) - from});
-                }
-            edgeStarts_.push_back(std::ssize(edges_));
-        }
-    }
-
-    std::optional<LayeredEdge> layeredEdge(Index edge) const {
-        auto layers = layersAround(level_, edge);
-        if (!layers) return std::nullopt;
-        const auto* refinement = search_.refinements_.of(
-            static_cast<Index>(level_.complex.relation(1, 3)[edge].size()));
-        if (!refinement) return std::nullopt;
-        const auto points = refinement->controlPoints(*layers, vertices_);
-        return LayeredEdge{refinement, std::move(*layers), points};
-    }
-
     /// Distance from a cell, in diagonals of the cell, beyond which a blend is used. At this
     /// distance the nearest place of the blend is wrong by about 1/8 of the cell's size squared.
     /// Precision is lost only at thousands of cell sizes.
@@ -225,20 +165,14 @@ private:
         return shortest;
     }
 
-    const LimitSearch& search_;
     const far::Level& level_;
-    std::span<const Point3> vertices_;
     std::vector<Point3> positions_;  ///< vertices; corners of blended cells are at their limits
     std::vector<std::optional<PatchSolver>> patches_;
     std::vector<embed::CellFrame> frames_;
     std::vector<std::uint8_t> isBlended_;
     std::vector<Eigen::AlignedBox3d> boxes_;  ///< contain the candidates, in the limit
     std::optional<embed::CellSolver> blend_;
-    /// The irregular edges of candidate i are edges_[edgeStarts_[i]] to edges_[edgeStarts_[i + 1] −
-    /// 1].
-    std::vector<Offset> edgeStarts_;
-    std::vector<IrregularEdge> edges_;
-    std::map<Index, std::optional<LayeredEdge>> layeredEdges_;  ///< edges that a point is near
+    EdgeSearch edges_;
 };
 
 LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options)
@@ -275,8 +209,8 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
 FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
                                     std::vector<Index>& deep) const {
     const int maxLevel = points.size() > kMaxDeepPoints ? kDeepLevel : kNoMaxLevel;
-    auto result = search(
-        points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, Cells& cells) {
+    auto result =
+        search(points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
@@ -295,9 +229,9 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                     }
                     return answer == PatchSolver::Answer::Undecided && level < kMaxLevelOfPatches;
                 }
-                if (const auto place = cells.onEdge(i, point)) {
-                    const Continued there =
-                        continued({level, *place}, found.descent.levels, point);
+                if (auto rows = cells.onEdge(i, point)) {
+                    const Continued there = continued({level, EdgePlace{std::move(rows), {}}},
+                                                      found.descent.levels, point);
                     if (there.isSettled) {
                         located = {embed::PointStatus::Inside, there.place, 0, there.residual};
                         return false;
@@ -378,8 +312,8 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
     // If points outside are kept in place, only points in gaps matter here.
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
-    auto result = search(
-        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
+    auto result =
+        search(points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);

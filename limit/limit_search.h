@@ -26,8 +26,9 @@ struct FoundPoints {
 };
 
 /// Finds points in the limit volume, level by level. In a regular cell it solves for the place in
-/// the tricubic polynomial. At irregular features it searches small cells in the way a level is
-/// searched, with the vertices at their limits. Any number of threads may use one search at once.
+/// the tricubic polynomial. On irregular edges it halves the edge. At other irregular features it
+/// searches small cells in the way a level is searched, with the vertices at their limits. Any
+/// number of threads may use one search at once.
 /// All lengths are in units of the lattice (LengthUnit).
 class LimitSearch {
 public:
@@ -36,10 +37,11 @@ public:
 
     /// Finds the points that are inside a cell. A point in several cells, as on a face between two,
     /// belongs to the cell of the lowest level, and among these to the cell of the lowest number.
+    /// A point within the tolerance of a layered edge belongs to the edge.
     /// May miss points in strongly bent cells, which reach far beyond their corners.
     /// \param unsettled gets the points that were not found and may be found by findNearest()
-    /// \param deep gets the points that need many more levels, as on irregular edges, if there are
-    ///        more than kMaxDeepPoints. They are to be sought again, in groups of this size: their
+    /// \param deep gets the points that need many more levels, as beside irregular edges, if there
+    ///        are more than kMaxDeepPoints. They are to be sought again, in groups of this size: their
     ///        levels have no cells in common, and take 15 MB for each point
     FoundPoints findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
                            std::vector<Index>& deep) const;
