@@ -61,8 +61,8 @@ public:
             }
         }
         ASSERT_FALSE(locations.empty());
-        // The reference refines to cells of this size, whose limits it blends.
-        const auto rows = buildLimitStencils(refiner, 1, locations, {.tolerance = 1e-12}).position;
+        // The reference blends cells of this size, which bend by a power of 1.6 of their size.
+        const auto rows = buildLimitStencils(refiner, 1, locations, {.tolerance = 1e-10}).position;
         const auto rest = times(rows, lattice.positions), posed = times(rows, pose);
         for (Eigen::Index i = 0; i < rest.rows(); ++i) {
             points.push_back(toPoint(rest.row(i).transpose()));

@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "limit/limit_tangents.h"
+#include "support/sanitizers.h"
 #include "support/tables.h"
 #include "support/test.h"
 
@@ -59,6 +60,7 @@ Vector3d sum(std::span<const embed::VertexWeight> weights, const std::vector<Poi
 TEST(LayeredEdge, PositionsAreTheLimitsOfRefinement) {
     for (const Rules rules : kRules)
         for (const Index sectors : {3, 5, 7, 12}) {
+            if (sectors != 5 && (kIsSlow || rules != Rules::Siggraph96)) continue;
             const Axis axis(sectors, rules);
             ASSERT_FALSE(axis.layers.empty()) << sectors;
             const auto refinement = EdgeRefinement::make(rules, sectors);
@@ -81,16 +83,15 @@ TEST(LayeredEdge, PositionsAreTheLimitsOfRefinement) {
                 locations.push_back(location);
             }
             const auto pose = shaken(axis.lattice.positions, 5);
-            const auto expected =
-                times(buildLimitStencils(axis.refiner, 1, locations, {.tolerance = 1e-12}).position,
-                      pose);
+            const auto expected = times(
+                buildLimitStencils(axis.refiner, 1, locations, {.tolerance = 1e-9}).position, pose);
             for (std::size_t i = 0; i < places.size(); ++i) {
                 const auto rows = refinement->rowsAt(axis.layers, places[i]);
-                // The reference blends cells of 1e-12.
+                // The reference blends cells of 1e-9, which bend by a power of 1.6 of their size.
                 EXPECT_LT((sum(rows.position, axis.positions(pose)) -
                            expected.row(Eigen::Index(i)).transpose())
                               .norm(),
-                          2e-12)
+                          1e-13)
                     << sectors << " sectors, at " << places[i];
             }
         }
