@@ -19,7 +19,8 @@ using Eigen::Vector3d;
 constexpr Index kLayerCount = 4;
 constexpr Index kKindCount = 3;
 
-/// Number of times that an edge is halved: then it is too short for doubles to tell its ends apart.
+/// Number of times that an edge is halved. Its parts are then hardly longer than the rounding of
+/// coordinates.
 constexpr int kHalvings = 48;
 
 /// Kind of vertex i of a layer: 0 on the axis, 1 and 2 in turn on the ring.

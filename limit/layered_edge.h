@@ -41,10 +41,10 @@ struct EdgeRows {
     std::array<std::vector<embed::VertexWeight>, 3> directions;
 };
 
-/// Returns the four layers of vertices around an edge, each as the vertex on the axis, then the
-/// ring; nothing if the edge is not layered. Even vertices of the ring (the first, the third) are
-/// joined to the vertex on the axis by an edge. The order depends on the order of the entities, not
-/// on their numbers.
+/// Returns the four layers of vertices around an edge, from its first end to its second one;
+/// nothing if the edge is not layered. A layer has the vertex on the axis, then the ring, which
+/// starts with a vertex that an edge joins to the vertex on the axis. The order depends on the
+/// order of the entities, not on their numbers.
 /// \param level has all cells that contain an end of the edge
 std::optional<std::vector<Index>> layersAround(const far::Level& level, Index edge);
 

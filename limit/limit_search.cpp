@@ -102,8 +102,8 @@ public:
     /// \pre isBlended() is true for some candidate
     const embed::CellSolver& blend() const { return *blend_; }
 
-    /// Returns the place on the limit of an irregular edge of candidate i that a point is at. Null
-    /// if there is none, and if the nearest cell is sought.
+    /// Returns the rows of a point on the limit of an irregular edge of candidate i: see
+    /// EdgeSearch::find(). Null if the nearest cell is sought.
     std::shared_ptr<const EdgeRows> onEdge(std::size_t i, const Vector3d& point) {
         return edges_.find(i, point);
     }

@@ -41,8 +41,8 @@ public:
     /// May miss points in strongly bent cells, which reach far beyond their corners.
     /// \param unsettled gets the points that were not found and may be found by findNearest()
     /// \param deep gets the points that need many more levels, as beside irregular edges, if there
-    ///        are more than kMaxDeepPoints. They are to be sought again, in groups of this size: their
-    ///        levels have no cells in common, and take 15 MB for each point
+    ///        are more than kMaxDeepPoints. They are to be sought again, in groups of this size:
+    ///        their levels have no cells in common, and take 15 MB for each point
     FoundPoints findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
                            std::vector<Index>& deep) const;
 
