@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "limit/limit_search.h"
+#include "support/refined_lattice.h"
 #include "support/sanitizers.h"
 #include "support/tables.h"
 #include "support/test.h"

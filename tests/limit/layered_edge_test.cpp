@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "limit/limit_tangents.h"
+#include "support/refined_lattice.h"
 #include "support/sanitizers.h"
 #include "support/tables.h"
 #include "support/test.h"
