@@ -101,7 +101,7 @@ std::optional<std::vector<Index>> layersAround(const far::Level& level, Index ed
         const auto before = embed::neighbourOf(complex, frame, axis, first >> axis & 1);
         const auto after = embed::neighbourOf(complex, frame, axis, ~first >> axis & 1);
         if (!before || !after) return std::nullopt;
-        const auto put = [&](Index layer, const embed::CellFrame& from, std::size_t corner) {
+        const auto put = [&](Offset layer, const embed::CellFrame& from, std::size_t corner) {
             Index* row = layers.data() + layer * size;
             row[0] = from.corners[corner];
             row[1 + 2 * k] = from.corners[corner ^ enterBit];
@@ -162,7 +162,7 @@ stencils::StencilTable<double> refinedLayers(far::Rules rules, Index cellCount) 
     levels.refineAround(all, far::TopologyRefiner::Extent::Cells);
     const Index size = layerSize(cellCount);
     std::vector<Index> children;
-    for (Index half = 1; half <= 5; ++half)
+    for (Index half = 1; half <= 5; ++half) {
         for (Index i = 0; i < size; ++i) {
             // Even numbers of halves are layers of the parent; the others are between two of them.
             std::vector<Index> parents;
@@ -175,6 +175,7 @@ stencils::StencilTable<double> refinedLayers(far::Rules rules, Index cellCount) 
             const Entity parent = entityWith(complex, kindOf(i) + half % 2, parents);
             children.push_back(levels.refiner().refinement(1).childOf({parent, parent})->index);
         }
+    }
     return stencils::selectRows(levels.tables()[0], children);
 }
 
@@ -240,7 +241,7 @@ std::optional<EdgeRefinement> EdgeRefinement::make(far::Rules rules, Index cellC
     result.waves_ = *cosines;
     Vertex middle = Vertex::Zero(), upwards = Vertex::Zero(), outwards = Vertex::Zero();
     middle[kKindCount] = 1;
-    upwards[2 * kKindCount] = 1;
+    upwards[Eigen::Index{2} * kKindCount] = 1;
     upwards[0] = -1;
     outwards[kKindCount + 1] = 1;
     const auto limit = leading(result.averages_, middle, 1),

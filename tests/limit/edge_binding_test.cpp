@@ -23,12 +23,14 @@ using Eigen::Vector3d;
 
 using Bound = embed::BindingResultOf<LimitTable>;
 
-/// A cylinder with a bent axis, and points on its irregular edges.
+/// A lattice with bent irregular edges, and points on these.
 class Scene {
 public:
     explicit Scene(int sectors, Rules rules = Rules::Siggraph96)
-        : lattice(shapes::cylinder({.sectors = sectors, .layers = 3})),
-          base(lattice.complex, {.rules = rules}) {
+        : Scene(shapes::cylinder({.sectors = sectors, .layers = 3}), {.rules = rules}) {}
+
+    Scene(const Lattice& straight, const far::RefinerOptions& options)
+        : lattice(straight), base(lattice.complex, options) {
         for (Point3& p : lattice.positions)
             p = {p[0] + 0.1 * p[2] * p[2] + 0.05 * p[1], p[1] - 0.1 * p[2] * p[0], p[2]};
         pose = shaken(lattice.positions, 3, 0.2);
@@ -44,7 +46,9 @@ public:
         for (Index e = 0; e < level.complex.count(1) && locations.empty(); ++e) {
             const auto cells = level.complex.relation(1, 3)[e];
             const auto ends = level.complex.relation(1, 0)[e];
-            const auto isInner = [&](Index v) { return level.strata.of({0, v}) == 3; };
+            const auto isInner = [&](Index v) {
+                return level.strata.of({0, v}) == 3 && !level.strata.isOpen({0, v});
+            };
             if (cells.size() != cellCount || level.strata.of({1, e}) != 3 ||
                 (isInner(ends[0]) && isInner(ends[1])) != isInside)
                 continue;
@@ -113,6 +117,24 @@ TEST(EdgeBinding, PointsOnIrregularEdgesMoveWithTheLimit) {
             EXPECT_LT(largestDistance(times(rows, scene.pose), asMatrix(scene.expected)), 1e-14)
                 << sectors;
         }
+}
+
+// The core of a torus is a loop, here of three base cells. Without boundary control the outer cells
+// vanish.
+TEST(EdgeBinding, LoopsAndOpenBoundaries) {
+    Scene loop(shapes::torus({.segments = 3, .section = shapes::TorusSection::Disk, .sides = 5}),
+               {});
+    loop.addPlaces(5, true, kAlong);
+    Scene open(shapes::cylinder({.sectors = 5, .pattern = {.rings = 3}, .layers = 4}),
+               {.boundary = Boundary::Open});
+    open.addPlaces(5, true, kAlong);
+    for (const Scene* scene : {&loop, &open}) {
+        const Bound result = scene->bind();
+        EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(scene->points));
+        EXPECT_LT(largestDistance(times(result.binding.table.points, scene->pose),
+                                  asMatrix(scene->expected)),
+                  1e-14);
+    }
 }
 
 // A point within the tolerance of the edge follows the tangent there; the change of the gradient
