@@ -16,7 +16,7 @@
 
 #include "host_warp.h"
 #include "support/sanitizers.h"
-#ifdef ESPALIER_TEST_HAS_ADDRESS_SANITIZER
+#ifdef ESPALIER_ADDRESS_SANITIZER
 #include <sanitizer/asan_interface.h>
 #endif
 
@@ -60,7 +60,7 @@ cudaError_t enter(const char* name, cudaError_t how = cudaErrorUnknown) {
 }
 
 void setAccess([[maybe_unused]] bool isOpen) {
-#ifdef ESPALIER_TEST_HAS_ADDRESS_SANITIZER
+#ifdef ESPALIER_ADDRESS_SANITIZER
     for (const auto& [memory, size] : device.memory)
         isOpen ? __asan_unpoison_memory_region(memory, size)
                : __asan_poison_memory_region(memory, size);
