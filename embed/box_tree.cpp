@@ -51,6 +51,7 @@ BoxTree::BoxTree(std::span<const Box> boxes) {
         }
     });
     sortAlongCurve(places);
+    nodes_.reserve(boxes.size() / 2);
     order_.reserve(boxes.size());
     boxes_.reserve(boxes.size());
     for (const CurveItem& place : places) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/array.h>
 #include <espalier/base/index.h>
 #include <espalier/embed/space_curve.h>
 
@@ -55,9 +56,9 @@ private:
     void collect(IsIn isIn, std::vector<Index>& found) const;
     void build(std::span<const CurveItem> places, Index first, Index count);
 
-    std::vector<Node> nodes_;
-    std::vector<Index> order_;  ///< the items, leaf after leaf
-    std::vector<Box> boxes_;    ///< boxes_[i] is the box of order_[i]
+    Array<Node> nodes_;
+    Array<Index> order_;  ///< the items, leaf after leaf
+    Array<Box> boxes_;    ///< boxes_[i] is the box of order_[i]
 };
 
 }  // namespace espalier::embed

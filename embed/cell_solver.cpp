@@ -48,8 +48,8 @@ const far::CellComplex& checked(const far::CellComplex& complex,
     return complex;
 }
 
-std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComplex& complex) {
-    std::vector<std::optional<std::array<Index, 8>>> corners(complex.count(3));
+Array<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComplex& complex) {
+    Array<std::optional<std::array<Index, 8>>> corners(complex.count(3));
     parallelFor(complex.count(3), 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
             corners[cell] = far::hexahedronVertices(complex, CellId(static_cast<Index>(cell)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/array.h>
 #include <espalier/embed/cell_place.h>
 #include <espalier/embed/located_point.h>
 
@@ -97,7 +98,7 @@ private:
 
     far::CellComplex complex_;
     std::vector<Point3> positions_;
-    std::vector<std::optional<std::array<Index, 8>>> corners_;  ///< of the cells that are hexahedra
+    Array<std::optional<std::array<Index, 8>>> corners_;  ///< of the cells that are hexahedra
     Scale scale_;
 };
 

@@ -37,8 +37,8 @@ std::optional<SortedCorners> sortedCorners(const far::CellComplex& complex, Cell
     return sorted;
 }
 
-std::vector<std::optional<SortedCorners>> allSortedCorners(const far::CellComplex& complex) {
-    std::vector<std::optional<SortedCorners>> all(complex.count(3));
+Array<std::optional<SortedCorners>> allSortedCorners(const far::CellComplex& complex) {
+    Array<std::optional<SortedCorners>> all(complex.count(3));
     parallelFor(complex.count(3), 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
             all[cell] = sortedCorners(complex, CellId(static_cast<Index>(cell)));
@@ -91,12 +91,12 @@ stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& compl
     const auto pointCount = static_cast<Index>(embedding.points.size());
     // With many points, looking up the corners of each cell once takes a quarter of the time. With
     // few points, looking up all cells would take longer.
-    std::vector<std::optional<SortedCorners>> all;
+    Array<std::optional<SortedCorners>> all;
     if (pointCount > complex.count(3) / 4) all = allSortedCorners(complex);
     const auto cornersOf = [&](CellId cell) {
         return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
     };
-    return stencils::buildTableByChunks(
+    return stencils::buildTableInPlace(
         pointCount, complex.count(0), [&](Offset first, Offset last, stencils::RowList& rows) {
             const auto count = static_cast<std::size_t>(last - first);
             rows.columns.reserve(8 * count);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/array.h>
 #include <espalier/base/word.h>
 #include <espalier/embed/located_point.h>
 #include <espalier/far/topology_refiner.h>
@@ -51,8 +52,8 @@ struct EmbeddingOptions {
 /// The places of a model's points in a lattice.
 template <class Place>
 struct PlacedPoints {
-    std::vector<Located<Place>> points;  ///< one per point, in the order of the points
-    Index vertexCount = 0;               ///< number of vertices of the lattice
+    Array<Located<Place>> points;  ///< one per point, in the order of the points
+    Index vertexCount = 0;         ///< number of vertices of the lattice
 
     Index count(PointStatus status) const {
         return static_cast<Index>(

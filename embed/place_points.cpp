@@ -55,6 +55,7 @@ double checkedTolerance(double tolerance) {
 
 std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers) {
     std::vector<Point3> chosen;
+    chosen.reserve(numbers.size());
     for (const Index i : numbers) chosen.push_back(points[i]);
     return chosen;
 }

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-std::vector<BoxTree::Box> cellBoxes(const CellSolver& solver, Index cellCount) {
-    std::vector<BoxTree::Box> boxes(cellCount);
+Array<BoxTree::Box> cellBoxes(const CellSolver& solver, Index cellCount) {
+    Array<BoxTree::Box> boxes(cellCount);
     parallelFor(cellCount, 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
             boxes[cell] = solver.boxOf(CellId(static_cast<Index>(cell)));

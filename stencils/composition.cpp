@@ -24,21 +24,39 @@ StencilTable<double> selectionTable(Index columnCount, std::span<const Index> co
             Array<double>(columns.size(), 1.0)};
 }
 
-/// Multiplies a table by values: `components` per source entry, entry after entry.
-std::vector<double> product(const StencilTable<double>& table, std::span<const double> values,
-                            int components) {
+/// Adds the product of a table and values to `sums`: `components` per source entry and per row,
+/// entry after entry.
+void addProduct(const StencilTable<double>& table, std::span<const double> values, int components,
+                std::span<double> sums) {
     const auto width = static_cast<std::size_t>(components);
-    std::vector<double> result(static_cast<std::size_t>(table.rowCount()) * width, 0);
     parallelFor(table.rowCount(), 4096, [&](Offset first, Offset last) {
         for (Offset row = first; row < last; ++row) {
             const auto columns = table.columns(static_cast<Index>(row));
             const auto weights = table.weights(static_cast<Index>(row));
             for (std::size_t k = 0; k < columns.size(); ++k)
                 for (std::size_t c = 0; c < width; ++c)
-                    result[static_cast<std::size_t>(row) * width + c] +=
+                    sums[static_cast<std::size_t>(row) * width + c] +=
                         weights[k] * values[static_cast<std::size_t>(columns[k]) * width + c];
         }
     });
+}
+
+/// Carries values of level k − 1 to level k by R_k. Only a part of the rows of R_k is in memory at
+/// a time.
+std::vector<double> refinedOnce(const far::TopologyRefiner& refiner, int level,
+                                std::span<const double> values, int components) {
+    // Each part takes time for all columns, so there are few parts.
+    constexpr Offset kMinRows = 1 << 15, kMaxParts = 32;
+    const Offset rowCount = refiner.level(level).complex.count(0);
+    const Offset step = std::max(kMinRows, rowCount / kMaxParts);
+    std::vector<double> result(static_cast<std::size_t>(rowCount * components), 0);
+    std::vector<Index> rows;
+    for (Offset first = 0; first < rowCount; first += step) {
+        rows.resize(std::min(step, rowCount - first));
+        std::iota(rows.begin(), rows.end(), static_cast<Index>(first));
+        addProduct(buildLevelTable(refiner, level, rows), values, components,
+                   std::span(result).subspan(first * components));
+    }
     return result;
 }
 
@@ -177,8 +195,7 @@ std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                     std::to_string(components) + " for each of " + std::to_string(baseCount) +
                     " vertices");
     std::vector<double> result(values.begin(), values.end());
-    for (int k = 1; k <= level; ++k)
-        result = product(buildLevelTable(refiner, k), result, components);
+    for (int k = 1; k <= level; ++k) result = refinedOnce(refiner, k, result, components);
     return result;
 }
 
@@ -203,7 +220,9 @@ std::vector<Point3> toPositions(std::span<const double> values) {
 
 std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
                                     std::span<const Point3> positions) {
-    return toPositions(product(table, toValues(positions), 3));
+    std::vector<double> result(3 * static_cast<std::size_t>(table.rowCount()), 0);
+    addProduct(table, toValues(positions), 3, result);
+    return toPositions(result);
 }
 
 std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,

@@ -114,7 +114,7 @@ ESPALIER_API CompactTable compactColumns(StencilTable<double> table);
 /// \return `components` per level vertex, vertex by vertex
 /// \throws Error if values.size() is not components × number of base vertices
 /// \cost O(entries of the level tables), mostly to build them: see buildLevelTables() for many
-///       poses. One table is in memory at a time
+///       poses. Only a part of one table is in memory at a time
 ESPALIER_API std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                                               std::span<const double> values, int components);
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -22,6 +23,12 @@ struct RowList {
     Array<Index> columns;
     Array<double> weights;
     Array<Offset> ends;  ///< one per row
+
+    void clear() {
+        columns.clear();
+        weights.clear();
+        ends.clear();
+    }
 
     void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
 
@@ -40,18 +47,54 @@ struct RowList {
     }
 };
 
+/// A pool of working memory for threads. A thread takes an item for a chunk and gives it back, so
+/// there are at most as many items as threads at work.
+template <class T>
+class Pool {
+public:
+    template <class Make>
+    std::unique_ptr<T> take(Make make) {
+        const std::lock_guard lock(mutex_);
+        if (free_.empty()) return make();
+        auto item = std::move(free_.back());
+        free_.pop_back();
+        return item;
+    }
+
+    void giveBack(std::unique_ptr<T> item) {
+        const std::lock_guard lock(mutex_);
+        free_.push_back(std::move(item));
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<T>> free_;
+};
+
+/// The number of rows that are built at a time.
+inline constexpr Offset kRowsPerChunk = 4096;
+
+/// Allocates the entries of a table.
+/// \param offsets first the length of each row; their running sum is made here
+inline void allocateEntries(Array<Offset>& offsets, Array<Index>& columns, Array<double>& weights) {
+    std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(double)),
+                  "a table of " + std::to_string(offsets.back()) + " weights");
+    columns.resize(offsets.back());
+    weights.resize(offsets.back());
+}
+
 /// Builds a table in parallel: fill(first, last, rows) appends the rows first to last − 1.
 ///
 /// The result does not depend on the number of threads. Needs twice the memory of the result.
 template <class Fill>
 StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount, Fill fill) {
-    constexpr Offset kGrain = 4096;
-    std::vector<RowList> chunks((Offset{rowCount} + kGrain - 1) / kGrain);
+    std::vector<RowList> chunks((Offset{rowCount} + kRowsPerChunk - 1) / kRowsPerChunk);
     // First the length of each row, then their running sum.
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
     offsets[0] = 0;
-    parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        RowList& chunk = chunks[first / kGrain];
+    parallelFor(rowCount, kRowsPerChunk, [&](Offset first, Offset last) {
+        RowList& chunk = chunks[first / kRowsPerChunk];
         fill(first, last, chunk);
         Offset begin = 0;
         for (Offset row = first; row < last; ++row) {
@@ -59,10 +102,12 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount, Fill 
             offsets[static_cast<std::size_t>(row) + 1] = end - std::exchange(begin, end);
         }
     });
-    for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
+    Array<Index> columns;
+    Array<double> weights;
     if (chunks.size() == 1) {
         // The arrays become the table. Memory that they reserved too much is given back, unless it
         // is less than an eighth.
+        std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
         RowList& all = chunks.front();
         if (all.columns.capacity() > all.columns.size() / 8 * 9) {
             all.columns.shrink_to_fit();
@@ -72,15 +117,43 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount, Fill 
                                     std::move(all.columns), std::move(all.weights));
     }
 
-    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(double)),
-                  "a table of " + std::to_string(offsets.back()) + " weights");
-    Array<Index> columns(offsets.back());
-    Array<double> weights(columns.size());
-    parallelFor(rowCount, kGrain, [&](Offset first, Offset) {
-        RowList& chunk = chunks[first / kGrain];
+    allocateEntries(offsets, columns, weights);
+    parallelFor(rowCount, kRowsPerChunk, [&](Offset first, Offset) {
+        RowList& chunk = chunks[first / kRowsPerChunk];
         std::ranges::copy(chunk.columns, columns.begin() + offsets[first]);
         std::ranges::copy(chunk.weights, weights.begin() + offsets[first]);
         chunk = {};
+    });
+    return StencilTable<double>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                                std::move(weights));
+}
+
+/// The same without more memory than the result: fill() is called twice for the same rows, first to
+/// count their entries.
+template <class Fill>
+StencilTable<double> buildTableInPlace(Index rowCount, Index columnCount, Fill fill) {
+    if (rowCount <= kRowsPerChunk) return buildTableByChunks(rowCount, columnCount, fill);
+    Pool<RowList> pool;
+    const auto forEachChunk = [&](auto use) {
+        parallelFor(rowCount, kRowsPerChunk, [&](Offset first, Offset last) {
+            auto rows = pool.take([] { return std::make_unique<RowList>(); });
+            fill(first, last, *rows);
+            use(first, *rows);
+            rows->clear();
+            pool.giveBack(std::move(rows));
+        });
+    };
+    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    offsets[0] = 0;
+    forEachChunk([&](Offset first, const RowList& rows) {
+        std::adjacent_difference(rows.ends.begin(), rows.ends.end(), offsets.begin() + first + 1);
+    });
+    Array<Index> columns;
+    Array<double> weights;
+    allocateEntries(offsets, columns, weights);
+    forEachChunk([&](Offset first, const RowList& rows) {
+        std::ranges::copy(rows.columns, columns.begin() + offsets[first]);
+        std::ranges::copy(rows.weights, weights.begin() + offsets[first]);
     });
     return StencilTable<double>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
                                 std::move(weights));
@@ -144,30 +217,6 @@ private:
     std::vector<double> sums_;
     std::vector<char> isTouched_;
     std::vector<Index> touched_;
-};
-
-/// A pool of working memory for threads. A thread takes an item for a chunk and gives it back, so
-/// there are at most as many items as threads at work.
-template <class T>
-class Pool {
-public:
-    template <class Make>
-    std::unique_ptr<T> take(Make make) {
-        const std::lock_guard lock(mutex_);
-        if (free_.empty()) return make();
-        auto item = std::move(free_.back());
-        free_.pop_back();
-        return item;
-    }
-
-    void giveBack(std::unique_ptr<T> item) {
-        const std::lock_guard lock(mutex_);
-        free_.push_back(std::move(item));
-    }
-
-private:
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<T>> free_;
 };
 
 /// Builds a table row by row, in parallel: fill(row, accumulator) adds the weights of `row`.
