@@ -32,19 +32,32 @@ LevelSearch::LevelSearch(const RestLattice& lattice, int level, const EmbeddingO
 void LevelSearch::locate(std::span<const Point3> points, Extent extent,
                          FunctionRef<void(LocatedPart)> use) const {
     std::vector<Index> unsettled;
-    use(locateInside(points, extent, unsettled));
+    descent_.descend(points, level_, Sought::Containing, extent,
+                     [&](Offset first, auto part, auto& found) {
+                         std::vector<Index> left;
+                         LocatedPart located = locateInside(part, found, left);
+                         for (Index& point : located.points) point += static_cast<Index>(first);
+                         for (const Index point : left)
+                             unsettled.push_back(point + static_cast<Index>(first));
+                         use(std::move(located));
+                     });
     if (unsettled.empty()) return;
-    LocatedPart outside = locateOutsideCells(chosenPoints(points, unsettled));
-    outside.points = std::move(unsettled);
-    use(std::move(outside));
+    // Extent::Ring also refines the neighbours of a cell: they tell which faces of the cell are on
+    // the boundary.
+    descent_.descend(chosenPoints(points, unsettled), level_, Sought::Nearest, Extent::Ring,
+                     [&](Offset first, auto part, auto& found) {
+                         LocatedPart located = locateOutsideCells(part, *found);
+                         for (Index& point : located.points) point = unsettled[first + point];
+                         use(std::move(located));
+                     });
 }
 
 /// Locates the points that are in a cell. Returns in `unsettled` the points that may be in a gap
 /// between cells, and the points outside that the nearest cell should carry.
-LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent extent,
+/// \param found the descent of the points
+LocatedPart LevelSearch::locateInside(std::span<const Point3> points, std::optional<Descent>& found,
                                       std::vector<Index>& unsettled) const {
     LocatedPart part = partOf(points.size());
-    auto found = descent_.descend(points, level_, Sought::Containing, extent);
     std::optional<CellSolver> solver;
     CellsOfPoints cells;
     if (found) {
@@ -73,16 +86,13 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent ext
 }
 
 /// Locates points that are in no cell, by the nearest cell.
-LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points) const {
+LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points, Descent& found) const {
     LocatedPart part = partOf(points.size());
-    // Extent::Ring also refines the neighbours of a cell: they tell which faces of the cell are on
-    // the boundary.
-    auto found = descent_.descend(points, level_, Sought::Nearest, Extent::Ring);
-    const far::CellComplex& complex = found->levels.finestLevel().complex;
+    const far::CellComplex& complex = found.levels.finestLevel().complex;
     part.embedding.vertexCount = complex.count(0);
-    const CellSolver solver(complex, found->levels.finestPositions(), scale_);
+    const CellSolver solver(complex, found.levels.finestPositions(), scale_);
     const auto cells =
-        found->candidates.cellsOfPoints(points.size(), [](Index, Index) { return true; });
+        found.candidates.cellsOfPoints(points.size(), [](Index, Index) { return true; });
     for (const Index i : part.points) {
         const Vector3d point(points[i].data());
         std::pair nearest(std::numeric_limits<double>::infinity(), kMaxIndex);
@@ -91,8 +101,8 @@ LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points) cons
         part.embedding.points.push_back(
             solver.locateOutsideCells(point, CellId(nearest.second), seekNearest_));
     }
-    part.levels = std::move(found->levels);
-    part.baseVertices = std::move(found->baseVertices);
+    part.levels = std::move(found.levels);
+    part.baseVertices = std::move(found.baseVertices);
     return part;
 }
 

@@ -41,9 +41,9 @@ public:
                 FunctionRef<void(LocatedPart)> use) const;
 
 private:
-    LocatedPart locateInside(std::span<const Point3> points, Extent extent,
+    LocatedPart locateInside(std::span<const Point3> points, std::optional<Descent>& found,
                              std::vector<Index>& unsettled) const;
-    LocatedPart locateOutsideCells(std::span<const Point3> points) const;
+    LocatedPart locateOutsideCells(std::span<const Point3> points, Descent& found) const;
 
     int level_;
     bool seekNearest_;

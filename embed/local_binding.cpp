@@ -112,19 +112,11 @@ void requireForRows(const LevelSearch& search, const LengthUnit& unit,
     require(maxEntries * lowerBoundOfMean(rowLength / columnCount, kSampleSize), rowLength);
 }
 
-/// Returns the number of points whose cells are refined at once.
-///
-/// Larger groups share more of the cells around their points, as long as these cells are larger
-/// than the distances between the points. On finer levels points share no cells, and larger groups
-/// only take memory, since all levels of a group exist at once: 100 kB per level for each point. So
-/// finer levels have more groups: 8 groups on level 4, 32 on level 5, and from level 6 on 128, 256,
-/// and so on. Then 62,001 points of a surface in 10³ cells take at most 3.7 times the memory of D
-/// on two threads, in about the same time (docs/performance.md). Points that fill the volume share
-/// fewer cells and take more.
-Offset groupSizeFor(int level, Offset pointCount) {
-    constexpr Offset kMin = 1 << 7, kMax = 1 << 14, kMaxOnFineLevels = 1 << 11;
-    const int bits = std::clamp(std::min(2 * level - 5, level + 1), 0, 12);
-    return std::clamp(pointCount >> bits, kMin, level < 7 ? kMax : kMaxOnFineLevels);
+/// Returns the number of neighbouring points that are bound together: they share the cells around
+/// them. LevelSearch divides the group if the levels would have too many cells.
+Offset groupSizeFor(Offset pointCount) {
+    constexpr Offset kGroups = 16, kMin = 1 << 7, kMax = 1 << 14;
+    return std::clamp(pointCount / kGroups, kMin, kMax);
 }
 
 /// Points in the whole level, without the level.
@@ -213,12 +205,12 @@ BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> 
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
             requireForRows(*search, unit, points, complex.count(0));
-    const Offset groupSize = groupSizeFor(options.level, std::ssize(points));
     return bindGroups<Table>(
         [search = std::move(search)](std::span<const Point3> group) {
             return bindGroup<Table>(*search, group);
         },
-        lattice.base, unit, points, groupSize, options.embedding.outside, options.progress);
+        lattice.base, unit, points, groupSizeFor(std::ssize(points)), options.embedding.outside,
+        options.progress);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/function_ref.h>
 #include <espalier/base/point.h>
 #include <espalier/embed/box_tree.h>
 #include <espalier/embed/cell_bounds.h>
@@ -134,20 +135,33 @@ public:
     void keepNearest(Descent& descent, std::span<const Point3> points,
                      std::span<double> nearest) const;
 
+    /// Receives the descent of some of the points: those from number `first` on, which are
+    /// `points`. The descent may be moved from. There is none if no candidate was left on a coarser
+    /// level, so that there was nothing to refine.
+    using Use = FunctionRef<void(Offset first, std::span<const Point3> points,
+                                 std::optional<Descent>& found)>;
+
     /// Refines down to a level. If cells are sought that contain a point, the candidates are those
     /// whose own box contains the point; otherwise, all those that may be nearest.
+    ///
+    /// If the levels would have too many cells, the points are divided into parts, one after the
+    /// other, so that the memory does not grow with the number of points: neighbouring points that
+    /// share no cells need about 64 cells each on each level.
+    ///
+    /// \param points each near the one before
     /// \param level 1 or above
     /// \param extent how much of the last level is refined around the candidates
-    /// \return nothing if no candidate is left on a coarser level, so that there is nothing to
-    ///         refine
+    /// \param use called for one part after another
     /// \throws TopologyError as refine()
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart
-    std::optional<Descent> descend(std::span<const Point3> points, int level, Sought sought,
-                                   Extent extent) const;
+    void descend(std::span<const Point3> points, int level, Sought sought, Extent extent,
+                 Use use) const;
 
 private:
     Candidates baseCandidates(std::span<const Point3> points, Sought sought) const;
+    std::optional<Descent> descendAtOnce(std::span<const Point3> points, int level, Sought sought,
+                                         Extent extent, Offset* partCount) const;
 
     RestLattice lattice_;
     double rounding_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/place_points.h>
 #include <espalier/embed/point_descent.h>
 #include <espalier/shapes/inventory.h>
+
+#include <random>
 
 #include "support/complexes.h"
 #include "support/refined_lattice.h"
@@ -98,6 +101,36 @@ TEST(PointDescent, RefinesThePartAsTheWhole) {
             }
         }
     }
+}
+
+// At once, the levels of these points would have 50,000 cells: points share no cells from level 3
+// on, and then each needs up to 64 cells on each level.
+TEST(PointDescent, DividesPointsThatShareNoCells) {
+    const std::array<Index, 3> n = {4, 4, 4};
+    const TopologyRefiner base(grid(n));
+    const std::vector<Point3> positions = gridPositions(n);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> inside(0.1, 3.9);
+    std::vector<Point3> points(400);
+    for (Point3& point : points) point = {inside(random), inside(random), inside(random)};
+    points = chosenPoints(points, alongCurve(points));
+    Offset next = 0, partCount = 0;
+    descentInto(base, positions)
+        .descend(points, 5, Sought::Containing, Extent::Cells,
+                 [&](Offset first, std::span<const Point3> part, std::optional<Descent>& found) {
+                     EXPECT_EQ(first, next);
+                     EXPECT_EQ(part.data(), points.data() + first);
+                     ASSERT_TRUE(found);
+                     ASSERT_EQ(found->levels.finest(), 5);
+                     Offset cellCount = 0;
+                     for (int k = 0; k <= 5; ++k)
+                         cellCount += found->levels.refiner().level(k).complex.count(3);
+                     EXPECT_LT(cellCount, 24'000);
+                     next += std::ssize(part);
+                     ++partCount;
+                 });
+    EXPECT_EQ(next, std::ssize(points));
+    EXPECT_GT(partCount, 1);
 }
 
 // A block with a row of cells at one corner. Without boundary control the row vanishes, since all
