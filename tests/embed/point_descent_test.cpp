@@ -125,7 +125,7 @@ TEST(PointDescent, DividesPointsThatShareNoCells) {
                      Offset cellCount = 0;
                      for (int k = 0; k <= 5; ++k)
                          cellCount += found->levels.refiner().level(k).complex.count(3);
-                     EXPECT_LT(cellCount, 24'000);
+                     EXPECT_LT(cellCount, 20'000);
                      next += std::ssize(part);
                      ++partCount;
                  });

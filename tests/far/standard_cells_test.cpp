@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/standard_cells.h>
+#include <espalier/far/topology_refiner.h>
 
 #include "support/complexes.h"
 #include "support/test.h"
@@ -186,6 +187,25 @@ TEST(HexahedronVertices, AgreeWithAsStandardCell) {
             EXPECT_EQ(facesOf({StandardCell::Hexahedron, {quick->begin(), quick->end()}}),
                       facesOf(complex, cell));
         }
+}
+
+// In a refined lattice the corners follow from the order of the faces. A complex with the same
+// boundaries that does not know that it is refined has the same corners.
+TEST(HexahedronVertices, RefinedCellsAgreeWithOtherCells) {
+    for (const CellComplex& base : {grid({2, 2, 1}), mixedCells()}) {
+        TopologyRefiner refiner(base);
+        refiner.refineUniform(2);
+        for (int level = 1; level <= 2; ++level) {
+            const CellComplex& refined = refiner.level(level).complex;
+            const CellComplex other(
+                3, refined.count(0),
+                {refined.boundary(1), refined.boundary(2), refined.boundary(3)});
+            ASSERT_TRUE(refined.isRefined() && !other.isRefined());
+            for (Index cell = 0; cell < refined.count(3); ++cell)
+                ASSERT_EQ(hexahedronVertices(refined, CellId(cell)),
+                          hexahedronVertices(other, CellId(cell)));
+        }
+    }
 }
 
 }  // namespace
