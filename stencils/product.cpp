@@ -39,16 +39,16 @@ public:
     }
 
     /// Computes rows order.row(first) to order.row(last − 1).
-    /// \param use use(row, columns, weights) is called for each row; sums that are 0 are left out
+    /// \param use use(position, columns, weights) is called for each position in `order`; sums that
+    ///        are 0 are left out
     template <class Use>
     void compute(Offset first, Offset last, const RowOrder& order, Use use) {
         forEachBlock(first, last, order, [&](Offset begin, Offset end) {
             spread();
             for (; begin < end; ++begin) {
-                const Index row = order.row(begin);
-                addUp(row);
+                addUp(order.row(begin));
                 const auto columns = columnsOfSums();
-                use(row, columns, std::span(sums_).first(columns.size()));
+                use(begin, columns, std::span(sums_).first(columns.size()));
             }
         });
     }
@@ -266,9 +266,22 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
     Array<Index> columns(offsets.back());
     Array<double> weights(columns.size());
     std::atomic<bool> hasGaps = false;
+    const auto placeAt = [&](Offset position) {
+        return placeOf(order.row(std::min(position, Offset{left.rowCount()} - 1)));
+    };
     forEachChunk([&](BlockProduct& product, Offset first, Offset last) {
-        product.compute(first, last, order, [&](Index row, auto rowColumns, auto rowWeights) {
-            const std::size_t place = placeOf(row);
+        product.compute(first, last, order, [&](Offset position, auto rowColumns, auto rowWeights) {
+            if (!places.empty()) {
+                // Rows in other places are in no cache: starts to load the memory of later rows.
+                // GCC 12 leaves out functions that only prefetch.
+                const Offset* const later = &offsets[placeAt(position + 8)];
+                for (Offset entry = later[0]; entry < later[1]; entry += 8) {
+                    __builtin_prefetch(&columns[entry], 1);
+                    __builtin_prefetch(&weights[entry], 1);
+                }
+                __builtin_prefetch(&offsets[placeAt(position + 16)]);
+            }
+            const std::size_t place = placeAt(position);
             const Offset begin = offsets[place], end = offsets[place + 1];
             std::ranges::copy(rowColumns, columns.begin() + begin);
             std::ranges::copy(rowWeights, weights.begin() + begin);
