@@ -139,7 +139,7 @@ ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, do
             .speedup = 1};
 }
 
-constexpr Offset kTriadLength = 64'000'000;
+constexpr Offset kTriadLength = 32'000'000;
 constexpr Offset kTriadGrain = 1 << 18;
 
 /// Returns an array that is first written by the threads that will read it, so that its pages lie

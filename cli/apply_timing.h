@@ -83,7 +83,7 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
                                       Stages& progress);
 
 /// Measures the bandwidth of the memory, in bytes per second, by a = b + s · c over three arrays of
-/// floats. They take 768 MB together, so that no cache holds them. Each element counts as two reads
+/// floats. They take 384 MB together, so that no cache holds them. Each element counts as two reads
 /// and one write.
 ///
 /// \param threads at most

@@ -72,7 +72,7 @@ SAMPLES = {
     "--quiet": [[]],
     "--tolerance": [["1e-6"], ["1e-9"]],
     "--threads": [["0"], ["2"]],
-    "--max-memory": [["1000MB"], ["4GB"]],  # `bench` measures the memory's speed on some 500 MB
+    "--max-memory": [["1000MB"], ["4GB"]],  # `bench` measures the memory's speed on 384 MB
     "--seconds": [["0.002"]],
 }
 FROM_TABLE = {"--basis", "--boundary", "--face-varying", "--creasing", "--triangles",

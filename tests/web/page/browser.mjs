@@ -19,10 +19,11 @@ export function openBrowser() {
   return chromium.launch({ executablePath: "/usr/bin/chromium", args: kFlags.split(" ") });
 }
 
-/** Opens the page in a browser context of its own, which keeps no files of other pages.
+/** Opens the page in a browser context of its own, which keeps no files of other pages. The window is small, since the
+ * processor draws the picture.
  * @param options of playwright-core, such as viewport */
 export async function openPage(browser, { file = pageFile, ...options } = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  const context = await browser.newContext({ viewport: { width: 900, height: 600 }, ...options });
   const page = await context.newPage();
   page.errors = [];
   page.on("pageerror", (error) => page.errors.push(String(error)));
