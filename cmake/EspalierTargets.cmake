@@ -97,6 +97,10 @@ function(espalier_compile_options target)
               # In a unity build GCC takes every source for a header.
               $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
               $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)
+  if(ESPALIER_LARGE_COMPILER_HEAP AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # A preset's choice: a compiler that may use 1.5 GB before it looks for free memory takes a tenth less time.
+    list(APPEND options --param=ggc-min-expand=300 --param=ggc-min-heapsize=1500000)
+  endif()
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()
 
