@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
 #include <espalier/embed/bind_groups.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -17,12 +16,7 @@ class ScatteredRows {
 public:
     /// \param lengths a 0, and then the length of each row
     explicit ScatteredRows(Array<Offset> lengths) : offsets_(std::move(lengths)) {
-        std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-        requireMemory(
-            static_cast<std::uint64_t>(offsets_.back()) * (sizeof(Index) + sizeof(double)),
-            "a table of " + std::to_string(offsets_.back()) + " weights");
-        columns_.resize(offsets_.back());
-        weights_.resize(columns_.size());
+        stencils::allocateEntries(offsets_, columns_, weights_);
     }
 
     /// Writes a row.

@@ -279,8 +279,9 @@ void PointDescent::descend(std::span<const Point3> points, int level, Sought sou
 }
 
 /// Refines down to a level as descend(), for all points at once.
-/// \param partCount if it is not null, and the levels would have too many cells: set to the number
-///        of parts into which to divide the points, and nothing is returned
+/// \param partCount null if the points may not be divided. Otherwise the function sets it to the
+///        number of parts that keep the levels small enough. If this number is not 1, the function
+///        stops and returns nothing
 std::optional<Descent> PointDescent::descendAtOnce(std::span<const Point3> points, int level,
                                                    Sought sought, Extent extent,
                                                    Offset* partCount) const {

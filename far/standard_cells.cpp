@@ -174,8 +174,8 @@ std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex, C
 
 namespace {
 
-/// Returns the vertices of a hexahedron of a refined lattice, as hexahedronVertices(), in a quarter
-/// of the time.
+/// Returns the vertices of a hexahedron of a refined lattice. The result is that of
+/// hexahedronVertices(), which takes four times as long.
 ///
 /// The hexahedron is a cell [v, c] with three edges and three faces f between v and c. Its first
 /// three faces have the loops v, e, f, e'; each edge is in two of them. The loops of the other

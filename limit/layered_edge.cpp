@@ -182,8 +182,9 @@ stencils::StencilTable<double> refinedLayers(far::Rules rules, Index cellCount) 
 /// A wave around the axis: the factor of vertex i of a layer.
 using Wave = std::vector<double>;
 
-/// Returns how refinement acts on a wave that each layer has with three factors, one for each kind
-/// of vertices. Nothing if it does not preserve the wave.
+/// Each layer has a wave, times three factors: one for each kind of vertices. Returns the matrix
+/// that gives these factors for the refined layers. Returns nothing if the refined layers do not
+/// have the same wave.
 std::optional<Eigen::Matrix<double, 15, 12>> actionOn(const Wave& wave,
                                                       const stencils::StencilTable<double>& rows) {
     constexpr double kRounding = 1e-12;

@@ -19,8 +19,8 @@
 // ends: n hexahedra around each of three edges in a row. Its surroundings are four layers of
 // vertices, the second and third of which contain the ends of the edge. Each layer has a vertex on
 // the axis and a ring of 2n vertices. Refinement halves the edge. Both halves are layered, and the
-// same weights give the layers of each half from the layers of the edge, on all levels. So products
-// of these weights give any point of the limit on the edge.
+// same weights give the layers of each half from the layers of the edge, on all levels. So every
+// point of the limit on the edge follows from a product of these weights.
 //
 // The weights are the same in each of the n directions. So the points on the edge depend only on
 // the averages of the n vertices of each kind. Likewise, the derivatives across the edge depend

@@ -10,7 +10,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -260,11 +259,9 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
         product.count(first, last, order,
                       [&](Index row, Offset length) { offsets[placeOf(row) + 1] = length; });
     });
-    std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(double)),
-                  "a table of " + std::to_string(offsets.back()) + " weights");
-    Array<Index> columns(offsets.back());
-    Array<double> weights(columns.size());
+    Array<Index> columns;
+    Array<double> weights;
+    allocateEntries(offsets, columns, weights);
     std::atomic<bool> hasGaps = false;
     const auto placeAt = [&](Offset position) {
         return placeOf(order.row(std::min(position, Offset{left.rowCount()} - 1)));

@@ -14,8 +14,8 @@ namespace espalier::osd {
 /// in the order of their first rows.
 ///
 /// The columns of a set may include all columns of other sets: the set is then their superset. A
-/// superset has no superset other than itself. It has at most three times as many columns as each
-/// of its subsets.
+/// superset has no superset other than itself. Each of its subsets has at least a third of its
+/// columns.
 ///
 /// Near the planes between base cells, rows have fewer columns than rows in the middle of a cell,
 /// and each of these columns is also a column of the rows in the middle. So the sets near the

@@ -228,8 +228,8 @@ TEST(LayeredEdge, SharpEdgesHaveNoLayers) {
         for (Index e = 0; e < refiner.level(1).complex.count(1); ++e)
             if (refiner.level(1).complex.relation(1, 3)[e].size() == 5)
                 found += layersAround(refiner.level(1), e).has_value();
-        // The axis has six edges, two of which end at the boundary. The other four contain a vertex
-        // of the marked edge, or are a half of it.
+        // The axis has six edges, and two of them end at the boundary. The other four are the two
+        // halves of the marked edge, and the edge at each end of it.
         EXPECT_EQ(found, sharpness > 0 ? 0 : 4) << sharpness;
     }
 }
