@@ -122,7 +122,7 @@ private:
     /// Stores the rows of the right table densely over the columns of the block.
     void spread() {
         width_ = (columns_.items().size() + kLanes - 1) / kLanes * kLanes;
-        dense_.resize(width_ * middles_.items().size());
+        dense_.resize(width_ * (middles_.items().size() + 1));
         sums_.resize(width_);
         double* row = dense_.data();
         for (const Index middle : middles_.items()) {
@@ -137,12 +137,14 @@ private:
                     row[columns_.placeOf(columns[k])] = weights[k];
             row += width_;
         }
+        std::fill(row, row + width_, 0);
     }
 
     /// Computes the sums of a row.
     void addUp(Index row) {
         collectTerms(row);
-        while (terms_.size() % 4 != 0) terms_.push_back({0, dense_.data()});
+        const double* const zeros = dense_.data() + width_ * middles_.items().size();
+        while (terms_.size() % 4 != 0) terms_.push_back({0, zeros});
         std::fill(sums_.begin(), sums_.end(), 0);
         // Four terms at a time: a pass over all columns for each term takes twice the time.
         for (std::size_t k = 0; k < terms_.size(); k += 4)
@@ -205,7 +207,7 @@ private:
     IndexSet middles_, columns_;  ///< rows and columns of the right table that the block uses
     std::span<const Index> lastColumns_;  ///< of the row that was added last to the block
     std::size_t width_ = 0;
-    std::vector<double> dense_;  ///< a row of `width_` elements for each of middles_
+    std::vector<double> dense_;  ///< a row of `width_` elements for each of middles_, and zeros
     std::vector<Term> terms_;
     std::vector<double> sums_;  ///< of one row
     std::vector<Index> rowColumns_;

@@ -2,6 +2,8 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 
+#include <limits>
+
 #include "support/complexes.h"
 #include "support/test.h"
 #include "support/threads.h"
@@ -16,6 +18,14 @@ TEST(Multiply, IsTheProductOfMatrices) {
     EXPECT_EQ(multiply(left, right),
               StencilTable<double>(2, {0, 2, 2, 3}, {0, 1, 0}, {39, 65, 55}));
     EXPECT_THROW(multiply(right, left), Error);
+}
+
+// The product adds four terms at a time. Terms that fill up the last four use no row of the table.
+TEST(Multiply, ARowThatIsNotUsedMayBeInfinite) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    const StencilTable<double> left(2, {0, 1, 2}, {0, 1}, {1, 1});
+    const StencilTable<double> right(2, {0, 1, 2}, {0, 1}, {infinity, 3});
+    EXPECT_EQ(multiply(left, right), right);
 }
 
 /// Returns rows of up to `longest` entries, each row within `band` columns.
