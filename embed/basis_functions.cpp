@@ -40,16 +40,38 @@ AxisRange axisRange(Basis basis, Index cells) {
     return {1, static_cast<double>(cells - 1)};
 }
 
-std::array<double, 4> cubicBSpline(double u, int order) {
-    const double v = 1 - u;
+OuterWeights outerWeights(double u, const SplineSpan& span) {
+    const double v = 1 - u, h = span.spacing;
+    // The segment of the polygon starts at `start`, seen from point 0, and at `back`, seen from
+    // point 1. The spline itself has segments of length 0.
+    double start = u, back = v;
+    if (h > 0) {
+        start = h * static_cast<double>(static_cast<Index>(std::clamp(u, 0.0, 1 - h) / h));
+        back = 1 - h - start;
+    }
+    OuterWeights result;
+    result.lowSlope = -back * (back + h) / 2;
+    result.highSlope = start * (start + h) / 2;
+    // At a point of a level the quotients are multiples of h³, and exact.
+    result.low = back * (back * back - h * h) / 6 - (v - back) * result.lowSlope;
+    result.high = start * (start * start - h * h) / 6 + (u - start) * result.highSlope;
+    if (!span.hasLow) result.low = result.lowSlope = 0;
+    if (!span.hasHigh) result.high = result.highSlope = 0;
+    return result;
+}
+
+std::array<double, 4> cubicBSpline(double u, int order, const SplineSpan& span) {
+    const auto [low, high, lowSlope, highSlope] = outerWeights(u, span);
     switch (order) {
         case 0:
-            return {v * v * v / 6, (4 - 3 * u * u * (2 - u)) / 6, (4 - 3 * v * v * (2 - v)) / 6,
-                    u * u * u / 6};
+            return {low, 1 - u - 2 * low + high, u + low - 2 * high, high};
         case 1:
-            return {-v * v / 2, u * (3 * u - 4) / 2, v * (4 - 3 * v) / 2, u * u / 2};
-        default:
-            return {v, 3 * u - 2, 3 * v - 2, u};
+            return {lowSlope, highSlope - 2 * lowSlope - 1, 1 + lowSlope - 2 * highSlope,
+                    highSlope};
+        default: {
+            const double lowBend = span.hasLow ? 1 - u : 0, highBend = span.hasHigh ? u : 0;
+            return {lowBend, highBend - 2 * lowBend, lowBend - 2 * highBend, highBend};
+        }
     }
 }
 

@@ -39,12 +39,36 @@ struct AxisFunctions {
     std::vector<double> derivatives = {};  ///< by the coordinate, in cells; they sum to 0
 };
 
-/// Returns the weights of points −1, 0, 1 and 2 for a place between points 0 and 1, or their
-/// derivatives: the four pieces of the uniform cubic B-spline in one span.
-/// \param u 0 to 1; beyond, the polynomials are extrapolated
-/// \param order of the derivative by u: 0, 1 or 2
-/// \cite Joy, bicubic refinement: [1 u u² u³] M
-ESPALIER_API std::array<double, 4> cubicBSpline(double u, int order);
+/// A span of a uniform cubic B-spline, between points 0 and 1.
+struct SplineSpan {
+    /// Whether points −1 and 2 exist. A missing point is a phantom 2P₀ − P₁ of the two points next
+    /// to it.
+    bool hasLow = true, hasHigh = true;
+    /// 0 for the spline itself. 2⁻ⁿ for level n of its refinement: the polygon of the level-n
+    /// points, which are `spacing` apart.
+    double spacing = 0;
+};
+
+/// The weights of points −1 and 2 for a place in a span, and their derivatives.
+struct OuterWeights {
+    double low, high;
+    double lowSlope, highSlope;
+};
+
+/// Returns the outer weights: u³/6 for point 2. At a level-n point it is u (u² − h²)/6 with h =
+/// 2⁻ⁿ, because this point is b − h²/6 · b″ of the spline b. A missing point has the weight 0,
+/// exactly. \param u 0 to 1; beyond, the polynomials are extrapolated
+ESPALIER_API OuterWeights outerWeights(double u, const SplineSpan& span);
+
+/// Returns the weights of points −1, 0, 1 and 2 for a place in a span, or their derivatives. The
+/// weights of the position sum to 1.
+///
+/// Along a span, a spline is a line plus multiples of two cubics, one for each end: with the
+/// weights w₋₁ and w₂ of the outer points, w₀ = 1 − u − 2w₋₁ + w₂ and w₁ = u + w₋₁ − 2w₂.
+///
+/// \param order of the derivative by u: 0, 1, or, for the spline itself, 2
+/// \cite Joy, bicubic refinement: [1 u u² u³] M; MacCracken & Joy 1996, section 2.2
+ESPALIER_API std::array<double, 4> cubicBSpline(double u, int order, const SplineSpan& span = {});
 
 /// Returns the basis functions at a coordinate.
 ///

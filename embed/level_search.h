@@ -33,6 +33,8 @@ public:
     /// \param lattice in units (LengthUnit); must outlive this object
     LevelSearch(const RestLattice& lattice, int level, const EmbeddingOptions& options);
 
+    const PointDescent& descent() const { return descent_; }
+
     /// \param extent how much of the level is refined around the cells that contain points
     /// \param use called for each part in turn. Together the parts contain all the points. If a
     ///        later part contains a point again, the later one counts, and the earlier part has no

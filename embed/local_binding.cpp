@@ -3,6 +3,7 @@
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/point_location.h>
+#include <espalier/embed/regular_binding.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 
@@ -189,19 +190,18 @@ BindingResultOf<Table> bindToWholeLevel(const far::TopologyRefiner& base, const 
     return model;
 }
 
-/// Binds points to D or to its factors.
+/// Binds points to D or to its factors, by refinement.
+/// \param search a search in `lattice`, which is in units
 template <class Table>
-BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> points,
-                            const BindingOptions& options) {
-    checkRest(lattice, options.level);
-    checkPointCount(points);
-    const LengthUnit unit(lattice.positions);
-    const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
+BindingResultOf<Table> bindByRefinement(const RestLattice& lattice, const LengthUnit& unit,
+                                        std::shared_ptr<const LevelSearch> search,
+                                        std::span<const Point3> points,
+                                        const BindingOptions& options) {
     const far::CellComplex& complex = lattice.base.level(0).complex;
-    if (needWholeLevel(complex, options.level, std::ssize(points)))
-        return bindToWholeLevel<Table>(lattice.base, unit, inUnits, points, options);
-    auto search = std::make_shared<const LevelSearch>(RestLattice{lattice.base, inUnits},
-                                                      options.level, options.embedding);
+    if (needWholeLevel(complex, options.level, std::ssize(points))) {
+        search = nullptr;
+        return bindToWholeLevel<Table>(lattice.base, unit, lattice.positions, points, options);
+    }
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
             requireForRows(*search, unit, points, complex.count(0));
@@ -217,13 +217,35 @@ BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> 
 
 BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> points,
                          const BindingOptions& options) {
-    return bind<stencils::StencilTable<double>>(lattice, points, options);
+    checkRest(lattice, options.level);
+    checkPointCount(points);
+    const LengthUnit unit(lattice.positions);
+    const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
+    const RestLattice rest{lattice.base, inUnits};
+    auto search = std::make_shared<const LevelSearch>(rest, options.level, options.embedding);
+    const RegularSearch regular(rest, search->descent(), spacingOf(options.level));
+    return bindRegularFirst(
+        regular, unit, points, options.embedding.outside, options.progress,
+        [&](std::span<const Point3> others, OutsidePolicy outside,
+            const std::function<void(Offset)>& progress) {
+            const BindingOptions optionsOfOthers = {
+                options.level, {outside, options.embedding.tolerance}, progress};
+            return bindByRefinement<stencils::StencilTable<double>>(rest, unit, std::move(search),
+                                                                    others, optionsOfOthers);
+        });
 }
 
 BindingResultOf<stencils::FactoredTable<double>> bindFactored(const RestLattice& lattice,
                                                               std::span<const Point3> points,
                                                               const BindingOptions& options) {
-    return bind<stencils::FactoredTable<double>>(lattice, points, options);
+    checkRest(lattice, options.level);
+    checkPointCount(points);
+    const LengthUnit unit(lattice.positions);
+    const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
+    const RestLattice rest{lattice.base, inUnits};
+    return bindByRefinement<stencils::FactoredTable<double>>(
+        rest, unit, std::make_shared<const LevelSearch>(rest, options.level, options.embedding),
+        points, options);
 }
 
 }  // namespace espalier::embed

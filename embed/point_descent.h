@@ -118,6 +118,9 @@ public:
     /// \cost O(points × log base cells)
     Descent begin(std::span<const Point3> points, Sought sought) const;
 
+    /// The bounds of the base cells. Regular cells have one with a drift: isRegularCell().
+    std::span<const std::optional<CellBound>> baseBounds() const { return bounds_; }
+
     /// The smallest margin: the rounding error of boxes.
     double rounding() const { return rounding_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/embed/bind_groups.h>
+#include <espalier/embed/regular_binding.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/level_rows.h>
@@ -172,6 +173,8 @@ public:
 
     using Part = embed::BoundPart<LimitTable>;
 
+    const embed::PointDescent& descent() const { return search_.descent(); }
+
     std::vector<Part> bind(std::span<const Point3> points) const {
         std::vector<Part> parts;
         std::vector<Index> all(points.size());
@@ -251,15 +254,31 @@ embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
     checkSides(lattice.base.level(0).complex);
     const embed::LengthUnit unit(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
-    auto binder = std::make_shared<const LimitBinder>(embed::RestLattice{lattice.base, inUnits},
-                                                      unit, options);
-    // As in a deep level: most points at irregular features share no cells with other points.
-    constexpr Offset kGroupSize = 1 << 12;
-    auto model = embed::bindGroups<LimitTable>(
-        [binder = std::move(binder)](std::span<const Point3> group) { return binder->bind(group); },
-        lattice.base, unit, points, kGroupSize, options.embedding.outside, options.progress);
-    if (!options.gradients) model.binding.table.gradients = {};
-    return model;
+    const embed::RestLattice rest{lattice.base, inUnits};
+    auto binder = std::make_shared<const LimitBinder>(rest, unit, options);
+    const embed::RegularSearch regular(rest, binder->descent(), embed::kLimitSpacing);
+    const auto bindInGroups = [&](std::span<const Point3> some, embed::OutsidePolicy outside,
+                                  const std::function<void(Offset)>& progress) {
+        // As in a deep level: most points at irregular features share no cells with other points.
+        constexpr Offset kGroupSize = 1 << 12;
+        return embed::bindGroups<LimitTable>(
+            [binder = std::move(binder)](std::span<const Point3> group) {
+                return binder->bind(group);
+            },
+            lattice.base, unit, some, kGroupSize, outside, progress);
+    };
+    const auto& [outside, tolerance] = options.embedding;
+    if (options.gradients) return bindInGroups(points, outside, options.progress);
+    auto model =
+        embed::bindRegularFirst(regular, unit, points, outside, options.progress,
+                                [&](std::span<const Point3> others, embed::OutsidePolicy policy,
+                                    const std::function<void(Offset)>& progress) {
+                                    return withoutGradients(bindInGroups(others, policy, progress));
+                                });
+    auto& [table, kept, keptAt, topologyHash] = model.binding;
+    return {{{std::move(table)}, std::move(kept), std::move(keptAt), topologyHash},
+            std::move(model.statuses),
+            model.largestResidual};
 }
 
 }  // namespace espalier::limit

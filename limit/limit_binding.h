@@ -15,8 +15,9 @@
 // derivatives.
 //
 // Types: a VertexRing holds a vertex with its neighbours; the left eigenvector of its subdivision
-// matrix gives the limit of the vertex. A TricubicPatch is the limit of a regular cell. LimitSearch
-// finds points, on irregular edges by an EdgeRefinement. A LimitTable is D with its gradients.
+// matrix gives the limit of the vertex. An embed::TricubicPatch is the limit of a regular cell.
+// LimitSearch finds points, on irregular edges by an EdgeRefinement. A LimitTable is D with its
+// gradients.
 //
 // Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header, limit_search.h and
 // layered_edge.h.

@@ -10,14 +10,13 @@
 #include <string>
 
 #include "limit_place.h"
-#include "tricubic_patch.h"
 
 namespace espalier::limit {
 
 struct LimitParts::Refined {
     stencils::Levels levels;
     std::vector<LimitPart> parts = {};
-    std::vector<TricubicPatch> patches = {};
+    std::vector<embed::TricubicPatch> patches = {};
     std::vector<Index> blended = {};  ///< vertices of blended cells on the last level, ascending
     stencils::StencilTable<double> limits = {};  ///< a row for each vertex of `blended`
 };
@@ -126,7 +125,7 @@ LimitPositions LimitParts::place(std::span<const Point3> positions) const {
 BezierPatch LimitParts::bezierPatch(std::size_t patch, const LimitPositions& positions) const {
     const auto control =
         refined_->patches[patch].controlPoints(positions.levels[refined_->parts[patch].level]);
-    const auto bezier = bezierPoints(control);
+    const auto bezier = embed::bezierPoints(control);
     BezierPatch result;
     for (std::size_t i = 0; i < 64; ++i) {
         result.points[i] = {bezier[i][0], bezier[i][1], bezier[i][2]};

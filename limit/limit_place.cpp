@@ -182,7 +182,7 @@ std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders&
         return edgeWeights(*onEdge, orders);
     const FramePlace& place = std::get<FramePlace>(places_[i].where);
     if (place.isBlended) return inLimits(blendWeights(place, orders));
-    const TricubicPatch& patch = patches_[patchOf_[i]];
+    const embed::TricubicPatch& patch = patches_[patchOf_[i]];
     const Eigen::Vector3d uvw(place.uvw.data());
     auto weights = patch.weights(uvw, orders);
     if (orders == kPosition)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/embed/cell_place.h>
+#include <espalier/embed/tricubic_patch.h>
 #include <espalier/stencils/levels.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -13,7 +14,6 @@
 
 #include "layered_edge.h"
 #include "limit_tangents.h"
-#include "tricubic_patch.h"
 
 // Places in the limit volume, and their weights over the vertices of their level.
 namespace espalier::limit {
@@ -105,10 +105,10 @@ private:
     int levelNumber_;
     const far::Level& level_;
     std::span<const LimitPlace> places_;
-    std::vector<TricubicPatch> patches_;     ///< one for each regular cell
-    std::vector<Index> patchOf_;             ///< for each place; kMaxIndex if it has none
-    std::vector<Index> vertices_;            ///< vertices whose limits are known, ascending
-    stencils::StencilTable<double> limits_;  ///< a row for each of `vertices_`
+    std::vector<embed::TricubicPatch> patches_;  ///< one for each regular cell
+    std::vector<Index> patchOf_;                 ///< for each place; kMaxIndex if it has none
+    std::vector<Index> vertices_;                ///< vertices whose limits are known, ascending
+    stencils::StencilTable<double> limits_;      ///< a row for each of `vertices_`
 };
 
 }  // namespace espalier::limit

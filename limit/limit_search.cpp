@@ -3,6 +3,7 @@
 
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/continuation.h>
+#include <espalier/embed/patch_solver.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/stencils/composition.h>
@@ -16,11 +17,12 @@
 #include <utility>
 
 #include "edge_search.h"
-#include "patch_solver.h"
 
 namespace espalier::limit {
 
 using Eigen::Vector3d;
+using embed::PatchSolver;
+using embed::TricubicPatch;
 using Extent = far::TopologyRefiner::Extent;
 
 namespace {
@@ -224,7 +226,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                             embed::PointStatus::Inside,
                             LimitPlace{level,
                                        FramePlace{cells.frame(i), embed::toArray(uvw), {}, false}},
-                            0, (patch->map().position(uvw) - point).norm()};
+                            0, patch->distance(uvw, point)};
                         return false;
                     }
                     return answer == PatchSolver::Answer::Undecided && level < kMaxLevelOfPatches;
@@ -327,7 +329,7 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
                 double distance = 0;
                 if (patch) {
                     const Vector3d uvw = patch->nearest(point);
-                    distance = (patch->map().position(uvw) - point).norm();
+                    distance = patch->distance(uvw, point);
                     place.where = FramePlace{cells.frame(i), embed::toArray(uvw), {}, false};
                 } else {
                     const auto there = cells.blend().locateOutsideCells(point, CellId(cell), true);

@@ -35,6 +35,8 @@ public:
     /// \param lattice its base and positions must outlive this
     LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options);
 
+    const embed::PointDescent& descent() const { return descent_; }
+
     /// Finds the points that are inside a cell. A point in several cells, as on a face between two,
     /// belongs to the cell of the lowest level, and among these to the cell of the lowest number.
     /// A point within the tolerance of a layered edge belongs to the edge.

@@ -31,8 +31,8 @@ class MemoryTest(CliTest):
         self.run_program("shape", "box", "--cells", *cells, "-o", name)
         return name
 
-    def points(self, count):
-        lines = [f"v {(i % 10) / 10 + 0.05} {(i // 10 % 10) / 10 + 0.05} 0.5" for i in range(count)]
+    def points(self, count, z=0.5):
+        lines = [f"v {(i % 10) / 10 + 0.05} {(i // 10 % 10) / 10 + 0.05} {z}" for i in range(count)]
         self.put("points.obj", "\n".join(lines))
         return "points.obj"
 
@@ -118,11 +118,11 @@ class MemoryTest(CliTest):
                          r"^espalier: bomb.vtu:4: the array '': its data takes about 300.0 MB")
 
     def test_what_is_not_known_beforehand_is_stopped(self):
-        # The tolerance is so wide that every point is in every cell of level 9. Timing decides which comes first:
-        # the memory in use exceeds the limit, the system refuses memory, or the next part of the lattice to
-        # refine does not fit into the rest.
+        # The points are outside, and the tolerance is so wide that each of them may be in every cell of level 9.
+        # Timing decides which comes first: the memory in use exceeds the limit, the system refuses memory, or the
+        # next part of the lattice to refine does not fit into the rest.
         self.lattice()
-        points = self.points(1000)
+        points = self.points(1000, z=1.5)
         error = self.error_of("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
                               "-o", "out.espb", "--max-memory", "200MB")
         self.assertRegex(error, r"^espalier: (out of memory|the refined complex takes about .* of memory; "

@@ -91,5 +91,69 @@ TEST(BasisFunctions, RangesAreWhereFunctionsSumToOne) {
     EXPECT_EQ(axisRange(Basis::BSpline, 4).high, 3);
 }
 
+/// Refines a polygon of a curve: points become (P₋₁ + 6P₀ + P₁)/8, and the middles of its edges
+/// follow them.
+std::vector<double> refinedCurve(const std::vector<double>& points) {
+    std::vector<double> result;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        result.push_back((points[i - 1] + 6 * points[i] + points[i + 1]) / 8);
+        result.push_back((points[i] + points[i + 1]) / 2);
+    }
+    return result;
+}
+
+// The weights on level n are the polygon that refinement makes of one point, and in the limit the
+// spline. A missing point is 2P₀ − P₁.
+TEST(BasisFunctions, SpansOfRefinedCurves) {
+    for (const bool hasLow : {true, false})
+        for (const bool hasHigh : {true, false})
+            for (int level = 0; level <= 6; ++level) {
+                const double h = std::ldexp(1, -level);
+                for (std::size_t which = 0; which < 4; ++which) {
+                    // Points −3 to 4, of which refinement keeps the span from 0 to 1.
+                    std::vector<double> points(8, 0.0);
+                    points[which + 2] = 1;
+                    if (!hasLow) points[2] = 2 * points[3] - points[4];
+                    if (!hasHigh) points[5] = 2 * points[4] - points[3];
+                    if ((which == 0 && !hasLow) || (which == 3 && !hasHigh)) continue;
+                    std::size_t zero = 3;
+                    for (int k = 0; k < level; ++k) {
+                        points = refinedCurve(points);
+                        zero = 2 * (zero - 1);
+                    }
+                    const auto count = static_cast<std::size_t>(1) << level;
+                    for (std::size_t i = 0; i < count; ++i)
+                        for (const double t : {0.0, 0.25, 0.7, 1.0}) {
+                            const double u = h * (double(i) + t);
+                            const double a = points[zero + i], b = points[zero + i + 1];
+                            const SplineSpan span{hasLow, hasHigh, h};
+                            EXPECT_NEAR(cubicBSpline(u, 0, span)[which], a + t * (b - a),
+                                        4 * kEpsilon);
+                            if (t > 0 && t < 1) {
+                                // A difference of two numbers below 1, divided by h.
+                                EXPECT_NEAR(cubicBSpline(u, 1, span)[which], (b - a) / h,
+                                            4 * kEpsilon / h);
+                            }
+                            // Both are dyadic.
+                            if (t == 0) {
+                                EXPECT_EQ(cubicBSpline(u, 0, span)[which], a);
+                            }
+                            // A level is within h²/6 · |b″| of the limit, and the polygon within
+                            // h²/8 · |b″|; |b″| is at most 2.
+                            EXPECT_NEAR(cubicBSpline(u, 0, {hasLow, hasHigh})[which],
+                                        a + t * (b - a), h * h * (1.0 / 3 + 1.0 / 4));
+                        }
+                }
+                const auto all = cubicBSpline(0.3, 0, {hasLow, hasHigh, h});
+                EXPECT_NEAR(all[0] + all[1] + all[2] + all[3], 1, kEpsilon);
+                if (!hasLow) {
+                    EXPECT_EQ(all[0], 0);
+                }
+                if (!hasHigh) {
+                    EXPECT_EQ(all[3], 0);
+                }
+            }
+}
+
 }  // namespace
 }  // namespace espalier::embed

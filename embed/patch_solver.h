@@ -2,38 +2,43 @@
 #pragma once
 
 #include <espalier/embed/affine_hull.h>
+#include <espalier/embed/tricubic_patch.h>
 #include <espalier/embed/trilinear.h>
 
 #include <Eigen/Core>
-#include <optional>
 
-#include "tricubic_patch.h"
+namespace espalier::embed {
 
-namespace espalier::limit {
-
-/// The map of a tricubic patch from (u, v, w) in [0, 1]³ to space.
-class TricubicMap {
+/// The map of a tricubic patch from (u, v, w) in [0, 1]³ to space: the limit or a level.
+class ESPALIER_API TricubicMap {
 public:
-    explicit TricubicMap(const TricubicPatch::ControlPoints& points) : points_(points) {}
+    explicit TricubicMap(const TricubicPatch::ControlPoints& points,
+                         double spacing = kLimitSpacing);
 
-    /// Returns the map shifted so that `point` is at the origin.
-    TricubicMap around(const Eigen::Vector3d& point) const;
-
-    embed::Trilinear::Tangent tangent(const Eigen::Vector3d& uvw) const;
+    Trilinear::Tangent tangent(const Eigen::Vector3d& uvw) const;
     Eigen::Vector3d position(const Eigen::Vector3d& uvw) const;
 
-    const TricubicPatch::ControlPoints& controlPoints() const { return points_; }
-
 private:
-    TricubicPatch::ControlPoints points_;
+    TricubicPatch::ControlPoints coefficients_;
+    double spacing_;
 };
 
 /// Finds the place of a point in one tricubic patch.
-class PatchSolver {
+class ESPALIER_API PatchSolver {
 public:
-    explicit PatchSolver(const TricubicPatch::ControlPoints& points);
+    explicit PatchSolver(const TricubicPatch::ControlPoints& points,
+                         double spacing = kLimitSpacing);
 
-    const TricubicMap& map() const { return map_; }
+    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const {
+        return origin_ + map_.position(uvw);
+    }
+
+    /// Returns the distance of a point from the position of a place near it. It is more accurate
+    /// than a difference of positions, whose rounding is relative to their distance from the
+    /// origin.
+    double distance(const Eigen::Vector3d& uvw, const Eigen::Vector3d& point) const {
+        return (map_.position(uvw) - (point - origin_)).norm();
+    }
 
     enum class Answer {
         Inside,    ///< in the patch
@@ -62,13 +67,18 @@ public:
     /// Returns the place in [0, 1]³ that is nearest to a point, at least locally.
     Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
 
-private:
-    bool isExcluded(const TricubicMap& map) const;
+    /// True if the map is proved to be one-to-one on the patch, at every level and in the limit.
+    bool isOneToOne() const;
 
+private:
+    struct MapAround;
+    bool isExcluded(const MapAround& map) const;
+
+    Eigen::Vector3d origin_;  ///< a point of the patch; all that follows is relative to it
     TricubicMap map_;
     Eigen::Vector3d middle_;   ///< position of the centre
     Eigen::Matrix3d inverse_;  ///< inverse of the Jacobian at the centre
-    embed::AffineHull hull_;   ///< contains the patch
+    AffineHull hull_;          ///< contains the patch
     Eigen::AlignedBox3d box_;  ///< contains the patch
     /// Upper bound of |inverse · Jacobian − identity| over the patch, entry by entry.
     Eigen::Matrix3d spread_;
@@ -76,4 +86,4 @@ private:
     double rounding_;  ///< rounding of u, v and w
 };
 
-}  // namespace espalier::limit
+}  // namespace espalier::embed

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "patch_solver.h"
-
 #include <espalier/embed/basis_functions.h>
 #include <espalier/embed/map_inversion.h>
+#include <espalier/embed/patch_solver.h>
 
 #include <algorithm>
 
-namespace espalier::limit {
+namespace espalier::embed {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -15,8 +14,28 @@ namespace {
 
 const Vector3d kCentre = Vector3d::Constant(0.5);
 
-Eigen::Vector4d weightsAt(const Vector3d& uvw, std::size_t axis, int order) {
-    return Eigen::Vector4d(embed::cubicBSpline(uvw[static_cast<Eigen::Index>(axis)], order).data());
+/// Writes the map along each axis as P₀ + u (P₁ − P₀) + w₋₁ (P₋₁ − 2P₀ + P₁) + w₂ (P₀ − 2P₁ + P₂)
+/// (see cubicBSpline()), and returns the coefficients of w₋₁, 1, u and w₂, in this order. In an
+/// affine lattice the coefficients of w₋₁ and w₂ are 0, and places are as accurate as in a
+/// trilinear cell.
+TricubicPatch::ControlPoints bends(TricubicPatch::ControlPoints points) {
+    for (std::size_t stride = 1; stride < 64; stride *= 4)
+        for (std::size_t i = 0; i < 64; ++i) {
+            if (i / stride % 4 != 0) continue;
+            Vector3d &a = points[i], &b = points[i + stride], &c = points[i + 2 * stride],
+                     &d = points[i + 3 * stride];
+            const Vector3d step = c - b;
+            a = step - (b - a);
+            d = (d - c) - step;
+            c = step;
+        }
+    return points;
+}
+
+TricubicPatch::ControlPoints relativeTo(const Vector3d& origin,
+                                        TricubicPatch::ControlPoints points) {
+    for (Vector3d& point : points) point -= origin;
+    return points;
 }
 
 // A patch is summed along one axis after the other: over w to 16 points, over v to 4, over u to
@@ -27,19 +46,17 @@ using Line = Eigen::Matrix<double, 3, 4>;
 
 }  // namespace
 
-TricubicMap TricubicMap::around(const Vector3d& point) const {
-    TricubicMap result = *this;
-    for (Vector3d& control : result.points_) control -= point;
-    return result;
-}
+TricubicMap::TricubicMap(const TricubicPatch::ControlPoints& points, double spacing)
+    : coefficients_(bends(points)), spacing_(spacing) {}
 
-embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
+Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
     std::array<Eigen::Vector4d, 3> values, slopes;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        values[axis] = weightsAt(uvw, axis, 0);
-        slopes[axis] = weightsAt(uvw, axis, 1);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const OuterWeights outer = outerWeights(uvw[axis], {.spacing = spacing_});
+        values[axis] = {outer.low, 1, uvw[axis], outer.high};
+        slopes[axis] = {outer.lowSlope, 0, 1, outer.highSlope};
     }
-    const Eigen::Map<const Solid> solid(points_.front().data());
+    const Eigen::Map<const Solid> solid(coefficients_.front().data());
     Sheet sheet, sheetW;
     Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * values[2];
     Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheetW.data()).noalias() = solid * slopes[2];
@@ -47,7 +64,7 @@ embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
     Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * values[1];
     Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineV.data()).noalias() = sheet * slopes[1];
     Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineW.data()).noalias() = sheetW * values[1];
-    embed::Trilinear::Tangent tangent;
+    Trilinear::Tangent tangent;
     tangent.position.noalias() = line * values[0];
     tangent.jacobian.col(0).noalias() = line * slopes[0];
     tangent.jacobian.col(1).noalias() = lineV * values[0];
@@ -56,15 +73,35 @@ embed::Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
 }
 
 Vector3d TricubicMap::position(const Vector3d& uvw) const {
-    const Eigen::Map<const Solid> solid(points_.front().data());
+    std::array<Eigen::Vector4d, 3> values;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const OuterWeights outer = outerWeights(uvw[axis], {.spacing = spacing_});
+        values[axis] = {outer.low, 1, uvw[axis], outer.high};
+    }
+    const Eigen::Map<const Solid> solid(coefficients_.front().data());
     Sheet sheet;
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * weightsAt(uvw, 2, 0);
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * values[2];
     Line line;
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * weightsAt(uvw, 1, 0);
-    return line * weightsAt(uvw, 0, 0);
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * values[1];
+    return line * values[0];
 }
 
-PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(points) {
+/// The map, moved so that a point is at the origin.
+struct PatchSolver::MapAround {
+    const TricubicMap& map;
+    Vector3d point;
+
+    Trilinear::Tangent tangent(const Vector3d& uvw) const {
+        Trilinear::Tangent tangent = map.tangent(uvw);
+        tangent.position -= point;
+        return tangent;
+    }
+    Vector3d position(const Vector3d& uvw) const { return map.position(uvw) - point; }
+};
+
+PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points, double spacing)
+    : origin_(TricubicMap(points, spacing).position(kCentre)),
+      map_(relativeTo(origin_, points), spacing) {
     const auto atCentre = map_.tangent(kCentre);
     middle_ = atCentre.position;
     inverse_ = atCentre.jacobian.inverse();
@@ -77,44 +114,49 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
     rounding_ = length_ * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
     // A polynomial is in the hull of its Bézier points. The rounding of these points, and of the
     // point, is also within some units in the last place of the largest coordinate.
-    hull_ = embed::AffineHull(inverse_);
-    for (const Vector3d& control : bezierPoints(points)) {
+    hull_ = AffineHull(inverse_);
+    const TricubicPatch::ControlPoints bezier = bezierPoints(relativeTo(origin_, points), spacing);
+    for (const Vector3d& control : bezier) {
         hull_.extend(control);
         box_.extend(control);
     }
     hull_.widen(2 * rounding_);
     box_.min().array() -= 2 * length_;
     box_.max().array() += 2 * length_;
-    // A derivative by u is a spline whose control points are the differences along u: it is in the
-    // hull of these.
+    // A derivative by u is in the hull of three times the differences along u. So is a derivative
+    // of a level, which is a mean of derivatives of the polynomial.
     spread_.setZero();
     std::size_t stride = 1;
     for (Eigen::Index axis = 0; axis < 3; ++axis, stride *= 4)
         for (std::size_t i = 0; i < 64; ++i) {
             if (i / stride % 4 == 3) continue;
-            Vector3d off = inverse_ * (points[i + stride] - points[i]);
+            Vector3d off = 3 * inverse_ * (bezier[i + stride] - bezier[i]);
             off[axis] -= 1;
             spread_.col(axis) = spread_.col(axis).cwiseMax(off.cwiseAbs());
         }
 }
 
-PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
+PatchSolver::Found PatchSolver::find(const Vector3d& position) const {
     constexpr double kOnFace = 1e-9;
+    const Vector3d point = position - origin_;
     if (!box_.contains(point)) return {Answer::Outside, {}};
     // This excludes most patches that do not contain the point. In irregular regions 3 of 4 patches
     // asked do not contain it.
     if (!hull_.contains(point)) return {Answer::Outside, {}};
-    const TricubicMap map = map_.around(point);
+    const MapAround map{map_, point};
     if (inverse_.allFinite()) {
         const Vector3d start = kCentre - inverse_ * (middle_ - point);
-        const auto uvw = embed::findOrigin(map, start.cwiseMax(0).cwiseMin(1));
-        if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
+        // The first cut of isExcluded(), which needs no evaluation of the map.
+        const Vector3d reach = (spread_.rowwise().sum().array() + 1) / 2 + kOnFace + rounding_;
+        if (((start - kCentre).array().abs() > reach.array()).any()) return {Answer::Outside, {}};
+        const auto uvw = findOrigin(map, start.cwiseMax(0).cwiseMin(1));
+        if (uvw && isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
         if (isExcluded(map)) return {Answer::Outside, {}};
         // The polynomial contains the point beyond the patch. A strongly bent patch might contain
         // the point, too.
         if (uvw) return {Answer::Undecided, {}};
     }
-    const Vector3d nearest = embed::nearestToOrigin(map);
+    const Vector3d nearest = nearestToOrigin(map);
     if (map.position(nearest).norm() <= 2 * length_) return {Answer::Inside, nearest};
     return {Answer::Undecided, {}};
 }
@@ -122,7 +164,7 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
 /// Krawczyk's test. For a box with centre c and half sides r, let A be the inverse of a Jacobian
 /// and E a bound of |A J − identity|. Then any solution in the box is within E r of c − A F(c). The
 /// box is cut to this region repeatedly; if nothing is left, there is no solution.
-bool PatchSolver::isExcluded(const TricubicMap& map) const {
+bool PatchSolver::isExcluded(const MapAround& map) const {
     constexpr int kMaxCuts = 50;
     // Rounding of E.
     constexpr double kSlack = 1e-12;
@@ -146,8 +188,18 @@ bool PatchSolver::isNearlyLinear() const {
     return spread_.rowwise().sum().maxCoeff() < 0.5;
 }
 
-Vector3d PatchSolver::nearest(const Vector3d& point) const {
-    return embed::nearestToOrigin(map_.around(point));
+/// Let A be inverse_, E be spread_, and d = |x − y|. If f(x) = f(y), then A (f(x) − f(y)) = 0
+/// differs from x − y by at most E d: d ≤ E d ≤ E² d ≤ … If a power of E is below 1, then d = 0.
+bool PatchSolver::isOneToOne() const {
+    constexpr int kSquares = 5;  // E³² tells all but spectral radii close to 1
+    if (!inverse_.allFinite()) return false;
+    Matrix3d power = spread_;
+    for (int square = 0; square < kSquares; ++square) power *= power.eval();
+    return power.rowwise().sum().maxCoeff() < 1;
 }
 
-}  // namespace espalier::limit
+Vector3d PatchSolver::nearest(const Vector3d& point) const {
+    return nearestToOrigin(MapAround{map_, point - origin_});
+}
+
+}  // namespace espalier::embed

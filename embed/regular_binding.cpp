@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/parallel.h>
+#include <espalier/embed/bind_groups.h>
+#include <espalier/embed/regular_binding.h>
+#include <espalier/stencils/table_builder.h>
+
+#include <algorithm>
+#include <atomic>
+#include <utility>
+#include <vector>
+
+namespace espalier::embed {
+namespace {
+
+/// Number of neighbouring points that are sought together: they share the patches around them.
+constexpr Offset kGroupSize = 1 << 13;
+
+/// Finds all points of a model.
+RegularPlaces placesOf(const RegularSearch& search, const LengthUnit& unit,
+                       std::span<const Point3> points,
+                       const std::function<void(Offset)>& progress) {
+    const std::vector<Index> order = alongCurve(points);
+    const Offset pointCount = std::ssize(points);
+    std::vector<RegularPlaces> groups((pointCount + kGroupSize - 1) / kGroupSize);
+    std::atomic<Offset> done = 0;
+    parallelFor(pointCount, kGroupSize, [&](Offset first, Offset last) {
+        RegularPlaces& group = groups[first / kGroupSize];
+        group = search.locate(
+            unit.toUnits(chosenPoints(points, std::span(order).subspan(first, last - first))));
+        if (progress) progress(done += group.count());
+    });
+    RegularPlaces all;
+    all.places.resize(points.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const auto before = static_cast<Index>(all.patches.size());
+        auto next = order.begin() + static_cast<Offset>(g) * kGroupSize;
+        for (RegularPlaces::Place place : groups[g].places) {
+            if (place.length > 0) place.patch += before;
+            all.places[*next++] = place;
+        }
+        all.patches.insert(all.patches.end(), groups[g].patches.begin(), groups[g].patches.end());
+        all.largestResidual = std::max(all.largestResidual, groups[g].largestResidual);
+        groups[g] = {};
+    }
+    return all;
+}
+
+/// Makes D from the rows of places, and from the rows of the points that have none.
+stencils::StencilTable<double> rowsOf(const RegularPlaces& places, double spacing,
+                                      Index columnCount,
+                                      const stencils::StencilTable<double>& others) {
+    const Offset rowCount = std::ssize(places.places);
+    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    offsets[0] = 0;
+    std::vector<Index> otherOf;  // For each chunk of rows, the first of its other points.
+    Index other = 0;
+    for (Offset row = 0; row < rowCount; ++row) {
+        if (row % stencils::kRowsPerChunk == 0) otherOf.push_back(other);
+        const auto length = places.places[row].length;
+        offsets[row + 1] = length > 0 ? length : std::ssize(others.columns(other++));
+    }
+    Array<Index> columns;
+    Array<double> weights;
+    stencils::allocateEntries(offsets, columns, weights);
+    parallelFor(rowCount, stencils::kRowsPerChunk, [&](Offset first, Offset last) {
+        Index next = otherOf[first / stencils::kRowsPerChunk];
+        for (Offset row = first; row < last; ++row) {
+            Index* const toColumns = columns.data() + offsets[row];
+            double* const toWeights = weights.data() + offsets[row];
+            if (places.places[row].length > 0) {
+                places.writeRow(row, spacing, toColumns, toWeights);
+                continue;
+            }
+            std::ranges::copy(others.columns(next), toColumns);
+            std::ranges::copy(others.weights(next++), toWeights);
+        }
+    });
+    return {stencils::Trusted{}, columnCount, std::move(offsets), std::move(columns),
+            std::move(weights)};
+}
+
+}  // namespace
+
+BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,
+                               std::span<const Point3> points, OutsidePolicy outside,
+                               const std::function<void(Offset)>& progress, BindOthers bindOthers) {
+    if (search.isEmpty()) return bindOthers(points, outside, progress);
+    const far::CellComplex base = search.base();
+    const double spacing = search.spacing();
+    const RegularPlaces places = placesOf(search, unit, points, progress);
+    const Offset placed = places.count();
+    if (placed == 0) return bindOthers(points, outside, progress);
+    BindingResult model, others;
+    model.statuses.assign(points.size(), PointStatus::Inside);
+    if (placed < std::ssize(points)) {
+        std::vector<Index> numbers;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (places.places[i].length == 0) numbers.push_back(static_cast<Index>(i));
+        // The numbers of points in an error would be their numbers among the others.
+        others = bindOthers(chosenPoints(points, numbers),
+                            outside == OutsidePolicy::Error ? OutsidePolicy::Keep : outside,
+                            progress ? [&](Offset done) { progress(placed + done); }
+                                     : std::function<void(Offset)>());
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            model.statuses[numbers[i]] = others.statuses[i];
+        if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
+    }
+    model.largestResidual =
+        std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
+    model.binding.table = rowsOf(places, spacing, base.count(0), others.binding.table);
+    completeBinding(base, points, model.binding);
+    return model;
+}
+
+}  // namespace espalier::embed

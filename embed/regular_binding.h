@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/function_ref.h>
+#include <espalier/embed/length_unit.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/regular_search.h>
+
+#include <functional>
+#include <span>
+
+namespace espalier::embed {
+
+/// Binds points that a regular search does not find. They are the points that are given to it, in
+/// the order of the model.
+using BindOthers = FunctionRef<BindingResult(std::span<const Point3> points, OutsidePolicy outside,
+                                             const std::function<void(Offset)>& progress)>;
+
+/// Binds points in regular cells by their places, and all others by another function.
+/// \param bindOthers called at most once, and not if all points are in regular cells. The search is
+///        not used any more then
+/// \param progress as BindingOptions::progress
+/// \throws Error as bindOthers, and under OutsidePolicy::Error for a point outside
+ESPALIER_API BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,
+                                            std::span<const Point3> points, OutsidePolicy outside,
+                                            const std::function<void(Offset)>& progress,
+                                            BindOthers bindOthers);
+
+}  // namespace espalier::embed

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/cell_solver.h>
+#include <espalier/embed/continuation.h>
+#include <espalier/embed/patch_solver.h>
+#include <espalier/embed/place_points.h>
+#include <espalier/embed/regular_search.h>
+
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+
+namespace espalier::embed {
+
+using Eigen::Vector3d;
+
+namespace {
+
+std::vector<Index> regularCells(const PointDescent& descent) {
+    const auto bounds = descent.baseBounds();
+    std::vector<Index> cells;
+    for (std::size_t cell = 0; cell < bounds.size(); ++cell)
+        if (bounds[cell] && bounds[cell]->drift) cells.push_back(static_cast<Index>(cell));
+    return cells;
+}
+
+std::vector<BoxTree::Box> boxesOf(const PointDescent& descent, std::span<const Index> cells) {
+    std::vector<BoxTree::Box> boxes;
+    boxes.reserve(cells.size());
+    for (const Index cell : cells) {
+        boxes.push_back(descent.baseBounds()[cell]->box);
+        boxes.back().min().array() -= descent.rounding();
+        boxes.back().max().array() += descent.rounding();
+    }
+    return boxes;
+}
+
+}  // namespace
+
+RegularSearch::RegularSearch(const RestLattice& lattice, const PointDescent& descent,
+                             double spacing)
+    : lattice_(lattice),
+      spacing_(spacing),
+      size_(CellSolver::scaleOf(lattice.positions, 0).size),
+      cells_(regularCells(descent)),
+      tree_(boxesOf(descent, cells_)) {}
+
+RegularPlaces RegularSearch::locate(std::span<const Point3> points) const {
+    struct Cell {
+        TricubicPatch patch;
+        std::optional<PatchSolver> solver = {};  ///< nothing if the cell is left to other searches
+        Index number = kMaxIndex;                ///< in RegularPlaces::patches; kMaxIndex: not yet
+    };
+    const far::Level& base = lattice_.base.level(0);
+    const auto make = [&](Index cell) {
+        Cell made{TricubicPatch(base, *frameOf(base.complex, cell))};
+        if (made.patch.hasRepeatedVertex()) return made;
+        made.solver.emplace(made.patch.controlPoints(lattice_.positions), spacing_);
+        if (!made.solver->isOneToOne()) made.solver.reset();
+        return made;
+    };
+
+    RegularPlaces result;
+    result.places.resize(points.size());
+    std::unordered_map<Index, Cell> cells;
+    std::vector<Index> found;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        const Vector3d point(points[p].data());
+        found.clear();
+        tree_.findContaining(point, found);
+        std::sort(found.begin(), found.end());
+        for (const Index i : found) {
+            auto known = cells.find(i);
+            if (known == cells.end()) known = cells.emplace(i, make(cells_[i])).first;
+            auto& [patch, solver, number] = known->second;
+            if (!solver) continue;
+            const auto [answer, uvw] = solver->find(point);
+            if (answer != PatchSolver::Answer::Inside) continue;
+            const double residual = solver->distance(uvw, point);
+            if (!(residual <= kResidual * std::max(size_, point.norm()))) continue;
+            if (number == kMaxIndex) {
+                number = static_cast<Index>(result.patches.size());
+                result.patches.push_back(patch);
+            }
+            result.places[p] = {toArray(uvw), number,
+                                TricubicPatch::rowLength(patch.axisWeights(uvw, spacing_))};
+            result.largestResidual = std::max(result.largestResidual, residual);
+            break;
+        }
+    }
+    return result;
+}
+
+}  // namespace espalier::embed
