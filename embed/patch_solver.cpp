@@ -137,7 +137,7 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points, double spac
 }
 
 PatchSolver::Found PatchSolver::find(const Vector3d& position) const {
-    constexpr double kOnFace = 1e-9;
+    constexpr double kOnPatchFace = 1e-9;
     const Vector3d point = position - origin_;
     if (!box_.contains(point)) return {Answer::Outside, {}};
     // This excludes most patches that do not contain the point. In irregular regions 3 of 4 patches
@@ -147,10 +147,10 @@ PatchSolver::Found PatchSolver::find(const Vector3d& position) const {
     if (inverse_.allFinite()) {
         const Vector3d start = kCentre - inverse_ * (middle_ - point);
         // The first cut of isExcluded(), which needs no evaluation of the map.
-        const Vector3d reach = (spread_.rowwise().sum().array() + 1) / 2 + kOnFace + rounding_;
+        const Vector3d reach = (spread_.rowwise().sum().array() + 1) / 2 + kOnPatchFace + rounding_;
         if (((start - kCentre).array().abs() > reach.array()).any()) return {Answer::Outside, {}};
         const auto uvw = findOrigin(map, start.cwiseMax(0).cwiseMin(1));
-        if (uvw && isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
+        if (uvw && isInUnitCube(*uvw, kOnPatchFace + rounding_)) return {Answer::Inside, *uvw};
         if (isExcluded(map)) return {Answer::Outside, {}};
         // The polynomial contains the point beyond the patch. A strongly bent patch might contain
         // the point, too.
