@@ -106,11 +106,11 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points, double spac
     middle_ = atCentre.position;
     inverse_ = atCentre.jacobian.inverse();
     // About ten units in the last place of a coordinate.
-    constexpr double kRounding = 2e-15;
+    constexpr double kCoordinateRounding = 2e-15;
     double largest = 0;
     for (const Vector3d& control : points)
         largest = std::max(largest, control.lpNorm<Eigen::Infinity>());
-    length_ = kRounding * largest;
+    length_ = kCoordinateRounding * largest;
     rounding_ = length_ * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
     // A polynomial is in the hull of its Bézier points. The rounding of these points, and of the
     // point, is also within some units in the last place of the largest coordinate.
