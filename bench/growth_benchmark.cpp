@@ -8,26 +8,29 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "workloads.h"
 
-// Measures how the costs of binding and applying grow, for points of a surface in a box. Benchmarks
-// are named growth/JOB BY SIZE/SIZE, plus /THREADS where threads are compared. The cost is plotted
-// against the counter `size`.
+// Measures how the costs of binding and applying grow, for points of a surface in a box, and by
+// level in a lattice that is not regular. Benchmarks are named growth/JOB BY SIZE/SIZE, plus
+// /THREADS where threads are compared. The cost is plotted against the counter `size`.
 namespace espalier {
 namespace {
 
-/// A box of cellCount³ cells, and points of a surface in it.
+/// A lattice, and points of a surface in it.
 struct Scene {
     std::vector<Point3> points;
     Lattice lattice;
     far::TopologyRefiner base;
 
+    Scene(Lattice made, int pointCount)
+        : points(bench::model(pointCount)), lattice(std::move(made)), base(lattice.complex) {}
+
+    /// A box of cellCount³ cells.
     Scene(int cellCount, int pointCount)
-        : points(bench::model(pointCount)),
-          lattice(shapes::box({.cells = {cellCount, cellCount, cellCount}})),
-          base(lattice.complex) {}
+        : Scene(shapes::box({.cells = {cellCount, cellCount, cellCount}}), pointCount) {}
 
     embed::Binding bind(int level) const {
         return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
@@ -44,8 +47,10 @@ void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
 
 void bindByLevel(benchmark::State& state) {
     const auto level = static_cast<int>(state.range(0));
-    bind(state, Scene(10, 30'000), level, 1);
-    state.counters["size"] = 1000 * std::pow(8, level);  // Cells of the whole level.
+    const Scene scene(bench::irregularLattice(), 30'000);
+    bind(state, scene, level, 1);
+    // Cells of the whole level, up to a factor.
+    state.counters["size"] = scene.lattice.complex.count(3) * std::pow(8, level);
 }
 
 void bindByPoints(benchmark::State& state) {

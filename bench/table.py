@@ -323,15 +323,15 @@ def growth(best):
     cells_up, cell_cost = change("bind by cells")
     items = (
         f"""**Binding, by number of points** (level 3 of 1,000 cells). The exponents on one thread and on
-        two are {exponents("bind by points")}. They are below 1, because points share the cells that are
-        refined for them. Two threads bind a million points {gain("bind by points"):.2f} times as fast as
+        two are {exponents("bind by points")}. Two threads bind a million points {gain("bind by points"):.2f} times as fast as
         one.""",
         f"""**Applying, by number of points** (the same binding, compiled). The exponents are
         {exponents("apply by points")}. Two threads apply a pose to a million points
         {gain("apply by points"):.2f} times as fast as one.""",
-        f"""**Binding, by level** (levels 1 to 6, 30,000 points in 1,000 cells). From the first level to the
-        last the number of cells grows {levels_up:,.0f} times, and the time {level_cost:.1f} times.
-        Only cells that hold points are refined, and the cells around them that the rules need.""",
+        f"""**Binding, by level** (levels 1 to 6, 30,000 points in the cylinder of the *irregular model*). From
+        the first level to the last the number of cells grows {levels_up:,.0f} times, and the time
+        {level_cost:.1f} times. Only cells that hold points are refined, and the cells around them that the
+        rules need. In regular cells, as in the other panels, nothing is refined, and the level does not matter.""",
         f"""**Binding, by number of base cells** (2³ to 100³ cells, 100,000 points at level 3). The number of
         cells grows {cells_up:,.0f} times, and the time {cell_cost:.1f} times.""")
     return "\n".join(wrap(item, "- ") for item in items)
