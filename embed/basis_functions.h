@@ -57,7 +57,8 @@ struct OuterWeights {
 
 /// Returns the outer weights: u³/6 for point 2. At a level-n point it is u (u² − h²)/6 with h =
 /// 2⁻ⁿ, because this point is b − h²/6 · b″ of the spline b. A missing point has the weight 0,
-/// exactly. \param u 0 to 1; beyond, the polynomials are extrapolated
+/// exactly.
+/// \param u 0 to 1; beyond, the polynomials are extrapolated
 ESPALIER_API OuterWeights outerWeights(double u, const SplineSpan& span);
 
 /// Returns the weights of points −1, 0, 1 and 2 for a place in a span, or their derivatives. The

@@ -85,8 +85,7 @@ BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& un
                                std::span<const Point3> points, OutsidePolicy outside,
                                const std::function<void(Offset)>& progress, BindOthers bindOthers) {
     if (search.isEmpty()) return bindOthers(points, outside, progress);
-    const far::CellComplex base = search.base();
-    const double spacing = search.spacing();
+    const far::CellComplex& base = search.base();
     const RegularPlaces places = placesOf(search, unit, points, progress);
     const Offset placed = places.count();
     if (placed == 0) return bindOthers(points, outside, progress);
@@ -107,7 +106,7 @@ BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& un
     }
     model.largestResidual =
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
-    model.binding.table = rowsOf(places, spacing, base.count(0), others.binding.table);
+    model.binding.table = rowsOf(places, search.spacing(), base.count(0), others.binding.table);
     completeBinding(base, points, model.binding);
     return model;
 }

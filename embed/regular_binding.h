@@ -18,8 +18,7 @@ using BindOthers = FunctionRef<BindingResult(std::span<const Point3> points, Out
                                              const std::function<void(Offset)>& progress)>;
 
 /// Binds points in regular cells by their places, and all others by another function.
-/// \param bindOthers called at most once, and not if all points are in regular cells. The search is
-///        not used any more then
+/// \param bindOthers called at most once, and not if all points are in regular cells
 /// \param progress as BindingOptions::progress
 /// \throws Error as bindOthers, and under OutsidePolicy::Error for a point outside
 ESPALIER_API BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,

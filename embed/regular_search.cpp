@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/cell_solver.h>
-#include <espalier/embed/continuation.h>
 #include <espalier/embed/patch_solver.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_search.h>
@@ -45,6 +44,13 @@ RegularSearch::RegularSearch(const RestLattice& lattice, const PointDescent& des
       tree_(boxesOf(descent, cells_)) {}
 
 RegularPlaces RegularSearch::locate(std::span<const Point3> points) const {
+    // How far u, v and w may be outside 0 to 1: their rounding. Points farther outside are left to
+    // the other search.
+    constexpr double kPlaceRounding = 1e-14;
+    // Largest residual, as a fraction of coordinates: their rounding. Newton's last step, of up to
+    // 1e-9, may start on the other side of a face between cells of the level, where the slopes
+    // differ. Then the residual is larger, and the point is left to the other search.
+    constexpr double kPointRounding = 2e-15;
     struct Cell {
         TricubicPatch patch;
         std::optional<PatchSolver> solver = {};  ///< nothing if the cell is left to other searches
@@ -74,9 +80,10 @@ RegularPlaces RegularSearch::locate(std::span<const Point3> points) const {
             auto& [patch, solver, number] = known->second;
             if (!solver) continue;
             const auto [answer, uvw] = solver->find(point);
-            if (answer != PatchSolver::Answer::Inside) continue;
+            if (answer != PatchSolver::Answer::Inside || !isInUnitCube(uvw, kPlaceRounding))
+                continue;
             const double residual = solver->distance(uvw, point);
-            if (!(residual <= kResidual * std::max(size_, point.norm()))) continue;
+            if (!(residual <= kPointRounding * std::max(size_, point.norm()))) continue;
             if (number == kMaxIndex) {
                 number = static_cast<Index>(result.patches.size());
                 result.patches.push_back(patch);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/patch_solver.h>
+#include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_binding.h>
 #include <espalier/embed/regular_search.h>
 #include <espalier/shapes/inventory.h>
@@ -7,6 +9,7 @@
 
 #include "support/complexes.h"
 #include "support/test.h"
+#include "support/zoo.h"
 
 namespace espalier::embed {
 namespace {
@@ -111,6 +114,64 @@ TEST(RegularSearch, LeavesPointsThatAreInNoRegularCell) {
     // In a ring of three cells, the cells before and after a cell are neighbours of each other.
     const Search ring(shapes::torus({.segments = 3}), spacingOf(1));
     EXPECT_EQ(ring.regular.locate(ring.positions).count(), 0);
+}
+
+/// A grid of unit cells, bent so that the spline of each cell differs from the level.
+Lattice bentGrid(const std::array<Index, 3>& cells) {
+    Lattice lattice;
+    lattice.complex = test::grid(cells);
+    for (const auto& [x, y, z] : test::gridPositions(cells))
+        lattice.positions.push_back(
+            {x + 0.1 * y * (y - 2), y + 0.1 * std::sin(2 * z), z + 0.1 * std::sin(3 * x)});
+    return lattice;
+}
+
+// The other search decides about points outside by more than rounding: its tolerance counts.
+TEST(RegularSearch, LeavesPointsJustOutside) {
+    const Lattice lattice = bentGrid({2, 2, 2});
+    TopologyRefiner refiner(lattice.complex);
+    refiner.refineUniform(2);
+    const auto level = stencils::refinePositions(refiner, 2, lattice.positions);
+    const Search search(lattice, spacingOf(2));
+    int count = 0;
+    for (Index vertex = 0; vertex < std::ssize(level); ++vertex) {
+        const auto& [x, y, z] = level[vertex];
+        // On the hollow side at the low end of x, away from its edges.
+        if (refiner.level(2).strata.of({0, vertex}) != 2 || x > 0.2 || std::abs(y - 1) > 0.5 ||
+            std::abs(z - 1) > 0.5)
+            continue;
+        ++count;
+        const std::vector<Point3> points = {{x - 5e-10, y, z}, {x + 5e-10, y, z}};
+        const auto places = search.regular.locate(points).places;
+        EXPECT_EQ(places[0].length, 0);
+        EXPECT_GT(places[1].length, 0);
+    }
+    EXPECT_GT(count, 4);
+}
+
+// Near a face between cells of the level, Newton's last step may start on the other side of the
+// face, where the slopes differ.
+TEST(RegularSearch, PlacesAreExactNearFacesOfTheLevel) {
+    const std::array<Index, 3> cells = {3, 3, 3};
+    Lattice lattice;
+    lattice.complex = test::grid(cells);
+    lattice.positions = test::shaken(test::gridPositions(cells), 1, 0.3);
+    const Search search(lattice, spacingOf(1));
+    const far::Level& base = search.base.level(0);
+    const TricubicPatch patch(base, *frameOf(base.complex, 13));
+    const TricubicMap map(patch.controlPoints(lattice.positions), spacingOf(1));
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> unit(0, 1);
+    std::vector<Point3> points;
+    for (int i = 0; i < 20'000; ++i) {
+        Vector3d uvw(unit(random), unit(random), unit(random));
+        uvw[i % 3] = 0.5 + 1e-8 * (unit(random) - 0.5);
+        points.push_back(toArray(map.position(uvw)));
+    }
+    const RegularPlaces places = search.regular.locate(points);
+    EXPECT_GT(places.count(), 19'000);
+    // The rounding of coordinates up to 3.
+    EXPECT_LE(places.largestResidual, 2e-14);
 }
 
 // The points in no regular cell go to the other function in the order of the model, and come back.
