@@ -5,6 +5,8 @@
 
 #include <Eigen/LU>
 
+#include <Eigen/Geometry>
+
 #include "support/refined_lattice.h"
 #include "support/rows.h"
 #include "support/tables.h"

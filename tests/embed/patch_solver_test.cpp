@@ -3,6 +3,7 @@
 #include <espalier/stencils/composition.h>
 
 #include "support/complexes.h"
+#include "support/refined_lattice.h"
 #include "support/test.h"
 
 namespace espalier::embed {

@@ -195,7 +195,7 @@ TEST(RegularSearch, BindsTheOtherPointsByAnotherFunction) {
                 progress(2);
                 BindingResult result;
                 result.statuses.assign(2, PointStatus::Outside);
-                result.binding.table = StencilTable<double>(8, {0, 1, 1}, {3}, {1.0});
+                result.binding.table = stencils::StencilTable<double>(8, {0, 1, 1}, {3}, {1.0});
                 result.largestResidual = 0.125;
                 return result;
             });
