@@ -3,9 +3,8 @@
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 
-#include <Eigen/LU>
-
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "support/refined_lattice.h"
 #include "support/rows.h"
