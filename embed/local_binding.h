@@ -75,7 +75,7 @@ struct BindingOptions {
 ///         far::TopologyRefiner::refineUniform(); MemoryError if D exceeds a MemoryLimit. If cells
 ///         have hundreds of vertices, and so rows of D thousands of weights, it is thrown within
 ///         seconds
-/// \cost In regular cells O(points · log base cells) at any level: 0.7 µs for each point. Elsewhere
+/// \cost In regular cells O(points · log base cells) at any level: 0.6 µs for each point. Elsewhere
 ///       O(points · (level + log base cells + entries of D per point)), once the cells are smaller
 ///       than the distances between points. In parallel; the result does not depend on the number
 ///       of threads

@@ -123,8 +123,9 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points, double spac
     hull_.widen(2 * rounding_);
     box_.min().array() -= 2 * length_;
     box_.max().array() += 2 * length_;
-    // A derivative by u is in the hull of three times the differences along u. So is a derivative
-    // of a level, which is a mean of derivatives of the polynomial.
+    // The derivative of the polynomial by u is in the hull of three times the differences along u.
+    // The derivative of a level is a mean of derivatives of the polynomial, so it is in this hull,
+    // too.
     spread_.setZero();
     std::size_t stride = 1;
     for (Eigen::Index axis = 0; axis < 3; ++axis, stride *= 4)

@@ -49,9 +49,8 @@ TricubicPatch::TricubicPatch(const far::Level& level, const CellFrame& frame) {
 }
 
 std::vector<VertexWeight> TricubicPatch::weights(const Eigen::Vector3d& uvw,
-                                                 const std::array<int, 3>& orders,
-                                                 double spacing) const {
-    const AxisWeights along = axisWeights(uvw, spacing, orders);
+                                                 const std::array<int, 3>& orders) const {
+    const AxisWeights along = axisWeights(uvw, kLimitSpacing, orders);
     std::array<Index, 64> vertices;
     std::array<double, 64> weights;
     writeRow(along, vertices.data(), weights.data());

@@ -27,8 +27,9 @@ inline constexpr double kLimitSpacing = 0;
 
 /// The map of a regular cell: a uniform tricubic B-spline over the 4 × 4 × 4 vertices around the
 /// cell. Its limit is one polynomial; level n is the trilinear interpolation of the level-n
-/// vertices in the cell. At a regular boundary a layer of vertices is missing; the phantom 2P₀ − P₁
-/// of the two layers next to it replaces it.
+/// vertices in the cell. At a regular boundary a layer of vertices is missing. The spline has the
+/// points 2P₀ − P₁ in its place (phantoms): P₀ is a vertex of the next layer, and P₁ the vertex
+/// behind it.
 ///
 /// Control point i + 4j + 16k is i − 1 cells along u, j − 1 along v and k − 1 along w away from
 /// corner 0 of the cell.
@@ -40,14 +41,13 @@ public:
     /// \param frame frame of a regular cell: see isRegularCell()
     TricubicPatch(const far::Level& level, const CellFrame& frame);
 
-    /// Returns the weights of the vertices in a derivative of the map: at most 64, in ascending
+    /// Returns the weights of the vertices in a derivative of the limit: at most 64, in ascending
     /// order of the vertices. Weights of the position sum to 1, weights of a derivative to 0. Where
     /// three cells form a closed loop, a vertex occurs more than once.
     /// \param uvw in the axes of the frame, 0 to 1; outside this range the polynomials are extended
-    /// \param orders orders of the derivative by u, v and w, 0 to 2 each (to 1 for a level); all 0
-    ///        is the position
-    std::vector<VertexWeight> weights(const Eigen::Vector3d& uvw, const std::array<int, 3>& orders,
-                                      double spacing = kLimitSpacing) const;
+    /// \param orders orders of the derivative by u, v and w, 0 to 2 each; all 0 is the position
+    std::vector<VertexWeight> weights(const Eigen::Vector3d& uvw,
+                                      const std::array<int, 3>& orders) const;
 
     using ControlPoints = std::array<Eigen::Vector3d, 64>;
 
@@ -58,7 +58,7 @@ public:
     /// True if three cells form a closed loop, so that a vertex is more than one control point.
     bool hasRepeatedVertex() const;
 
-    /// The weights of one place, axis by axis.
+    /// The weights of one place, axis by axis. On a level, orders are 0 or 1.
     using AxisWeights = std::array<std::array<double, 4>, 3>;
     AxisWeights axisWeights(const Eigen::Vector3d& uvw, double spacing,
                             const std::array<int, 3>& orders = {}) const;

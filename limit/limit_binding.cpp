@@ -256,7 +256,6 @@ embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
     const embed::RestLattice rest{lattice.base, inUnits};
     auto binder = std::make_shared<const LimitBinder>(rest, unit, options);
-    const embed::RegularSearch regular(rest, binder->descent(), embed::kLimitSpacing);
     const auto bindInGroups = [&](std::span<const Point3> some, embed::OutsidePolicy outside,
                                   const std::function<void(Offset)>& progress) {
         // As in a deep level: most points at irregular features share no cells with other points.
@@ -269,6 +268,7 @@ embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
     };
     const auto& [outside, tolerance] = options.embedding;
     if (options.gradients) return bindInGroups(points, outside, options.progress);
+    const embed::RegularSearch regular(rest, binder->descent(), embed::kLimitSpacing);
     auto model =
         embed::bindRegularFirst(regular, unit, points, outside, options.progress,
                                 [&](std::span<const Point3> others, embed::OutsidePolicy policy,

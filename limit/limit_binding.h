@@ -67,11 +67,12 @@ struct LimitTable {
 /// Binds points to the limit volume itself instead of a level, without an approximation by
 /// trilinear cells.
 ///
-/// In a regular cell of any level the limit is a tricubic polynomial, and Newton's method finds the
-/// place of a point. Cells at irregular features are refined, only where there are points, until
-/// they are regular or smaller than the tolerance. In the small ones the exact limits of the cell's
-/// vertices are blended in the way a level blends its vertices. D has rows of 64 entries in regular
-/// regions, the same as the D of a level.
+/// In the regular cells of the base, points are bound as bindPoints() binds them, without
+/// refinement, unless gradients are made. In a regular cell of any level the limit is a tricubic
+/// polynomial, and Newton's method finds the place of a point. Cells at irregular features are
+/// refined, only where there are points, until they are regular or smaller than the tolerance. In
+/// the small ones the exact limits of the cell's vertices are blended in the way a level blends its
+/// vertices. D has rows of 64 entries in regular regions, the same as the D of a level.
 ///
 /// A point on an irregular edge needs no further levels if the cells around the edge continue
 /// beyond both of its ends: its weights follow from repeated halving of the edge. A point within

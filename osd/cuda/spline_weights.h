@@ -19,6 +19,9 @@ namespace espalier::osd::device {
 /// with b″ at t: level-n vertices are b − h²/6 · b″ at the ends of the segment, and the chord of a
 /// cubic is known in closed form. In the limit, h is 0, and b is what remains.
 ///
+/// These are the weights of embed::cubicBSpline(), from a parameter that is 0 in the middle of the
+/// cell: single precision has more digits there.
+///
 /// At a boundary the missing layer of columns is the phantom 2P₀ − P₁: its weight goes to the first
 /// two columns.
 ///

@@ -215,8 +215,12 @@ TEST(TricubicPatch, LevelsAreTrilinearBetweenRefinedVertices) {
             }
             EXPECT_LT((map.position(uvw) - expected).norm(), 1e-14);
             Vector3d sum = Vector3d::Zero();
-            for (const auto& [vertex, weight] : patch.weights(uvw, {0, 0, 0}, spacingOf(level)))
-                sum += weight * vec(positions[vertex]);
+            const auto along = patch.axisWeights(uvw, spacingOf(level));
+            std::vector<Index> vertices(TricubicPatch::rowLength(along));
+            std::vector<double> weights(vertices.size());
+            patch.writeRow(along, vertices.data(), weights.data());
+            for (std::size_t k = 0; k < vertices.size(); ++k)
+                sum += weights[k] * vec(positions[vertices[k]]);
             EXPECT_LT((sum - expected).norm(), 1e-14);
             // The map is linear along an axis for less than a step, so a difference is the slope.
             const double step = 1e-6;

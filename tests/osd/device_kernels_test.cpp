@@ -43,13 +43,18 @@ TYPED_TEST(DeviceKernels, EvaluateTablesAndTheirTransposes) {
     using Real = TypeParam;
     for (const Lattice& lattice :
          {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5}), shapes::box()}) {
-        // Fewer points than by default: the kernels are not optimized here. The groups of the box of
-        // one cell still have several tasks.
+        // Fewer points than by default: the kernels are not optimized here. The groups of the box
+        // of one cell still have several tasks.
         const auto table = boundTable<Real>(lattice, 1500);
         const auto transpose = stencils::transposeTable(table);
         for (const bool isGrouped : {true, false}) {
             const HostDevice<Real> device(table, isGrouped);
             EXPECT_EQ(device.arrays().groups.empty(), !isGrouped);
+            if (isGrouped && lattice.complex.count(3) == 1) {
+                std::size_t tasks = device.arrays().panels.size();
+                for (const auto& list : device.arrays().products) tasks += list.size();
+                EXPECT_GT(tasks, device.arrays().groups.size());
+            }
             for (const Offset length : someOf<Offset>({3, 1, 7, 12, 26})) {
                 const auto poses = randomValues<Real>(table.columnCount() * length, 6);
                 EXPECT_LE(
