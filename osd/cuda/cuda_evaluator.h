@@ -183,7 +183,7 @@ struct CudaTableOptions {
 
     /// If true, points in regular cells, bound to the limit or to a level up to 10, are stored
     /// without weights, if a cell has enough of them to fill a panel: as the cell and three
-    /// parameters, from which kernels compute the weights. A row
+    /// parameters, from which kernels compute the point. A row
     /// takes 16 bytes instead of 52 (28 instead of 100 in double). Its error is then relative to
     /// the largest |x|: see evaluate(). Needs isGrouped.
     bool hasParameters = false;
@@ -246,9 +246,9 @@ public:
     /// do not depend on the device or on the range, bit for bit. A source value that is not finite
     /// may also reach rows of its group whose weight for it is 0.
     ///
-    /// The error of rows that are stored as parameters is at most 14 ulp of the largest |x| of
-    /// their columns: 8 for the weights, which are compared with the table when it is copied, and 6
-    /// for the sums.
+    /// The error of rows that are stored as parameters is at most 64 ulp of the largest |x| of
+    /// their columns: 8 for the weights, which are compared with the table when it is copied, and
+    /// 56 for the rounding of coefficients and sums (docs/gpu.md). In the tests it is below 4.
     ///
     /// A source on the host is first copied to the device, and results for the host are copied
     /// there after the evaluation, both by cudaMemcpyAsync(). If that memory is page-locked, do not

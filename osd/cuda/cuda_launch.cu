@@ -61,8 +61,41 @@ public:
         return value;
     }
 
-    static __device__ void prefetch(const void* address) {
-        asm volatile("prefetch.global.L2 [%0];" ::"l"(address));
+    template <int toBytes, int fromBytes, class T>
+    static __device__ void copy(T* to, const T* from) {
+#if __CUDA_ARCH__ >= 800
+        const auto place = static_cast<unsigned>(__cvta_generic_to_shared(to));
+        if constexpr (sizeof(T) == 16)
+            asm volatile("cp.async.cg.shared.global [%0 + %2], [%1 + %3], 16;" ::"r"(place),
+                         "l"(from), "n"(toBytes), "n"(fromBytes)
+                         : "memory");
+        else
+            asm volatile("cp.async.ca.shared.global [%0 + %2], [%1 + %3], %4;" ::"r"(place),
+                         "l"(from), "n"(toBytes), "n"(fromBytes), "n"(sizeof(T))
+                         : "memory");
+#else
+        to[toBytes / int{sizeof(T)}] = from[fromBytes / int{sizeof(T)}];
+#endif
+    }
+
+    static __device__ void storeIf(bool isStored, float* to, float value) {
+        asm volatile("{.reg .pred p; setp.ne.s32 p, %0, 0; @p st.global.f32 [%1], %2;}" ::"r"(
+                         static_cast<int>(isStored)),
+                     "l"(to), "f"(value)
+                     : "memory");
+    }
+    static __device__ void storeIf(bool isStored, double* to, double value) {
+        asm volatile("{.reg .pred p; setp.ne.s32 p, %0, 0; @p st.global.f64 [%1], %2;}" ::"r"(
+                         static_cast<int>(isStored)),
+                     "l"(to), "d"(value)
+                     : "memory");
+    }
+
+    static __device__ void waitForCopies() {
+#if __CUDA_ARCH__ >= 800
+        asm volatile("cp.async.wait_all;" ::: "memory");
+#endif
+        __syncwarp();
     }
 
 private:
@@ -86,9 +119,17 @@ private:
     }
 };
 
+/// A kernel and its number of warps, which is computed once, on the host.
 template <class Kernel>
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
-    run(const __grid_constant__ Kernel kernel, unsigned sharedPerWarp) {
+struct Counted {
+    static constexpr int kBlocks = Kernel::kBlocks;
+    Kernel kernel;
+    Index warps;
+};
+
+template <class Counted>
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp, Counted::kBlocks)
+    run(const __grid_constant__ Counted kernel, unsigned sharedPerWarp) {
     extern __shared__ __align__(16) unsigned char shared[];
     const unsigned warpInBlock = threadIdx.x / kWarp;
     const long long index = static_cast<long long>(blockIdx.x) * (blockDim.x / kWarp) + warpInBlock;
@@ -96,13 +137,6 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     CudaWarp warp;
     kernel.kernel(warp, static_cast<Index>(index), shared + warpInBlock * sharedPerWarp);
 }
-
-/// A kernel and its number of warps, which is computed once, on the host.
-template <class Kernel>
-struct Counted {
-    Kernel kernel;
-    Index warps;
-};
 
 template <class Kernel>
 const void* functionOf() {
@@ -115,11 +149,33 @@ cudaError_t loadKernel(const Kernel&) {
     return cudaFuncGetAttributes(&attributes, functionOf<Kernel>());
 }
 
+/// Computes how many warps of a kernel the current device runs at a time.
+template <class Kernel>
+cudaError_t warpsAtOnce(unsigned sharedPerWarp, Index& count) {
+    int device = 0, multiprocessors = 0, blocks = 0;
+    if (const auto error = cudaGetDevice(&device)) return error;
+    if (const auto error =
+            cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device))
+        return error;
+    const auto warps = static_cast<int>(blocksOf(kWarpsPerBlock, sharedPerWarp).warps);
+    if (const auto error = cudaOccupancyMaxActiveBlocksPerMultiprocessor(
+            &blocks, functionOf<Kernel>(), warps * kWarp, warps * sharedPerWarp))
+        return error;
+    count = multiprocessors * blocks * warps;
+    return cudaSuccess;
+}
+
 template <class Kernel>
 cudaError_t startKernel(const Kernel& kernel, cudaStream_t stream) {
     Counted<Kernel> counted = {kernel, kernel.warpCount()};
-    if (counted.warps <= 0) return cudaSuccess;
     unsigned shared = kernel.sharedBytes();
+    if constexpr (requires { counted.kernel.divideAmong(0); }) {
+        Index atOnce = 0;
+        if (const auto error = warpsAtOnce<Kernel>(shared, atOnce)) return error;
+        counted.kernel.divideAmong(atOnce);
+        counted.warps = counted.kernel.warpCount();
+    }
+    if (counted.warps <= 0) return cudaSuccess;
     const Blocks blocks = blocksOf(counted.warps, shared);
     void* arguments[] = {&counted, &shared};
     // <<<>>> would also report failures of earlier calls.

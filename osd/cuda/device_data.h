@@ -10,6 +10,9 @@ namespace espalier::osd::device {
 /// Number of lanes of a warp, which are threads that run together.
 inline constexpr int kWarp = 32;
 
+/// Maximum number of warps in a block. They share nothing but the memory of the block.
+inline constexpr int kWarpsPerBlock = 4;
+
 /// Number of rows of a group that a lane evaluates at a time. The weights of these rows take 16
 /// bytes, the largest number of bytes that a lane can load at once.
 template <class Real>
@@ -61,10 +64,10 @@ struct SparseRows {
     int lanesLog2;  ///< 2^lanesLog2 lanes work on a row together
 };
 
-/// Classes of outer products. A product whose largest size n is 2, 3 or 4 belongs to class n, any
-/// other to class 0.
+/// The lists of outer products, each with its own kernel: products whose largest size is 4, 3 or 2,
+/// and all larger ones; and splines, whose rows have parameters.
 inline constexpr int kSizes[] = {4, 3, 2, 0};
-inline constexpr int kSizeCount = 4;
+inline constexpr int kSplines = 4, kProductLists = 5;
 
 /// A table on a device.
 template <class Real>
@@ -72,9 +75,9 @@ struct TableView {
     Index rowCount, columnCount;
     Groups<Real> groups;
     TaskList panels;
-    TaskList products[kSizeCount];  ///< one list for each class of kSizes
-    Index maxProductColumns;        ///< of any outer product of class 0
-    SparseRows<Real> ungrouped;     ///< rows that are in no group
+    TaskList products[kProductLists];  ///< one list for each of kSizes, and kSplines
+    Index maxProductColumns;           ///< of any outer product larger than 4
+    SparseRows<Real> ungrouped;        ///< rows that are in no group
 };
 
 /// One step of the adjoint: adds up earlier results, for some places or for the columns of the
@@ -91,10 +94,10 @@ struct SumStep {
 /// of the steps.
 template <class Real>
 struct AdjointView {
-    TaskList panels, products;   ///< tiles of columns
-    SparseRows<Real> segments;   ///< of the columns of the ungrouped rows
-    Offset firstSegment;         ///< place of the sum of the first segment
-    const SumStep<Real>* steps;  ///< in memory of the host
+    TaskList panels, products, splines;  ///< tiles of columns
+    SparseRows<Real> segments;           ///< of the columns of the ungrouped rows
+    Offset firstSegment;                 ///< place of the sum of the first segment
+    const SumStep<Real>* steps;          ///< in memory of the host
     int stepCount;
     Offset placeCount;
 };

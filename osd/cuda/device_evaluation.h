@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
+#include "device_adjoint_kernels.h"
 #include "device_kernels.h"
 
 // Selects the kernels that evaluate a table on a device, and their order. A Launch is called with a
 // kernel of device_kernels.h and starts it after the previous ones: on the device in
 // cuda_launch.cu, on the host in tests.
 namespace espalier::osd::device {
-
-/// Maximum number of warps in a block. They share nothing but the memory of the block.
-inline constexpr unsigned kWarpsPerBlock = 4;
 
 /// Size in bytes of the shared memory that any block may have on any device.
 inline constexpr unsigned kMaxShared = 48 * 1024;
@@ -28,7 +28,7 @@ constexpr Blocks blocksOf(Index warpCount, unsigned sharedBytes) {
 }
 
 // The largest outer products, in double, fit in shared memory.
-static_assert(Entries<4, double>::bytes(kernels::kMaxProductColumns) + Results<4, double>::kBytes <=
+static_assert(ProductKernel<0, false, 4, double>::sharedBytesOf(kernels::kMaxProductColumns) <=
               kMaxShared);
 
 /// Splits `length` components into chunks and calls f.operator()<width>(components) for each width
@@ -60,12 +60,18 @@ void launchSparse(const SparseRows<Real>& rows, Index first, Index last,
     });
 }
 
-template <int n, class Real, class Launch>
+template <int n, bool isSpline, class Real, class Launch>
 void launchProducts(const TableView<Real>& table, const TaskList& tasks,
                     const Evaluation<Real>& evaluation, Launch& launch) {
     forComponents<4>(evaluation.length, [&]<int width>(const Components& components) {
-        launch(ProductKernel<n, width, Real>{table.groups, tasks, table.maxProductColumns,
-                                             evaluation, components});
+        using Kernel = ProductKernel<n, isSpline, width, Real>;
+        for (Offset i = 0; i < components.count; i += Kernel::kMaxChunks)
+            launch(Kernel{
+                table.groups,
+                tasks,
+                table.maxProductColumns,
+                evaluation,
+                {components.from + i * width, std::min(components.count - i, Kernel::kMaxChunks)}});
     });
 }
 
@@ -73,10 +79,11 @@ void launchProducts(const TableView<Real>& table, const TaskList& tasks,
 template <class Real, class Launch>
 void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluation,
                  Launch&& launch) {
-    launchProducts<kSizes[0]>(table, table.products[0], evaluation, launch);
-    launchProducts<kSizes[1]>(table, table.products[1], evaluation, launch);
-    launchProducts<kSizes[2]>(table, table.products[2], evaluation, launch);
-    launchProducts<kSizes[3]>(table, table.products[3], evaluation, launch);
+    launchProducts<kSizes[0], false>(table, table.products[0], evaluation, launch);
+    launchProducts<kSizes[1], false>(table, table.products[1], evaluation, launch);
+    launchProducts<kSizes[2], false>(table, table.products[2], evaluation, launch);
+    launchProducts<kSizes[3], false>(table, table.products[3], evaluation, launch);
+    launchProducts<4, true>(table, table.products[kSplines], evaluation, launch);
     forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
         launch(PanelKernel<width, Real>{table.groups, table.panels, evaluation, components});
     });
@@ -102,7 +109,10 @@ void launchAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoin
     };
     const auto all = toPlaces(evaluation, 0, 0);
     forComponents<4>(length, [&]<int width>(const Components& components) {
-        launch(AdjointProductKernel<width, Real>{table.groups, adjoint.products, all, components});
+        launch(AdjointProductKernel<false, width, Real>{table.groups, adjoint.products, all,
+                                                        components});
+        launch(AdjointProductKernel<true, width, Real>{table.groups, adjoint.splines, all,
+                                                       components});
     });
     forComponents<4>(length, [&]<int width>(const Components& components) {
         launch(AdjointPanelKernel<width, Real>{table.groups, adjoint.panels, all, components});

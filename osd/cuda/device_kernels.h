@@ -1,177 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/osd/kernels/kernels.h>
-
-#include "device_code.h"
-#include "device_data.h"
+#include "device_rows.h"
 #include "spline_weights.h"
+#include "warp_memory.h"
 
 // The kernels of GPUs, as functions of one warp. They are compiled for the device by
 // cuda_launch.cu, and for the host by tests. Both give the same results to the last bit: every
 // product is added by fma(), and every sum over lanes has a fixed order.
 //
+// A kernel says how many blocks of it each multiprocessor shall run at a time (kBlocks): they share
+// its registers.
+//
 // A Warp has
 //
-//     each(f)            calls f(lane) for all lanes, and synchronizes them afterwards
-//     PerLane<T>         a T for each lane: value[lane]
-//     sumOver(v, lanes)  v: PerLane<Values<Real, n>>; gives each lane the sums over its group of
-//                        `lanes` neighbours
-//     sumAll(v)          n a multiple of kWarp: sets v[lane].of[t] to the sum of of[32 t + lane]
-//                        over all lanes
-//     load<T>(address)   loads a T of 16 bytes, aligned to 16, that is not soon read again
-//     prefetch(address)
+//     each(f)                 calls f(lane) for all lanes, and synchronizes them afterwards
+//     PerLane<T>              a T for each lane: value[lane]
+//     sumOver(v, lanes)       v: PerLane<Values<Real, n>>; gives each lane the sums over its group
+//                             of `lanes` neighbours
+//     sumAll(v)               n a multiple of kWarp: sets v[lane].of[t] to the sum of
+//                             of[32 t + lane] over all lanes
+//     load<T>(address)        loads a T of 16 bytes, aligned to 16, that is not soon read again
+//     copy<a, b>(to, from)    begins to copy a T of 4, 8 or 16 bytes, aligned to its size, to
+//     shared
+//                             memory: from `b` bytes after `from` to `a` bytes after `to`
+//     waitForCopies()         waits until the copies of all lanes are done
+//     storeIf(is, to, value)  writes a number if `is` is true, without a branch
 //
 // Memory that a lane writes in one each() may be read by other lanes in the next each().
 namespace espalier::osd::device {
-
-using kernels::kLanes;
-
-template <class Real, int count>
-struct Values {
-    Real of[count];
-};
-
-/// One number for each of the rows of a lane.
-template <class Real>
-struct alignas(16) RowNumbers {
-    Real of[kRowsPerLane<Real>];
-};
-
-/// Four components, which one instruction loads.
-template <class Real>
-struct alignas(16) Quad {
-    Real of[4];
-};
-
-/// The source entries of some columns, in the shared memory of a warp.
-template <int width, class Real>
-class Entries {
-public:
-    static constexpr int kQuads = (width + 3) / 4;
-
-    ESPALIER_DEVICE explicit Entries(unsigned char* shared)
-        : quads_(reinterpret_cast<Quad<Real>*>(shared)) {}
-
-    static constexpr unsigned bytes(Index columnCount) {
-        return static_cast<unsigned>(columnCount) * kQuads * sizeof(Quad<Real>);
-    }
-
-    template <class Warp>
-    ESPALIER_DEVICE void gather(Warp& warp, const Index* columns, Index columnCount,
-                                const Evaluation<Real>& e, Offset from) const {
-        warp.each([&](int lane) {
-            for (Index i = lane; i < columnCount * width; i += kWarp) {
-                const Index k = i / width, c = i % width;
-                quads_[k * kQuads + c / 4].of[c % 4] =
-                    e.source[columns[k] * e.sourceStride + from + c];
-            }
-        });
-    }
-
-    ESPALIER_DEVICE Values<Real, width> operator[](Index k) const {
-        Values<Real, width> entry;
-        ESPALIER_UNROLL
-        for (int q = 0; q < kQuads; ++q) {
-            const Quad<Real> quad = quads_[k * kQuads + q];
-            ESPALIER_UNROLL
-            for (int c = 4 * q; c < width && c < 4 * q + 4; ++c) entry.of[c] = quad.of[c % 4];
-        }
-        return entry;
-    }
-
-private:
-    Quad<Real>* quads_;
-};
-
-/// Collects the results of the rows of a warp in shared memory. From there, consecutive lanes write
-/// consecutive numbers of the destination.
-template <int width, class Real>
-class Results {
-public:
-    static constexpr int kRows = kWarp * kRowsPerLane<Real>;
-    static constexpr unsigned kBytes = kRows * (width | 1) * sizeof(Real);
-
-    ESPALIER_DEVICE explicit Results(unsigned char* shared)
-        : numbers_(reinterpret_cast<Real*>(shared)) {}
-
-    ESPALIER_DEVICE void set(int lane, const Values<RowNumbers<Real>, width>& sums) const {
-        ESPALIER_UNROLL
-        for (int q = 0; q < kRowsPerLane<Real>; ++q) {
-            ESPALIER_UNROLL
-            for (int c = 0; c < width; ++c)
-                numbers_[(lane * kRowsPerLane<Real> + q) * kPitch + c] = sums.of[c].of[q];
-        }
-    }
-
-    /// \param count number of rows, at most kRows
-    template <class Warp>
-    ESPALIER_DEVICE void store(Warp& warp, const Index* rows, Index count,
-                               const Evaluation<Real>& e, Offset from) const {
-        warp.each([&](int lane) {
-            for (Index i = lane; i < count * width; i += kWarp) {
-                const Index r = i / width, c = i % width, row = rows[r];
-                if (row >= e.first && row < e.last)
-                    e.destination[(row - e.destinationFirst) * e.destinationStride + from + c] =
-                        numbers_[r * kPitch + c];
-            }
-        });
-    }
-
-private:
-    static constexpr int kPitch = width | 1;  ///< odd, so that there are fewer bank conflicts
-
-    Real* numbers_;
-};
-
-template <class Real>
-ESPALIER_DEVICE bool isAnyInRange(const Group& group, const Evaluation<Real>& e) {
-    return group.highest >= e.first && group.lowest < e.last;
-}
-
-/// Returns how many numbers a row of an outer product has.
-ESPALIER_DEVICE inline Index productLength(const Group& group) {
-    return group.spline == kNoSpline ? group.size[0] + group.size[1] + group.size[2] : 3;
-}
-
-/// Returns the address of number k of a row of a group; each row has `length` numbers. The same
-/// number of the next rows, up to the end of the panel, follows it directly.
-template <class Real>
-ESPALIER_DEVICE const Real* numberOf(const Groups<Real>& table, const Group& group, Index row,
-                                     Index length, Index k) {
-    constexpr Index lanes = kLanes<Real>;
-    return table.numbers + group.firstNumber + Offset{row / lanes} * lanes * length + k * lanes +
-           row % lanes;
-}
-
-/// For each row of a lane, adds its number times the components of an entry.
-template <int width, class Real>
-ESPALIER_DEVICE void addEntry(Values<RowNumbers<Real>, width>& sums, const RowNumbers<Real>& number,
-                              const Values<Real, width>& entry) {
-    ESPALIER_UNROLL
-    for (int c = 0; c < width; ++c) {
-        ESPALIER_UNROLL
-        for (int q = 0; q < kRowsPerLane<Real>; ++q)
-            sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], entry.of[c]);
-    }
-}
-
-/// For each row of a lane, adds its number times sums of the same row.
-template <int width, class Real>
-ESPALIER_DEVICE void addSums(Values<RowNumbers<Real>, width>& sums, const RowNumbers<Real>& number,
-                             const Values<RowNumbers<Real>, width>& others) {
-    ESPALIER_UNROLL
-    for (int c = 0; c < width; ++c) {
-        ESPALIER_UNROLL
-        for (int q = 0; q < kRowsPerLane<Real>; ++q)
-            sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], others.of[c].of[q]);
-    }
-}
 
 /// Evaluates rows that share their columns. Each warp evaluates one task. A lane loads one weight
 /// of each of its rows at a time.
 template <int width, class Real>
 struct PanelKernel {
+    static constexpr int kBlocks = 4;
     static constexpr Index kColumns = 64;  ///< number of columns whose entries are in shared memory
                                            ///< at a time
 
@@ -181,14 +44,12 @@ struct PanelKernel {
     Components components;
 
     Index warpCount() const { return tasks.count; }
-    unsigned sharedBytes() const {
-        return Entries<width, Real>::bytes(kColumns) + Results<width, Real>::kBytes;
-    }
+    unsigned sharedBytes() const { return kEntriesFrom + Entries<width, Real>::bytes(kColumns); }
 
     template <class Warp>
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
         const Task task = tasks.tasks[index];
-        const Group group = table.groups[task.group];
+        const Group& group = table.groups[task.group];
         if (!isAnyInRange(group, evaluation)) return;
         for (Offset i = 0; i < components.count; ++i)
             evaluate(warp, group, task.part, components.from + i * width, shared);
@@ -197,12 +58,20 @@ struct PanelKernel {
 private:
     using Sums = Values<RowNumbers<Real>, width>;
 
+    // Shared memory has the results, the row numbers and the entries.
+    static constexpr unsigned kRowsFrom = Results<width, Real>::kBytes;
+    static constexpr unsigned kEntriesFrom =
+        kRowsFrom + Results<width, Real>::kRows * sizeof(Index);
+
     template <class Warp>
     ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index firstRow, Offset from,
                                   unsigned char* shared) const {
-        const Entries<width, Real> entries(shared + Results<width, Real>::kBytes);
         const Results<width, Real> results(shared);
+        Index* const rows = reinterpret_cast<Index*>(shared + kRowsFrom);
+        const Entries<width, Real> entries(shared + kEntriesFrom);
         typename Warp::template PerLane<Sums> sums;
+        copyRows<Real>(warp, table.rows + group.firstRow + firstRow, group.rowCount - firstRow,
+                       rows);
         warp.each([&](int lane) { sums[lane] = {}; });
         for (Index first = 0; first < group.columnCount; first += kColumns) {
             const Index left = group.columnCount - first, count = left < kColumns ? left : kColumns;
@@ -222,9 +91,8 @@ private:
             });
         }
         warp.each([&](int lane) { results.set(lane, sums[lane]); });
-        const Index rowsLeft = group.rowCount - firstRow;
-        results.store(warp, table.rows + group.firstRow + firstRow,
-                      rowsLeft < results.kRows ? rowsLeft : results.kRows, evaluation, from);
+        warp.waitForCopies();
+        results.store(warp, rows, evaluation, from);
     }
 };
 
@@ -235,101 +103,164 @@ struct Factors {
 };
 
 /// Evaluates rows that are outer products: sums along axis 0, then sums of these along axis 1, then
-/// along axis 2. Each warp evaluates one task.
+/// along axis 2.
 ///
-/// Memory bandwidth limits the speed: for 128 rows of three floats, sm_90 has 1,800 instructions,
-/// 1,008 of them for the products, which take a multiprocessor 460 cycles; reading and writing
-/// their 8 KB takes it 630 cycles on an H100.
+/// A warp evaluates consecutive tasks. Most of them belong to the same group, whose entries it
+/// gathers once. While it evaluates one task, the numbers of the next are copied to shared memory.
 ///
-/// \tparam n the size along axis 0, where the other sizes are at most 4: all factors are loaded at
+/// \tparam n the size along axis 0, where the other sizes are at most n: all factors are loaded at
 ///         once, and once for any number of components. 0 allows any sizes
-template <int n, int width, class Real>
+/// \tparam isSpline true for groups whose rows have parameters: entries are converted to
+///         coefficients, up to 4 along each axis, and factors are powers of the parameters
+template <int n, bool isSpline, int width, class Real>
 struct ProductKernel {
+    static constexpr int kBlocks = 4;
+    /// Maximum of components.count: the entries of all chunks are in shared memory.
+    static constexpr Offset kMaxChunks = n > 0 ? 4 : 1;
+
     Groups<Real> table;
     TaskList tasks;
     Index maxColumns;  ///< of any outer product, if n is 0
     Evaluation<Real> evaluation;
     Components components;
+    Index warps = 1;  ///< how many warps share the tasks
 
-    Index warpCount() const { return tasks.count; }
+    /// \param count number of warps that the device runs at a time
+    void divideAmong(Index count) { warps = count < tasks.count ? count : tasks.count; }
+
+    Index warpCount() const { return tasks.count < warps ? tasks.count : warps; }
     unsigned sharedBytes() const {
-        // The other sizes are at most n.
-        return Entries<width, Real>::bytes(n > 0 ? n * n * n : maxColumns) +
-               Results<width, Real>::kBytes;
+        return sharedBytesOf(static_cast<Index>(components.count) * entryCount());
+    }
+    static constexpr unsigned sharedBytesOf(Index entries) {
+        return kEntriesFrom + Entries<width, Real>::bytes(entries);
     }
 
     template <class Warp>
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
-        const Task task = tasks.tasks[index];
-        const Group group = table.groups[task.group];
-        if (!isAnyInRange(group, evaluation)) return;
+        const auto first = static_cast<Index>(Offset{tasks.count} * index / warps),
+                   last = static_cast<Index>(Offset{tasks.count} * (index + 1) / warps);
         const Results<width, Real> results(shared);
-        const Entries<width, Real> entries(shared + Results<width, Real>::kBytes);
-        const Index rowsLeft = group.rowCount - task.part;
-        const Index rowCount = rowsLeft < results.kRows ? rowsLeft : results.kRows;
-        typename Warp::template PerLane<Factors<(n > 0 ? n : 1), Real>> factors;
-        if constexpr (n > 0)
-            warp.each([&](int lane) { load(warp, group, task.part, lane, factors[lane]); });
-        for (Offset i = 0; i < components.count; ++i) {
-            const Offset from = components.from + i * width;
-            entries.gather(warp, table.columns + group.firstColumn, group.columnCount, evaluation,
-                           from);
-            warp.each([&](int lane) {
-                if (lane * kRowsPerLane<Real> >= rowCount) return;
-                if constexpr (n > 0)
-                    results.set(lane, multiply(group, factors[lane], entries));
-                else
-                    results.set(lane, multiplyAny(group, task.part, lane, entries));
-            });
-            results.store(warp, table.rows + group.firstRow + task.part, rowCount, evaluation,
-                          from);
+        const Staged staged(shared + kStagedFrom);
+        const auto rowsOf = [&](Index t) {
+            return reinterpret_cast<Index*>(shared + kRowsFrom) + t % 2 * Staged::kRows;
+        };
+        const auto entries = [&](Offset chunk) {
+            return Entries<width, Real>(shared + kEntriesFrom +
+                                        chunk * Entries<width, Real>::bytes(entryCount()));
+        };
+        const auto begin = [&](Index t) {
+            const Task task = tasks.tasks[t];
+            const Group& group = table.groups[task.group];
+            if (!isAnyInRange(group, evaluation)) return;
+            const Index length = productLength(group), rowCount = group.rowCount - task.part;
+            if constexpr (n > 0)
+                warp.each([&](int lane) {
+                    const Index row = lane * kRowsPerLane<Real>;
+                    if (row < rowCount)
+                        staged.template copy<kLength>(
+                            warp, lane, numberOf(table, group, task.part + row, length, 0), length,
+                            0);
+                });
+            copyRows<Real>(warp, table.rows + group.firstRow + task.part, rowCount, rowsOf(t));
+        };
+        begin(first);
+        Index gathered = -1;  // the group whose entries are in shared memory
+        for (Index t = first; t < last; ++t) {
+            const Task task = tasks.tasks[t];
+            const Group& group = table.groups[task.group];
+            const bool isNeeded = isAnyInRange(group, evaluation);
+            const Index rowCount = group.rowCount - task.part;  // from the first row of the task on
+            if (isNeeded && gathered != task.group) {
+                const Index* columns = table.columns + group.firstColumn;
+                for (Offset i = 0; i < components.count; ++i) {
+                    const Offset from = components.from + i * width;
+                    if constexpr (isSpline)
+                        entries(i).gatherCoefficients(warp, columns, group.size, evaluation, from);
+                    else
+                        entries(i).gather(warp, columns, group.columnCount, evaluation, from);
+                }
+                gathered = task.group;
+            }
+            warp.waitForCopies();
+            typename Warp::template PerLane<Factors<(n > 0 ? n : 1), Real>> factors;
+            if constexpr (n > 0)
+                if (isNeeded)
+                    warp.each([&](int lane) { load(group, staged, lane, factors[lane]); });
+            if (t + 1 < last) begin(t + 1);
+            if (!isNeeded) continue;
+            for (Offset i = 0; i < components.count; ++i) {
+                warp.each([&](int lane) {
+                    if (lane * kRowsPerLane<Real> >= rowCount) return;
+                    if constexpr (n == 0)
+                        results.set(lane, multiplyAny(group, task.part, lane, entries(i)));
+                    else if constexpr (isSpline)
+                        results.set(lane, multiplyPowers(group, factors[lane], entries(i)));
+                    else
+                        results.set(lane, multiply(group, factors[lane], entries(i)));
+                });
+                results.store(warp, rowsOf(t), evaluation, components.from + i * width);
+            }
         }
     }
 
 private:
     using Sums = Values<RowNumbers<Real>, width>;
+    /// Maximum number of numbers of a row that are copied to shared memory.
+    static constexpr int kLength = isSpline ? 3 : 3 * n;
+    using Staged = StagedNumbers<kLength, Real>;
 
-    template <class Warp>
-    ESPALIER_DEVICE void load(Warp& warp, const Group& group, Index firstRow, int lane,
+    // Shared memory has the results, the row numbers of two tasks, the numbers of one task, and the
+    // entries.
+    static constexpr unsigned kRowsFrom = Results<width, Real>::kBytes;
+    static constexpr unsigned kStagedFrom = kRowsFrom + 2 * Staged::kRows * sizeof(Index);
+    static constexpr unsigned kEntriesFrom = kStagedFrom + Staged::kBytes;
+
+    /// Returns for how many entries of a chunk there is memory. The other sizes are at most n.
+    ESPALIER_DEVICE Index entryCount() const { return n > 0 ? n * n * n : maxColumns; }
+
+    ESPALIER_DEVICE void load(const Group& group, const Staged& staged, int lane,
                               Factors<(n > 0 ? n : 1), Real>& factors) const {
-        const Index row = firstRow + lane * kRowsPerLane<Real>;
-        if (row >= group.rowCount) return;
-        const Index m = group.size[1], l = group.size[2];
-        const Real* number = numberOf(table, group, row, productLength(group), 0);
-        const auto next = [&](RowNumbers<Real>& to) {
-            to = warp.template load<RowNumbers<Real>>(number);
-            number += kLanes<Real>;
-        };
-        if (group.spline != kNoSpline) {
+        Index place = 0;
+        const auto next = [&](RowNumbers<Real>& to) { to = staged(lane, place++); };
+        if constexpr (isSpline) {
             RowNumbers<Real> t[3];
             ESPALIER_UNROLL
             for (int axis = 0; axis < 3; ++axis) next(t[axis]);
-            setWeights(group.spline, n, t[0], factors.a);
-            setWeights(group.spline, m, t[1], factors.b);
-            setWeights(group.spline, l, t[2], factors.c);
-            return;
+            setPowers(group.spline, t[0], factors.a);
+            setPowers(group.spline, t[1], factors.b);
+            setPowers(group.spline, t[2], factors.c);
+        } else {
+            const Index m = group.size[1], l = group.size[2];
+            ESPALIER_UNROLL
+            for (int i = 0; i < n; ++i) next(factors.a[i]);
+            ESPALIER_UNROLL
+            for (int j = 0; j < 4; ++j)
+                if (j < m) next(factors.b[j]);
+            ESPALIER_UNROLL
+            for (int k = 0; k < 4; ++k)
+                if (k < l) next(factors.c[k]);
         }
-        ESPALIER_UNROLL
-        for (int i = 0; i < n; ++i) next(factors.a[i]);
-        ESPALIER_UNROLL
-        for (int j = 0; j < 4; ++j)
-            if (j < m) next(factors.b[j]);
-        ESPALIER_UNROLL
-        for (int k = 0; k < 4; ++k)
-            if (k < l) next(factors.c[k]);
     }
 
-    /// Computes the factors of one axis for the rows of a lane.
+    /// Computes the powers of one axis for the rows of a lane.
     template <int count>
-    ESPALIER_DEVICE static void setWeights(Index spline, Index size, const RowNumbers<Real>& t,
-                                           RowNumbers<Real> (&factors)[count]) {
-        ESPALIER_UNROLL
-        for (int q = 0; q < kRowsPerLane<Real>; ++q) {
-            Real weights[4];
-            splineWeights(spline, size, t.of[q], weights);
+    ESPALIER_DEVICE static void setPowers(Index spline, const RowNumbers<Real>& t,
+                                          RowNumbers<Real> (&factors)[count]) {
+        static_assert(count == 4);
+        const auto set = [&](const auto& powersOf) {
             ESPALIER_UNROLL
-            for (int i = 0; i < count; ++i) factors[i].of[q] = weights[i];
-        }
+            for (int q = 0; q < kRowsPerLane<Real>; ++q) {
+                const SplinePowers<Real> powers = powersOf(t.of[q]);
+                ESPALIER_UNROLL
+                for (int i = 0; i < count; ++i) factors[i].of[q] = powers.of[i];
+            }
+        };
+        // One branch for all rows.
+        if (spline == kLimitSpline)
+            set([](Real own) { return splinePowers(kLimitSpline, own); });
+        else
+            set([spline](Real own) { return splinePowers(spline, own); });
     }
 
     ESPALIER_DEVICE static Sums multiply(const Group& group,
@@ -353,6 +284,50 @@ private:
             addSums(all, factors.c[k], plane);
         }
         return all;
+    }
+
+    /// Does the same for coefficients of a spline and powers of parameters: the first factor of
+    /// each axis is 1.
+    ESPALIER_DEVICE static Sums multiplyPowers(const Group& group,
+                                               const Factors<(n > 0 ? n : 1), Real>& factors,
+                                               const Entries<width, Real>& entries) {
+        const Index sizeB = coefficientCount(group.size[1]),
+                    sizeC = coefficientCount(group.size[2]);
+        Sums all;
+        Index place = 0;
+        ESPALIER_UNROLL
+        for (int k = 0; k < 4; ++k) {
+            if (k >= sizeC) continue;
+            Sums plane;
+            ESPALIER_UNROLL
+            for (int j = 0; j < 4; ++j) {
+                if (j >= sizeB) continue;
+                Sums line = everywhere(entries[place]);
+                ESPALIER_UNROLL
+                for (int i = 1; i < n; ++i) addEntry(line, factors.a[i], entries[place + i]);
+                place += n;
+                if (j == 0)
+                    plane = line;
+                else
+                    addSums(plane, factors.b[j], line);
+            }
+            if (k == 0)
+                all = plane;
+            else
+                addSums(all, factors.c[k], plane);
+        }
+        return all;
+    }
+
+    /// Returns the components of an entry for each row of a lane.
+    ESPALIER_DEVICE static Sums everywhere(const Values<Real, width>& entry) {
+        Sums sums;
+        ESPALIER_UNROLL
+        for (int c = 0; c < width; ++c) {
+            ESPALIER_UNROLL
+            for (int q = 0; q < kRowsPerLane<Real>; ++q) sums.of[c].of[q] = entry.of[c];
+        }
+        return sums;
     }
 
     ESPALIER_DEVICE Sums multiplyAny(const Group& group, Index firstRow, int lane,
@@ -382,6 +357,8 @@ private:
 /// Evaluates rows with their own columns. Several lanes work on a row together.
 template <int width, class Real>
 struct SparseKernel {
+    static constexpr int kBlocks = 8;
+
     SparseRows<Real> rows;
     Index first, last;  ///< the range in `rows`
     Evaluation<Real> evaluation;
@@ -454,205 +431,11 @@ private:
     }
 };
 
-/// `count`, rounded up to a multiple of kWarp, for Warp::sumAll().
-template <int count>
-inline constexpr int kRoundedUpToWarp = (count + kWarp - 1) / kWarp* kWarp;
-
-/// Computes Σ weight · value over the rows of a group, for a tile of 16 of its columns at a time.
-/// Each task is a tile. Column k of all groups is row k of evaluation.destination.
-template <int width, class Real>
-struct AdjointPanelKernel {
-    static constexpr Index kTile = 16;
-
-    Groups<Real> table;
-    TaskList tasks;
-    Evaluation<Real> evaluation;
-    Components components;
-
-    static Index tileCount(const Group& group) { return (group.columnCount + kTile - 1) / kTile; }
-
-    Index warpCount() const { return tasks.count; }
-    unsigned sharedBytes() const { return 0; }
-
-    template <class Warp>
-    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
-        const Task task = tasks.tasks[index];
-        const Group group = table.groups[task.group];
-        for (Offset i = 0; i < components.count; ++i)
-            evaluate(warp, group, task.part * kTile, components.from + i * width);
-    }
-
-private:
-    template <class Warp>
-    ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index firstColumn,
-                                  Offset from) const {
-        const Evaluation<Real>& e = evaluation;
-        constexpr int kSums = kRoundedUpToWarp<kTile * width>;
-        using Sums = Values<Real, kSums>;
-        typename Warp::template PerLane<Sums> sums;
-        const Index columns = group.columnCount - firstColumn;
-        warp.each([&](int lane) {
-            Sums own = {};
-            for (Index r = lane; r < group.rowCount; r += kWarp) {
-                const Real* values =
-                    e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
-                Values<Real, width> value;
-                ESPALIER_UNROLL
-                for (int c = 0; c < width; ++c) value.of[c] = values[c];
-                const Real* weight = numberOf(table, group, r, group.columnCount, firstColumn);
-                ESPALIER_UNROLL
-                for (int k = 0; k < kTile; ++k) {
-                    const Real own_k = k < columns ? weight[k * kLanes<Real>] : Real{0};
-                    ESPALIER_UNROLL
-                    for (int c = 0; c < width; ++c)
-                        own.of[k * width + c] =
-                            addProduct(own.of[k * width + c], own_k, value.of[c]);
-                }
-            }
-            sums[lane] = own;
-        });
-        warp.sumAll(sums);
-        warp.each([&](int lane) {
-            ESPALIER_UNROLL
-            for (int t = 0; t < kSums / kWarp; ++t) {
-                const int i = t * kWarp + lane, k = i / width;
-                if (k < kTile && k < columns)
-                    e.destination[(group.firstColumn + firstColumn + k) * e.destinationStride +
-                                  from + i % width] = sums[lane].of[t];
-            }
-        });
-    }
-};
-
-/// Does the same for outer products. A tile is 4 × 4 columns in one plane of their box.
-template <int width, class Real>
-struct AdjointProductKernel {
-    Groups<Real> table;
-    TaskList tasks;
-    Evaluation<Real> evaluation;
-    Components components;
-
-    static Index tileCount(const Group& group) {
-        return (group.size[0] + 3) / 4 * ((group.size[1] + 3) / 4) * group.size[2];
-    }
-
-    Index warpCount() const { return tasks.count; }
-    unsigned sharedBytes() const { return 0; }
-
-    template <class Warp>
-    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
-        const Task task = tasks.tasks[index];
-        const Group group = table.groups[task.group];
-        for (Offset i = 0; i < components.count; ++i)
-            evaluate(warp, group, task.part, components.from + i * width);
-    }
-
-private:
-    /// How many rows ahead to prefetch. The warps of a group run side by side and read the same
-    /// factors, so without early prefetches few bytes would be in flight.
-    static constexpr Index kRowsAhead = 4 * kWarp;
-
-    template <class Warp>
-    ESPALIER_DEVICE void prefetch(Warp& warp, const Group& group, Index row, Index length) const {
-        constexpr Index lanes = kLanes<Real>, bytesPerLine = 128;
-        // Each lane prefetches one cache line of the numbers of a warp's rows.
-        constexpr Index numbersPerLine = bytesPerLine / static_cast<Index>(sizeof(Real));
-        const Index first = row / kWarp * kWarp;
-        const Index panels = (group.rowCount - first + lanes - 1) / lanes;
-        const Index wanted = panels < kWarp / lanes ? panels : kWarp / lanes;
-        for (Index i = (row - first) * numbersPerLine; i < wanted * lanes * length;
-             i += kWarp * numbersPerLine)
-            warp.prefetch(numberOf(table, group, first, length, 0) + i);
-    }
-
-    /// Loads the factors of a row for a tile: 4 of each of the first two axes, with zeros for those
-    /// that the group lacks, and returns one of the third.
-    ESPALIER_DEVICE Real loadFactors(const Group& group, Index row, Index firstI, Index firstJ,
-                                     Index plane, Real (&a)[4], Real (&b)[4]) const {
-        const Index n = group.size[0], m = group.size[1];
-        const Real* factor = numberOf(table, group, row, productLength(group), 0);
-        ESPALIER_UNROLL
-        for (int i = 0; i < 4; ++i)
-            a[i] = firstI + i < n ? factor[(firstI + i) * kLanes<Real>] : Real{0};
-        ESPALIER_UNROLL
-        for (int j = 0; j < 4; ++j)
-            b[j] = firstJ + j < m ? factor[(n + firstJ + j) * kLanes<Real>] : Real{0};
-        return factor[(n + m + plane) * kLanes<Real>];
-    }
-
-    /// Computes the factors of a row of a spline; its planes have one tile.
-    ESPALIER_DEVICE Real setWeights(const Group& group, Index row, Index plane, Real (&a)[4],
-                                    Real (&b)[4]) const {
-        const Real* t = numberOf(table, group, row, productLength(group), 0);
-        Real c[4];
-        splineWeights(group.spline, group.size[0], t[0], a);
-        splineWeights(group.spline, group.size[1], t[kLanes<Real>], b);
-        splineWeights(group.spline, group.size[2], t[2 * kLanes<Real>], c);
-        // Not c[plane]: an array with variable indices would be in memory.
-        return plane == 0 ? c[0] : plane == 1 ? c[1] : plane == 2 ? c[2] : c[3];
-    }
-
-    template <class Warp>
-    ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index tile, Offset from) const {
-        const Evaluation<Real>& e = evaluation;
-        constexpr int kSums = kRoundedUpToWarp<16 * width>;
-        using Sums = Values<Real, kSums>;
-        typename Warp::template PerLane<Sums> sums;
-        const Index n = group.size[0], m = group.size[1];
-        const Index tilesPerLine = (n + 3) / 4, tilesPerPlane = tilesPerLine * ((m + 3) / 4);
-        const Index firstI = tile % tilesPerLine * 4,
-                    firstJ = tile % tilesPerPlane / tilesPerLine * 4;
-        const Index plane = tile / tilesPerPlane;
-        warp.each([&](int lane) {
-            Sums own = {};
-            for (Index r = lane; r < group.rowCount; r += kWarp) {
-                if (r + kRowsAhead < group.rowCount)
-                    prefetch(warp, group, r + kRowsAhead, productLength(group));
-                const Real* values =
-                    e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
-                Real a[4], bs[4], c;
-                if (group.spline != kNoSpline)
-                    c = setWeights(group, r, plane, a, bs);
-                else
-                    c = loadFactors(group, r, firstI, firstJ, plane, a, bs);
-                Values<Real, width> value;
-                ESPALIER_UNROLL
-                for (int d = 0; d < width; ++d) value.of[d] = c * values[d];
-                ESPALIER_UNROLL
-                for (int j = 0; j < 4; ++j) {
-                    if (firstJ + j >= m) continue;
-                    const Real b = bs[j];
-                    ESPALIER_UNROLL
-                    for (int d = 0; d < width; ++d) {
-                        const Real lineValue = b * value.of[d];
-                        ESPALIER_UNROLL
-                        for (int i = 0; i < 4; ++i) {
-                            Real& sum = own.of[(j * 4 + i) * width + d];
-                            sum = addProduct(sum, a[i], lineValue);
-                        }
-                    }
-                }
-            }
-            sums[lane] = own;
-        });
-        warp.sumAll(sums);
-        warp.each([&](int lane) {
-            ESPALIER_UNROLL
-            for (int t = 0; t < kSums / kWarp; ++t) {
-                const int at = t * kWarp + lane, k = at / width;
-                const Index i = firstI + k % 4, j = firstJ + k / 4;
-                if (k < 16 && i < n && j < m)
-                    e.destination[(group.firstColumn + (plane * m + j) * n + i) *
-                                      e.destinationStride +
-                                  from + at % width] = sums[lane].of[t];
-            }
-        });
-    }
-};
-
 /// Writes the values of some entries: component c of entry rows[i] becomes values[i · length + c].
 template <class Real>
 struct ScatterKernel {
+    static constexpr int kBlocks = 8;
+
     const Index* rows;
     Index count;
     const Real* values;

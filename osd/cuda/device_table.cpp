@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "../compile/table_compiler.h"
-#include "device_kernels.h"
+#include "device_adjoint_kernels.h"
 #include "device_table.h"
 #include "spline_rows.h"
 
@@ -88,9 +88,10 @@ TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped, 
         if (splines[number] != kNoSpline) parametricRowCount += group.rowCount;
         std::vector<Task>* tasks = &panels;
         if (size[0] > 0) {
-            const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
-            if (*kind == 0) maxProductColumns = std::max(maxProductColumns, group.columnCount);
-            tasks = &products[kind - std::begin(kSizes)];
+            const auto* const last = std::end(kSizes) - 1;
+            const auto* const kind = std::find(std::begin(kSizes), last, size[0]);
+            if (kind == last) maxProductColumns = std::max(maxProductColumns, group.columnCount);
+            tasks = &products[splines[number] != kNoSpline ? kSplines : kind - std::begin(kSizes)];
         }
         for (Index first = 0; first < group.rowCount; first += kWarp * kRowsPerLane<Real>)
             tasks->push_back({number, first});
@@ -107,10 +108,12 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     for (Index number = 0; number < std::ssize(arrays.groups); ++number) {
         const Group& group = arrays.groups[number];
         const bool isProduct = group.size[0] > 0;
-        const Index tiles = isProduct ? AdjointProductKernel<1, Real>::tileCount(group)
+        const Index tiles = isProduct ? AdjointProductKernel<false, 1, Real>::tileCount(group)
                                       : AdjointPanelKernel<1, Real>::tileCount(group);
-        for (Index tile = 0; tile < tiles; ++tile)
-            (isProduct ? products : panels).push_back({number, tile});
+        std::vector<Task>& tasks = group.spline != kNoSpline ? splines
+                                   : isProduct               ? products
+                                                             : panels;
+        for (Index tile = 0; tile < tiles; ++tile) tasks.push_back({number, tile});
     }
 
     // The columns of the ungrouped rows.

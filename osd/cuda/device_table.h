@@ -47,8 +47,8 @@ struct ESPALIER_API TableArrays {
     AlignedVector<Real> groupNumbers = {};
     std::vector<Index> groupRows = {};
     std::vector<Task> panels = {};
-    std::array<std::vector<Task>, kSizeCount> products = {};
-    Index maxProductColumns = 0;   ///< of any outer product of class 0 (kSizes)
+    std::array<std::vector<Task>, kProductLists> products = {};
+    Index maxProductColumns = 0;   ///< of any outer product larger than 4
     Index parametricRowCount = 0;  ///< number of rows that are stored as three parameters
     SparseArrays<Real> ungrouped = {};
 
@@ -68,7 +68,7 @@ struct ESPALIER_API TableArrays {
 /// one sum.
 template <class Real>
 struct ESPALIER_API AdjointArrays {
-    std::vector<Task> panels = {}, products = {};
+    std::vector<Task> panels = {}, products = {}, splines = {};
     SparseArrays<Real> segments = {};
     Offset firstSegment = 0;  ///< place of the sum of the first segment
     struct Step {
@@ -130,6 +130,7 @@ AdjointView<Real> viewOf(const AdjointArrays<Real>& arrays, std::vector<SumStep<
         steps.push_back({viewOf(step.rows, place), step.firstPlace});
     return {{place(arrays.panels), static_cast<Index>(arrays.panels.size())},
             {place(arrays.products), static_cast<Index>(arrays.products.size())},
+            {place(arrays.splines), static_cast<Index>(arrays.splines.size())},
             viewOf(arrays.segments, place),
             arrays.firstSegment,
             steps.data(),

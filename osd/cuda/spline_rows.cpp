@@ -239,8 +239,9 @@ private:
     /// is no outer product, all stay.
     void findCells(std::size_t number) {
         const Group& group = old_.groups[number];
-        if (std::any_of(group.size.begin(), group.size.end(),
-                        [](Index size) { return piecesOf(size).empty(); }))
+        // Cells with 2 columns along each axis would gain little, and need another kernel.
+        if (group.size[0] == 2 || std::any_of(group.size.begin(), group.size.end(),
+                                              [](Index size) { return piecesOf(size).empty(); }))
             return;
         std::array<Positions, 3> orders;
         const std::optional<Index> spline = findSpline(group, orders);

@@ -156,10 +156,11 @@ TYPED_TEST(DeviceKernels, SumLongColumnsInSteps) {
 // little or none, a block has as many warps as it may have.
 TEST(DeviceBlocks, FitTheSharedMemoryOfTheirWarps) {
     using device::blocksOf;
-    device::ProductKernel<0, 4, double> largest = {};
+    device::ProductKernel<0, false, 4, double> largest = {};
     largest.maxColumns = kernels::kMaxProductColumns;
+    largest.components.count = 1;
     for (const unsigned shared :
-         {largest.sharedBytes(), device::ProductKernel<4, 3, float>{}.sharedBytes(),
+         {largest.sharedBytes(), device::ProductKernel<4, false, 3, float>{}.sharedBytes(),
           device::PanelKernel<12, double>{}.sharedBytes(), 0U}) {
         EXPECT_EQ(shared % 16, 0U);
         for (const Index warps : {1, 4, 5, 1'000'000}) {

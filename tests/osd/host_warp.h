@@ -6,7 +6,9 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
+#include <vector>
 
 namespace espalier::osd::device {
 
@@ -60,7 +62,25 @@ public:
         return value;
     }
 
-    static void prefetch(const void*) {}
+    /// Copies as late as possible.
+    template <int toBytes, int fromBytes, class T>
+    void copy(T* to, const T* from) {
+        if (reinterpret_cast<std::uintptr_t>(from) % sizeof(T) != 0)
+            throw std::logic_error("a copy begins at an address that is no multiple of its size");
+        constexpr int size = sizeof(T);
+        static_assert(toBytes % size == 0 && fromBytes % size == 0);
+        copies_.push_back([to, from] { to[toBytes / size] = from[fromBytes / size]; });
+    }
+
+    template <class Real>
+    static void storeIf(bool isStored, Real* to, Real value) {
+        if (isStored) *to = value;
+    }
+
+    void waitForCopies() {
+        for (const auto& copy : copies_) copy();
+        copies_.clear();
+    }
 
 private:
     static std::size_t at(int i) { return std::size_t(i); }
@@ -80,13 +100,16 @@ private:
     }
 
     bool isForward_ = false;
+    std::vector<std::function<void()>> copies_;
 };
 
 /// Starts kernels on the host, warp after warp. Shared memory is filled with NaNs for each warp.
 struct HostLaunch {
     template <class Kernel>
-    void operator()(const Kernel& kernel) const {
+    void operator()(Kernel kernel) const {
         HostWarp warp;
+        if constexpr (requires { kernel.divideAmong(0); })
+            kernel.divideAmong(3);  // so that warps have several tasks, of several groups
         const unsigned bytes = kernel.sharedBytes();
         std::vector<Quad<double>> shared((bytes + sizeof(Quad<double>) - 1) / sizeof(Quad<double>));
         for (Index i = 0; i < kernel.warpCount(); ++i) {
