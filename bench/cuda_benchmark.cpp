@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Measures tables on a GPU, for docs/performance.md: prints its tables, and fails if a result is
-// wrong.
+// Measures tables on a GPU, for docs/gpu.md: prints a table, and fails if a result is wrong.
 //
 //     cuda_bench [MILLIONS]...    regular models with MILLIONS of points; the default is 1 and 30
 
