@@ -66,7 +66,7 @@ void build(benchmark::State& state, const far::CellComplex& complex, int level, 
     const far::TopologyRefiner refiner = refined(complex, level);
     double rows = 0, entries = 0;
     for (auto _ : state) {
-        const auto table = stencils::convertTable<float>(stencils::buildStencils(refiner, level));
+        const auto table = stencils::buildStencils<float>(refiner, level);
         rows = table.rowCount();
         entries = static_cast<double>(table.entryCount());
     }
@@ -109,8 +109,7 @@ void inTurn(benchmark::State& state, const far::CellComplex& complex, int level,
 void atOnce(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
     const far::TopologyRefiner refiner = refined(complex, level);
     carry(state, refiner, level, threads,
-          osd::CompiledTable<float>(
-              stencils::convertTable<float>(stencils::buildStencils(refiner, level))));
+          osd::CompiledTable<float>(stencils::buildStencils<float>(refiner, level)));
 }
 
 #ifdef ESPALIER_WITH_OPENSUBDIV

@@ -131,10 +131,12 @@ StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
 
 }  // namespace
 
-StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                   std::span<const Index> vertices) {
+template <class Real>
+StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                 std::span<const Index> vertices) {
     checkVertices(refiner, level, vertices);
-    if (level == 0) return selectionTable(refiner.level(0).complex.count(0), vertices);
+    if (level == 0)
+        return convertTable<Real>(selectionTable(refiner.level(0).complex.count(0), vertices));
     const std::vector<BaseEntities> origins = baseEntities(refiner, level - 1);
     const auto rowsOf = [&](int k, std::span<const Index> demanded) {
         return buildLevelTable(refiner, k, demanded);
@@ -142,10 +144,11 @@ StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int leve
     if (RepeatedRows::isApplicable(refiner, level)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
         const bool isAll = rows.representatives().size() == vertices.size();
-        auto distinctRows = compose(refiner, level, origins, rows.representatives(), rowsOf);
+        auto distinctRows =
+            convertTable<Real>(compose(refiner, level, origins, rows.representatives(), rowsOf));
         return isAll ? distinctRows : rows.expand(distinctRows);
     }
-    return compose(refiner, level, origins, vertices, rowsOf);
+    return convertTable<Real>(compose(refiner, level, origins, vertices, rowsOf));
 }
 
 StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
@@ -172,11 +175,19 @@ StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
                    });
 }
 
-StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level) {
+template <class Real>
+StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildStencils(refiner, level, all);
+    return buildStencils<Real>(refiner, level, all);
 }
+
+template StencilTable<float> buildStencils(const far::TopologyRefiner&, int,
+                                           std::span<const Index>);
+template StencilTable<double> buildStencils(const far::TopologyRefiner&, int,
+                                            std::span<const Index>);
+template StencilTable<float> buildStencils(const far::TopologyRefiner&, int);
+template StencilTable<double> buildStencils(const far::TopologyRefiner&, int);
 
 std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level) {
     refiner.level(level);  // Throws if the level does not exist.

@@ -63,18 +63,22 @@ ESPALIER_API std::vector<StencilTable<double>> buildLevelTables(const far::Topol
 /// In regular parts of a base, many rows have the same weights over different columns: only one of
 /// them is composed, and then copied.
 ///
+/// \tparam Real float or double. Weights are always made in double; in float they are rounded, as
+///         by convertTable(), but where rows are copied the table in double is never made
 /// \param level 0 (the identity) to refiner.maxLevel()
 /// \cost O(products of entries), in parallel; memory for S_level and S_(level−1) at once
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
-ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level);
+template <class Real = double>
+ESPALIER_API StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level);
 
 /// Builds the rows of S_level for the given vertices of the level: row i belongs to vertices[i]. On
 /// each level, only the rows that these depend on are computed.
 ///
 /// \param vertices in any order, repeats allowed
 /// \throws Error for a vertex that the level does not have
-ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                                std::span<const Index> vertices);
+template <class Real = double>
+ESPALIER_API StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                              std::span<const Index> vertices);
 
 /// The same from existing level tables, whether the levels are complete or made by
 /// far::TopologyRefiner::refineAround().

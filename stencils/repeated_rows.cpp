@@ -60,7 +60,8 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
 
 /// Returns, for each entry of a table, the position of its column among the vertices around the
 /// row's base entity.
-Array<Index> RepeatedRows::placesOf(const StencilTable<double>& distinctRows) const {
+template <class Real>
+Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& distinctRows) const {
     Array<Index> places(distinctRows.columns().size());
     for (Index row = 0; row < distinctRows.rowCount(); ++row) {
         const Index* const around = verticesAround(baseEntities_[row]);
@@ -74,7 +75,8 @@ Array<Index> RepeatedRows::placesOf(const StencilTable<double>& distinctRows) co
     return places;
 }
 
-StencilTable<double> RepeatedRows::expand(const StencilTable<double>& distinctRows) const {
+template <class Real>
+StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& distinctRows) const {
     const Array<Index> places = placesOf(distinctRows);
     const Index columnCount = distinctRows.columnCount();
     Array<Offset> offsets(copies_.size() + 1);
@@ -83,7 +85,7 @@ StencilTable<double> RepeatedRows::expand(const StencilTable<double>& distinctRo
         offsets[row + 1] = offsets[row] + distinctRows.offsets()[copies_[row].first + 1] -
                            distinctRows.offsets()[copies_[row].first];
     Array<Index> columns(offsets.back());
-    Array<double> weights(columns.size());
+    Array<Real> weights(columns.size());
     parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
         for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);
              ++row) {
@@ -96,8 +98,11 @@ StencilTable<double> RepeatedRows::expand(const StencilTable<double>& distinctRo
             std::copy(from.begin(), from.end(), weights.begin() + offsets[row]);
         }
     });
-    return StencilTable<double>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
-                                std::move(weights));
+    return StencilTable<Real>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                              std::move(weights));
 }
+
+template StencilTable<float> RepeatedRows::expand(const StencilTable<float>&) const;
+template StencilTable<double> RepeatedRows::expand(const StencilTable<double>&) const;
 
 }  // namespace espalier::stencils

@@ -33,7 +33,8 @@ public:
     /// Returns all rows.
     /// \param distinctRows the rows of S_level for representatives()
     /// \cost O(entries), in parallel
-    StencilTable<double> expand(const StencilTable<double>& distinctRows) const;
+    template <class Real>
+    StencilTable<Real> expand(const StencilTable<Real>& distinctRows) const;
 
 private:
     /// A row that is a copy of row `first` of representatives(), over the vertices around a base
@@ -50,7 +51,8 @@ private:
     const Index* verticesAround(Index base) const {
         return around_.data() + insides_[base]->vertices;
     }
-    Array<Index> placesOf(const StencilTable<double>& distinctRows) const;
+    template <class Real>
+    Array<Index> placesOf(const StencilTable<Real>& distinctRows) const;
 
     std::vector<Index> representatives_;
     std::vector<Index> baseEntities_;             ///< for each of representatives_, its base entity

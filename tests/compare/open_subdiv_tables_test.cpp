@@ -71,7 +71,7 @@ void expectSame(const std::vector<float>& a, const std::vector<float>& b) {
 
 TEST(OpenSubdivTables, OpenSubdivEvaluatesOurTable) {
     const CreasedMesh creased;
-    const auto table = stencils::convertTable<float>(stencils::buildStencils(creased.refiner, 2));
+    const auto table = stencils::buildStencils<float>(creased.refiner, 2);
     const std::vector<float> source = basePositions(creased.mesh);
     expectSame(evaluateWithOpenSubdiv(OpenSubdivTable<float>(table), source),
                evaluateWithEspalier(table, source));

@@ -222,8 +222,8 @@ std::unique_ptr<const Far::StencilTable> makeTheirTable(
 
 stencils::StencilTable<float> makeOurTable(
     const far::TopologyRefiner& refiner) {
-    auto table = stencils::convertTable<float>(
-        stencils::buildStencils(refiner, refiner.maxLevel()));
+    auto table = stencils::buildStencils<float>(
+        refiner, refiner.maxLevel());
     return table;
 }
 

@@ -75,7 +75,7 @@ Offset bindPoints() {
 Offset compileAndApply() {
     far::TopologyRefiner refiner(lattice().complex);
     refiner.refineUniform(2);
-    const auto table = stencils::convertTable<float>(stencils::buildStencils(refiner, 2));
+    const auto table = stencils::buildStencils<float>(refiner, 2);
     const std::vector<float> source(3 * static_cast<std::size_t>(table.columnCount()), 1.0F);
     std::vector<float> result(3 * static_cast<std::size_t>(table.rowCount()));
     Offset grouped = 0;

@@ -38,6 +38,20 @@ TEST(Stencils, LevelZeroIsTheIdentity) {
     }
 }
 
+// In a box, rows are copies of others; around the base of two pyramids, none are.
+TEST(Stencils, InFloatAreTheRoundedWeights) {
+    const TopologyRefiner regular = refined(shapes::box({.cells = {3, 3, 3}}).complex, 2);
+    const TopologyRefiner irregular = refined(test::bipyramid(3), 2);
+    const std::vector<Index> some = {4, 3, 4};
+    for (const TopologyRefiner* refiner : {&regular, &irregular})
+        for (const int level : {0, 1, 2}) {
+            EXPECT_EQ(buildStencils<float>(*refiner, level),
+                      convertTable<float>(buildStencils(*refiner, level)));
+            EXPECT_EQ(buildStencils<float>(*refiner, level, some),
+                      convertTable<float>(buildStencils(*refiner, level, some)));
+        }
+}
+
 // Derived by hand from section 2.2 for the cell point of a tetrahedron, and from section 3 for the
 // rest: the faces and edges of a single cell are on its surface and sharp, and its vertices are
 // corners.
