@@ -7,10 +7,13 @@
 namespace espalier::embed {
 namespace {
 
-AxisFunctions bernstein(Index degree, double at) {
+void bernstein(Index degree, double at, AxisFunctions& result) {
     const double t = at / degree, s = (degree - at) / degree;
     const auto count = static_cast<std::size_t>(degree) + 1;
-    std::vector<double> values(count, 0), derivatives(count, 0);
+    result.first = 0;
+    std::vector<double>&values = result.values, &derivatives = result.derivatives;
+    values.assign(count, 0);
+    derivatives.assign(count, 0);
     values[0] = 1;
     for (std::size_t k = 1; k < count; ++k) {
         // The derivative by t is `degree` times the difference of the polynomials of degree − 1;
@@ -21,16 +24,15 @@ AxisFunctions bernstein(Index degree, double at) {
         for (std::size_t i = k; i > 0; --i) values[i] = s * values[i] + t * values[i - 1];
         values[0] *= s;
     }
-    return {0, std::move(values), std::move(derivatives)};
 }
 
-AxisFunctions splineFunctions(Index cells, double at) {
+void splineFunctions(Index cells, double at, AxisFunctions& result) {
     // A knot belongs to the span above it; the last knot, to the span below it.
     const double span = std::clamp(std::floor(at), 1.0, static_cast<double>(cells - 2));
     const auto values = cubicBSpline(at - span, 0), derivatives = cubicBSpline(at - span, 1);
-    return {static_cast<Index>(span) - 1,
-            {values.begin(), values.end()},
-            {derivatives.begin(), derivatives.end()}};
+    result.first = static_cast<Index>(span) - 1;
+    result.values.assign(values.begin(), values.end());
+    result.derivatives.assign(derivatives.begin(), derivatives.end());
 }
 
 }  // namespace
@@ -76,7 +78,16 @@ std::array<double, 4> cubicBSpline(double u, int order, const SplineSpan& span) 
 }
 
 AxisFunctions axisFunctions(Basis basis, Index cells, double at) {
-    return basis == Basis::Bezier ? bernstein(cells, at) : splineFunctions(cells, at);
+    AxisFunctions result;
+    axisFunctions(basis, cells, at, result);
+    return result;
+}
+
+void axisFunctions(Basis basis, Index cells, double at, AxisFunctions& result) {
+    if (basis == Basis::Bezier)
+        bernstein(cells, at, result);
+    else
+        splineFunctions(cells, at, result);
 }
 
 }  // namespace espalier::embed

@@ -82,4 +82,7 @@ ESPALIER_API std::array<double, 4> cubicBSpline(double u, int order, const Splin
 /// \cite MacCracken & Joy 1996, section 4, on Sederberg & Parry; Joy, bicubic refinement, for M
 ESPALIER_API AxisFunctions axisFunctions(Basis basis, Index cells, double at);
 
+/// Does the same in existing memory.
+ESPALIER_API void axisFunctions(Basis basis, Index cells, double at, AxisFunctions& result);
+
 }  // namespace espalier::embed

@@ -51,7 +51,8 @@ std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const
 /// use the same cells, which are then in the cache. That halves the time of locating them.
 std::vector<Index> alongCurve(std::span<const Point3> points);
 
-/// Locates each point, in parallel: locate(point, seekNearest) returns its Located<Place>.
+/// Locates each point, in parallel: locate(point, seekNearest) returns its Located<Place>. Threads
+/// use copies of `locate`, so that it may keep memory from point to point.
 /// \param order in which to process the points, or empty; affects the time, not the result
 template <class Place, class Locate>
 PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCount,
@@ -74,8 +75,9 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
             numbers[i] = order.empty() ? at : static_cast<std::size_t>(order[at]);
             near[i] = points[numbers[i]];
         }
+        Locate own = locate;
         for (std::size_t i = 0; i < count; ++i)
-            placed.points[numbers[i]] = locate(near[i], outside == OutsidePolicy::Nearest);
+            placed.points[numbers[i]] = own(near[i], outside == OutsidePolicy::Nearest);
         if (progress) progress(done += last - first);
     });
     if (outside == OutsidePolicy::Error) {

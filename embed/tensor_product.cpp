@@ -64,7 +64,8 @@ TensorLattice::TensorLattice(const far::CellComplex& complex, std::span<const Po
     : complex_(complex),
       rest_(rest.begin(), rest.end()),
       basis_(basis),
-      grid_(far::asBoxGrid(complex)) {
+      grid_(far::asBoxGrid(complex)),
+      isAscending_(std::is_sorted(grid_.vertices.begin(), grid_.vertices.end())) {
     checkCells(basis, grid_.cells);
     checkPositions(complex, rest);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -135,8 +136,14 @@ Vector3d TensorLattice::nearestInRegion(const Vector3d& point) const {
     return nearestInBox(axes_, point - origin_, low_, high_);
 }
 
-Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolerance,
+Located<TensorPlace> TensorLattice::locate(const Point3& point, double tolerance,
                                            bool seekNearest) const {
+    Row row;
+    return locate(point, tolerance, seekNearest, row);
+}
+
+Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolerance,
+                                           bool seekNearest, Row& row) const {
     const Vector3d point(position.data());
     Located<TensorPlace> result;
     const Vector3d local = toCells_ * (point - origin_);
@@ -152,20 +159,25 @@ Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolera
     if (!isInside && !seekNearest) return result;
     result.place = TensorPlace{toArray(at), toArray(local - at)};
     Vector3d back = Vector3d::Zero();
-    for (const auto& [vertex, weight] : weights(*result.place)) {
-        back += weight * restAt(vertex);
-    }
+    setWeights(*result.place, row);
+    for (const auto& [vertex, weight] : row.weights) back += weight * restAt(vertex);
     result.residual = (back - point).stableNorm();
     return result;
 }
 
 std::vector<VertexWeight> TensorLattice::weights(const TensorPlace& place) const {
-    std::array<AxisFunctions, 3> axes;
+    Row row;
+    setWeights(place, row);
+    return std::move(row.weights);
+}
+
+void TensorLattice::setWeights(const TensorPlace& place, Row& row) const {
     for (std::size_t axis = 0; axis < 3; ++axis)
-        axes[axis] = axisFunctions(basis_, grid_.cells[axis], place.at[axis]);
-    const auto& [x, y, z] = axes;
+        axisFunctions(basis_, grid_.cells[axis], place.at[axis], row.axes[axis]);
+    const auto& [x, y, z] = row.axes;
     const auto& [du, dv, dw] = place.offset;
-    std::vector<VertexWeight> result;
+    std::vector<VertexWeight>& result = row.weights;
+    result.clear();
     result.reserve(x.values.size() * y.values.size() * z.values.size());
     for (std::size_t k = 0; k < z.values.size(); ++k)
         for (std::size_t j = 0; j < y.values.size(); ++j) {
@@ -182,17 +194,20 @@ std::vector<VertexWeight> TensorLattice::weights(const TensorPlace& place) const
                 result.push_back({vertex, weight});
             }
         }
-    return result;
+    if (!isAscending_)
+        std::sort(result.begin(), result.end(),
+                  [](const VertexWeight& a, const VertexWeight& b) { return a.vertex < b.vertex; });
 }
 
 TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3> points,
                             const EmbeddingOptions& options,
                             const std::function<void(Offset)>& progress) {
     const double tolerance = checkedTolerance(options.tolerance);
-    return locatePoints<TensorPlace>(points, lattice.complex().count(0), options.outside, progress,
-                                     [&](const Point3& point, bool seekNearest) {
-                                         return lattice.locate(point, tolerance, seekNearest);
-                                     });
+    return locatePoints<TensorPlace>(
+        points, lattice.complex().count(0), options.outside, progress,
+        [&, row = TensorLattice::Row()](const Point3& point, bool seekNearest) mutable {
+            return lattice.locate(point, tolerance, seekNearest, row);
+        });
 }
 
 stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
@@ -206,13 +221,17 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
         requireMemory(points.size() * lattice.weights(*first->place).size() *
                           (sizeof(Index) + sizeof(double)),
                       "a table of " + std::to_string(points.size()) + " rows");
-    return stencils::buildTable(
-        static_cast<Index>(points.size()), lattice.complex().count(0),
-        [&](Index row, stencils::RowAccumulator& accumulator) {
-            if (!points[row].place) return;
-            for (const auto& [vertex, weight] : lattice.weights(*points[row].place))
-                accumulator.add(vertex, weight);
-        });
+    return stencils::buildTableInPlace(static_cast<Index>(points.size()),
+                                       lattice.complex().count(0),
+                                       [&](Offset from, Offset to, stencils::RowList& rows) {
+                                           TensorLattice::Row row;
+                                           for (Offset i = from; i < to; ++i) {
+                                               row.weights.clear();
+                                               if (points[i].place)
+                                                   lattice.setWeights(*points[i].place, row);
+                                               rows.appendRow(row.weights);
+                                           }
+                                       });
 }
 
 Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,

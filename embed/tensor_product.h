@@ -49,6 +49,12 @@ public:
 
     const far::CellComplex& complex() const { return complex_; }
 
+    /// Memory for the weights of one place after another.
+    struct Row {
+        std::array<AxisFunctions, 3> axes = {};
+        std::vector<VertexWeight> weights = {};
+    };
+
     /// Returns the status, place and distance of a point, defined as in PointLocator. The nearest
     /// place of the region carries a point outside. The residual is the deviation of the rest
     /// positions from an affine grid, plus rounding.
@@ -57,10 +63,17 @@ public:
     ///        of the bounding box's diagonal
     Located<TensorPlace> locate(const Point3& point, double tolerance, bool seekNearest) const;
 
-    /// Returns the weights of the vertices at a place, each vertex once, without zeros: at most 64
-    /// vertices (B-spline) or all of them (Bézier). They sum to 1, and are between 0 and 1 if the
-    /// offset is 0.
+    /// Does the same with existing memory for the weights of the place.
+    Located<TensorPlace> locate(const Point3& point, double tolerance, bool seekNearest,
+                                Row& row) const;
+
+    /// Returns the weights of the vertices at a place, in ascending order of the vertices, without
+    /// zeros: at most 64 (B-spline) or one for every vertex (Bézier). They sum to 1, and are
+    /// between 0 and 1 if the offset is 0.
     std::vector<VertexWeight> weights(const TensorPlace& place) const;
+
+    /// Sets row.weights to these weights.
+    void setWeights(const TensorPlace& place, Row& row) const;
 
 private:
     void fitAxes();
@@ -74,6 +87,7 @@ private:
     std::vector<Point3> rest_;
     Basis basis_;
     far::BoxGrid grid_;
+    bool isAscending_;            ///< true if the vertices of the grid are in ascending order
     Eigen::Vector3d low_, high_;  ///< corners of the region, in cells
     double size_;                 ///< diagonal of the bounding box
     Eigen::Vector3d origin_;      ///< of the affine grid: the position of grid point (0, 0, 0)
