@@ -13,7 +13,10 @@ namespace espalier::io {
 std::string_view ObjWords::next() {
     while (const std::size_t length = blankAt(0)) rest_.remove_prefix(length);
     std::size_t end = 0;
-    while (end < rest_.size() && rest_[end] != '#' && blankAt(end) == 0) ++end;
+    // Most characters are no white space, comment or backslash.
+    const auto isPlain = [](char c) { return c > ' ' && c != '#' && c != '\\'; };
+    while (end < rest_.size() && (isPlain(rest_[end]) || (rest_[end] != '#' && blankAt(end) == 0)))
+        ++end;
     const std::string_view word = rest_.substr(0, end);
     rest_.remove_prefix(end);
     return word;
@@ -41,7 +44,7 @@ std::string_view readObjStatement(TextReader& reader) {
 
 std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
                                 std::size_t line) {
-    constexpr std::string_view kKeywords[] = {
+    static constexpr std::string_view kKeywords[] = {
         "v", "f", "fo", "vt", "vn", "t", "l", "p", "vp", "g", "s", "o", "mg", "usemtl", "mtllib",
         // free-form curves and surfaces
         "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv",
