@@ -73,9 +73,10 @@ public:
 private:
     /// Returns true unless the run before has the same weights.
     bool isFirstOf(Offset run) const {
-        const auto& runs = compiled_.runs;
-        return run == 0 || !runs[run].isShared ||
-               runs[run - 1].firstWeight != runs[run].firstWeight;
+        if (run == 0) return true;
+        const auto &before = compiled_.runs[run - 1], &own = compiled_.runs[run];
+        // The weights of a run of empty rows begin where those of the next run begin.
+        return before.firstWeight != own.firstWeight || before.length != own.length;
     }
 
     const StencilTable<Real>& table_;

@@ -207,6 +207,20 @@ TYPED_TEST(CompiledTableTest, EmptyTables) {
     EXPECT_EQ(result, std::vector<TypeParam>(40, 0));
 }
 
+// Some rows without entries fill no panel. They come before rows of the same weight.
+TYPED_TEST(CompiledTableTest, EmptyRowsBesideRowsOfOneMask) {
+    constexpr Index kRows = 43;
+    Array<Offset> offsets(kRows + 1, 0);
+    Array<Index> columns;
+    for (Index i = 0; i < kRows; ++i) {
+        columns.push_back(i);
+        offsets.push_back(Offset(columns.size()));
+    }
+    const StencilTable<TypeParam> table(kRows, offsets, columns,
+                                        Array<TypeParam>(kRows, TypeParam(0.75)));
+    expectWithinFourUlp(table);
+}
+
 /// Rows of outer products, rows × columns, with the columns in a random order; and the place of
 /// each column in the box.
 struct Products {
