@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/array.h>
 #include <espalier/base/index.h>
 
 #include <cstddef>
@@ -35,13 +36,16 @@ public:
         return std::span(places_).subspan(offsets_[key], offsets_[key + 1] - offsets_[key]);
     }
 
+    /// The places of all keys, key by key.
+    std::span<const Place> places() const { return places_; }
+
     std::size_t byteCount() const {
         return offsets_.size() * sizeof(Offset) + places_.size() * sizeof(Place);
     }
 
 private:
     std::vector<Offset> offsets_ = {0};
-    std::vector<Place> places_;
+    Array<Place> places_;
 };
 
 }  // namespace espalier::osd

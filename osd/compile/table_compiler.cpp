@@ -10,9 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "group_list.h"
-#include "outer_product.h"
+#include "number_bits.h"
 #include "row_sets.h"
+#include "shared_numbers.h"
+#include "superset_form.h"
 
 namespace espalier::osd {
 namespace {
@@ -136,134 +137,111 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
 /// Approximate number of rows of a task. One thread evaluates a task.
 constexpr Index kRowsPerTask = 4096;
 
+/// Divides the supersets into blocks. One thread finds the forms of a block.
 template <class Real>
-class TableCompiler {
-public:
-    explicit TableCompiler(const StencilTable<Real>& table) : table_(table), groups_(table) {}
-
-    CompiledRows<Real> compile() {
-        const RowSets sets(table_);
-        for (Index set = 0; set < sets.count(); ++set)
-            if (!sets.subsetsOf(set).empty()) addSuperset(sets, set);
-        groups_.moveTo(result_);
-        addRuns(table_, std::move(ungrouped_), result_);
-        addTasks();
-        return std::move(result_);
-    }
-
-private:
-    /// Adds the rows of a superset and of its subsets to groups, as far as they fill panels.
-    void addSuperset(const RowSets& sets, Index superset) {
-        const auto subsets = sets.subsetsOf(superset);
-        const auto own = sets.rowsOf(superset);
-        shared_ = table_.columns(own.front());
-        std::size_t rowCount = 0;
-        for (const Index set : subsets) rowCount += sets.rowsOf(set).size();
-        if (2 * rowCount < kLanes<Real>) {
-            for (const Index set : subsets) append(ungrouped_, sets.rowsOf(set));
-            return;
-        }
-        weights_.clear();
-        for (const Index row : own) weights_.push_back(table_.weights(row));
-        const auto product = findOuterProduct<Real>(weights_);
-        products_.clear();
-        left_.clear();
-        for (const Index set : subsets) {
-            std::span<const Index> others = sets.rowsOf(set);
-            if (product) {
-                addFactors(*product, others);
-                others = others_;
-            }
-            // Full panels use the subset's own columns.
-            const auto columns = table_.columns(sets.rowsOf(set).front());
-            const std::size_t full = others.size() / kLanes<Real> * kLanes<Real>;
-            groups_.addPanels(others.first(full), columns);
-            // With the superset's columns, the remaining rows need zeros for the columns that they
-            // lack. Rows that would take more memory in this way stay ungrouped.
-            const bool fits =
-                shared_.size() * sizeof(Real) <= columns.size() * (sizeof(Real) + sizeof(Index));
-            append(fits ? left_ : ungrouped_, others.subspan(full));
-        }
-        if (product) {
-            columns_.clear();
-            for (const Index position : product->order) columns_.push_back(shared_[position]);
-            groups_.addProducts(products_, columns_, product->size);
-        }
-        // Uses the superset's columns for all remaining rows, for the rows that fill panels, or for
-        // no rows, whichever is the first that saves memory.
-        const std::size_t full = left_.size() / kLanes<Real> * kLanes<Real>;
-        const std::size_t paneled = isSmaller(left_)                          ? left_.size()
-                                    : isSmaller(std::span(left_).first(full)) ? full
-                                                                              : 0;
-        groups_.addPanels(std::span(left_).first(paneled), shared_);
-        append(ungrouped_, std::span(left_).subspan(paneled));
-    }
-
-    /// Returns true if rows take at most as much memory in panels with the superset's columns as
-    /// they take ungrouped.
-    bool isSmaller(std::span<const Index> rows) const {
-        constexpr std::size_t lanes = kLanes<Real>;
-        std::size_t entries = 0;
-        for (const Index row : rows) entries += table_.columns(row).size();
-        const std::size_t padded = (rows.size() + lanes - 1) / lanes * lanes * shared_.size();
-        return padded * sizeof(Real) + shared_.size() * sizeof(Index) +
-                   sizeof(typename CompiledRows<Real>::Group) <=
-               entries * (sizeof(Real) + sizeof(Index));
-    }
-
-    static void append(std::vector<Index>& all, std::span<const Index> more) {
-        all.insert(all.end(), more.begin(), more.end());
-    }
-
-    /// Adds the factors of the rows of a set to the groups. Puts rows that are not this kind of
-    /// outer product into others_.
-    void addFactors(const OuterProduct& product, std::span<const Index> rows) {
-        positions_.clear();
-        for (std::size_t place = 0; const Index column : table_.columns(rows.front())) {
-            while (shared_[place] != column) ++place;
-            positions_.push_back(static_cast<Index>(place));
-        }
-        weights_.clear();
-        for (const Index row : rows) weights_.push_back(table_.weights(row));
-        others_.clear();
-        factorizeRows<Real>(product, positions_, weights_,
-                            [&](std::size_t i, std::span<const Real> factors) {
-                                (factors.empty() ? others_ : products_).push_back(rows[i]);
-                                groups_.addFactors(factors);
-                            });
-    }
-
-    /// Divides the groups into tasks.
-    void addTasks() {
-        Index rowCount = 0;
-        for (std::size_t group = 0; group < result_.groups.size(); ++group) {
-            rowCount += result_.groups[group].rowCount;
-            if (rowCount < kRowsPerTask && group + 1 < result_.groups.size()) continue;
-            result_.taskStarts.push_back(static_cast<Offset>(group) + 1);
+std::vector<FormBlock<Real>> divide(const RowSets& sets) {
+    constexpr std::size_t kRowsPerBlock = 1 << 14;
+    std::vector<FormBlock<Real>> blocks;
+    std::size_t rowCount = kRowsPerBlock;
+    for (Index set = 0; set < sets.count(); ++set) {
+        if (sets.subsetsOf(set).empty()) continue;
+        if (rowCount >= kRowsPerBlock) {
+            blocks.emplace_back();
             rowCount = 0;
         }
+        blocks.back().supersets.push_back(set);
+        for (const Index subset : sets.subsetsOf(set)) rowCount += sets.rowsOf(subset).size();
     }
+    return blocks;
+}
 
-    const StencilTable<Real>& table_;
-    CompiledRows<Real> result_;
-    GroupList<Real> groups_;
-    std::vector<Index> ungrouped_;  ///< rows that are in no group
-
-    // addSuperset() works on these. They are members so that all supersets use the same memory.
-    std::span<const Index> shared_;               ///< columns of the superset
-    std::vector<std::span<const Real>> weights_;  ///< of the rows of a set
-    std::vector<Index> positions_;                ///< of the columns of a subset in shared_
-    std::vector<Index> products_;                 ///< rows that are outer products
-    std::vector<Index> others_;                   ///< rows of a subset that are not
-    std::vector<Index> left_;     ///< rows that do not fill panels with the columns of their set
-    std::vector<Index> columns_;  ///< in the order of the outer product
+/// Where the groups of a block of supersets begin in a compiled table.
+struct BlockStart {
+    Offset group = 0, column = 0, row = 0, ungrouped = 0;
 };
+
+/// Returns the starts of all blocks, and the end of the last one.
+template <class Real>
+std::vector<BlockStart> startsOf(const std::vector<FormBlock<Real>>& blocks) {
+    std::vector<BlockStart> starts(1);
+    for (const FormBlock<Real>& block : blocks) {
+        BlockStart next = starts.back();
+        for (const Index f : block.formOf) {
+            const auto& form = block.forms[f];
+            next.group += std::ssize(form.groups);
+            next.column += std::ssize(form.positions);
+            next.row += std::ssize(form.places);
+            next.ungrouped += std::ssize(form.ungrouped);
+        }
+        starts.push_back(next);
+    }
+    return starts;
+}
+
+/// Writes the groups of a block of supersets to their places in a compiled table.
+template <class Real>
+void addGroups(const StencilTable<Real>& table, const RowSets& sets, const FormBlock<Real>& block,
+               BlockStart at, CompiledRows<Real>& compiled, std::span<Index> ungrouped) {
+    Superset superset;
+    for (std::size_t i = 0; i < block.supersets.size(); ++i) {
+        const auto& form = block.forms[block.formOf[i]];
+        superset.assign(table, sets, block.supersets[i]);
+        for (const auto& group : form.groups) {
+            Index lowest = table.rowCount(), highest = 0;
+            const std::span places(form.places);
+            for (const Index place : places.subspan(group.firstPlace, group.rowCount)) {
+                lowest = std::min(lowest, superset.rows[place]);
+                highest = std::max(highest, superset.rows[place]);
+            }
+            compiled.groups[at.group++] = {at.column + group.firstPosition,
+                                           group.columnCount,
+                                           group.firstNumber,
+                                           at.row + group.firstPlace,
+                                           group.rowCount,
+                                           lowest,
+                                           highest,
+                                           group.size};
+        }
+        for (const Index position : form.positions)
+            compiled.groupColumns[at.column++] = superset.columns[position];
+        for (const Index place : form.places) compiled.groupRows[at.row++] = superset.rows[place];
+        for (const Index place : form.ungrouped) ungrouped[at.ungrouped++] = superset.rows[place];
+    }
+}
+
+/// Divides the groups into tasks.
+template <class Real>
+void addTasks(CompiledRows<Real>& compiled) {
+    Index rowCount = 0;
+    for (std::size_t group = 0; group < compiled.groups.size(); ++group) {
+        rowCount += compiled.groups[group].rowCount;
+        if (rowCount < kRowsPerTask && group + 1 < compiled.groups.size()) continue;
+        compiled.taskStarts.push_back(static_cast<Offset>(group) + 1);
+        rowCount = 0;
+    }
+}
 
 }  // namespace
 
 template <class Real>
 CompiledRows<Real> compileRows(const StencilTable<Real>& table) {
-    return TableCompiler<Real>(table).compile();
+    CompiledRows<Real> compiled;
+    const RowSets sets(table);
+    std::vector<FormBlock<Real>> blocks = divide<Real>(sets);
+    parallelFor(std::ssize(blocks), 1,
+                [&](Offset block, Offset) { findForms(table, sets, blocks[block]); });
+    storeNumbers(table, blocks, compiled.groupNumbers);
+    const std::vector<BlockStart> starts = startsOf(blocks);
+    compiled.groups.resize(starts.back().group);
+    compiled.groupColumns.resize(starts.back().column);
+    compiled.groupRows.resize(starts.back().row);
+    std::vector<Index> ungrouped(starts.back().ungrouped);
+    parallelFor(std::ssize(blocks), 1, [&](Offset block, Offset) {
+        addGroups<Real>(table, sets, blocks[block], starts[block], compiled, ungrouped);
+    });
+    addRuns(table, std::move(ungrouped), compiled);
+    addTasks(compiled);
+    return compiled;
 }
 
 template <class Real>

@@ -65,7 +65,8 @@ struct CompiledRows {
 };
 
 /// Chooses the form of each row of a table and stores the row in it.
-/// \cost O(entries + rows log rows)
+/// \cost O(entries + rows log rows), in parallel; the result does not depend on the number of
+/// threads
 template <class Real>
 CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table);
 
