@@ -11,6 +11,8 @@
 #include <numeric>
 #include <type_traits>
 
+#include "number_bits.h"
+
 namespace espalier::osd {
 namespace {
 
@@ -100,6 +102,24 @@ private:
     double tolerance_;
 };
 
+/// Returns true if no number is smaller than a minimum, in size, and each is a number.
+template <class Real>
+bool areAtLeast(std::span<const Real> numbers, Real least) {
+    // The bits of positive numbers have the order of the numbers; NaN is beyond infinity. The
+    // differences are negative where a number is out of range. Without a branch for each number
+    // this takes a fourth of the time.
+    using Bits = BitsOf<Real>;
+    constexpr Bits kSign = Bits{1} << (8 * sizeof(Bits) - 1);
+    constexpr auto kInfinity = std::bit_cast<Bits>(std::numeric_limits<Real>::infinity());
+    const auto low = std::bit_cast<Bits>(least);
+    Bits outside = 0;
+    for (const Real number : numbers) {
+        const Bits size = std::bit_cast<Bits>(number) & ~kSign;
+        outside |= (size - low) | (kInfinity - size);
+    }
+    return (outside & kSign) == 0;
+}
+
 /// Finds the points of each axis, without 0. A point that is not a sum of two others lies on an
 /// axis. Two points of axes lie on the same axis if their sum is not a point of the set.
 std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
@@ -134,10 +154,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
     constexpr Real kMinWeight =
         std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
     for (const auto& weights : rows)
-        // Without a branch for each weight this takes a fourth of the time.
-        if (const Eigen::Map<const Eigen::ArrayX<Real>> all(weights.data(), std::ssize(weights));
-            all.abs().template minCoeff<Eigen::PropagateNaN>() >= kMinWeight)
-            samples.push_back(weights);
+        if (areAtLeast(weights, kMinWeight)) samples.push_back(weights);
     if (samples.empty()) return std::nullopt;
     std::vector<Logarithms> points(samples[0].size(), Logarithms{});
     for (std::size_t s = 0; s < kSamples; ++s) {
@@ -192,42 +209,41 @@ using Wider = std::conditional_t<std::is_same_v<Real, float>, double, long doubl
 
 /// Rows of weights side by side, and their factors.
 ///
-/// Several rows are summed at once, in vectors: one row after another takes twice as long, since
+/// Two rows are summed at once, in vectors: one row after another takes twice as long, since
 /// each addition waits for the one before. The result of a row does not depend on the other rows.
 template <class Real>
 class RowBlock {
 public:
     /// Number of rows. There are no vectors of long doubles.
-    static constexpr std::size_t kRows = sizeof(Real) == sizeof(float) ? 4 : 1;
+    static constexpr std::size_t kRows = sizeof(Real) == sizeof(float) ? 2 : 1;
 
     /// \param positions for each weight of a row, its position among the columns of the product
     RowBlock(const OuterProduct& product, std::span<const Index> positions)
         : n_(product.size[0]),
           m_(product.size[1]),
           l_(product.size[2]),
-          weights_(product.order.size(), Numbers::Zero()) {
-        std::vector<std::size_t> placeOf(product.order.size());
-        for (std::size_t place = 0; place < placeOf.size(); ++place)
-            placeOf[product.order[place]] = place;
-        for (const Index position : positions) places_.push_back(placeOf[position]);
+          given_(positions.size() + 1, Given::Zero()),
+          sources_(product.order.size(), positions.size()),
+          weights_(product.order.size()) {
+        std::vector<std::size_t> givenAt(product.order.size(), positions.size());
+        for (std::size_t k = 0; k < positions.size(); ++k) givenAt[positions[k]] = k;
+        for (std::size_t place = 0; place < sources_.size(); ++place)
+            sources_[place] = givenAt[product.order[place]];
     }
 
-    void setRows(const std::array<std::span<const Real>, kRows>& rows) {
-        for (std::size_t k = 0; k < places_.size(); ++k)
-            for (std::size_t row = 0; row < kRows; ++row) weights_[places_[k]][row] = rows[row][k];
-        for (std::size_t row = 0; row < kRows; ++row) hasSign_[row] = hasSign(rows[row]);
+    void setRows(const std::array<const Real*, kRows>& rows) {
+        for (std::size_t k = 0; k + 1 < given_.size(); ++k)
+            for (std::size_t row = 0; row < kRows; ++row) given_[k][row] = rows[row][k];
+        const std::span<const Real> all(given_.data()->data(), given_.size() * kRows);
+        Bits bits = 0;
+        for (const Real weight : all) bits |= std::bit_cast<Bits>(weight);
+        hasSign_ = bits >> (8 * sizeof(Bits) - 1) != 0;
     }
 
     /// Computes the factors of all rows.
     void factorize() {
-        addUp();
-        for (std::size_t i = 0; i < n_ + m_ + l_; ++i)
-            factors_[i] = (i < n_ ? sums_[i] : Numbers(sums_[i] / total_))
-                              .template cast<Real>()
-                              .template cast<Wide>();
-        for (std::size_t row = 0; row < kRows; ++row)
-            if (hasSign_[row]) setSigns(row);
-        check();
+        // Cubic splines have four factors along an axis.
+        n_ == 4 ? factorize<4>() : factorize<0>();
     }
 
     /// Returns true if a row is an outer product.
@@ -235,49 +251,64 @@ public:
         // Tiny weights have fewer digits, or are rounded to 0: they may be off by kTiny, which must
         // be far below the largest weight. The total is not finite if a weight is not.
         return largest_[row] * std::numeric_limits<Real>::epsilon() >= kTiny &&
-               std::isfinite(total_[row]) && excess_[row] <= 0;
+               std::isfinite(total_[row]) && excess_[row] <= kTiny;
     }
 
-    Real factor(std::size_t i, std::size_t row) const {
-        return static_cast<Real>(factors_[i][row]);
-    }
+    Real factor(std::size_t i, std::size_t row) const { return factors_[i][row]; }
 
 private:
     using Wide = Wider<Real>;
+    using Bits = BitsOf<Real>;
+    using Given = Eigen::Array<Real, static_cast<int>(kRows), 1>;
+    using Doubles = Eigen::Array<double, static_cast<int>(kRows), 1>;
     using Numbers = Eigen::Array<Wide, static_cast<int>(kRows), 1>;
     static constexpr Wide kTiny = std::numeric_limits<Real>::min();
 
-    /// Returns true if any number is negative or −0.
-    static bool hasSign(std::span<const Real> numbers) {
-        using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-        Bits bits = 0;
-        for (const Real number : numbers) bits |= std::bit_cast<Bits>(number);
-        return bits >> (8 * sizeof(Bits) - 1) != 0;
+    /// Computes the factors of all rows.
+    /// \tparam fixed the size along axis 0, if it is known, so that sums stay in registers; or 0
+    template <std::size_t fixed>
+    void factorize() {
+        addUp<fixed>();
+        for (std::size_t i = 0; i < n_ + m_ + l_; ++i)
+            factors_[i] = (i < n_ ? sums_[i] : Numbers(sums_[i] / total_)).template cast<Real>();
+        if (hasSign_)
+            for (std::size_t row = 0; row < kRows; ++row) setSigns(row);
+        check<fixed>();
     }
 
     /// Adds up the absolute weights over two axes, for each place of the third.
+    template <std::size_t fixed>
     void addUp() {
         // The factors follow from these sums. Each weight is rounded. The relative error of a sum
         // is smaller than the relative errors of its weights, if the sum itself is not rounded.
-        std::fill_n(sums_.begin(), n_ + m_ + l_, Numbers::Zero());
-        Numbers total = Numbers::Zero(), largest = Numbers::Zero();
-        const Numbers* next = weights_.data();
-        for (std::size_t k = 0; k < l_; ++k) {
-            Numbers third = Numbers::Zero();
-            for (std::size_t j = 0; j < m_; ++j) {
-                Numbers second = sums_[n_ + j];
-                for (std::size_t i = 0; i < n_; ++i, ++next) {
-                    const Numbers size = next->abs();
-                    sums_[i] += size;
-                    second += size;
-                    third += size;
-                    total += size;
+        const std::size_t n = fixed == 0 ? n_ : fixed, m = m_, l = l_;
+        FirstFactors<fixed> first;
+        std::fill_n(first.begin(), n, Numbers::Zero());
+        Numbers *const second = sums_.data() + n, *const third = second + m;
+        std::fill_n(second, m, Numbers::Zero());
+        Numbers total = Numbers::Zero();
+        Doubles largest = Doubles::Zero();
+        const std::size_t* source = sources_.data();
+        Doubles* weight = weights_.data();
+        for (std::size_t k = 0; k < l; ++k) {
+            Numbers plane = Numbers::Zero();
+            for (std::size_t j = 0; j < m; ++j) {
+                Numbers line = Numbers::Zero();
+                for (std::size_t i = 0; i < n; ++i) {
+                    const Doubles own = given_[*source++].template cast<double>();
+                    *weight++ = own;
+                    const Doubles size = own.abs();
                     largest = largest.max(size);
+                    first[i] += size.template cast<Wide>();
+                    line += size.template cast<Wide>();
                 }
-                sums_[n_ + j] = second;
+                second[j] += line;
+                plane += line;
             }
-            sums_[n_ + m_ + k] = third;
+            third[k] = plane;
+            total += plane;
         }
+        std::copy_n(first.begin(), n, sums_.begin());
         total_ = total;
         largest_ = largest;
     }
@@ -287,7 +318,7 @@ private:
     void setSigns(std::size_t row) {
         const auto found = std::find_if(
             weights_.begin(), weights_.end(),
-            [&](const Numbers& weights) { return std::abs(weights[row]) == largest_[row]; });
+            [&](const Doubles& weights) { return std::abs(weights[row]) == largest_[row]; });
         if (found == weights_.end()) return;  // no weight is a number
         const auto at = static_cast<std::size_t>(found - weights_.begin());
         const std::size_t i0 = at % n_, j0 = at / n_ % m_, k0 = at / n_ / m_;
@@ -304,29 +335,42 @@ private:
     }
 
     /// Compares the products with the weights.
+    template <std::size_t fixed>
     void check() {
         constexpr Wide kBound = Wide{3} * std::numeric_limits<Real>::epsilon();
+        const std::size_t n = fixed == 0 ? n_ : fixed, m = m_, l = l_;
+        FirstFactors<fixed> first;
+        for (std::size_t i = 0; i < n; ++i) first[i] = factors_[i].template cast<Wide>();
         Numbers excess = Numbers::Constant(-1);
-        const Numbers* next = weights_.data();
-        for (std::size_t k = 0; k < l_; ++k)
-            for (std::size_t j = 0; j < m_; ++j) {
-                const Numbers second = factors_[n_ + j], third = factors_[n_ + m_ + k];
-                for (std::size_t i = 0; i < n_; ++i, ++next) {
-                    const Numbers product = factors_[i] * second * third;
-                    excess = excess.max((product - *next).abs() - (kBound * next->abs() + kTiny));
+        const Doubles* weight = weights_.data();
+        for (std::size_t k = 0; k < l; ++k)
+            for (std::size_t j = 0; j < m; ++j) {
+                const Numbers other = factors_[n + j].template cast<Wide>() *
+                                      factors_[n + m + k].template cast<Wide>();
+                for (std::size_t i = 0; i < n; ++i, ++weight) {
+                    const auto distance = (first[i] * other - weight->template cast<Wide>()).abs();
+                    excess = excess.max(distance - kBound * weight->abs().template cast<Wide>());
                 }
             }
         excess_ = excess;
     }
 
+    /// A number for each factor of axis 0.
+    template <std::size_t fixed>
+    using FirstFactors =
+        std::array<Numbers, fixed == 0 ? std::size_t{kernels::kMaxProductColumns} : fixed>;
+
     std::size_t n_, m_, l_;
-    std::vector<std::size_t> places_;  ///< in weights_, of the weights of a row
-    std::vector<Numbers> weights_;     ///< in the order of the product
-    std::array<bool, kRows> hasSign_ = {};
+    std::vector<Given> given_;          ///< the weights of the rows, and a 0
+    std::vector<std::size_t> sources_;  ///< for each of weights_, its place in given_
+    std::vector<Doubles> weights_;      ///< in the order of the product
+    bool hasSign_ = false;              ///< true if any weight is negative or −0
     // The sum of three factors of kMaxProductColumns is largest if two of them are 1.
-    std::array<Numbers, kernels::kMaxProductColumns + 2> sums_, factors_;
-    Numbers total_, largest_;
-    Numbers excess_;  ///< positive if a product is farther from its weight than allowed
+    std::array<Numbers, kernels::kMaxProductColumns + 2> sums_;
+    std::array<Given, kernels::kMaxProductColumns + 2> factors_;
+    Numbers total_;
+    Doubles largest_;
+    Numbers excess_;  ///< larger than kTiny if a product is farther from its weight than allowed
 };
 
 }  // namespace
@@ -341,9 +385,9 @@ void factorizeRows(const OuterProduct& product, std::span<const Index> positions
     for (std::size_t first = 0; first < rows.size(); first += kRows) {
         const std::size_t count = std::min(rows.size() - first, kRows);
         // If fewer rows are left, the block repeats the last one.
-        std::array<std::span<const Real>, kRows> own;
+        std::array<const Real*, kRows> own;
         for (std::size_t row = 0; row < kRows; ++row)
-            own[row] = rows[first + std::min(row, count - 1)];
+            own[row] = rows[first + std::min(row, count - 1)].data();
         block.setRows(own);
         block.factorize();
         for (std::size_t row = 0; row < count; ++row) {
