@@ -8,7 +8,12 @@ namespace espalier::io {
 
 std::string encodeBase64(std::string_view bytes) {
     std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
+    appendBase64(text, bytes);
+    return text;
+}
+
+void appendBase64(std::string& text, std::string_view bytes) {
+    text.reserve(text.size() + (bytes.size() + 2) / 3 * 4);
     const auto byteAt = [&](std::size_t at) -> std::uint32_t {
         return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0;
     };
@@ -18,7 +23,6 @@ std::string encodeBase64(std::string_view bytes) {
             text += at + i > bytes.size() ? kBase64Padding
                                           : kBase64Alphabet[group >> (18 - 6 * i) & 63];
     }
-    return text;
 }
 
 }  // namespace espalier::io

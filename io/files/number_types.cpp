@@ -174,6 +174,7 @@ Value readNumber(TextReader& text, NumberType type, const char* what) {
 }
 
 template std::string encodeNumbers(std::span<const Index>, NumberType, std::endian);
+template std::string encodeNumbers(std::span<const std::uint8_t>, NumberType, std::endian);
 
 #define ESPALIER_INSTANTIATE(Value)                                                       \
     template std::vector<Value> decodeNumbers(std::string_view, NumberType, std::endian); \

@@ -38,11 +38,11 @@ std::optional<StandardCell> kindOf(std::int64_t type) {
     return std::nullopt;
 }
 
-std::int64_t typeOf(StandardCell kind) {
+std::uint8_t typeOf(StandardCell kind) {
     const auto at = std::find_if(
         std::begin(kCellTypes), std::end(kCellTypes),
         [&](const CellType& entry) { return entry.kind == kind && entry.number != kVtkVoxel; });
-    return at->number;
+    return static_cast<std::uint8_t>(at->number);
 }
 
 /// Returns true for volume cells of higher order: quadratic, Lagrange and Bézier.
@@ -218,7 +218,7 @@ VtkCells vtkCells(const far::CellComplex& complex) {
                                       standard->vertices.end());
         } else {
             const auto vertices = complex.relation(3, 0)[cell];
-            cells.types.push_back(kVtkPolyhedron);
+            cells.types.push_back(static_cast<std::uint8_t>(kVtkPolyhedron));
             cells.connectivity.insert(cells.connectivity.end(), vertices.begin(), vertices.end());
             const auto loops = far::outwardLoops(complex, CellId(cell));
             cells.faces.push_back(static_cast<Index>(loops.size()));

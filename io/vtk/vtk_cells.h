@@ -105,7 +105,7 @@ private:
 /// The cells of a lattice as arrays of a VTK file. Standard cells have their own types; all other
 /// cells are polyhedra.
 struct VtkCells {
-    std::vector<std::int64_t> types;        ///< one per cell
+    std::vector<std::uint8_t> types;        ///< one per cell
     std::vector<Index> connectivity;        ///< the vertices of each cell
     std::vector<std::int64_t> offsets;      ///< one per cell: end of its vertices
     std::vector<Index> faces;               ///< the face stream of each polyhedron

@@ -9,6 +9,7 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "../files/bytes.h"
@@ -99,8 +100,8 @@ std::string compressed(std::string_view bytes) {
 }
 
 template <class Value>
-std::string encodeCompressed(std::span<const Value> values, NumberType type,
-                             const VtkCoding& coding) {
+void appendCompressed(std::string& text, std::span<const Value> values, NumberType type,
+                      const VtkCoding& coding) {
     const std::size_t blockLength = kBlockSize / byteSize(type);
     const std::size_t blockCount = (values.size() + blockLength - 1) / blockLength;
     std::vector<std::string> blocks(blockCount);
@@ -117,11 +118,15 @@ std::string encodeCompressed(std::span<const Value> values, NumberType type,
     appendWord(header, blockCount, coding);
     appendWord(header, kBlockSize, coding);
     appendWord(header, values.size() % blockLength * byteSize(type), coding);
+    std::size_t size = 0;
     for (const std::string& block : blocks) {
         appendWord(header, block.size(), coding);
-        bytes += block;
+        size += block.size();
     }
-    return encodeBase64(header) + encodeBase64(bytes);
+    bytes.reserve(size);
+    for (std::string& block : blocks) bytes += std::exchange(block, {});
+    appendBase64(text, header);
+    appendBase64(text, bytes);
 }
 
 }  // namespace
@@ -152,16 +157,21 @@ std::string decodePayloadOfSize(std::string_view text, std::uint64_t size, Paylo
 }
 
 template <class Value>
-std::string encodePayload(std::span<const Value> values, NumberType type, const VtkCoding& coding) {
-    if (coding.isCompressed) return encodeCompressed(values, type, coding);
+void appendPayload(std::string& text, std::span<const Value> values, NumberType type,
+                   const VtkCoding& coding) {
+    if (coding.isCompressed) return appendCompressed(text, values, type, coding);
     std::string payload;
     appendWord(payload, values.size() * byteSize(type), coding);
     payload += encodeNumbers(values, type, coding.byteOrder);
-    return encodeBase64(payload);
+    appendBase64(text, payload);
 }
 
-template std::string encodePayload(std::span<const double>, NumberType, const VtkCoding&);
-template std::string encodePayload(std::span<const std::int64_t>, NumberType, const VtkCoding&);
-template std::string encodePayload(std::span<const Index>, NumberType, const VtkCoding&);
+#define ESPALIER_INSTANTIATE(Value) \
+    template void appendPayload(std::string&, std::span<const Value>, NumberType, const VtkCoding&);
+ESPALIER_INSTANTIATE(double)
+ESPALIER_INSTANTIATE(std::int64_t)
+ESPALIER_INSTANTIATE(Index)
+ESPALIER_INSTANTIATE(std::uint8_t)
+#undef ESPALIER_INSTANTIATE
 
 }  // namespace espalier::io

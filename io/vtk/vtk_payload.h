@@ -46,11 +46,12 @@ std::string decodePayload(std::string_view text, PayloadForm form, const VtkCodi
 std::string decodePayloadOfSize(std::string_view text, std::uint64_t size, PayloadForm form,
                                 const VtkCoding& coding);
 
-/// Encodes the numbers of one array in base64: decodePayload() returns the bytes of
+/// Appends the numbers of one array in base64 to a text: decodePayload() returns the bytes of
 /// encodeNumbers(). Compresses blocks in parallel.
-/// \tparam Value double, std::int64_t or Index
+/// \tparam Value double, std::int64_t, Index or std::uint8_t
 /// \throws CodingError if there are too many bytes for a 32-bit header
 template <class Value>
-std::string encodePayload(std::span<const Value> values, NumberType type, const VtkCoding& coding);
+void appendPayload(std::string& text, std::span<const Value> values, NumberType type,
+                   const VtkCoding& coding);
 
 }  // namespace espalier::io

@@ -15,14 +15,15 @@ namespace {
 
 /// \param isGrid writes an UnstructuredGrid, else a PolyData
 void writeXmlSurface(std::ostream& stream, const SurfaceView& surface, bool isGrid) {
-    constexpr std::int64_t kTriangle = 5, kQuadrilateral = 9;
+    constexpr std::uint8_t kTriangle = 5, kQuadrilateral = 9;
+    constexpr auto kPolygon = static_cast<std::uint8_t>(kVtkPolygon);
     const ModelFaces& faces = surface.faces;
     const std::vector<std::int64_t> corners(faces.corners.begin(), faces.corners.end());
     const std::vector<std::int64_t> ends(faces.ends.begin(), faces.ends.end());
-    std::vector<std::int64_t> types;
+    std::vector<std::uint8_t> types;
     for (std::size_t face = 0; face < faces.count() && isGrid; ++face) {
         const std::size_t size = faces[face].size();
-        types.push_back(size == 3 ? kTriangle : size == 4 ? kQuadrilateral : kVtkPolygon);
+        types.push_back(size == 3 ? kTriangle : size == 4 ? kQuadrilateral : kPolygon);
     }
     VtkXmlOutput out(stream, isGrid ? "UnstructuredGrid" : "PolyData", VtkArrayForm::Base64, true);
     const char* const cells = isGrid ? "Cells" : "Polys";
@@ -36,7 +37,7 @@ void writeXmlSurface(std::ostream& stream, const SurfaceView& surface, bool isGr
             out.section(cells, [&] {
                 out.array("connectivity", corners);
                 out.array("offsets", ends);
-                if (isGrid) out.array("types", types, NumberType::UInt8);
+                if (isGrid) out.array("types", types);
             });
         });
     });

@@ -212,7 +212,7 @@ std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> va
         text += asciiLines(head, values, indent);
     } else {
         text.append("\n").append(indent).append("  ");
-        text += encodePayload(values, head.type, coding);
+        appendPayload(text, values, head.type, coding);
     }
     return text.append("\n").append(indent).append("</DataArray>");
 }
@@ -247,6 +247,7 @@ std::string xmlEscaped(std::string_view text) {
 ESPALIER_INSTANTIATE(double)
 ESPALIER_INSTANTIATE(std::int64_t)
 ESPALIER_INSTANTIATE(Index)
+ESPALIER_INSTANTIATE(std::uint8_t)
 #undef ESPALIER_INSTANTIATE
 
 std::vector<Point3> pointsOf(std::span<const double> coordinates) {

@@ -64,9 +64,12 @@ public:
         array<double>({name, NumberType::Float64, components}, values);
     }
 
-    void array(const std::string& name, const std::vector<std::int64_t>& values,
-               NumberType type = NumberType::Int64) {
-        array<std::int64_t>({name, type}, values);
+    void array(const std::string& name, const std::vector<std::int64_t>& values) {
+        array<std::int64_t>({name, NumberType::Int64}, values);
+    }
+
+    void array(const std::string& name, const std::vector<std::uint8_t>& values) {
+        array<std::uint8_t>({name, NumberType::UInt8}, values);
     }
 
     void array(const std::string& name, const std::vector<Index>& values) {

@@ -65,7 +65,7 @@ private:
         out_.section("Cells", [&] {
             out_.array("connectivity", cells.connectivity);
             out_.array("offsets", cells.offsets);
-            out_.array("types", cells.types, NumberType::UInt8);
+            out_.array("types", cells.types);
             if (cells.havePolyhedra()) {
                 out_.array("faces", cells.faces);
                 out_.array("faceoffsets", cells.faceOffsets);

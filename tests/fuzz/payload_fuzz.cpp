@@ -20,8 +20,8 @@ const Target kPayload("payload", [](std::string_view bytes) {
     if (!decoded) return;
     const std::vector<std::int64_t> numbers =
         io::decodeNumbers<std::int64_t>(*decoded, io::NumberType::UInt8, coding.byteOrder);
-    const std::string coded =
-        io::encodePayload<std::int64_t>(numbers, io::NumberType::UInt8, coding);
+    std::string coded;
+    io::appendPayload<std::int64_t>(coded, numbers, io::NumberType::UInt8, coding);
     require(io::decodePayload(coded, io::PayloadForm::Base64, coding) == *decoded,
             "what is coded is decoded");
 });

@@ -61,10 +61,18 @@ std::vector<VtkCoding> allCodings() {
     return codings;
 }
 
+template <class Value>
+std::string encoded(const std::vector<Value>& values, io::NumberType type,
+                    const VtkCoding& coding) {
+    std::string text = "before ";
+    io::appendPayload<Value>(text, values, type, coding);
+    EXPECT_EQ(text.substr(0, 7), "before ");
+    return text.substr(7);
+}
+
 std::string encoded(std::string_view bytes, const VtkCoding& coding) {
-    const auto numbers =
-        io::decodeNumbers<std::int64_t>(bytes, io::NumberType::UInt8, coding.byteOrder);
-    return io::encodePayload<std::int64_t>(numbers, io::NumberType::UInt8, coding);
+    const std::vector<std::uint8_t> numbers(bytes.begin(), bytes.end());
+    return encoded(numbers, io::NumberType::UInt8, coding);
 }
 
 TEST(VtkPayload, RoundTripIsExact) {
@@ -90,12 +98,10 @@ TEST(VtkPayload, EncodesNumbersOfEachSize) {
     for (const VtkCoding& coding : allCodings()) {
         for (const auto type :
              {io::NumberType::UInt8, io::NumberType::Int16, io::NumberType::Int64})
-            EXPECT_EQ(decodePayload(io::encodePayload<std::int64_t>(integers, type, coding),
-                                    PayloadForm::Base64, coding),
+            EXPECT_EQ(decodePayload(encoded(integers, type, coding), PayloadForm::Base64, coding),
                       io::encodeNumbers<std::int64_t>(integers, type, coding.byteOrder));
         for (const auto type : {io::NumberType::Float32, io::NumberType::Float64})
-            EXPECT_EQ(decodePayload(io::encodePayload<double>(reals, type, coding),
-                                    PayloadForm::Base64, coding),
+            EXPECT_EQ(decodePayload(encoded(reals, type, coding), PayloadForm::Base64, coding),
                       io::encodeNumbers<double>(reals, type, coding.byteOrder));
     }
 }
