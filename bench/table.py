@@ -250,8 +250,7 @@ FIGURES = (
     takes {vtk} for a part of this work.""")
 
 BEHIND = """Espalier is not ahead everywhere. It refines the topology of a surface about as fast as OpenSubdiv
-({refine_low:.1f} to {refine_high:.1f} times as fast on one thread). The product with the transpose can take
-{adjoint:.1f} times as long as the product itself."""
+({refine_low:.1f} to {refine_high:.1f} times as fast on one thread)."""
 
 SUMMARY = """## Five figures
 
@@ -280,9 +279,6 @@ def summary(best, page):
         return run(workload, peer)["real_time"] / run(workload, who)["real_time"]
     refine = [theirs["real_time"] / ours["real_time"]
               for _, threads, ours, theirs in levels(best, "refine") if threads == "1"]
-    adjoint = [run["real_time"] / best[f"{key}/3/{who.replace(' adjoint', '')}"]["real_time"]
-               for key, _, who, label, run in our_applications(best)
-               if "adjoint" in who and label[2] == "1"]
     drag = best["change/1 together/Espalier"]["real_time"]
     values = dict(
         regular=milliseconds(run("regular", "Espalier")),
@@ -298,7 +294,7 @@ def summary(best, page):
         drag=drag, drag_ratio=best["change/all/Espalier"]["real_time"] / drag,
         bind=milliseconds(best["bind/random/3/Espalier"]),
         vtk=milliseconds(best["bind/random/3/VTK"]),
-        refine_low=min(refine), refine_high=max(refine), adjoint=max(adjoint))
+        refine_low=min(refine), refine_high=max(refine))
     figures = (wrap(figure.format(**values), f"{i}. ") for i, figure in enumerate(FIGURES, 1))
     return SUMMARY.format(figures="\n".join(figures), behind=wrap(BEHIND.format(**values)),
                           rows=sum(len(tasks) for tasks in ratios.read(page).values()))

@@ -22,17 +22,9 @@ struct CompiledAdjoint<Real>::Data {
     StencilTable<Real> ungrouped;  ///< all other rows, transposed
     Index maxColumns = 0;          ///< of any group
 
-    /// Returns true if the kernel should prefetch data beyond group `g`. If the next group shares
-    /// the numbers of this one, they are in the cache already, and to prefetch only the rows costs
-    /// more than it saves.
-    bool isPrefetchUseful(Offset g) const {
-        return g + 1 < std::ssize(rows.groups) &&
-               rows.groups[g + 1].firstNumber > rows.groups[g].firstNumber;
-    }
-
     /// Buffers of the tasks: the partial sums of one group at a time.
     TaskBuffers<Real> taskBuffers() const {
-        return {std::ssize(rows.taskStarts) - 1, 4 * Offset{maxColumns} * kernels::kLanes<Real>};
+        return {std::ssize(rows.taskStarts) - 1, kernels::adjointSumCount<Real>(maxColumns)};
     }
 
     /// Computes the sums of each group for its columns: `length` numbers for each place of
@@ -44,15 +36,13 @@ struct CompiledAdjoint<Real>::Data {
             typename TaskBuffers<Real>::Local lanes(numbers, task);
             for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
                 const auto& group = rows.groups[g];
-                kernels.adjoint(
-                    {rows.groupNumbers.data() + group.firstNumber,
-                     {group.size[0], group.size[1], group.size[2]},
-                     group.columnCount,
-                     rows.groupRows.data() + group.firstRow,
-                     group.rowCount,
-                     isPrefetchUseful(g) ? std::ssize(rows.groupRows) - group.firstRow : 0,
-                     isPrefetchUseful(g) ? std::ssize(rows.groupNumbers) - group.firstNumber : 0},
-                    source, sums.data() + group.firstColumn * source.length, lanes.data());
+                kernels.adjoint({rows.groupNumbers.data() + group.firstNumber,
+                                 {group.size[0], group.size[1], group.size[2]},
+                                 group.columnCount,
+                                 rows.groupRows.data() + group.firstRow,
+                                 group.rowCount},
+                                source, sums.data() + group.firstColumn * source.length,
+                                lanes.data());
             }
         });
     }
@@ -61,7 +51,7 @@ struct CompiledAdjoint<Real>::Data {
 template <class Real>
 CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
-    CompiledRows<Real> rows = compileRows(table);
+    CompiledRows<Real> rows = compileRows(table, NumberOrder::Rows);
     auto ungrouped = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
     // The ungrouped rows are kept in transposed form only. Assigning {} would not free the memory.
     rows.runs = decltype(rows.runs)();

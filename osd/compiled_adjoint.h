@@ -13,7 +13,8 @@ namespace espalier::osd {
 /// by the vertices of its lattice.
 ///
 /// The rows of the adjoint are the columns of the table, and its columns are the rows of the table.
-/// The weights are stored as in CompiledTable and are read once. Each group of rows is summed for
+/// Rows have the same groups as in CompiledTable, and identical weights are stored once, but row by
+/// row: each lane of a register has the weight of another column. Each group of rows is summed for
 /// its own columns first; then, for each column of the table, the sums of the groups and the
 /// entries of the remaining rows are added. No two threads add to the same number.
 ///

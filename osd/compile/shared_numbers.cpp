@@ -22,10 +22,11 @@ namespace {
 template <class Real>
 class GroupNumbers {
 public:
+    /// \param order in which they are stored
     /// \param uses number of supersets with this form
-    GroupNumbers(const StencilTable<Real>& table, SupersetForm<Real>& form, std::size_t group,
-                 Index uses)
-        : table_(&table), form_(&form), group_(group), uses_(uses) {}
+    GroupNumbers(const StencilTable<Real>& table, NumberOrder order, SupersetForm<Real>& form,
+                 std::size_t group, Index uses)
+        : table_(&table), order_(order), form_(&form), group_(group), uses_(uses) {}
 
     Index uses() const { return uses_; }
 
@@ -82,18 +83,46 @@ public:
         return true;
     }
 
-    /// Returns how many numbers are stored: all lanes of all panels.
+    /// Returns true if the weights of an outer product are stored instead of its factors.
+    bool isMultipliedOut() const {
+        return order_ == NumberOrder::Rows && isProduct() &&
+               !kernels::adjointTakesFactors(group().size[0], group().columnCount);
+    }
+
+    /// Returns how many numbers are stored: whole registers, so that each group is aligned.
     Offset storedCount() const {
-        const Offset panels = (group().rowCount + kLanes<Real> - 1) / kLanes<Real>;
-        return panels * kLanes<Real> * static_cast<Offset>(length());
+        const auto roundedUp = [](std::size_t count) {
+            constexpr std::size_t lanes = kLanes<Real>;
+            return static_cast<Offset>((count + lanes - 1) / lanes * lanes);
+        };
+        if (order_ == NumberOrder::Panels)
+            return roundedUp(rowCount()) * static_cast<Offset>(length());
+        return roundedUp(rowCount() * (isMultipliedOut()
+                                           ? static_cast<std::size_t>(group().columnCount)
+                                           : length()));
     }
 
     /// The place of the first number in the compiled table.
     Offset first() const { return group().firstNumber; }
     void setFirst(Offset number) { form_->groups[group_].firstNumber = number; }
 
-    /// Stores the numbers in the layout of the kernels, one row in each lane.
     void store(Real* to) const {
+        if (order_ == NumberOrder::Panels)
+            storePanels(to);
+        else
+            storeRows(to);
+    }
+
+    /// Says that the numbers are weights, if they have been stored so.
+    void setKind() {
+        if (isMultipliedOut()) form_->groups[group_].size = {};
+    }
+
+private:
+    using Group = typename SupersetForm<Real>::Group;
+
+    /// Stores the numbers in panels, one row in each lane.
+    void storePanels(Real* to) const {
         constexpr Index lanes = kLanes<Real>;
         constexpr std::size_t kLine = 64 / sizeof(Real);
         std::array<std::vector<Real>, lanes> spread;
@@ -115,8 +144,24 @@ public:
         }
     }
 
-private:
-    using Group = typename SupersetForm<Real>::Group;
+    /// Stores the numbers row by row, and zeros up to the next group.
+    void storeRows(Real* to) const {
+        Real* const last = to + storedCount();
+        const auto& size = group().size;
+        std::vector<Real> spread;
+        for (Index i = 0; i < group().rowCount; ++i) {
+            const auto own = row(i, spread);
+            if (!isMultipliedOut()) {
+                to = std::copy(own.begin(), own.end(), to);
+                continue;
+            }
+            const Real *const a = own.data(), *const b = a + size[0], *const c = b + size[1];
+            for (Index z = 0; z < size[2]; ++z)
+                for (Index y = 0; y < size[1]; ++y)
+                    for (Index x = 0; x < size[0]; ++x) *to++ = a[x] * (b[y] * c[z]);
+        }
+        std::fill(to, last, Real{0});
+    }
 
     const Group& group() const { return form_->groups[group_]; }
     bool isProduct() const { return group().size[0] > 0; }
@@ -135,6 +180,7 @@ private:
     }
 
     const StencilTable<Real>* table_;
+    NumberOrder order_;
     SupersetForm<Real>* form_;
     std::size_t group_;
     Index uses_;
@@ -185,15 +231,15 @@ std::vector<std::size_t> findSources(std::vector<GroupNumbers<Real>>& groups) {
 }  // namespace
 
 template <class Real>
-void storeNumbers(const StencilTable<Real>& table, std::vector<FormBlock<Real>>& blocks,
-                  AlignedVector<Real>& numbers) {
+void storeNumbers(const StencilTable<Real>& table, NumberOrder order,
+                  std::vector<FormBlock<Real>>& blocks, AlignedVector<Real>& numbers) {
     std::vector<GroupNumbers<Real>> groups;
     for (FormBlock<Real>& block : blocks) {
         std::vector<Index> uses(block.forms.size(), 0);
         for (const Index form : block.formOf) ++uses[form];
         for (std::size_t f = 0; f < block.forms.size(); ++f)
             for (std::size_t g = 0; g < block.forms[f].groups.size(); ++g)
-                groups.emplace_back(table, block.forms[f], g, uses[f]);
+                groups.emplace_back(table, order, block.forms[f], g, uses[f]);
     }
     const std::vector<std::size_t> sources = findSources(groups);
     Offset count = 0;
@@ -205,17 +251,20 @@ void storeNumbers(const StencilTable<Real>& table, std::vector<FormBlock<Real>>&
         groups[g].setFirst(count);
         count += groups[g].storedCount();
     }
-    // Kernels add the lane to this pointer also for rows without entries. It must not be null.
-    numbers.reserve(std::max<std::size_t>(count, kLanes<Real>));
+    // Kernels add the lane to this pointer also for rows without entries, so it must not be null.
+    // The adjoint reads beyond the last row.
+    numbers.reserve(count + kLanes<Real>);
     numbers.resize(count);
+    if (order == NumberOrder::Rows) numbers.resize(count + kLanes<Real>, Real{0});
     forEach(groups, [&](std::size_t g) {
         if (sources[g] == g) groups[g].store(numbers.data() + groups[g].first());
     });
+    for (auto& group : groups) group.setKind();
 }
 
-template void storeNumbers(const StencilTable<float>&, std::vector<FormBlock<float>>&,
+template void storeNumbers(const StencilTable<float>&, NumberOrder, std::vector<FormBlock<float>>&,
                            AlignedVector<float>&);
-template void storeNumbers(const StencilTable<double>&, std::vector<FormBlock<double>>&,
-                           AlignedVector<double>&);
+template void storeNumbers(const StencilTable<double>&, NumberOrder,
+                           std::vector<FormBlock<double>>&, AlignedVector<double>&);
 
 }  // namespace espalier::osd

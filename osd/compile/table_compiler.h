@@ -21,11 +21,17 @@ namespace espalier::osd {
 /// of very many rows, and too few tasks for all threads.
 inline constexpr std::size_t kMaxRowsPerGroup = 1024;
 
+/// The order in which the numbers of a group are stored.
+enum class NumberOrder {
+    Panels,  ///< for PanelRun and ProductRun
+    Rows     ///< for AdjointRun; outer products of which it takes no factors have weights
+};
+
 /// A table whose rows are stored in three forms: panels, outer products and runs. Each row is in
 /// one.
 template <class Real>
 struct CompiledRows {
-    /// Rows that share their columns; evaluated as PanelRun or ProductRun.
+    /// Rows that share their columns; evaluated as PanelRun or ProductRun, or as AdjointRun.
     struct Group {
         Offset firstColumn;  ///< in groupColumns
         Index columnCount;
@@ -33,7 +39,7 @@ struct CompiledRows {
         Offset firstRow;     ///< in groupRows
         Index rowCount;
         Index lowest, highest;      ///< row numbers
-        std::array<Index, 3> size;  ///< of an outer product; zeros for panels of weights
+        std::array<Index, 3> size;  ///< of an outer product; zeros for weights
     };
     std::vector<Group> groups;
     /// Task t is groups taskStarts[t] to taskStarts[t + 1] − 1. One thread evaluates a task.
@@ -68,7 +74,8 @@ struct CompiledRows {
 /// \cost O(entries + rows log rows), in parallel; the result does not depend on the number of
 /// threads
 template <class Real>
-CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table);
+CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table,
+                               NumberOrder order = NumberOrder::Panels);
 
 /// Returns the table with only the given rows; all other rows are empty.
 /// \cost O(entries)

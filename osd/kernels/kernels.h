@@ -76,21 +76,31 @@ struct RowRun {
     Index rowCount;
 };
 
-/// A group of rows that share their columns, for the adjoint. If size[0] is 0, the rows are panels
-/// of weights, otherwise factors of outer products; both are stored as above.
+/// A group of rows that share their columns, for the adjoint.
 template <class Real>
 struct AdjointRun {
+    /// Row by row: columnCount weights, or size[0] + size[1] + size[2] factors. kLanes more numbers
+    /// are read after the last row, and have no effect on results.
     const Real* numbers;
-    Index size[3];
+    Index size[3];  ///< of outer products for which adjointTakesFactors(); size[0] is 0 for weights
     Index columnCount;
     const Index* rows;  ///< the row numbers: rowCount
     Index rowCount;
-
-    // Numbers of elements that may be read from `rows` and from `numbers` on, by this run and by
-    // the runs after it. The kernel prefetches up to there. 0 if prefetching is not worthwhile.
-    Offset rowsAhead;
-    Offset numbersAhead;
 };
+
+/// Returns true if the adjoint takes outer products as factors, false if it takes their weights. Up
+/// to 16 weights fit in one register, and weights are faster then.
+/// \param size0 the largest size along an axis
+constexpr bool adjointTakesFactors(Index size0, Index columnCount) {
+    return size0 <= 4 && columnCount > 16;
+}
+
+/// How many numbers the adjoint needs for the sums of a group.
+template <class Real>
+constexpr Offset adjointSumCount(Offset columnCount) {
+    // Outer products take 4 × 4 × 4 places if they have fewer columns, too.
+    return 4 * ((columnCount < 64 ? 64 : columnCount) + kLanes<Real>);
+}
 
 /// The source of the adjoint: component c of row r is values[r · stride + c].
 template <class Real>
@@ -107,7 +117,7 @@ struct ESPALIER_API Kernels {
     void (*rows)(const RowRun<Real>& run, const Destination<Real>& to);
     /// Computes Σ weight · value over the rows of the run, for each column.
     /// \param result columnCount × length, one column after the other
-    /// \param sums temporary memory of 4 · kLanes numbers for each column, aligned to 64 bytes
+    /// \param sums temporary memory of adjointSumCount(columnCount) numbers, aligned to 64 bytes
     void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                     Real* sums);
 };

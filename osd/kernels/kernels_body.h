@@ -407,204 +407,178 @@ void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
                   [&]<int width>(Offset from) { evaluateRowComponents<width>(run, from, to); });
 }
 
-/// Returns the sum of the lanes of a vector, by adding its halves. Reading the lanes through memory
-/// would force the compiler to keep the vector there while it is summed.
-template <class Real, int count>
-Real sumOf(const typename Vector<Real, count>::Type& vector) {
-    if constexpr (count == 2) {
-        return vector[0] + vector[1];
-    } else {
-        return [&]<int... i>(std::integer_sequence<int, i...>) {
-            return sumOf<Real, count / 2>(
-                __builtin_shufflevector(vector, vector, i...) +
-                __builtin_shufflevector(vector, vector, (i + count / 2)...));
-        }
-        (std::make_integer_sequence<int, count / 2>());
-    }
-}
-
-/// Number of columns that are summed at once. It is the largest number for which all sums stay in
+/// Number of registers of columns that are summed at once: the largest for which all sums stay in
 /// registers.
 template <int width>
-constexpr Index kColumnsAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
+constexpr Index kRegistersAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
 
-/// Number of panels that are summed at once: few enough for their numbers to stay in the level-1
-/// cache, since the columns of an outer product read them repeatedly. Without blocks, groups of
-/// very many rows take twice the time.
-constexpr Index kPanelsAtOnce = 16;
+/// Number of rows that are summed at once. More sums in a row would be less exact.
+constexpr Index kRowsAtOnce = 64;
 
-/// Some panels of a group, and the source values of their rows.
+/// Returns the register of numbers that starts at an address, which need not be aligned.
 template <class Real>
-struct PanelBlock {
-    const Real* numbers;
-    const Real* values;  ///< panels × width × kLanes
-    Index panelCount;
+auto loadRegister(const Real* numbers) {
+    typename Vector<Real, kRegister<Real>>::Type result;
+    __builtin_memcpy(&result, numbers, sizeof result);
+    return result;
+}
+
+/// The weights of one row, some registers of them.
+template <class Real>
+struct WeightRow {
+    const Real* weights;
+    auto operator()(int r) const { return loadRegister(weights + r * kRegister<Real>); }
 };
 
-/// Adds the products of a block of panels to the sums of some columns, starting at column `first`.
-/// \param sums the sums of all columns: columns × width × kRegister
-template <int width, int columns, class Real>
-void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index first, Real* sums) {
-    constexpr int registerSize = kRegister<Real>, lanes = kLanes<Real>;
-    using V = typename Vector<Real, registerSize>::Type;
-    V* const to = reinterpret_cast<V*>(sums) + Offset{first} * width;
-    V all[columns * width];
-    for (int e = 0; e < columns * width; ++e) all[e] = to[e];
-    const Real* weights = block.numbers + Offset{first} * lanes;
-    const Real* values = block.values;
-    for (Index panel = 0; panel < block.panelCount; ++panel) {
-        for (int part = 0; part < lanes; part += registerSize) {
-            V own[width];
-            for (int d = 0; d < width; ++d) own[d] = at<V>(values + d * lanes + part);
-            // A single loop, since the compiler unrolls it before it decides which arrays go into
-            // registers.
-            for (int e = 0; e < columns * width; ++e)
-                all[e] += at<V>(weights + e / width * lanes + part) * own[e % width];
-        }
-        weights += Offset{columnCount} * lanes;
-        values += width * lanes;
-    }
-    for (int e = 0; e < columns * width; ++e) to[e] = all[e];
-}
-
-/// Does the same for outer products: for columns along axis 0, starting at (i, j, k).
-template <int width, int columns, class Real>
-void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], Index i, Index j,
-                       Index k, Real* sums) {
-    constexpr int registerSize = kRegister<Real>, lanes = kLanes<Real>;
-    using V = typename Vector<Real, registerSize>::Type;
-    const Index n = size[0], m = size[1], l = size[2];
-    V* const to = reinterpret_cast<V*>(sums) + Offset{(k * m + j) * n + i} * width;
-    V all[columns * width];
-    for (int e = 0; e < columns * width; ++e) all[e] = to[e];
-    const Real* factors = block.numbers;
-    const Real* values = block.values;
-    for (Index panel = 0; panel < block.panelCount; ++panel) {
-        for (int part = 0; part < lanes; part += registerSize) {
-            const Real* own = factors + part;
-            const V line = at<V>(own + (n + j) * lanes) * at<V>(own + (n + m + k) * lanes);
-            V scaled[width];
-            for (int d = 0; d < width; ++d) scaled[d] = line * at<V>(values + d * lanes + part);
-            for (int e = 0; e < columns * width; ++e)
-                all[e] += at<V>(own + (i + e / width) * lanes) * scaled[e % width];
-        }
-        factors += Offset{n + m + l} * lanes;
-        values += width * lanes;
-    }
-    for (int e = 0; e < columns * width; ++e) to[e] = all[e];
-}
-
-/// Calls step<columns>(first) for `count` columns, kColumnsAtOnce at a time.
-template <int width, class Step>
-void forColumns(Index count, Step step) {
-    Index first = 0;
-    for (; first + kColumnsAtOnce<width> <= count; first += kColumnsAtOnce<width>)
-        step.template operator()<kColumnsAtOnce<width>>(first);
-    for (; first < count; ++first) step.template operator()<1>(first);
-}
-
-/// Loads components `from` to `from` + width − 1 of some rows in the layout of PanelBlock::values,
-/// padded with zeros to whole panels.
-template <int width, class Real>
-void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, Index rowCount,
-               Real* values) {
-    constexpr Index lanes = kLanes<Real>;
-    const Real* const entries = source.values + from;
-    const Offset stride = source.stride;
-    const auto load = [&](Index lane) {
-        const Real* own = entries + rows[lane] * stride;
-        for (int d = 0; d < width; ++d) values[d * lanes + lane] = own[d];
-    };
-    for (; rowCount >= lanes; rowCount -= lanes, rows += lanes, values += width * lanes)
-        for (Index lane = 0; lane < lanes; ++lane) load(lane);
-    if (rowCount == 0) return;
-    for (Offset e = 0; e < width * lanes; ++e) values[e] = 0;
-    for (Index lane = 0; lane < rowCount; ++lane) load(lane);
-}
-
-/// Prefetches the data of the next block, a part with each step in which columns of the current
-/// block are summed. Without it, the first columns of the next block would wait for all data of the
-/// block, which costs a third of the time.
+/// Number of registers that hold 4 × 4 numbers.
 template <class Real>
-class Prefetcher {
-public:
-    Prefetcher(const Real* numbers, Offset numberCount, const Index* rows, Offset rowCount,
-               Offset steps)
-        : numbers_(numbers),
-          numbersEnd_(numbers + numberCount),
-          numbersPerStep_(numberCount / steps + 1),
-          rows_(rows),
-          rowsEnd_(rows + rowCount),
-          rowsPerStep_(rowCount / steps + 1) {}
+constexpr int kProductParts = 16 / kRegister<Real>;
 
-    void step(const RowValues<Real>& source) {
-        constexpr Offset line = 64 / sizeof(Real);
-        const Real* const numbersUpTo =
-            numbersEnd_ - numbers_ < numbersPerStep_ ? numbersEnd_ : numbers_ + numbersPerStep_;
-        for (; numbers_ < numbersUpTo; numbers_ += line) __builtin_prefetch(numbers_);
-        const Index* const rowsUpTo =
-            rowsEnd_ - rows_ < rowsPerStep_ ? rowsEnd_ : rows_ + rowsPerStep_;
-        for (; rows_ < rowsUpTo; ++rows_)
-            __builtin_prefetch(source.values + *rows_ * source.stride);
-    }
+/// The weights of one row that is an outer product with size[0] and size[1] ≤ 4. Register k has
+/// part `part` of the weights a_i · b_j · c_k, with i and j from 0 to 3, i first. Those beyond the
+/// size have no meaning.
+template <int part, class Real>
+class ProductRow {
+public:
+    ProductRow(const Real* a, const Index (&size)[3], Index firstK)
+        : ab_(multiplied(a, a + size[0], std::make_integer_sequence<int, kRegister<Real>>())),
+          c_(a + size[0] + size[1] + firstK) {}
+    auto operator()(int k) const { return ab_ * c_[k]; }
 
 private:
-    const Real* numbers_;
-    const Real* numbersEnd_;
-    Offset numbersPerStep_;
-    const Index* rows_;
-    const Index* rowsEnd_;
-    Offset rowsPerStep_;
+    using V = typename Vector<Real, kRegister<Real>>::Type;
+    template <int... lane>
+    static V multiplied(const Real* a, const Real* b, std::integer_sequence<int, lane...>) {
+        constexpr int first = part * kRegister<Real>;
+        const V fromA = loadRegister(a + first % 4), fromB = loadRegister(b + first / 4);
+        return __builtin_shufflevector(fromA, fromA, (lane % 4)...) *
+               __builtin_shufflevector(fromB, fromB, (lane / 4)...);
+    }
+
+    V ab_;
+    const Real* c_;
 };
 
-/// Evaluates components `from` to `from` + width − 1 of a group.
-template <int width, class Real>
-void evaluateAdjointComponents(const AdjointRun<Real>& run, const RowValues<Real>& source,
-                               Offset from, Real* result, Real* sums) {
-    constexpr int registerSize = kRegister<Real>;
-    constexpr Index lanes = kLanes<Real>, rowsAtOnce = kPanelsAtOnce * lanes;
-    const bool isProduct = run.size[0] > 0;
-    const Offset numbersPerRow =
-        isProduct ? run.size[0] + run.size[1] + run.size[2] : run.columnCount;
-    for (Offset e = 0; e < Offset{run.columnCount} * width * registerSize; ++e) sums[e] = 0;
-    alignas(64) Real values[width * rowsAtOnce];
-    for (Index first = 0; first < run.rowCount; first += rowsAtOnce) {
-        const Index count = run.rowCount - first < rowsAtOnce ? run.rowCount - first : rowsAtOnce;
-        loadLanes<width>(source, from, run.rows + first, count, values);
-        const PanelBlock<Real> block = {run.numbers + first * numbersPerRow, values,
-                                        (count + lanes - 1) / lanes};
-        if (!isProduct) {
-            forColumns<width>(run.columnCount, [&]<int columns>(Index column) {
-                addPanelColumns<width, columns>(block, run.columnCount, column, sums);
-            });
-            continue;
+/// Makes GCC load a vector once. It would load it again for each use otherwise, which makes
+/// surfaces 14 % slower.
+template <class V>
+void keepInRegister([[maybe_unused]] V& vector) {
+#ifdef __x86_64__
+    asm("" : "+v"(vector));
+#endif
+}
+
+/// Adds Σ weight · value over some rows to the sums of some registers of columns.
+/// \param weightsOf returns the weights of row i, a WeightRow or a ProductRow
+/// \param sums width × kRegister for each register; those of consecutive registers are `sumStride`
+///        apart
+template <int width, int registers, class Real, class WeightsOf>
+void addRows(const RowValues<Real>& source, Offset from, const Index* rows, Index rowCount,
+             WeightsOf weightsOf, Real* sums, Offset sumStride) {
+    using V = typename Vector<Real, kRegister<Real>>::Type;
+    V all[registers * width] = {};
+    for (Index i = 0; i < rowCount; ++i) {
+        const auto weights = weightsOf(i);
+        const Real* const values = source.values + rows[i] * source.stride + from;
+        // Unrolled, so that the sums are in registers.
+#pragma GCC unroll 4
+        for (int r = 0; r < registers; ++r) {
+            V own = weights(r);
+            keepInRegister(own);
+#pragma GCC unroll 4
+            for (int d = 0; d < width; ++d) all[r * width + d] += own * values[d];
         }
-        const Offset next = first + count, steps = Offset{run.size[1]} * run.size[2];
-        const Offset rowsLeft = run.rowsAhead - next;
-        const Offset numbersLeft = run.numbersAhead - next * numbersPerRow;
-        Prefetcher<Real> prefetcher(
-            run.numbers + next * numbersPerRow,
-            numbersLeft < rowsAtOnce * numbersPerRow ? numbersLeft : rowsAtOnce * numbersPerRow,
-            run.rows + next, rowsLeft < rowsAtOnce ? rowsLeft : rowsAtOnce, steps);
-        for (Index k = 0; k < run.size[2]; ++k)
-            for (Index j = 0; j < run.size[1]; ++j) {
-                prefetcher.step(source);
-                forColumns<width>(run.size[0], [&]<int columns>(Index i) {
-                    addProductColumns<width, columns>(block, run.size, i, j, k, sums);
-                });
-            }
     }
-    for (Index column = 0; column < run.columnCount; ++column)
-        for (int d = 0; d < width; ++d, sums += registerSize)
+#pragma GCC unroll 16
+    for (int e = 0; e < registers * width; ++e)
+        reinterpret_cast<V*>(sums + e / width * sumStride)[e % width] += all[e];
+}
+
+/// Calls step<registers>(first) for `count` registers, at most kRegistersAtOnce at a time.
+template <int width, class Step>
+void forRegisters(Index count, Step step) {
+    constexpr Index atOnce = kRegistersAtOnce<width>;
+    Index first = 0;
+    for (; first + atOnce <= count; first += atOnce) step.template operator()<atOnce>(first);
+    switch (count - first) {
+        case 1:
+            return step.template operator()<1>(first);
+        case 2:
+            return step.template operator()<2>(first);
+        case 3:
+            return step.template operator()<3>(first);
+    }
+}
+
+/// Evaluates components `from` to `from` + width − 1 of a group of rows with weights.
+template <int width, class Real>
+void sumWeightedRows(const AdjointRun<Real>& run, const RowValues<Real>& source, Offset from,
+                     Real* result, Real* sums) {
+    constexpr Offset lanes = kRegister<Real>, sumStride = width * lanes;
+    const Offset columns = run.columnCount;
+    const auto registers = static_cast<Index>((columns + lanes - 1) / lanes);
+    for (Offset e = 0; e < registers * sumStride; ++e) sums[e] = 0;
+    for (Index first = 0; first < run.rowCount; first += kRowsAtOnce) {
+        const Index count = run.rowCount - first < kRowsAtOnce ? run.rowCount - first : kRowsAtOnce;
+        forRegisters<width>(registers, [&]<int some>(Index r) {
+            const Real* const weights = run.numbers + first * columns + r * lanes;
+            addRows<width, some>(
+                source, from, run.rows + first, count,
+                [&](Index i) { return WeightRow<Real>{weights + i * columns}; },
+                sums + r * sumStride, sumStride);
+        });
+    }
+    for (Offset column = 0; column < columns; ++column)
+        for (int d = 0; d < width; ++d)
             result[column * source.length + from + d] =
-                sumOf<Real, registerSize>(at<typename Vector<Real, registerSize>::Type>(sums));
+                sums[column / lanes * sumStride + d * lanes + column % lanes];
+}
+
+/// Does the same for a group of outer products.
+template <int width, class Real>
+void sumProductRows(const AdjointRun<Real>& run, const RowValues<Real>& source, Offset from,
+                    Real* result, Real* sums) {
+    constexpr Offset lanes = kRegister<Real>, partStride = width * lanes,
+                     sumStride = kProductParts<Real> * partStride;
+    const Index(&size)[3] = run.size;
+    const Offset numbersPerRow = size[0] + size[1] + size[2];
+    for (Offset e = 0; e < size[2] * sumStride; ++e) sums[e] = 0;
+    for (Index first = 0; first < run.rowCount; first += kRowsAtOnce) {
+        const Index count = run.rowCount - first < kRowsAtOnce ? run.rowCount - first : kRowsAtOnce;
+        const Real* const factors = run.numbers + first * numbersPerRow;
+        const auto addPart = [&]<int part>() {
+            forRegisters<width>(size[2], [&]<int some>(Index k) {
+                addRows<width, some>(
+                    source, from, run.rows + first, count,
+                    [&](Index i) {
+                        return ProductRow<part, Real>(factors + i * numbersPerRow, size, k);
+                    },
+                    sums + k * sumStride + part * partStride, sumStride);
+            });
+        };
+        [&]<int... part>(std::integer_sequence<int, part...>) {
+            (addPart.template operator()<part>(), ...);
+        }
+        (std::make_integer_sequence<int, kProductParts<Real>>());
+    }
+    for (Index k = 0; k < size[2]; ++k)
+        for (Index j = 0; j < size[1]; ++j)
+            for (Index i = 0; i < size[0]; ++i, result += source.length)
+                for (int d = 0; d < width; ++d) {
+                    const Offset place = 4 * j + i;
+                    result[from + d] = sums[k * sumStride + place / lanes * partStride + d * lanes +
+                                            place % lanes];
+                }
 }
 
 template <class Real>
 void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                      Real* sums) {
     forComponents(source.length, [&]<int width>(Offset from) {
-        evaluateAdjointComponents<width>(run, source, from, result, sums);
+        if (run.size[0] == 0)
+            sumWeightedRows<width>(run, source, from, result, sums);
+        else
+            sumProductRows<width>(run, source, from, result, sums);
     });
 }
 

@@ -2,6 +2,9 @@
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 
+#include <array>
+#include <random>
+
 #include "bound_table.h"
 #include "sums.h"
 #include "support/test.h"
@@ -42,6 +45,56 @@ TYPED_TEST(CompiledAdjointTest, EqualsProductsWithTheTranspose) {
                 withThreads(threads, evaluate);
                 ASSERT_EQ(result, expected);
             }
+        }
+    }
+}
+
+/// Returns rows that are outer products with size n × m × l, n ≥ m ≥ l, for all n up to 5. The rows
+/// of each size have their own columns.
+template <class Real>
+StencilTable<Real> tableOfProducts(Index rowsPerSize) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<Real> factor(Real(0.1), 1);
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<Real> weights;
+    Index firstColumn = 0;
+    for (Index n = 2; n <= 5; ++n)
+        for (Index m = 2; m <= n; ++m)
+            for (Index l = 1; l <= m; ++l) {
+                for (Index row = 0; row < rowsPerSize; ++row) {
+                    std::array<std::array<Real, 5>, 3> factors;
+                    for (auto& own : factors)
+                        for (Real& each : own) each = factor(random);
+                    for (Index place = 0; place < n * m * l; ++place) {
+                        columns.push_back(firstColumn + place);
+                        weights.push_back(factors[0][place % n] * factors[1][place / n % m] *
+                                          factors[2][place / n / m]);
+                    }
+                    offsets.push_back(Offset(columns.size()));
+                }
+                firstColumn += n * m * l;
+            }
+    return {firstColumn, offsets, columns, weights};
+}
+
+// The kernels take some products as factors and some multiplied out; some sizes leave lanes empty.
+TYPED_TEST(CompiledAdjointTest, TakesOuterProductsOfAllSizes) {
+    using Real = TypeParam;
+    // More rows than are summed at once.
+    const auto table = tableOfProducts<Real>(70);
+    ASSERT_EQ(CompiledTable<Real>(table).productRowCount(), table.rowCount());
+    const auto transpose = stencils::transposeTable(table);
+    for (const Simd simd : {Simd::Baseline, Simd::Avx2, Simd::Avx512}) {
+        if (!hasSimd(simd)) continue;
+        const CompiledAdjoint<Real> adjoint(table, simd);
+        for (const Offset length : {1, 2, 3, 4, 5}) {
+            const auto source = randomValues<Real>(table.rowCount() * length, 6);
+            std::vector<Real> result(table.columnCount() * length);
+            const auto layout = BufferDescriptor::packed(length);
+            adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});
+            // At most 4 ulp for the weights, and at most the square root of 70 for the sums.
+            EXPECT_LE(errorOfSums<Real>(transpose, source, length, result), 12);
         }
     }
 }
