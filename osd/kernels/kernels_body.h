@@ -364,7 +364,8 @@ void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<
 
 /// Does the same for rows that all have the same weights, which stay in registers.
 /// \tparam length number of entries of each row
-template <int width, int length, class Real>
+/// \tparam stride run.pointStride if it is known, otherwise 0
+template <int width, int stride, int length, class Real>
 void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
     const Real* points = run.points + from;
@@ -372,11 +373,12 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     for (int k = 0; k < length; ++k) weights[k] = V{} + run.weights[k];
     const RowStore<width, Real> store(from, to);
     const Index* columns = run.columns;
+    const Offset pointStride = stride > 0 ? stride : run.pointStride;
     for (Index i = 0; i < run.rowCount; ++i, columns += length) {
         if (!isInRange(run.rows[i], to)) continue;
         V sums[2] = {};
         for (int k = 0; k < length; ++k)
-            sums[k % 2] += weights[k] * at<V>(points + columns[k] * run.pointStride);
+            sums[k % 2] += weights[k] * at<V>(points + columns[k] * pointStride);
         store(sums[0] + sums[1], run.rows[i]);
     }
 }
@@ -384,27 +386,31 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
 /// The most common row lengths of level tables have their own unrolled loops: 4, 6 and 9 on
 /// surfaces, 8 and 12 in lattices. Rows of 18 and 27 entries have more weights than there are
 /// registers.
-template <int width, class Real>
+template <int width, int stride, class Real>
 void evaluateRowComponents(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     if (run.isShared) switch (run.length) {
             case 4:
-                return evaluateSharedWeights<width, 4>(run, from, to);
+                return evaluateSharedWeights<width, stride, 4>(run, from, to);
             case 6:
-                return evaluateSharedWeights<width, 6>(run, from, to);
+                return evaluateSharedWeights<width, stride, 6>(run, from, to);
             case 8:
-                return evaluateSharedWeights<width, 8>(run, from, to);
+                return evaluateSharedWeights<width, stride, 8>(run, from, to);
             case 9:
-                return evaluateSharedWeights<width, 9>(run, from, to);
+                return evaluateSharedWeights<width, stride, 9>(run, from, to);
             case 12:
-                return evaluateSharedWeights<width, 12>(run, from, to);
+                return evaluateSharedWeights<width, stride, 12>(run, from, to);
         }
     evaluateOwnWeights<width>(run, from, to);
 }
 
 template <class Real>
 void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
-    forComponents(to.length,
-                  [&]<int width>(Offset from) { evaluateRowComponents<width>(run, from, to); });
+    forComponents(to.length, [&]<int width>(Offset from) {
+        if (run.pointStride == kPadding)
+            evaluateRowComponents<width, kPadding>(run, from, to);
+        else
+            evaluateRowComponents<width, 0>(run, from, to);
+    });
 }
 
 /// Number of registers of columns that are summed at once: the largest for which all sums stay in
