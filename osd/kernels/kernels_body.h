@@ -413,10 +413,14 @@ void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
     });
 }
 
-/// Number of registers of columns that are summed at once: the largest for which all sums stay in
-/// registers.
-template <int width>
-constexpr Index kRegistersAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
+/// Number of registers of columns that are summed at once, so that all sums stay in registers. AVX2
+/// has 16 of them; an outer product needs some for its factors.
+template <int width, bool isProduct>
+constexpr Index kRegistersAtOnce = ESPALIER_REGISTER_BYTES < 64 &&
+                                           (width == 4 ||
+                                            (isProduct && ESPALIER_REGISTER_BYTES == 32))
+                                       ? 2
+                                       : 4;
 
 /// Number of rows that are summed at once. More sums in a row would be less exact.
 constexpr Index kRowsAtOnce = 64;
@@ -500,10 +504,9 @@ void addRows(const RowValues<Real>& source, Offset from, const Index* rows, Inde
         reinterpret_cast<V*>(sums + e / width * sumStride)[e % width] += all[e];
 }
 
-/// Calls step<registers>(first) for `count` registers, at most kRegistersAtOnce at a time.
-template <int width, class Step>
+/// Calls step<registers>(first) for `count` registers, at most `atOnce` at a time.
+template <Index atOnce, class Step>
 void forRegisters(Index count, Step step) {
-    constexpr Index atOnce = kRegistersAtOnce<width>;
     Index first = 0;
     for (; first + atOnce <= count; first += atOnce) step.template operator()<atOnce>(first);
     switch (count - first) {
@@ -526,7 +529,7 @@ void sumWeightedRows(const AdjointRun<Real>& run, const RowValues<Real>& source,
     for (Offset e = 0; e < registers * sumStride; ++e) sums[e] = 0;
     for (Index first = 0; first < run.rowCount; first += kRowsAtOnce) {
         const Index count = run.rowCount - first < kRowsAtOnce ? run.rowCount - first : kRowsAtOnce;
-        forRegisters<width>(registers, [&]<int some>(Index r) {
+        forRegisters<kRegistersAtOnce<width, false>>(registers, [&]<int some>(Index r) {
             const Real* const weights = run.numbers + first * columns + r * lanes;
             addRows<width, some>(
                 source, from, run.rows + first, count,
@@ -553,7 +556,7 @@ void sumProductRows(const AdjointRun<Real>& run, const RowValues<Real>& source, 
         const Index count = run.rowCount - first < kRowsAtOnce ? run.rowCount - first : kRowsAtOnce;
         const Real* const factors = run.numbers + first * numbersPerRow;
         const auto addPart = [&]<int part>() {
-            forRegisters<width>(size[2], [&]<int some>(Index k) {
+            forRegisters<kRegistersAtOnce<width, true>>(size[2], [&]<int some>(Index k) {
                 addRows<width, some>(
                     source, from, run.rows + first, count,
                     [&](Index i) {
