@@ -41,8 +41,9 @@ struct AxisFunctions {
 
 /// A span of a uniform cubic B-spline, between points 0 and 1.
 struct SplineSpan {
-    /// Whether points −1 and 2 exist. At a boundary one of them is missing. The spline then has the
-    /// point 2P₀ − P₁ in its place: P₀ is the next point, and P₁ the point after it.
+    /// True if the span has a point −1 (hasLow), and a point 2 (hasHigh). At a boundary the spline
+    /// lacks one of them, and uses the point 2P₀ − P₁ instead: P₀ is the next point, and P₁ the
+    /// point after it.
     bool hasLow = true, hasHigh = true;
     /// 0 for the spline itself. 2⁻ⁿ for level n of its refinement: the polygon of the level-n
     /// points, which are `spacing` apart.

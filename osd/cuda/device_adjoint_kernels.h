@@ -31,8 +31,7 @@ public:
 
     /// \param length how many numbers each row has
     /// \param copyNumbers copyNumbers(lane, staged, numbers) begins to copy numbers of the rows of
-    /// a
-    ///        lane; `numbers` is the address of number 0 of the first of them
+    ///        a lane; `numbers` is the address of number 0 of the first of these rows
     /// \param use use(lane, row, staged, values) with these numbers and the values of the entries
     template <class Warp, class CopyNumbers, class Use>
     ESPALIER_DEVICE static void run(Warp& warp, const Groups<Real>& table, const Group& group,
@@ -42,7 +41,7 @@ public:
         const Index rowCount = group.rowCount;
         const Real* const source = e.source + from;
         const Offset distance = e.sourceStride * Offset{sizeof(Real)};
-        /// What a lane copies in the next step.
+        /// The numbers and the rows that a lane copies in the next step.
         struct Next {
             const Real* numbers;
             // Loaded one step earlier, because the values wait for them.

@@ -31,7 +31,7 @@ struct Group {
     Index lowest, highest;  ///< row numbers
     Index size[3];          ///< of an outer product; zeros for panels of weights
     Index spline;  ///< kNoSpline: the numbers are weights or factors; otherwise each row has three
-                   ///< parameters, of which kernels compute the factors (spline_weights.h)
+                   ///< parameters (spline_weights.h)
 };
 
 template <class Real>

@@ -16,14 +16,13 @@
 //
 //     each(f)                 calls f(lane) for all lanes, and synchronizes them afterwards
 //     PerLane<T>              a T for each lane: value[lane]
-//     sumOver(v, lanes)       v: PerLane<Values<Real, n>>; gives each lane the sums over its group
-//                             of `lanes` neighbours
+//     sumOver(v, lanes)       v: PerLane<Values<Real, n>>; divides the warp into groups of `lanes`
+//                             consecutive lanes, and gives each lane the sums over its group
 //     sumAll(v)               n a multiple of kWarp: sets v[lane].of[t] to the sum of
 //                             of[32 t + lane] over all lanes
 //     load<T>(address)        loads a T of 16 bytes, aligned to 16, that is not soon read again
-//     copy<a, b>(to, from)    begins to copy a T of 4, 8 or 16 bytes, aligned to its size, to
-//     shared
-//                             memory: from `b` bytes after `from` to `a` bytes after `to`
+//     copy<a, b>(to, from)    begins to copy a T of 4, 8 or 16 bytes, aligned to its size, from
+//                             `b` bytes after `from` to `a` bytes after `to`, in shared memory
 //     waitForCopies()         waits until the copies of all lanes are done
 //     storeIf(is, to, value)  writes a number if `is` is true, without a branch
 //
@@ -123,12 +122,14 @@ struct ProductKernel {
     Index maxColumns;  ///< of any outer product, if n is 0
     Evaluation<Real> evaluation;
     Components components;
-    Index warps = 1;  ///< how many warps share the tasks
+    Index warpsAtOnce = 1;
 
     /// \param count number of warps that the device runs at a time
-    void divideAmong(Index count) { warps = count < tasks.count ? count : tasks.count; }
+    void divideAmong(Index count) { warpsAtOnce = count; }
 
-    Index warpCount() const { return tasks.count < warps ? tasks.count : warps; }
+    ESPALIER_DEVICE Index warpCount() const {
+        return tasks.count < warpsAtOnce ? tasks.count : warpsAtOnce;
+    }
     unsigned sharedBytes() const {
         return sharedBytesOf(static_cast<Index>(components.count) * entryCount());
     }
@@ -138,8 +139,9 @@ struct ProductKernel {
 
     template <class Warp>
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
-        const auto first = static_cast<Index>(Offset{tasks.count} * index / warps),
-                   last = static_cast<Index>(Offset{tasks.count} * (index + 1) / warps);
+        const Offset count = tasks.count, parts = warpCount();
+        const auto first = static_cast<Index>(count * index / parts),
+                   last = static_cast<Index>(count * (index + 1) / parts);
         const Results<width, Real> results(shared);
         const Staged staged(shared + kStagedFrom);
         const auto rowsOf = [&](Index t) {
@@ -183,7 +185,7 @@ struct ProductKernel {
                 gathered = task.group;
             }
             warp.waitForCopies();
-            typename Warp::template PerLane<Factors<(n > 0 ? n : 1), Real>> factors;
+            typename Warp::template PerLane<OwnFactors> factors;
             if constexpr (n > 0)
                 if (isNeeded)
                     warp.each([&](int lane) { load(group, staged, lane, factors[lane]); });
@@ -209,6 +211,7 @@ private:
     /// Maximum number of numbers of a row that are copied to shared memory.
     static constexpr int kLength = isSpline ? 3 : 3 * n;
     using Staged = StagedNumbers<kLength, Real>;
+    using OwnFactors = Factors<(n > 0 ? n : 1), Real>;
 
     // Shared memory has the results, the row numbers of two tasks, the numbers of one task, and the
     // entries.
@@ -220,7 +223,7 @@ private:
     ESPALIER_DEVICE Index entryCount() const { return n > 0 ? n * n * n : maxColumns; }
 
     ESPALIER_DEVICE void load(const Group& group, const Staged& staged, int lane,
-                              Factors<(n > 0 ? n : 1), Real>& factors) const {
+                              OwnFactors& factors) const {
         Index place = 0;
         const auto next = [&](RowNumbers<Real>& to) { to = staged(lane, place++); };
         if constexpr (isSpline) {
@@ -244,16 +247,14 @@ private:
     }
 
     /// Computes the powers of one axis for the rows of a lane.
-    template <int count>
     ESPALIER_DEVICE static void setPowers(Index spline, const RowNumbers<Real>& t,
-                                          RowNumbers<Real> (&factors)[count]) {
-        static_assert(count == 4);
+                                          RowNumbers<Real> (&factors)[4]) {
         const auto set = [&](const auto& powersOf) {
             ESPALIER_UNROLL
             for (int q = 0; q < kRowsPerLane<Real>; ++q) {
                 const SplinePowers<Real> powers = powersOf(t.of[q]);
                 ESPALIER_UNROLL
-                for (int i = 0; i < count; ++i) factors[i].of[q] = powers.of[i];
+                for (int i = 0; i < 4; ++i) factors[i].of[q] = powers.of[i];
             }
         };
         // One branch for all rows.
@@ -263,8 +264,7 @@ private:
             set([spline](Real own) { return splinePowers(spline, own); });
     }
 
-    ESPALIER_DEVICE static Sums multiply(const Group& group,
-                                         const Factors<(n > 0 ? n : 1), Real>& factors,
+    ESPALIER_DEVICE static Sums multiply(const Group& group, const OwnFactors& factors,
                                          const Entries<width, Real>& entries) {
         Sums all = {};
         Index place = 0;
@@ -288,8 +288,7 @@ private:
 
     /// Does the same for coefficients of a spline and powers of parameters: the first factor of
     /// each axis is 1.
-    ESPALIER_DEVICE static Sums multiplyPowers(const Group& group,
-                                               const Factors<(n > 0 ? n : 1), Real>& factors,
+    ESPALIER_DEVICE static Sums multiplyPowers(const Group& group, const OwnFactors& factors,
                                                const Entries<width, Real>& entries) {
         const Index sizeB = coefficientCount(group.size[1]),
                     sizeC = coefficientCount(group.size[2]);

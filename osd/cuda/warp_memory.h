@@ -17,9 +17,11 @@ struct alignas(16) Quad {
     Real of[4];
 };
 
-/// Returns the address of an entry. This takes two instructions, fewer than with a signed number
-/// and a distance in numbers. \param distance of consecutive entries, in bytes \param number the
-/// number of the entry, not negative
+/// Returns the address of an entry in two instructions. With a signed number, or a distance in
+/// numbers, it would take more.
+///
+/// \param distance of consecutive entries, in bytes
+/// \param number the number of the entry, not negative
 template <class Real>
 ESPALIER_DEVICE Real* entryAt(Real* first, Offset distance, Index number) {
     using Bytes = std::conditional_t<std::is_const_v<Real>, const char, char>;
@@ -178,7 +180,7 @@ public:
     }
 
     /// Writes the results of the rows that are in the range of the evaluation.
-    /// \param numbersOfRows of all rows of the warp, in shared memory
+    /// \param numbersOfRows the row numbers of the warp, in shared memory; −1 for missing rows
     template <class Warp>
     ESPALIER_DEVICE void store(Warp& warp, const Index* numbersOfRows, const Evaluation<Real>& e,
                                Offset from) const {
@@ -222,9 +224,9 @@ public:
 
     /// Begins to copy some numbers of the rows of a lane.
     /// \tparam most maximum of `copied`
-    /// \param from numberOf() the first of these rows and the first number
+    /// \param from the address of the first of these numbers, of the first of these rows
     /// \param copied how many numbers
-    /// \param first which of the numbers here gets the first one
+    /// \param first the place of the first one among the numbers here
     template <int most, class Warp>
     ESPALIER_DEVICE void copy(Warp& warp, int lane, const Real* from, Index copied,
                               Index first) const {

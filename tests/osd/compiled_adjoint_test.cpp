@@ -49,8 +49,8 @@ TYPED_TEST(CompiledAdjointTest, EqualsProductsWithTheTranspose) {
     }
 }
 
-/// Returns rows that are outer products with size n × m × l, n ≥ m ≥ l, for all n up to 5. The rows
-/// of each size have their own columns.
+/// Returns rows that are outer products with size n × m × l, n ≥ m ≥ l, for all n up to 5. Rows of
+/// different sizes share no columns.
 template <class Real>
 StencilTable<Real> tableOfProducts(Index rowsPerSize) {
     std::mt19937 random(9);

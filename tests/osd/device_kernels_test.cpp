@@ -43,8 +43,8 @@ TYPED_TEST(DeviceKernels, EvaluateTablesAndTheirTransposes) {
     using Real = TypeParam;
     for (const Lattice& lattice :
          {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5}), shapes::box()}) {
-        // Fewer points than by default: the kernels are not optimized here. The groups of the box
-        // of one cell still have several tasks.
+        // Fewer points than by default: the kernels are not optimized here. The box of
+        // one cell has groups with several tasks, also with these few points.
         const auto table = boundTable<Real>(lattice, 1500);
         const auto transpose = stencils::transposeTable(table);
         for (const bool isGrouped : {true, false}) {
