@@ -85,9 +85,10 @@ template <class Real, class Compiled>
 void applyOurs(benchmark::State& state, const Compiled& compiled, const StencilTable<Real>& table,
                int components, int threads) {
     const auto layout = BufferDescriptor::packed(components);
+    osd::Workspace workspace = compiled.workspace(components);
     run(state, table, components, threads,
         [&](const std::vector<Real>& source, std::vector<Real>& result) {
-            compiled.evaluate(source, layout, result, layout, {0, table.rowCount()});
+            compiled.evaluate(source, layout, result, layout, {0, table.rowCount()}, workspace);
         });
     const double csr = static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
     state.counters["bytes of CSR"] = static_cast<double>(compiled.byteCount()) / csr;
@@ -153,8 +154,9 @@ void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const 
     const auto layout = BufferDescriptor::packed(components);
     const auto source = bench::randomValues(stencils::transposeTable(table), components);
     std::vector<Real> result(table.columnCount() * Offset{components});
+    osd::Workspace workspace = adjoint.workspace(components);
     const auto evaluate = [&] {
-        adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});
+        adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()}, workspace);
         benchmark::ClobberMemory();
     };
     evaluate();

@@ -84,8 +84,9 @@ void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int lev
     const std::vector<float> source(values.begin(), values.end());
     std::vector<float> result(3 * static_cast<std::size_t>(evaluator.rowCount()));
     const auto layout = osd::BufferDescriptor::packed(3);
+    osd::Workspace workspace = evaluator.workspace(3);
     for (auto _ : state) {
-        evaluator.evaluate(source, layout, result, layout, {0, evaluator.rowCount()});
+        evaluator.evaluate(source, layout, result, layout, {0, evaluator.rowCount()}, workspace);
         benchmark::ClobberMemory();
     }
     const auto expected = stencils::refineValues(refiner, level, values, 3);

@@ -13,10 +13,10 @@ namespace espalier::osd {
 /// by the vertices of its lattice.
 ///
 /// The rows of the adjoint are the columns of the table, and its columns are the rows of the table.
-/// Rows have the same groups as in CompiledTable, and identical weights are stored once, but row by
-/// row: each lane of a register has the weight of another column. Each group of rows is summed for
-/// its own columns first; then, for each column of the table, the sums of the groups and the
-/// entries of the remaining rows are added. No two threads add to the same number.
+/// Rows have the same groups as in CompiledTable, and identical weights are stored once, but in
+/// another order: each lane of a register has the weight of another column. Each group of rows is
+/// summed for its own columns first; then, for each column of the table, the sums of the groups and
+/// the entries of the remaining rows are added. No two threads add to the same number.
 ///
 /// The error is at most 4 ulp of Σ |w · x| plus 1 ulp for each entry of the column; in practice it
 /// grows by 1 ulp when the number of entries doubles. A source value that is not finite may also
@@ -25,7 +25,7 @@ namespace espalier::osd {
 /// Immutable, so threads may share it. Copies share the data.
 ///
 /// \cost of an evaluation: O(entries × components), in parallel, whatever the range; memory for the
-///       sums of the groups
+///       sums of the groups, which a workspace keeps for the next evaluation
 /// \cite MacCracken & Joy 1996, section 5: D is linear, so Dᵀ is the adjoint of its derivative
 template <class Real>
 class ESPALIER_API CompiledAdjoint : public CompiledForm<CompiledAdjoint<Real>, Real> {

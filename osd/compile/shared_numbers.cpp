@@ -85,7 +85,7 @@ public:
 
     /// Returns true if the weights of an outer product are stored instead of its factors.
     bool isMultipliedOut() const {
-        return order_ == NumberOrder::Rows && isProduct() &&
+        return order_.isForAdjoint() && isProduct() &&
                !kernels::adjointTakesFactors(group().size[0], group().columnCount);
     }
 
@@ -95,11 +95,8 @@ public:
             constexpr std::size_t lanes = kLanes<Real>;
             return static_cast<Offset>((count + lanes - 1) / lanes * lanes);
         };
-        if (order_ == NumberOrder::Panels)
-            return roundedUp(rowCount()) * static_cast<Offset>(length());
-        return roundedUp(rowCount() * (isMultipliedOut()
-                                           ? static_cast<std::size_t>(group().columnCount)
-                                           : length()));
+        if (!order_.isForAdjoint()) return roundedUp(rowCount()) * static_cast<Offset>(length());
+        return roundedUp(rowCount() * storedLength());
     }
 
     /// The place of the first number in the compiled table.
@@ -107,10 +104,10 @@ public:
     void setFirst(Offset number) { form_->groups[group_].firstNumber = number; }
 
     void store(Real* to) const {
-        if (order_ == NumberOrder::Panels)
+        if (!order_.isForAdjoint())
             storePanels(to);
         else
-            storeRows(to);
+            storeForAdjoint(to);
     }
 
     /// Says that the numbers are weights, if they have been stored so.
@@ -144,29 +141,50 @@ private:
         }
     }
 
-    /// Stores the numbers row by row, and zeros up to the next group.
-    void storeRows(Real* to) const {
+    /// Stores the numbers in the order of AdjointRun, and zeros up to the next group.
+    void storeForAdjoint(Real* to) const {
         Real* const last = to + storedCount();
-        const auto& size = group().size;
-        std::vector<Real> spread;
-        for (Index i = 0; i < group().rowCount; ++i) {
-            const auto own = row(i, spread);
-            if (!isMultipliedOut()) {
-                to = std::copy(own.begin(), own.end(), to);
-                continue;
+        const bool isFactors = isProduct() && !isMultipliedOut();
+        const std::size_t atOnce = isFactors ? storedLength() : order_.adjointColumns;
+        std::vector<Real> spread, product;
+        for (std::size_t first = 0; first < rowCount(); first += kernels::kAdjointRows) {
+            const std::size_t count =
+                std::min(rowCount() - first, std::size_t{kernels::kAdjointRows});
+            for (std::size_t i = 0; i < count; ++i) {
+                auto own = row(static_cast<Index>(first + i), spread);
+                if (isMultipliedOut()) own = multipliedOut(own, product);
+                for (Real* part = to; !own.empty();) {
+                    const std::size_t width = std::min(own.size(), atOnce);
+                    std::copy_n(own.begin(), width, part + i * width);
+                    part += count * width;
+                    own = own.subspan(width);
+                }
             }
-            const Real *const a = own.data(), *const b = a + size[0], *const c = b + size[1];
-            for (Index z = 0; z < size[2]; ++z)
-                for (Index y = 0; y < size[1]; ++y)
-                    for (Index x = 0; x < size[0]; ++x) *to++ = a[x] * (b[y] * c[z]);
+            to += count * storedLength();
         }
         std::fill(to, last, Real{0});
+    }
+
+    /// Returns the weights of an outer product.
+    std::span<const Real> multipliedOut(std::span<const Real> factors,
+                                        std::vector<Real>& weights) const {
+        const auto& size = group().size;
+        const Real *const a = factors.data(), *const b = a + size[0], *const c = b + size[1];
+        weights.clear();
+        for (Index z = 0; z < size[2]; ++z)
+            for (Index y = 0; y < size[1]; ++y)
+                for (Index x = 0; x < size[0]; ++x) weights.push_back(a[x] * (b[y] * c[z]));
+        return weights;
     }
 
     const Group& group() const { return form_->groups[group_]; }
     bool isProduct() const { return group().size[0] > 0; }
     std::size_t rowCount() const { return static_cast<std::size_t>(group().rowCount); }
     std::size_t length() const { return group().length(); }
+    /// How many numbers of a row are stored.
+    std::size_t storedLength() const {
+        return isMultipliedOut() ? static_cast<std::size_t>(group().columnCount) : length();
+    }
     std::span<Index> places() const {
         return std::span(form_->places).subspan(group().firstPlace, group().rowCount);
     }
@@ -255,7 +273,7 @@ void storeNumbers(const StencilTable<Real>& table, NumberOrder order,
     // The adjoint reads beyond the last row.
     numbers.reserve(count + kLanes<Real>);
     numbers.resize(count);
-    if (order == NumberOrder::Rows) numbers.resize(count + kLanes<Real>, Real{0});
+    if (order.isForAdjoint()) numbers.resize(count + kLanes<Real>, Real{0});
     forEach(groups, [&](std::size_t g) {
         if (sources[g] == g) groups[g].store(numbers.data() + groups[g].first());
     });

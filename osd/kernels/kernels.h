@@ -79,8 +79,10 @@ struct RowRun {
 /// A group of rows that share their columns, for the adjoint.
 template <class Real>
 struct AdjointRun {
-    /// Row by row: columnCount weights, or size[0] + size[1] + size[2] factors. kLanes more numbers
-    /// are read after the last row, and have no effect on results.
+    /// The size[0] + size[1] + size[2] factors of each row, row by row; or the weights, in the
+    /// order in which the kernel reads them: for every kAdjointRows rows, for every
+    /// Kernels::adjointColumns columns, row by row. kLanes more numbers are read after the last
+    /// one, and have no effect on results.
     const Real* numbers;
     Index size[3];  ///< of outer products for which adjointTakesFactors(); size[0] is 0 for weights
     Index columnCount;
@@ -94,6 +96,9 @@ struct AdjointRun {
 constexpr bool adjointTakesFactors(Index size0, Index columnCount) {
     return size0 <= 4 && columnCount > 16;
 }
+
+/// How many rows the adjoint sums at once. More sums in a row would be less exact.
+inline constexpr Index kAdjointRows = 64;
 
 /// How many numbers the adjoint needs for the sums of a group.
 template <class Real>
@@ -120,6 +125,7 @@ struct ESPALIER_API Kernels {
     /// \param sums temporary memory of adjointSumCount(columnCount) numbers, aligned to 64 bytes
     void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                     Real* sums);
+    Index adjointColumns;  ///< how many columns `adjoint` sums at once
 };
 
 /// Returns the kernels for an instruction set.

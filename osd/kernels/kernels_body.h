@@ -422,8 +422,9 @@ constexpr Index kRegistersAtOnce = ESPALIER_REGISTER_BYTES < 64 &&
                                        ? 2
                                        : 4;
 
-/// Number of rows that are summed at once. More sums in a row would be less exact.
-constexpr Index kRowsAtOnce = 64;
+/// Number of columns of weights that are summed at once.
+template <class Real>
+constexpr Index kAdjointColumns = 4 * kRegister<Real>;
 
 /// Returns the register of numbers that starts at an address, which need not be aligned.
 template <class Real>
@@ -525,17 +526,23 @@ void sumWeightedRows(const AdjointRun<Real>& run, const RowValues<Real>& source,
                      Real* result, Real* sums) {
     constexpr Offset lanes = kRegister<Real>, sumStride = width * lanes;
     const Offset columns = run.columnCount;
-    const auto registers = static_cast<Index>((columns + lanes - 1) / lanes);
-    for (Offset e = 0; e < registers * sumStride; ++e) sums[e] = 0;
-    for (Index first = 0; first < run.rowCount; first += kRowsAtOnce) {
-        const Index count = run.rowCount - first < kRowsAtOnce ? run.rowCount - first : kRowsAtOnce;
-        forRegisters<kRegistersAtOnce<width, false>>(registers, [&]<int some>(Index r) {
-            const Real* const weights = run.numbers + first * columns + r * lanes;
-            addRows<width, some>(
-                source, from, run.rows + first, count,
-                [&](Index i) { return WeightRow<Real>{weights + i * columns}; },
-                sums + r * sumStride, sumStride);
-        });
+    for (Offset e = 0; e < (columns + lanes - 1) / lanes * sumStride; ++e) sums[e] = 0;
+    for (Index first = 0; first < run.rowCount; first += kAdjointRows) {
+        const Index count =
+            run.rowCount - first < kAdjointRows ? run.rowCount - first : kAdjointRows;
+        const Real* weights = run.numbers + first * columns;
+        for (Offset column = 0; column < columns; column += kAdjointColumns<Real>) {
+            const Offset left = columns - column,
+                         atOnce = left < kAdjointColumns<Real> ? left : kAdjointColumns<Real>;
+            const auto registers = static_cast<Index>((atOnce + lanes - 1) / lanes);
+            forRegisters<kRegistersAtOnce<width, false>>(registers, [&]<int some>(Index r) {
+                addRows<width, some>(
+                    source, from, run.rows + first, count,
+                    [&](Index i) { return WeightRow<Real>{weights + i * atOnce + r * lanes}; },
+                    sums + (column / lanes + r) * sumStride, sumStride);
+            });
+            weights += count * atOnce;
+        }
     }
     for (Offset column = 0; column < columns; ++column)
         for (int d = 0; d < width; ++d)
@@ -552,8 +559,9 @@ void sumProductRows(const AdjointRun<Real>& run, const RowValues<Real>& source, 
     const Index(&size)[3] = run.size;
     const Offset numbersPerRow = size[0] + size[1] + size[2];
     for (Offset e = 0; e < size[2] * sumStride; ++e) sums[e] = 0;
-    for (Index first = 0; first < run.rowCount; first += kRowsAtOnce) {
-        const Index count = run.rowCount - first < kRowsAtOnce ? run.rowCount - first : kRowsAtOnce;
+    for (Index first = 0; first < run.rowCount; first += kAdjointRows) {
+        const Index count =
+            run.rowCount - first < kAdjointRows ? run.rowCount - first : kAdjointRows;
         const Real* const factors = run.numbers + first * numbersPerRow;
         const auto addPart = [&]<int part>() {
             forRegisters<kRegistersAtOnce<width, true>>(size[2], [&]<int some>(Index k) {
@@ -592,6 +600,8 @@ void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source,
 }
 
 constexpr Kernels<float> kFloat = {evaluatePanels<float>, evaluateProducts<float>,
-                                   evaluateRows<float>, evaluateAdjoint<float>};
+                                   evaluateRows<float>, evaluateAdjoint<float>,
+                                   kAdjointColumns<float>};
 constexpr Kernels<double> kDouble = {evaluatePanels<double>, evaluateProducts<double>,
-                                     evaluateRows<double>, evaluateAdjoint<double>};
+                                     evaluateRows<double>, evaluateAdjoint<double>,
+                                     kAdjointColumns<double>};
