@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/array.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
@@ -6,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <deque>
 #include <optional>
@@ -106,25 +108,27 @@ std::string readFile(const fs::path& path) {
     if (!file) fail(path, "cannot open", errno);
     const struct ::stat before = statusOf(path, file);
     if (S_ISDIR(before.st_mode)) throw FileError(path, "is a directory");
-    // The buffer is one byte larger than the file, so that the end is found before the buffer has
-    // to grow. Pipes and files of /proc report size 0; their buffer starts with kBlock bytes.
-    constexpr std::size_t kBlock = 1 << 16;
+    // resize() clears the new bytes; a block stays in the cache until read() fills it.
+    constexpr std::size_t kBlock = 1 << 18;
     requireMemory(before.st_size, shownPath(path) + ":");
-    const auto expected = static_cast<std::size_t>(before.st_size);
-    std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
-    std::size_t size = 0;
+    // One byte larger than the file, so that the end is found before the string has to grow. Pipes
+    // and files of /proc report size 0.
+    std::string bytes;
+    bytes.reserve(before.st_size > 0 ? static_cast<std::size_t>(before.st_size) + 1 : kBlock);
+    preferLargePages(bytes.data(), bytes.capacity());
     while (true) {
-        if (size == bytes.size()) {
+        const std::size_t size = bytes.size();
+        if (size == bytes.capacity()) {
             requireMemory(2 * size, shownPath(path) + ":");  // beside the bytes read so far
-            bytes.resize(2 * size);
+            bytes.reserve(2 * size);
         }
+        bytes.resize(std::min(size + kBlock, bytes.capacity()));
         const ssize_t got = uninterrupted(
             [&] { return ::read(file.number(), bytes.data() + size, bytes.size() - size); });
         if (got < 0) fail(path, "cannot read", errno);
+        bytes.resize(size + got);
         if (got == 0) break;
-        size += got;
     }
-    bytes.resize(size);
     const struct ::stat after = statusOf(path, file);
     if (S_ISREG(before.st_mode) &&
         (after.st_size != before.st_size || !isSameTime(after.st_mtim, before.st_mtim)))
