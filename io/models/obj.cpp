@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/array.h>
 #include <espalier/base/vector3.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
@@ -310,6 +311,9 @@ class ObjModel final : public Model {
 public:
     ObjModel(const std::filesystem::path& path, std::string text)
         : path_(path), text_(std::move(text)) {
+        const std::size_t expected = expectedPoints(text_);
+        positions_.reserve(expected);
+        places_.reserve(expected);
         forEachObjStatement(path, text_, [&](ObjWords& words, std::size_t line) {
             const std::string_view keyword = readObjKeyword(words, path, line);
             if (keyword == "v") addPoint(readObjPoint(words, path, line));
@@ -429,8 +433,8 @@ private:
 
     std::filesystem::path path_;  ///< path of the file that was read
     std::string text_;
-    std::vector<Point3> positions_;
-    std::vector<CoordinatePlaces> places_;
+    Array<Point3> positions_;
+    Array<CoordinatePlaces> places_;
     bool hasNormals_ = false;
 };
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <limits>
+#include <system_error>
 
 #include "coordinates.h"
 #include "obj_statements.h"
@@ -19,6 +24,22 @@ std::string_view ObjWords::next() {
         ++end;
     const std::string_view word = rest_.substr(0, end);
     rest_.remove_prefix(end);
+    return word;
+}
+
+std::string_view ObjWords::nextNumber(double& number) {
+    while (const std::size_t length = blankAt(0)) rest_.remove_prefix(length);
+    // Most words are numbers as scanNumber() reads them, which finds their end too.
+    const auto [end, error] = scanNumber(rest_, number);
+    const auto length = static_cast<std::size_t>(end - rest_.data());
+    if (error == std::errc() &&
+        (length == rest_.size() || rest_[length] == '#' || blankAt(length) > 0)) {
+        const std::string_view word = rest_.substr(0, length);
+        rest_.remove_prefix(length);
+        return word;
+    }
+    const std::string_view word = next();
+    if (!parseNumber(word, number)) number = std::numeric_limits<double>::quiet_NaN();
     return word;
 }
 
@@ -61,12 +82,22 @@ std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& pa
     return word;
 }
 
+std::size_t expectedPoints(std::string_view text) {
+    std::uint32_t count = text.starts_with("v ");
+    // Without branches, so that the compiler uses vector instructions.
+    const auto is = [&](std::size_t at, char c) { return std::uint32_t{text[at] == c}; };
+    for (std::size_t i = 2; i < text.size(); ++i)
+        count += is(i - 2, '\n') & is(i - 1, 'v') & is(i, ' ');
+    return count;
+}
+
 ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::size_t line) {
     ObjPoint point;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        point.words[axis] = words.next();
-        point.position[axis] =
-            parseCoordinate(point.words[axis], axis, Precision::Double, path, line);
+        const std::string_view word = words.nextNumber(point.position[axis]);
+        if (!std::isfinite(point.position[axis]))  // throws
+            parseCoordinate(word, axis, Precision::Double, path, line);
+        point.words[axis] = word;
     }
     double ignored = 0;
     for (std::string_view word = words.next(); !word.empty(); word = words.next())

@@ -23,6 +23,9 @@ public:
     /// Returns the next word; empty if there is none.
     std::string_view next();
 
+    /// Returns the next word, and reads it as parseNumber() does; as NaN if it is no number.
+    std::string_view nextNumber(double& number);
+
     /// Returns the end of the statement, behind its comment.
     const char* end() const { return rest_.data() + rest_.size(); }
 
@@ -54,6 +57,10 @@ void forEachObjStatement(const std::filesystem::path& path, std::string_view tex
 ///         including superseded ones) nor the `t` of OpenSubdiv's tags
 std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
                                 std::size_t line);
+
+/// Returns the number of lines that begin with "v ", as most points do. It takes 5 % of the time of
+/// reading.
+std::size_t expectedPoints(std::string_view text);
 
 struct ObjPoint {
     Point3 position;

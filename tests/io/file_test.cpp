@@ -233,6 +233,17 @@ TEST(ReadFile, ErrorsGiveTheSystemsReason) {
     expectRefused(folder / "a.txt", "cannot open: Permission denied");
 }
 
+/// readFile() reads blocks of 2^18 bytes, and asks for large pages from 2 MB on.
+TEST(ReadFile, ReadsFilesOfAnySize) {
+    const TemporaryFolder folder;
+    for (const std::size_t size : {0, 1, (1 << 18) - 1, 1 << 18, (1 << 18) + 1, 5 << 20}) {
+        std::string bytes(size, '\0');
+        for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(i * i >> 7);
+        writeFile(folder / "a", [&](std::ostream& out) { out << bytes; });
+        EXPECT_TRUE(readFile(folder / "a") == bytes) << size;
+    }
+}
+
 TEST(ReadFile, ReadsPipesAndFilesOfUnknownSize) {
     EXPECT_THAT(readFile("/proc/self/status"), HasSubstr("VmPeak"));
     const TemporaryFolder folder;

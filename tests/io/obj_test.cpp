@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/models/obj.h>
 #include <io/model_files.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "io/models/obj_statements.h"
 
 namespace espalier::io {
 namespace {
@@ -31,6 +38,31 @@ TEST(Obj, ReadsThePoints) {
         EXPECT_THAT(model->positions(), ElementsAre(Point3{0.5, -1e-3, 2}, Point3{1, 2, 3},
                                                     Point3{1, 2, 3}, Point3{100, 0.5, 7}));
     }
+}
+
+/// nextNumber() gives the word of next() and the number of parseNumber(), and goes as far.
+TEST(ObjWords, AsNumbersAreTheWordsOfNext) {
+    for (const std::string word : {"",      "1",       "-0",  "+2",  "-1.5e3",
+                                   "1e400", "-1e-400", "5.",  ".5",  "0.1234567890123456789",
+                                   "inf",   "nan",     "x",   "1x",  "0x10",
+                                   "1e",    "1e+",     "--1", "+-1", "1,5",
+                                   "1/2",   "1\\2",    "1\\"})
+        for (const std::string before : {"", " \t", "\\\n", "\\\r\n "})
+            for (const std::string after : {"", " 7", "#7", "\\\n7", "\\\r\n7", "\r", "\\ 7"}) {
+                const std::string text = before + word + after;
+                ObjWords words(text), expectedWords(text);
+                double number = 0, expected = 0;
+                const std::string_view found = words.nextNumber(number);
+                const std::string_view next = expectedWords.next();
+                EXPECT_EQ(found, next) << text;
+                EXPECT_EQ(found.data(), next.data()) << text;
+                EXPECT_EQ(words.next(), expectedWords.next()) << text;
+                EXPECT_EQ(!std::isnan(number), parseNumber(next, expected) && !std::isnan(expected))
+                    << text;
+                if (std::isnan(number)) continue;
+                EXPECT_EQ(number, expected) << text;
+                EXPECT_EQ(std::signbit(number), std::signbit(expected)) << text;
+            }
 }
 
 TEST(Obj, IsUnchangedIfNoPointMoves) {
