@@ -10,8 +10,8 @@ namespace {
 
 #if defined(__cpp_lib_to_chars)
 template <class Real>
-char* writeReal(std::array<char, 32>& digits, Real number) {
-    return std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+char* writeReal(char* at, Real number) {
+    return std::to_chars(at, at + kMaxNumberText, number).ptr;
 }
 
 std::string writeFixed(double number, int decimals) {
@@ -27,8 +27,8 @@ std::from_chars_result readReal(std::string_view text, Real& number) {
 }
 #else
 template <class Real>
-char* writeReal(std::array<char, 32>& digits, Real number) {
-    return portable::writeNumber(digits.data(), number);
+char* writeReal(char* at, Real number) {
+    return portable::writeNumber(at, number);
 }
 
 std::string writeFixed(double number, int decimals) {
@@ -43,12 +43,12 @@ std::from_chars_result readReal(std::string_view text, Real& number) {
 
 }  // namespace
 
-NumberText::NumberText(double number) {
-    setEnd(writeReal(digits_, number));
+char* writeNumber(char* at, double number) {
+    return writeReal(at, number);
 }
 
-NumberText::NumberText(float number) {
-    setEnd(writeReal(digits_, number));
+char* writeNumber(char* at, float number) {
+    return writeReal(at, number);
 }
 
 std::string fixedText(double number, int decimals) {

@@ -18,25 +18,34 @@
 
 namespace espalier {
 
-/// The shortest text that reads back as the same number, in fixed or scientific notation: whichever
-/// is shorter, and fixed if both are as long.
-class ESPALIER_API NumberText {
+/// No number has a longer text; the longest ones have 24 bytes: -2.2250738585072014e-308.
+inline constexpr std::size_t kMaxNumberText = 32;
+
+/// Writes the shortest text that reads back as the same number, in fixed or scientific notation:
+/// whichever is shorter, and fixed if both are as long.
+/// \param at memory of kMaxNumberText bytes, all of which may change
+/// \return the end of the text
+ESPALIER_API char* writeNumber(char* at, double number);
+ESPALIER_API char* writeNumber(char* at, float number);
+template <class Integer>
+requires std::is_integral_v<Integer>
+char* writeNumber(char* at, Integer number) {
+    return std::to_chars(at, at + kMaxNumberText, number).ptr;
+}
+
+/// The text of a number, as writeNumber() writes it.
+class NumberText {
 public:
-    explicit NumberText(double number);
-    explicit NumberText(float number);
-    template <class Integer>
-    requires std::is_integral_v<Integer>
-    explicit NumberText(Integer number) {
-        setEnd(std::to_chars(digits_.data(), digits_.data() + digits_.size(), number).ptr);
+    template <class Number>
+    explicit NumberText(Number number) {
+        size_ = static_cast<std::size_t>(writeNumber(text_.data(), number) - text_.data());
     }
 
-    std::string_view view() const { return {digits_.data(), size_}; }
+    std::string_view view() const { return {text_.data(), size_}; }
 
 private:
-    void setEnd(const char* end) { size_ = static_cast<std::size_t>(end - digits_.data()); }
-
-    std::array<char, 32> digits_;  ///< the longest texts have 24 bytes: -2.2250738585072014e-308
-    std::size_t size_ = 0;
+    std::array<char, kMaxNumberText> text_;
+    std::size_t size_;
 };
 
 /// Returns the shortest text that reads back as `value`.

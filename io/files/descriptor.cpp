@@ -82,8 +82,8 @@ DescriptorBuffer::int_type DescriptorBuffer::overflow(int_type character) {
 std::streamsize DescriptorBuffer::xsputn(const char* from, std::streamsize count) {
     if (count > epptr() - pptr()) {
         if (sync() != 0) return 0;
-        // Large blocks are written directly.
-        if (count >= epptr() - pptr())
+        // Large blocks, such as those of TextOutput, are written directly.
+        if (count >= (epptr() - pptr()) / 2)
             return write(from, static_cast<std::size_t>(count)) ? count : 0;
     }
     std::copy_n(from, count, pptr());  // `from` may be null if `count` is 0.

@@ -3,9 +3,9 @@
 
 #include <espalier/base/number_text.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <ostream>
-#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -15,7 +15,7 @@ namespace espalier::io {
 /// Collects text and writes it to a stream in large blocks; the last block on destruction.
 class TextOutput {
 public:
-    explicit TextOutput(std::ostream& out) : out_(out) { buffer_.reserve(kBlockSize); }
+    explicit TextOutput(std::ostream& out) : out_(out), block_(kBlockSize), end_(block_.data()) {}
     TextOutput(const TextOutput&) = delete;
     TextOutput& operator=(const TextOutput&) = delete;
     ~TextOutput() { flush(); }
@@ -40,27 +40,33 @@ private:
     template <class Part>
     void putOne(const Part& part) {
         if constexpr (std::is_arithmetic_v<Part>) {
-            putText(NumberText(part).view());
+            if (room() < kMaxNumberText) flush();
+            end_ = writeNumber(end_, part);
         } else {
             putText(part);
         }
     }
 
     void putText(std::string_view text) {
-        if (buffer_.size() + text.size() > kBlockSize) flush();
-        if (text.size() > kBlockSize)
+        if (text.size() > room()) flush();
+        if (text.size() > room())
             out_.write(text.data(), static_cast<std::streamsize>(text.size()));
         else
-            buffer_ += text;
+            end_ = std::copy(text.begin(), text.end(), end_);
+    }
+
+    std::size_t room() const {
+        return static_cast<std::size_t>(block_.data() + block_.size() - end_);
     }
 
     void flush() {
-        out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-        buffer_.clear();
+        out_.write(block_.data(), end_ - block_.data());
+        end_ = block_.data();
     }
 
     std::ostream& out_;
-    std::string buffer_;
+    std::vector<char> block_;
+    char* end_;  ///< of the text in block_
 };
 
 /// Copies a text to a stream, with some numbers replaced and some text inserted.

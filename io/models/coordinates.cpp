@@ -27,6 +27,7 @@ bool isTooLarge(Precision precision, double value) {
 /// comment, a backslash, a bracket or a comma ends it.
 std::string_view numberAt(std::string_view text, std::size_t place) {
     const auto ends = [](char c) {
+        if ('-' <= c && c <= '9') return false;  // most bytes: digits, the point and the sign
         return c <= ' ' || c == '#' || c == '\\' || c == ')' || c == ',';
     };
     const auto begin = text.begin() + static_cast<std::ptrdiff_t>(place);
