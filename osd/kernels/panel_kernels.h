@@ -16,6 +16,14 @@ bool isAnyInRange(const Index* rows, Index count, const Destination<Real>& to) {
     return false;
 }
 
+/// Returns true if all of some rows are in the range.
+template <class Real>
+bool areAllInRange(const Index* rows, Index count, const Destination<Real>& to) {
+    for (Index i = 0; i < count; ++i)
+        if (!isInRange(rows[i], to)) return false;
+    return true;
+}
+
 /// Writes components `from` to `from` + width − 1 of the rows of a panel, plus their addend.
 template <int width, class Real>
 void storeLanesPlusAddend(const Real (&results)[width][kLanes<Real>], const Index* rows,
@@ -130,34 +138,45 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// Panels with at most this many columns are evaluated row by row, with components in the lanes, if
-/// there are more than four components: these are then read and written contiguously. With twelve
-/// components, rows of 8 entries take a third of the time; rows of 42 entries gain nothing.
+/// Panels with at most this many columns are evaluated with components in the lanes, if these fill
+/// a register: they are then read and written contiguously. Rows of 42 entries gain nothing.
 constexpr Index kMaxWideColumns = 16;
 
-/// Evaluates components `from` to `from` + width − 1 of one row of a panel. `width` fills one
-/// register or a few.
-/// \param weights the weight of the first column; weights of consecutive columns are kLanes apart
-template <int width, class Real>
+/// Returns true if a group is to be evaluated so.
+template <class Real>
+bool isWide(Index columnCount, const Destination<Real>& to) {
+    return columnCount <= kMaxWideColumns && to.length > 4 && to.length >= kRegister<Real>;
+}
+
+/// Evaluates `registers` × `width` components of consecutive rows of a panel, from `from` on.
+/// \param weights the first row's weight of the first column; weights of consecutive rows are
+///        adjacent, and weights of consecutive columns kLanes apart
+template <int registers, int width, int rowCount, class Real>
 void evaluateComponents(const Real* weights, const Real* points, Offset pointStride,
-                        Index columnCount, Real* result) {
+                        Index columnCount, const Index* rows, Offset from,
+                        const Destination<Real>& to) {
     using V = typename Vector<Real, width>::Type;
-    // Copied, since the address need not be aligned: a vector type with reduced alignment loses
-    // that attribute as a template argument.
-    const auto add = [&](V& sum, Index k) {
-        V own;
-        __builtin_memcpy(&own, points + k * pointStride, sizeof own);
-        sum += weights[k * kLanes<Real>] * own;
-    };
-    V even = {}, odd = {};
-    Index k = 0;
-    for (; k + 1 < columnCount; k += 2) {
-        add(even, k);
-        add(odd, k + 1);
+    // Loops over the sums are unrolled, so that the sums are in registers.
+    V sums[rowCount * registers] = {};
+    for (Index k = 0; k < columnCount; ++k) {
+        // Copied, since the address need not be aligned: a vector type with reduced alignment loses
+        // that attribute as a template argument.
+        V own[registers];
+#pragma GCC unroll 4
+        for (int r = 0; r < registers; ++r)
+            __builtin_memcpy(&own[r], points + k * pointStride + from + r * width, sizeof(V));
+#pragma GCC unroll 4
+        for (int i = 0; i < rowCount; ++i)
+#pragma GCC unroll 4
+            for (int r = 0; r < registers; ++r)
+                sums[i * registers + r] += weights[k * kLanes<Real> + i] * own[r];
     }
-    if (k < columnCount) add(even, k);
-    const V sum = even + odd;
-    __builtin_memcpy(result, &sum, sizeof sum);
+#pragma GCC unroll 4
+    for (int i = 0; i < rowCount; ++i)
+#pragma GCC unroll 4
+        for (int r = 0; r < registers; ++r)
+            __builtin_memcpy(to.values + rows[i] * to.stride + from + r * width,
+                             &sums[i * registers + r], sizeof(V));
 }
 
 /// Adds the entry `own` of the addend to all components of a result, four at a time.
@@ -180,24 +199,60 @@ void addToRow(const Real* own, const Destination<Real>& to, Real* result) {
     for (; c < to.length; ++c) result[c] += own[c % to.addendLength];
 }
 
-/// Evaluates a panel of few columns row by row.
+/// Evaluates consecutive rows of a panel of few columns.
+template <int rowCount, class Real>
+void evaluateWideRows(const Real* weights, const Real* points, Offset pointStride,
+                      Index columnCount, const Index* rows, const Destination<Real>& to) {
+    Offset from = 0;
+    const auto evaluate = [&]<int registers, int width>() {
+        for (; from + registers * width <= to.length; from += registers * width)
+            evaluateComponents<registers, width, rowCount>(weights, points, pointStride,
+                                                           columnCount, rows, from, to);
+    };
+    evaluate.template operator()<2, kRegister<Real>>();
+    evaluate.template operator()<1, kRegister<Real>>();
+    evaluate.template operator()<1, 4>();
+    if (from < to.length) {
+        from = to.length - 4;  // evaluates some components again
+        evaluate.template operator()<1, 4>();
+    }
+    if (to.addend == nullptr) return;
+    for (int i = 0; i < rowCount; ++i)
+        addToRow(to.addend + rows[i] * to.addendStride, to, to.values + rows[i] * to.stride);
+}
+
+/// Prepares the cache for writing the result of a row.
+template <class Real>
+void prefetchResult(Index row, const Destination<Real>& to) {
+    constexpr Offset kLine = 64 / sizeof(Real);
+    const Real* const result = to.values + row * to.stride;
+    for (Offset c = 0; c < to.length; c += kLine) __builtin_prefetch(result + c, 1);
+    __builtin_prefetch(result + to.length - 1, 1);
+}
+
+/// Evaluates a panel of few columns, several rows at a time: these share the loads of the source.
+/// \param rowsLeft number of rows from `rows` on, at least `count`
 template <class Real>
 void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStride,
-                       Index columnCount, const Index* rows, Index count,
+                       Index columnCount, const Index* rows, Index count, Index rowsLeft,
                        const Destination<Real>& to) {
-    constexpr int registerSize = kRegister<Real>;
-    for (Index lane = 0; lane < count; ++lane) {
-        if (!isInRange(rows[lane], to)) continue;
-        Real* result = to.values + rows[lane] * to.stride;
-        Offset c = 0;
-        for (; c + registerSize <= to.length; c += registerSize)
-            evaluateComponents<registerSize>(weights + lane, points + c, pointStride, columnCount,
-                                             result + c);
-        for (; c + 4 <= to.length; c += 4)
-            evaluateComponents<4>(weights + lane, points + c, pointStride, columnCount, result + c);
-        for (; c < to.length; ++c)
-            evaluateComponents<1>(weights + lane, points + c, pointStride, columnCount, result + c);
-        if (to.addend != nullptr) addToRow(to.addend + rows[lane] * to.addendStride, to, result);
+    constexpr Index kRowsAtOnce = 4;
+    // Results may be anywhere in memory. Without prefetching, large surfaces take a quarter longer.
+    constexpr Index kRowsAhead = 8;
+    const auto evaluate = [&]<int rowCount>(Index lane) {
+        for (Index i = lane + kRowsAhead; i < lane + kRowsAhead + rowCount && i < rowsLeft; ++i)
+            prefetchResult(rows[i], to);
+        evaluateWideRows<rowCount>(weights + lane, points, pointStride, columnCount, rows + lane,
+                                   to);
+    };
+    for (Index lane = 0; lane < count;) {
+        if (lane + kRowsAtOnce <= count && areAllInRange(rows + lane, kRowsAtOnce, to)) {
+            evaluate.template operator()<kRowsAtOnce>(lane);
+            lane += kRowsAtOnce;
+        } else {
+            if (isInRange(rows[lane], to)) evaluate.template operator()<1>(lane);
+            ++lane;
+        }
     }
 }
 
@@ -223,9 +278,9 @@ void evaluatePanels(const PanelRun<Real>& run, const Destination<Real>& to) {
     const Real* weights = run.weights;
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
-        if (to.length > 4 && run.columnCount <= kMaxWideColumns)
+        if (isWide(run.columnCount, to))
             evaluateWidePanel(weights, run.points, run.pointStride, run.columnCount,
-                              run.rows + first, count, to);
+                              run.rows + first, count, run.rowCount - first, to);
         else if (isAnyInRange(run.rows + first, count, to))
             forComponents(to.length, [&]<int width>(Offset from) {
                 evaluatePanel<width>(run, weights, run.rows + first, count, from, to);
@@ -239,16 +294,15 @@ void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) 
     constexpr Index lanes = kLanes<Real>;
     const Real* factors = run.factors;
     const Index columnCount = run.size[0] * run.size[1] * run.size[2];
-    const bool isWide = to.length > 4 && columnCount <= kMaxWideColumns;
     alignas(64) Real weights[kMaxWideColumns * lanes];
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
         if (!isAnyInRange(run.rows + first, count, to)) {
             // Nothing to do.
-        } else if (isWide) {
+        } else if (isWide(columnCount, to)) {
             multiplyOut(factors, run.size, weights);
             evaluateWidePanel(weights, run.points, run.pointStride, columnCount, run.rows + first,
-                              count, to);
+                              count, run.rowCount - first, to);
         } else {
             forComponents(to.length, [&]<int width>(Offset from) {
                 if (run.size[0] == 4)

@@ -191,6 +191,31 @@ TYPED_TEST_P(EvaluatorTest, SubRangeWritesOnlyItsRows) {
     EXPECT_THAT(first, ElementsAre(16));
 }
 
+// The kernels evaluate several rows at a time. A range may begin and end at any row of a group.
+TYPED_TEST_P(EvaluatorTest, AnyRangeOfAGroupWritesOnlyItsRows) {
+    using R = typename TestFixture::Real;
+    constexpr Index kRows = 21, kColumns = 8;
+    std::vector<typename TestFixture::Row> rows;
+    for (Index row = 0; row < kRows; ++row)
+        rows.push_back({{0, 1, 2, 3, 4, 5, 6, 7}, randomValues<R>(kColumns, unsigned(row))});
+    const auto table = TestFixture::tableOf(kColumns, rows);
+    const typename TestFixture::Evaluator evaluator(table);
+    for (const Offset length : {3, 20}) {
+        const auto layout = BufferDescriptor::packed(length);
+        const auto source = randomValues<R>(kColumns * length, 4);
+        std::vector<R> expected(kRows * length);
+        evaluator.evaluate(source, layout, expected, layout, {0, kRows});
+        for (Index first = 0; first < kRows; ++first)
+            for (Index last = first; last <= kRows; ++last) {
+                std::vector<R> result(expected.size(), 99), part = result;
+                std::copy(expected.begin() + first * length, expected.begin() + last * length,
+                          part.begin() + first * length);
+                evaluator.evaluate(source, layout, result, layout, {first, last});
+                ASSERT_EQ(result, part) << first << ' ' << last;
+            }
+    }
+}
+
 /// Compares results with sums in long double, for several numbers of components. Checks that any
 /// number of threads and any range of rows give the same bits.
 template <class Evaluator, class R>
@@ -339,8 +364,8 @@ TYPED_TEST_P(EvaluatorTest, LayoutsWithExtremeValues) {
 
 REGISTER_TYPED_TEST_SUITE_P(EvaluatorTest, ByHand, OffsetsAndStrides,
                             IgnoresValuesBetweenSourceEntries, SubRangeWritesOnlyItsRows,
-                            RandomTables, RowsThatShareTheirColumns, RowsWithEqualWeights,
-                            GroupsWithEqualWeights, RejectsBadArgumentsAndWritesNothing,
-                            LayoutsWithExtremeValues);
+                            AnyRangeOfAGroupWritesOnlyItsRows, RandomTables,
+                            RowsThatShareTheirColumns, RowsWithEqualWeights, GroupsWithEqualWeights,
+                            RejectsBadArgumentsAndWritesNothing, LayoutsWithExtremeValues);
 
 }  // namespace espalier::osd
