@@ -52,7 +52,7 @@ template <class Real>
 CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
     const auto& kernels = kernels::kernelsFor<Real>(simd);
-    CompiledRows<Real> rows = compileRows(table, NumberOrder{kernels.adjointColumns});
+    CompiledRows<Real> rows = compileRows(table, NumberOrder{kernels.adjointColumns}, simd);
     auto ungrouped = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
     // The ungrouped rows are kept in transposed form only. Assigning {} would not free the memory.
     rows.runs = decltype(rows.runs)();

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "outer_product.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <numeric>
-#include <type_traits>
 
 #include "number_bits.h"
 
@@ -120,6 +119,31 @@ bool areAtLeast(std::span<const Real> numbers, Real least) {
     return (outside & kSign) == 0;
 }
 
+/// Returns rows without weights that are nearly 0, whose logarithms have no accuracy; nothing if
+/// there is no such row. They are spread over all rows; where there are few, some are taken twice.
+template <class Real>
+std::optional<std::array<const Real*, kSamples>> findSamples(std::span<const Real* const> rows,
+                                                             std::size_t columnCount) {
+    constexpr Real kMinWeight =
+        std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+    const auto isFit = [&](const Real* weights) {
+        return areAtLeast(std::span(weights, columnCount), kMinWeight);
+    };
+    std::array<const Real*, kSamples> samples;
+    const auto spread = [&](std::span<const Real* const> from) {
+        for (std::size_t s = 0; s < kSamples; ++s)
+            samples[s] = from[s * (from.size() - 1) / (kSamples - 1)];
+    };
+    // Usually all rows are fit, and no others need be read.
+    spread(rows);
+    if (std::all_of(samples.begin(), samples.end(), isFit)) return samples;
+    std::vector<const Real*> fit;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(fit), isFit);
+    if (fit.empty()) return std::nullopt;
+    spread(fit);
+    return samples;
+}
+
 /// Finds the points of each axis, without 0. A point that is not a sum of two others lies on an
 /// axis. Two points of axes lie on the same axis if their sum is not a point of the set.
 std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
@@ -144,23 +168,18 @@ std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
 }  // namespace
 
 template <class Real>
-std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows) {
+std::optional<OuterProduct> findOuterProduct(std::span<const Real* const> rows,
+                                             std::size_t columnCount) {
     // No spline has more columns than kMaxProductColumns: the search would take long and find
     // nothing.
-    if (rows.empty() || rows[0].size() < 4 || rows[0].size() > kernels::kMaxProductColumns)
+    if (rows.empty() || columnCount < 4 || columnCount > kernels::kMaxProductColumns)
         return std::nullopt;
-    // Skips rows with weights that are nearly 0, whose logarithms have no accuracy.
-    std::vector<std::span<const Real>> samples;
-    constexpr Real kMinWeight =
-        std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
-    for (const auto& weights : rows)
-        if (areAtLeast(weights, kMinWeight)) samples.push_back(weights);
-    if (samples.empty()) return std::nullopt;
-    std::vector<Logarithms> points(samples[0].size(), Logarithms{});
+    const auto samples = findSamples(rows, columnCount);
+    if (!samples) return std::nullopt;
+    std::vector<Logarithms> points(columnCount, Logarithms{});
     for (std::size_t s = 0; s < kSamples; ++s) {
-        // Samples are spread over the rows; where there are few rows, some are taken twice.
-        const auto& weights = samples[s * (samples.size() - 1) / (kSamples - 1)];
-        for (std::size_t column = 0; column < weights.size(); ++column) {
+        const Real* const weights = (*samples)[s];
+        for (std::size_t column = 0; column < columnCount; ++column) {
             const double logarithm = std::log(std::abs(static_cast<double>(weights[column])));
             points[column][1 + s] = logarithm;
             points[column][0] += kKeyWeights[s] * logarithm;
@@ -200,212 +219,36 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
     return product;
 }
 
-namespace {
-
-/// A type with more digits than Real. Float has double, which all processors compute with: long
-/// double is emulated on ARM and in WebAssembly, and takes 20 times as long.
 template <class Real>
-using Wider = std::conditional_t<std::is_same_v<Real, float>, double, long double>;
-
-/// Rows of weights side by side, and their factors.
-///
-/// Two rows are summed at once, in vectors: one row after another takes twice as long, since
-/// each addition waits for the one before. The result of a row does not depend on the other rows.
-template <class Real>
-class RowBlock {
-public:
-    /// Number of rows. There are no vectors of long doubles.
-    static constexpr std::size_t kRows = sizeof(Real) == sizeof(float) ? 2 : 1;
-
-    /// \param positions for each weight of a row, its position among the columns of the product
-    RowBlock(const OuterProduct& product, std::span<const Index> positions)
-        : n_(product.size[0]),
-          m_(product.size[1]),
-          l_(product.size[2]),
-          given_(positions.size() + 1, Given::Zero()),
-          sources_(product.order.size(), positions.size()),
-          weights_(product.order.size()) {
-        std::vector<std::size_t> givenAt(product.order.size(), positions.size());
-        for (std::size_t k = 0; k < positions.size(); ++k) givenAt[positions[k]] = k;
-        for (std::size_t place = 0; place < sources_.size(); ++place)
-            sources_[place] = givenAt[product.order[place]];
-    }
-
-    void setRows(const std::array<const Real*, kRows>& rows) {
-        for (std::size_t k = 0; k + 1 < given_.size(); ++k)
-            for (std::size_t row = 0; row < kRows; ++row) given_[k][row] = rows[row][k];
-        const std::span<const Real> all(given_.data()->data(), given_.size() * kRows);
-        Bits bits = 0;
-        for (const Real weight : all) bits |= std::bit_cast<Bits>(weight);
-        hasSign_ = bits >> (8 * sizeof(Bits) - 1) != 0;
-    }
-
-    /// Computes the factors of all rows.
-    void factorize() {
-        // Cubic splines have four factors along an axis.
-        n_ == 4 ? factorize<4>() : factorize<0>();
-    }
-
-    /// Returns true if a row is an outer product.
-    bool isProduct(std::size_t row) const {
-        // Tiny weights have fewer digits, or are rounded to 0: they may be off by kTiny, which must
-        // be far below the largest weight. The total is not finite if a weight is not.
-        return largest_[row] * std::numeric_limits<Real>::epsilon() >= kTiny &&
-               std::isfinite(total_[row]) && excess_[row] <= kTiny;
-    }
-
-    Real factor(std::size_t i, std::size_t row) const { return factors_[i][row]; }
-
-private:
-    using Wide = Wider<Real>;
-    using Bits = BitsOf<Real>;
-    using Given = Eigen::Array<Real, static_cast<int>(kRows), 1>;
-    using Doubles = Eigen::Array<double, static_cast<int>(kRows), 1>;
-    using Numbers = Eigen::Array<Wide, static_cast<int>(kRows), 1>;
-    static constexpr Wide kTiny = std::numeric_limits<Real>::min();
-
-    /// Computes the factors of all rows.
-    /// \tparam fixed the size along axis 0, if it is known, so that sums stay in registers; or 0
-    template <std::size_t fixed>
-    void factorize() {
-        addUp<fixed>();
-        for (std::size_t i = 0; i < n_ + m_ + l_; ++i)
-            factors_[i] = (i < n_ ? sums_[i] : Numbers(sums_[i] / total_)).template cast<Real>();
-        if (hasSign_)
-            for (std::size_t row = 0; row < kRows; ++row) setSigns(row);
-        check<fixed>();
-    }
-
-    /// Adds up the absolute weights over two axes, for each place of the third.
-    template <std::size_t fixed>
-    void addUp() {
-        // The factors follow from these sums. Each weight is rounded. The relative error of a sum
-        // is smaller than the relative errors of its weights, if the sum itself is not rounded.
-        const std::size_t n = fixed == 0 ? n_ : fixed, m = m_, l = l_;
-        FirstFactors<fixed> first;
-        std::fill_n(first.begin(), n, Numbers::Zero());
-        Numbers *const second = sums_.data() + n, *const third = second + m;
-        std::fill_n(second, m, Numbers::Zero());
-        Numbers total = Numbers::Zero();
-        Doubles largest = Doubles::Zero();
-        const std::size_t* source = sources_.data();
-        Doubles* weight = weights_.data();
-        for (std::size_t k = 0; k < l; ++k) {
-            Numbers plane = Numbers::Zero();
-            for (std::size_t j = 0; j < m; ++j) {
-                Numbers line = Numbers::Zero();
-                for (std::size_t i = 0; i < n; ++i) {
-                    const Doubles own = given_[*source++].template cast<double>();
-                    *weight++ = own;
-                    const Doubles size = own.abs();
-                    largest = largest.max(size);
-                    first[i] += size.template cast<Wide>();
-                    line += size.template cast<Wide>();
-                }
-                second[j] += line;
-                plane += line;
-            }
-            third[k] = plane;
-            total += plane;
-        }
-        std::copy_n(first.begin(), n, sums_.begin());
-        total_ = total;
-        largest_ = largest;
-    }
-
-    /// Sets the signs of the factors. They follow from the three lines through the largest weight.
-    /// The sign of that weight itself goes to the factor of axis 0.
-    void setSigns(std::size_t row) {
-        const auto found = std::find_if(
-            weights_.begin(), weights_.end(),
-            [&](const Doubles& weights) { return std::abs(weights[row]) == largest_[row]; });
-        if (found == weights_.end()) return;  // no weight is a number
-        const auto at = static_cast<std::size_t>(found - weights_.begin());
-        const std::size_t i0 = at % n_, j0 = at / n_ % m_, k0 = at / n_ / m_;
-        const auto isNegative = [&](std::size_t i, std::size_t j, std::size_t k) {
-            return std::signbit(weights_[(k * m_ + j) * n_ + i][row]);
-        };
-        const bool isLargestNegative = isNegative(i0, j0, k0);
-        for (std::size_t i = 0; i < n_; ++i)
-            if (isNegative(i, j0, k0)) factors_[i][row] *= -1;
-        for (std::size_t j = 0; j < m_; ++j)
-            if (isNegative(i0, j, k0) != isLargestNegative) factors_[n_ + j][row] *= -1;
-        for (std::size_t k = 0; k < l_; ++k)
-            if (isNegative(i0, j0, k) != isLargestNegative) factors_[n_ + m_ + k][row] *= -1;
-    }
-
-    /// Compares the products with the weights.
-    template <std::size_t fixed>
-    void check() {
-        constexpr Wide kBound = Wide{3} * std::numeric_limits<Real>::epsilon();
-        const std::size_t n = fixed == 0 ? n_ : fixed, m = m_, l = l_;
-        FirstFactors<fixed> first;
-        for (std::size_t i = 0; i < n; ++i) first[i] = factors_[i].template cast<Wide>();
-        Numbers excess = Numbers::Constant(-1);
-        const Doubles* weight = weights_.data();
-        for (std::size_t k = 0; k < l; ++k)
-            for (std::size_t j = 0; j < m; ++j) {
-                const Numbers other = factors_[n + j].template cast<Wide>() *
-                                      factors_[n + m + k].template cast<Wide>();
-                for (std::size_t i = 0; i < n; ++i, ++weight) {
-                    const auto distance = (first[i] * other - weight->template cast<Wide>()).abs();
-                    excess = excess.max(distance - kBound * weight->abs().template cast<Wide>());
-                }
-            }
-        excess_ = excess;
-    }
-
-    /// A number for each factor of axis 0.
-    template <std::size_t fixed>
-    using FirstFactors =
-        std::array<Numbers, fixed == 0 ? std::size_t{kernels::kMaxProductColumns} : fixed>;
-
-    std::size_t n_, m_, l_;
-    std::vector<Given> given_;          ///< the weights of the rows, and a 0
-    std::vector<std::size_t> sources_;  ///< for each of weights_, its place in given_
-    std::vector<Doubles> weights_;      ///< in the order of the product
-    bool hasSign_ = false;              ///< true if any weight is negative or −0
-    // The sum of three factors of kMaxProductColumns is largest if two of them are 1.
-    std::array<Numbers, kernels::kMaxProductColumns + 2> sums_;
-    std::array<Given, kernels::kMaxProductColumns + 2> factors_;
-    Numbers total_;
-    Doubles largest_;
-    Numbers excess_;  ///< larger than kTiny if a product is farther from its weight than allowed
-};
-
-}  // namespace
-
-template <class Real>
-void factorizeRows(const OuterProduct& product, std::span<const Index> positions,
-                   std::span<const std::span<const Real>> rows,
-                   FunctionRef<void(std::size_t, std::span<const Real>)> use) {
-    constexpr std::size_t kRows = RowBlock<Real>::kRows;
-    RowBlock<Real> block(product, positions);
-    std::vector<Real> factors(product.size[0] + product.size[1] + product.size[2]);
-    for (std::size_t first = 0; first < rows.size(); first += kRows) {
-        const std::size_t count = std::min(rows.size() - first, kRows);
-        // If fewer rows are left, the block repeats the last one.
-        std::array<const Real*, kRows> own;
-        for (std::size_t row = 0; row < kRows; ++row)
-            own[row] = rows[first + std::min(row, count - 1)].data();
-        block.setRows(own);
-        block.factorize();
-        for (std::size_t row = 0; row < count; ++row) {
-            const bool isProduct = block.isProduct(row);
-            if (isProduct)
-                for (std::size_t k = 0; k < factors.size(); ++k) factors[k] = block.factor(k, row);
-            use(first + row, isProduct ? factors : std::span<const Real>());
-        }
-    }
+void factorizeRows(const kernels::Kernels<Real>& kernels, const OuterProduct& product,
+                   std::span<const Index> positions, std::span<const Real* const> rows,
+                   Array<Real>& factors, std::vector<char>& isProduct) {
+    const auto noWeight = static_cast<Index>(positions.size());
+    std::vector<Index> weightAt(product.order.size(), noWeight), sources;
+    for (Index k = 0; k < noWeight; ++k) weightAt[positions[k]] = k;
+    for (const Index column : product.order) sources.push_back(weightAt[column]);
+    const auto& size = product.size;
+    const auto length = static_cast<std::size_t>(size[0] + size[1] + size[2]);
+    const std::size_t before = factors.size();
+    factors.resize(before + rows.size() * length);
+    isProduct.resize(rows.size());
+    kernels.factorize({rows.data(),
+                       static_cast<Index>(rows.size()),
+                       noWeight,
+                       sources.data(),
+                       {size[0], size[1], size[2]}},
+                      factors.data() + before, isProduct.data());
+    const auto count = static_cast<std::size_t>(std::count(isProduct.begin(), isProduct.end(), 1));
+    factors.resize(before + count * length);
 }
 
-template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const float>>);
-template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const double>>);
-template void factorizeRows(const OuterProduct&, std::span<const Index>,
-                            std::span<const std::span<const float>>,
-                            FunctionRef<void(std::size_t, std::span<const float>)>);
-template void factorizeRows(const OuterProduct&, std::span<const Index>,
-                            std::span<const std::span<const double>>,
-                            FunctionRef<void(std::size_t, std::span<const double>)>);
+template std::optional<OuterProduct> findOuterProduct(std::span<const float* const>, std::size_t);
+template std::optional<OuterProduct> findOuterProduct(std::span<const double* const>, std::size_t);
+template void factorizeRows(const kernels::Kernels<float>&, const OuterProduct&,
+                            std::span<const Index>, std::span<const float* const>, Array<float>&,
+                            std::vector<char>&);
+template void factorizeRows(const kernels::Kernels<double>&, const OuterProduct&,
+                            std::span<const Index>, std::span<const double* const>, Array<double>&,
+                            std::vector<char>&);
 
 }  // namespace espalier::osd

@@ -103,9 +103,9 @@ public:
     Offset first() const { return group().firstNumber; }
     void setFirst(Offset number) { form_->groups[group_].firstNumber = number; }
 
-    void store(Real* to) const {
+    void store(const kernels::Kernels<Real>& kernels, Real* to) const {
         if (!order_.isForAdjoint())
-            storePanels(to);
+            storePanels(kernels, to);
         else
             storeForAdjoint(to);
     }
@@ -119,7 +119,7 @@ private:
     using Group = typename SupersetForm<Real>::Group;
 
     /// Stores the numbers in panels, one row in each lane.
-    void storePanels(Real* to) const {
+    void storePanels(const kernels::Kernels<Real>& kernels, Real* to) const {
         constexpr Index lanes = kLanes<Real>;
         constexpr std::size_t kLine = 64 / sizeof(Real);
         std::array<std::vector<Real>, lanes> spread;
@@ -136,8 +136,8 @@ private:
                 for (std::size_t k = 0; k < later.size(); k += kLine)
                     __builtin_prefetch(later.data() + k);
             }
-            for (std::size_t k = 0; k < length(); ++k)
-                for (Index lane = 0; lane < lanes; ++lane) *to++ = numbers[lane][k];
+            kernels.interleave(numbers.data(), static_cast<Offset>(length()), to);
+            to += lanes * static_cast<Offset>(length());
         }
     }
 
@@ -250,7 +250,8 @@ std::vector<std::size_t> findSources(std::vector<GroupNumbers<Real>>& groups) {
 
 template <class Real>
 void storeNumbers(const StencilTable<Real>& table, NumberOrder order,
-                  std::vector<FormBlock<Real>>& blocks, AlignedVector<Real>& numbers) {
+                  const kernels::Kernels<Real>& kernels, std::vector<FormBlock<Real>>& blocks,
+                  AlignedVector<Real>& numbers) {
     std::vector<GroupNumbers<Real>> groups;
     for (FormBlock<Real>& block : blocks) {
         std::vector<Index> uses(block.forms.size(), 0);
@@ -275,14 +276,15 @@ void storeNumbers(const StencilTable<Real>& table, NumberOrder order,
     numbers.resize(count);
     if (order.isForAdjoint()) numbers.resize(count + kLanes<Real>, Real{0});
     forEach(groups, [&](std::size_t g) {
-        if (sources[g] == g) groups[g].store(numbers.data() + groups[g].first());
+        if (sources[g] == g) groups[g].store(kernels, numbers.data() + groups[g].first());
     });
     for (auto& group : groups) group.setKind();
 }
 
-template void storeNumbers(const StencilTable<float>&, NumberOrder, std::vector<FormBlock<float>>&,
-                           AlignedVector<float>&);
+template void storeNumbers(const StencilTable<float>&, NumberOrder, const kernels::Kernels<float>&,
+                           std::vector<FormBlock<float>>&, AlignedVector<float>&);
 template void storeNumbers(const StencilTable<double>&, NumberOrder,
-                           std::vector<FormBlock<double>>&, AlignedVector<double>&);
+                           const kernels::Kernels<double>&, std::vector<FormBlock<double>>&,
+                           AlignedVector<double>&);
 
 }  // namespace espalier::osd

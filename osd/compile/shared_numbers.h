@@ -17,6 +17,7 @@ namespace espalier::osd {
 /// \cost O(numbers + rows log rows), in parallel
 template <class Real>
 void storeNumbers(const stencils::StencilTable<Real>& table, NumberOrder order,
-                  std::vector<FormBlock<Real>>& blocks, AlignedVector<Real>& numbers);
+                  const kernels::Kernels<Real>& kernels, std::vector<FormBlock<Real>>& blocks,
+                  AlignedVector<Real>& numbers);
 
 }  // namespace espalier::osd

@@ -59,7 +59,8 @@ namespace {
 template <class Real>
 class FormFinder {
 public:
-    explicit FormFinder(const StencilTable<Real>& table) : table_(table) {}
+    FormFinder(const StencilTable<Real>& table, const kernels::Kernels<Real>& kernels)
+        : table_(table), kernels_(kernels) {}
 
     SupersetForm<Real> find(const Superset& superset) {
         form_ = {};
@@ -69,6 +70,8 @@ public:
         std::iota(shared_.begin(), shared_.end(), Index{0});
         places_.resize(superset.rows.size());
         std::iota(places_.begin(), places_.end(), Index{0});
+        weights_.clear();
+        for (const Index row : superset.rows) weights_.push_back(table_.weights(row).data());
         if (2 * superset.rows.size() < kLanes<Real>)
             form_.ungrouped = places_;
         else
@@ -121,14 +124,18 @@ private:
         return std::span(places_).subspan(first, last - first);
     }
 
-    std::optional<OuterProduct> findProduct() {
-        weights_.clear();
+    std::span<const Real* const> weightsOf(std::span<const Index> consecutive) const {
+        return std::span(weights_).subspan(consecutive.front(), consecutive.size());
+    }
+
+    /// Searches the rows with all columns: the rows of one subset, which is the superset.
+    std::optional<OuterProduct> findProduct() const {
         for (std::size_t subset = 0; subset < form_.first.subsetCount(); ++subset) {
             const auto places = placesOf(subset);
-            if (table_.columns(rowAt(places.front())).size() != shared_.size()) continue;
-            for (const Index place : places) weights_.push_back(table_.weights(rowAt(place)));
+            if (table_.columns(rowAt(places.front())).size() == shared_.size())
+                return findOuterProduct(weightsOf(places), shared_.size());
         }
-        return findOuterProduct<Real>(weights_);
+        return std::nullopt;
     }
 
     /// Finds the positions of the columns of all subsets.
@@ -146,14 +153,10 @@ private:
     /// others_.
     void addFactors(const OuterProduct& product, std::span<const Index> positions,
                     std::span<const Index> places) {
-        weights_.clear();
-        for (const Index place : places) weights_.push_back(table_.weights(rowAt(place)));
+        factorizeRows(kernels_, product, positions, weightsOf(places), form_.factors, isProduct_);
         others_.clear();
-        factorizeRows<Real>(
-            product, positions, weights_, [&](std::size_t i, std::span<const Real> factors) {
-                (factors.empty() ? others_ : products_).push_back(places[i]);
-                form_.factors.insert(form_.factors.end(), factors.begin(), factors.end());
-            });
+        for (std::size_t i = 0; i < places.size(); ++i)
+            (isProduct_[i] ? products_ : others_).push_back(places[i]);
     }
 
     void addPanels(std::span<const Index> places, std::span<const Index> positions) {
@@ -217,14 +220,16 @@ private:
     }
 
     const StencilTable<Real>& table_;
+    const kernels::Kernels<Real>& kernels_;
     SupersetForm<Real> form_;
 
     // find() works on these. They are members so that all supersets use the same memory.
-    std::vector<Index> shared_;  ///< 0, 1, …: positions of the superset's columns
-    std::vector<Index> places_;  ///< 0, 1, …: places of all rows
-    std::vector<std::span<const Real>> weights_;  ///< of some rows
-    std::vector<Index> products_;                 ///< places of rows that are outer products
-    std::vector<Index> others_;                   ///< places of rows of a subset that are not
+    std::vector<Index> shared_;         ///< 0, 1, …: positions of the superset's columns
+    std::vector<Index> places_;         ///< 0, 1, …: places of all rows
+    std::vector<const Real*> weights_;  ///< of all rows, by place
+    std::vector<char> isProduct_;       ///< for each row of a subset
+    std::vector<Index> products_;       ///< places of rows that are outer products
+    std::vector<Index> others_;         ///< places of rows of a subset that are not
     std::vector<Index> left_;  ///< places of rows that do not fill panels with the columns of their
                                ///< set
 };
@@ -266,8 +271,9 @@ std::uint64_t keyOf(const StencilTable<Real>& table, const Superset& superset) {
 }  // namespace
 
 template <class Real>
-void findForms(const StencilTable<Real>& table, const RowSets& sets, FormBlock<Real>& block) {
-    FormFinder<Real> finder(table);
+void findForms(const StencilTable<Real>& table, const RowSets& sets,
+               const kernels::Kernels<Real>& kernels, FormBlock<Real>& block) {
+    FormFinder<Real> finder(table, kernels);
     std::unordered_map<std::uint64_t, Index> formWith;
     Superset superset, next;
     // Also prefetches the columns of each subset, and the ends of all rows of weights, if there are
@@ -303,7 +309,9 @@ template void Superset::assign(const StencilTable<float>&, const RowSets&, Index
 template void Superset::assign(const StencilTable<double>&, const RowSets&, Index);
 template struct SupersetForm<float>;
 template struct SupersetForm<double>;
-template void findForms(const StencilTable<float>&, const RowSets&, FormBlock<float>&);
-template void findForms(const StencilTable<double>&, const RowSets&, FormBlock<double>&);
+template void findForms(const StencilTable<float>&, const RowSets&, const kernels::Kernels<float>&,
+                        FormBlock<float>&);
+template void findForms(const StencilTable<double>&, const RowSets&,
+                        const kernels::Kernels<double>&, FormBlock<double>&);
 
 }  // namespace espalier::osd

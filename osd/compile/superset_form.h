@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/array.h>
+#include <espalier/osd/kernels/kernels.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -48,7 +50,7 @@ struct SupersetForm {
     std::vector<Group> groups;
     std::vector<Index> positions;  ///< of the columns of the groups
     std::vector<Index> places;     ///< of the rows of the groups
-    std::vector<Real> factors;     ///< of the outer products, row by row
+    Array<Real> factors;           ///< of the outer products, row by row
     std::vector<Index> ungrouped;  ///< places of the other rows
 
     Superset first;                      ///< the first superset with this form
@@ -73,6 +75,6 @@ struct FormBlock {
 /// \cost O(entries)
 template <class Real>
 void findForms(const stencils::StencilTable<Real>& table, const RowSets& sets,
-               FormBlock<Real>& block);
+               const kernels::Kernels<Real>& kernels, FormBlock<Real>& block);
 
 }  // namespace espalier::osd

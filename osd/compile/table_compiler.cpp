@@ -224,13 +224,14 @@ void addTasks(CompiledRows<Real>& compiled) {
 }  // namespace
 
 template <class Real>
-CompiledRows<Real> compileRows(const StencilTable<Real>& table, NumberOrder order) {
+CompiledRows<Real> compileRows(const StencilTable<Real>& table, NumberOrder order, Simd simd) {
+    const kernels::Kernels<Real>& kernels = kernels::kernelsFor<Real>(simd);
     CompiledRows<Real> compiled;
     const RowSets sets(table);
     std::vector<FormBlock<Real>> blocks = divide<Real>(sets);
     parallelFor(std::ssize(blocks), 1,
-                [&](Offset block, Offset) { findForms(table, sets, blocks[block]); });
-    storeNumbers(table, order, blocks, compiled.groupNumbers);
+                [&](Offset block, Offset) { findForms(table, sets, kernels, blocks[block]); });
+    storeNumbers(table, order, kernels, blocks, compiled.groupNumbers);
     const std::vector<BlockStart> starts = startsOf(blocks);
     compiled.groups.resize(starts.back().group);
     compiled.groupColumns.resize(starts.back().column);
@@ -263,8 +264,8 @@ StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Ind
             std::move(weights)};
 }
 
-template CompiledRows<float> compileRows(const StencilTable<float>&, NumberOrder);
-template CompiledRows<double> compileRows(const StencilTable<double>&, NumberOrder);
+template CompiledRows<float> compileRows(const StencilTable<float>&, NumberOrder, Simd);
+template CompiledRows<double> compileRows(const StencilTable<double>&, NumberOrder, Simd);
 template StencilTable<float> rowsOnly(const StencilTable<float>&, std::span<const Index>);
 template StencilTable<double> rowsOnly(const StencilTable<double>&, std::span<const Index>);
 

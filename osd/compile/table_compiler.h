@@ -74,10 +74,12 @@ struct CompiledRows {
 };
 
 /// Chooses the form of each row of a table and stores the row in it.
+/// \param simd selects the kernels that do so; the result has the same bits with all of them
 /// \cost O(entries + rows log rows), in parallel; the result does not depend on the number of
 /// threads
 template <class Real>
-CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table, NumberOrder order = {});
+CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table, NumberOrder order = {},
+                               Simd simd = bestSimd());
 
 /// Returns the table with only the given rows; all other rows are empty.
 /// \cost O(entries)

@@ -17,9 +17,7 @@ constexpr Index kAdjointColumns = 4 * kRegister<Real>;
 /// Returns the register of numbers that starts at an address, which need not be aligned.
 template <class Real>
 auto loadRegister(const Real* numbers) {
-    typename Vector<Real, kRegister<Real>>::Type result;
-    __builtin_memcpy(&result, numbers, sizeof result);
-    return result;
+    return load<typename Vector<Real, kRegister<Real>>::Type>(numbers);
 }
 
 /// The weights of one row, some registers of them.

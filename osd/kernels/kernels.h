@@ -5,6 +5,7 @@
 #include <espalier/base/index.h>
 #include <espalier/osd/kernels/simd.h>
 
+#include <limits>
 #include <utility>
 
 // The inner loops of compiled tables. They are compiled once for each instruction set, and one is
@@ -115,6 +116,17 @@ struct RowValues {
     Offset length;
 };
 
+/// Rows that share their columns, to be split into factors (compile/outer_product.h).
+template <class Real>
+struct FactorRun {
+    const Real* const* weights;  ///< of each row: weightCount numbers
+    Index rowCount;
+    Index weightCount;     ///< at most kMaxProductColumns
+    const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: which weight of
+                           ///< a row it is; weightCount where the rows have no weight
+    Index size[3];
+};
+
 template <class Real>
 struct ESPALIER_API Kernels {
     void (*panels)(const PanelRun<Real>& run, const Destination<Real>& to);
@@ -126,6 +138,17 @@ struct ESPALIER_API Kernels {
     void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                     Real* sums);
     Index adjointColumns;  ///< how many columns `adjoint` sums at once
+
+    // For compilation. The results have the same bits with all instruction sets.
+
+    /// Puts kLanes rows side by side: number k of row r goes to to[k · kLanes + r].
+    /// \param rows `length` numbers for each row
+    /// \param to aligned to 64 bytes
+    void (*interleave)(const Real* const* rows, Offset length, Real* to);
+    /// Computes the factors of rows: size[0] + size[1] + size[2] numbers.
+    /// \param factors gets the factors of those rows that are outer products, one after the other
+    /// \param isProduct gets for each row whether it is an outer product: see factorizeRows()
+    void (*factorize)(const FactorRun<Real>& run, Real* factors, char* isProduct);
 };
 
 /// Returns the kernels for an instruction set.

@@ -15,6 +15,14 @@ const V& at(const Real* address) {
     return *reinterpret_cast<const V*>(address);
 }
 
+/// Reads numbers at an address that need not be aligned.
+template <class V, class Real>
+V load(const Real* address) {
+    V result;
+    __builtin_memcpy(&result, address, sizeof result);
+    return result;
+}
+
 /// How many numbers a register of this processor holds.
 template <class Real>
 constexpr int kRegister = ESPALIER_REGISTER_BYTES / sizeof(Real);
@@ -57,12 +65,13 @@ void forComponents(Offset length, Step step) {
 }
 
 #include "adjoint_kernels.h"
+#include "factor_kernels.h"
 #include "panel_kernels.h"
 #include "row_kernels.h"
 
-constexpr Kernels<float> kFloat = {evaluatePanels<float>, evaluateProducts<float>,
-                                   evaluateRows<float>, evaluateAdjoint<float>,
-                                   kAdjointColumns<float>};
-constexpr Kernels<double> kDouble = {evaluatePanels<double>, evaluateProducts<double>,
-                                     evaluateRows<double>, evaluateAdjoint<double>,
-                                     kAdjointColumns<double>};
+template <class Real>
+constexpr Kernels<Real> kKernels = {
+    evaluatePanels<Real>,  evaluateProducts<Real>, evaluateRows<Real>, evaluateAdjoint<Real>,
+    kAdjointColumns<Real>, interleave<Real>,       factorize<Real>};
+constexpr Kernels<float> kFloat = kKernels<float>;
+constexpr Kernels<double> kDouble = kKernels<double>;
