@@ -22,17 +22,21 @@ namespace espalier::osd {
 /// planes become subsets of the set in the middle.
 class RowSets {
 public:
+    /// \param table must outlive it
     /// \cost O(entries + columns); at most 256 candidates for a superset are tried
     template <class Real>
     explicit RowSets(const stencils::StencilTable<Real>& table);
 
     Index count() const { return rows_.count(); }
+    /// The columns of a set, in the table.
+    std::span<const Index> columnsOf(Index set) const { return columns_[set]; }
     /// The rows of a set, ascending.
     std::span<const Index> rowsOf(Index set) const { return rows_.of(set); }
     /// The sets that have this superset, ascending. A set without a superset is its own.
     std::span<const Index> subsetsOf(Index superset) const { return subsets_.of(superset); }
 
 private:
+    std::vector<std::span<const Index>> columns_;
     InverseIndex<Index> rows_;
     InverseIndex<Index> subsets_;
 };

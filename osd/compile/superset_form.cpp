@@ -21,9 +21,8 @@ namespace espalier::osd {
 using kernels::kLanes;
 using stencils::StencilTable;
 
-template <class Real>
-void Superset::assign(const StencilTable<Real>& table, const RowSets& sets, Index superset) {
-    columns = table.columns(sets.rowsOf(superset).front());
+void Superset::assign(const RowSets& sets, Index superset) {
+    columns = sets.columnsOf(superset);
     rows.clear();
     subsets.assign(1, 0);
     for (const Index set : sets.subsetsOf(superset)) {
@@ -282,7 +281,7 @@ void findForms(const StencilTable<Real>& table, const RowSets& sets,
     constexpr std::size_t kFewRows = 256;
     const auto assignNext = [&](std::size_t i) {
         if (i == block.supersets.size()) return;
-        next.assign(table, sets, block.supersets[i]);
+        next.assign(sets, block.supersets[i]);
         for (std::size_t subset = 0; subset < next.subsetCount(); ++subset)
             __builtin_prefetch(table.columns(next.rows[next.subsets[subset]]).data());
         if (next.rows.size() > kFewRows) return;
@@ -305,8 +304,6 @@ void findForms(const StencilTable<Real>& table, const RowSets& sets,
     }
 }
 
-template void Superset::assign(const StencilTable<float>&, const RowSets&, Index);
-template void Superset::assign(const StencilTable<double>&, const RowSets&, Index);
 template struct SupersetForm<float>;
 template struct SupersetForm<double>;
 template void findForms(const StencilTable<float>&, const RowSets&, const kernels::Kernels<float>&,

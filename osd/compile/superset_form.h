@@ -23,8 +23,7 @@ struct Superset {
     std::vector<Index> subsets;
 
     /// Takes over the rows of a superset, in the memory of the one before.
-    template <class Real>
-    void assign(const stencils::StencilTable<Real>& table, const RowSets& sets, Index superset);
+    void assign(const RowSets& sets, Index superset);
     std::size_t subsetCount() const { return subsets.size() - 1; }
 };
 

@@ -185,7 +185,7 @@ void addGroups(const StencilTable<Real>& table, const RowSets& sets, const FormB
     Superset superset;
     for (std::size_t i = 0; i < block.supersets.size(); ++i) {
         const auto& form = block.forms[block.formOf[i]];
-        superset.assign(table, sets, block.supersets[i]);
+        superset.assign(sets, block.supersets[i]);
         for (const auto& group : form.groups) {
             Index lowest = table.rowCount(), highest = 0;
             const std::span places(form.places);
