@@ -195,6 +195,22 @@ TYPED_TEST(CompiledTableTest, LongRows) {
     expectWithinUlp(table, TypeParam{4 + kLength / 32});
 }
 
+// Sets of columns are found in blocks of 16,384 rows. All rows but the first share their columns.
+TYPED_TEST(CompiledTableTest, RowsOfSeveralBlocksShareTheirColumns) {
+    constexpr Index kRows = 40'000, kLength = 4;
+    const auto random = randomValues(std::size_t{kRows} * kLength, 9);
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    for (Index row = 0; row < kRows; ++row) {
+        for (Index k = 0; k < kLength; ++k) columns.push_back(row == 0 ? kLength + k : k);
+        offsets.push_back(Offset(columns.size()));
+    }
+    const StencilTable<TypeParam> table(2 * kLength, offsets, columns,
+                                        {random.begin(), random.end()});
+    EXPECT_EQ(CompiledTable<TypeParam>(table).panelRowCount(), kRows - 1);
+    expectWithinUlp(table, TypeParam{4});
+}
+
 TYPED_TEST(CompiledTableTest, EmptyTables) {
     const CompiledTable<TypeParam> none{StencilTable<TypeParam>()};
     EXPECT_EQ(none.rowCount(), 0);
