@@ -40,9 +40,9 @@ void interleave(const Real* const* rows, Offset length, Real* to) {
             to[k * kLanes<Real> + lane] = rows[lane][k];
 }
 
-/// Vectors with one row in each lane. Weights are added up in a type with more digits, `Wide`. For
-/// float this is double, which all processors compute with. For double it is long double, of which
-/// there are no vectors, and which is emulated on ARM and in WebAssembly.
+/// Defines vectors with one row in each lane. Weights are added up in a type with more digits,
+/// `Wide`. For float this is double, which all processors compute with. For double it is long
+/// double, of which there are no vectors, and which is emulated on ARM and in WebAssembly.
 template <class Real>
 struct RowLanes;
 
@@ -113,8 +113,8 @@ inline long double rounded(long double product) {
     return product;
 }
 
-/// Some rows of weights, one in each lane, and their factors. Rows side by side do not wait for
-/// the additions of one row. The result of a row does not depend on the other rows.
+/// Computes the factors of some rows, one row in each lane. Rows side by side do not wait for the
+/// additions of one row. The result of a row does not depend on the other rows.
 template <class Real>
 class RowFactors {
 public:
@@ -149,7 +149,7 @@ private:
     static constexpr Wide kEpsilon = std::numeric_limits<Real>::epsilon();
     static constexpr Wide kTiny = std::numeric_limits<Real>::min();
 
-    /// The number of a row.
+    /// Returns the number of a row.
     static double of(const Doubles& numbers, int row) {
         return reinterpret_cast<const double*>(&numbers)[row];
     }
