@@ -6,6 +6,7 @@
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
