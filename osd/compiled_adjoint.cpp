@@ -51,8 +51,7 @@ struct CompiledAdjoint<Real>::Data {
 template <class Real>
 CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
-    const auto& kernels = kernels::kernelsFor<Real>(simd);
-    CompiledRows<Real> rows = compileRows(table, NumberOrder{kernels.adjointColumns}, simd);
+    CompiledRows<Real> rows = compileRows(table, NumberOrder::Adjoint, simd);
     auto ungrouped = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
     // The ungrouped rows are kept in transposed form only. Assigning {} would not free the memory.
     rows.runs = decltype(rows.runs)();
@@ -65,9 +64,9 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
         for (Offset place = 0; place < std::ssize(rows.groupColumns); ++place)
             found(rows.groupColumns[place], place);
     });
-    data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(), kernels,
-                                              std::move(rows), std::move(places),
-                                              std::move(ungrouped), maxColumns});
+    data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),
+                                              kernels::kernelsFor<Real>(simd), std::move(rows),
+                                              std::move(places), std::move(ungrouped), maxColumns});
 }
 
 template <class Real>

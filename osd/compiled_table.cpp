@@ -23,7 +23,7 @@ auto taskBuffers(const Data& data, Offset stride) {
 template <class Real>
 CompiledTable<Real>::CompiledTable(const stencils::StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
-    CompiledRows<Real> rows = compileRows(table, {}, simd);
+    CompiledRows<Real> rows = compileRows(table, NumberOrder::Panels, simd);
     Index maxColumns = 0;
     for (const auto& group : rows.groups) maxColumns = std::max(maxColumns, group.columnCount);
     data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),

@@ -85,7 +85,7 @@ public:
 
     /// Returns true if the weights of an outer product are stored instead of its factors.
     bool isMultipliedOut() const {
-        return order_.isForAdjoint() && isProduct() &&
+        return order_ == NumberOrder::Adjoint && isProduct() &&
                !kernels::adjointTakesFactors(group().size[0], group().columnCount);
     }
 
@@ -95,7 +95,8 @@ public:
             constexpr std::size_t lanes = kLanes<Real>;
             return static_cast<Offset>((count + lanes - 1) / lanes * lanes);
         };
-        if (!order_.isForAdjoint()) return roundedUp(rowCount()) * static_cast<Offset>(length());
+        if (order_ == NumberOrder::Panels)
+            return roundedUp(rowCount()) * static_cast<Offset>(length());
         return roundedUp(rowCount() * storedLength());
     }
 
@@ -104,10 +105,10 @@ public:
     void setFirst(Offset number) { form_->groups[group_].firstNumber = number; }
 
     void store(const kernels::Kernels<Real>& kernels, Real* to) const {
-        if (!order_.isForAdjoint())
+        if (order_ == NumberOrder::Panels)
             storePanels(kernels, to);
         else
-            storeForAdjoint(to);
+            storeForAdjoint(kernels, to);
     }
 
     /// Says that the numbers are weights, if they have been stored so.
@@ -142,10 +143,11 @@ private:
     }
 
     /// Stores the numbers in the order of AdjointRun, and zeros up to the next group.
-    void storeForAdjoint(Real* to) const {
+    void storeForAdjoint(const kernels::Kernels<Real>& kernels, Real* to) const {
         Real* const last = to + storedCount();
         const bool isFactors = isProduct() && !isMultipliedOut();
-        const std::size_t atOnce = isFactors ? storedLength() : order_.adjointColumns;
+        const std::size_t atOnce =
+            isFactors ? storedLength() : static_cast<std::size_t>(kernels.adjointColumns);
         std::vector<Real> spread, product;
         for (std::size_t first = 0; first < rowCount(); first += kernels::kAdjointRows) {
             const std::size_t count =
@@ -274,7 +276,7 @@ void storeNumbers(const StencilTable<Real>& table, NumberOrder order,
     // The adjoint reads beyond the last row.
     numbers.reserve(count + kLanes<Real>);
     numbers.resize(count);
-    if (order.isForAdjoint()) numbers.resize(count + kLanes<Real>, Real{0});
+    if (order == NumberOrder::Adjoint) numbers.resize(count + kLanes<Real>, Real{0});
     forEach(groups, [&](std::size_t g) {
         if (sources[g] == g) groups[g].store(kernels, numbers.data() + groups[g].first());
     });

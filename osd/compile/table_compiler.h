@@ -21,13 +21,10 @@ namespace espalier::osd {
 /// of very many rows, and too few tasks for all threads.
 inline constexpr std::size_t kMaxRowsPerGroup = 1024;
 
-/// How the numbers of a group are stored.
-struct NumberOrder {
-    /// For AdjointRun: Kernels::adjointColumns of the kernels that will evaluate it. Outer products
-    /// of which it takes no factors have weights. 0 for PanelRun and ProductRun.
-    Index adjointColumns = 0;
-
-    bool isForAdjoint() const { return adjointColumns > 0; }
+/// The order in which the numbers of a group are stored.
+enum class NumberOrder {
+    Panels,  ///< for PanelRun and ProductRun
+    Adjoint  ///< for AdjointRun; outer products of which it takes no factors have weights
 };
 
 /// A table whose rows are stored in three forms: panels, outer products and runs. Each row is in
@@ -74,12 +71,13 @@ struct CompiledRows {
 };
 
 /// Chooses the form of each row of a table and stores the row in it.
-/// \param simd selects the kernels that do so; the result has the same bits with all of them
+/// \param simd selects the kernels that do so, and that evaluate an adjoint; otherwise the result
+///        has the same bits with all of them
 /// \cost O(entries + rows log rows), in parallel; the result does not depend on the number of
 /// threads
 template <class Real>
-CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table, NumberOrder order = {},
-                               Simd simd = bestSimd());
+CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table,
+                               NumberOrder order = NumberOrder::Panels, Simd simd = bestSimd());
 
 /// Returns the table with only the given rows; all other rows are empty.
 /// \cost O(entries)
