@@ -138,11 +138,12 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// Panels with at most this many columns are evaluated with components in the lanes, if these fill
-/// a register: they are then read and written contiguously. Rows of 42 entries gain nothing.
+/// Panels with at most this many columns are evaluated with components in the lanes, if there are
+/// more than four components and they fill a register: they are then read and written contiguously.
+/// Rows of 42 entries gain nothing.
 constexpr Index kMaxWideColumns = 16;
 
-/// Returns true if a group is to be evaluated so.
+/// Returns true if a group is evaluated with components in the lanes.
 template <class Real>
 bool isWide(Index columnCount, const Destination<Real>& to) {
     return columnCount <= kMaxWideColumns && to.length > 4 && to.length >= kRegister<Real>;
@@ -241,7 +242,7 @@ void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStri
     constexpr Index kRowsAhead = 8;
     const auto evaluate = [&]<int rowCount>(Index lane) {
         for (Index i = lane + kRowsAhead; i < lane + kRowsAhead + rowCount && i < rowsLeft; ++i)
-            prefetchResult(rows[i], to);
+            if (isInRange(rows[i], to)) prefetchResult(rows[i], to);
         evaluateWideRows<rowCount>(weights + lane, points, pointStride, columnCount, rows + lane,
                                    to);
     };
