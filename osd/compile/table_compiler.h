@@ -3,6 +3,7 @@
 
 #include <espalier/base/array.h>
 #include <espalier/base/index.h>
+#include <espalier/osd/kernels/simd.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -71,8 +72,8 @@ struct CompiledRows {
 };
 
 /// Chooses the form of each row of a table and stores the row in it.
-/// \param simd selects the kernels that do so, and that evaluate an adjoint; otherwise the result
-///        has the same bits with all of them
+/// \param simd selects the kernels that split rows into factors. The result has the same bits for
+///        all of them, except for NumberOrder::Adjoint: its order suits the kernels of `simd` only
 /// \cost O(entries + rows log rows), in parallel; the result does not depend on the number of
 /// threads
 template <class Real>

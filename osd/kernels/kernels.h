@@ -122,8 +122,8 @@ struct FactorRun {
     const Real* const* weights;  ///< of each row: weightCount numbers
     Index rowCount;
     Index weightCount;     ///< at most kMaxProductColumns
-    const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: which weight of
-                           ///< a row it is; weightCount where the rows have no weight
+    const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: the place of
+                           ///< each weight in a row; weightCount if rows lack this column
     Index size[3];
 };
 
