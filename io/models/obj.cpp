@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/array.h>
+#include <espalier/base/memory.h>
 #include <espalier/base/vector3.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
@@ -312,6 +313,8 @@ public:
     ObjModel(const std::filesystem::path& path, std::string text)
         : path_(path), text_(std::move(text)) {
         const std::size_t expected = expectedPoints(text_);
+        requireMemory(expected * (sizeof(Point3) + sizeof(CoordinatePlaces)),
+                      shownPath(path) + ": a list of its points");
         positions_.reserve(expected);
         places_.reserve(expected);
         forEachObjStatement(path, text_, [&](ObjWords& words, std::size_t line) {

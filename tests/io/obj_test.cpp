@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/models/obj.h>
 #include <io/model_files.h>
@@ -63,6 +64,15 @@ TEST(ObjWords, AsNumbersAreTheWordsOfNext) {
                 EXPECT_EQ(number, expected) << text;
                 EXPECT_EQ(std::signbit(number), std::signbit(expected)) << text;
             }
+}
+
+/// The memory for all points is known before they are read: here 48 MB.
+TEST(Obj, ChecksTheMemoryOfItsPointsFirst) {
+    std::string text;
+    for (int i = 0; i < 1'000'000; ++i) text += "v 0 0 0\n";
+    const MemoryLimit limit(residentMemory() + (20 << 20));
+    EXPECT_REFUSED(MemoryError, "a.obj: a list of its points takes about 48.0 MB",
+                   readObj("a.obj", text));
 }
 
 TEST(Obj, IsUnchangedIfNoPointMoves) {
