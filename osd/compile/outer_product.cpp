@@ -10,6 +10,7 @@
 #include <limits>
 #include <numeric>
 
+#include "../kernels/scratch.h"
 #include "number_bits.h"
 
 namespace espalier::osd {
@@ -232,11 +233,14 @@ void factorizeRows(const kernels::Kernels<Real>& kernels, const OuterProduct& pr
     const std::size_t before = factors.size();
     factors.resize(before + rows.size() * length);
     isProduct.resize(rows.size());
+    AlignedVector<Real> memory(
+        kernels::factorizingCount<Real>(noWeight, static_cast<Offset>(length)));
     kernels.factorize({rows.data(),
                        static_cast<Index>(rows.size()),
                        noWeight,
                        sources.data(),
-                       {size[0], size[1], size[2]}},
+                       {size[0], size[1], size[2]},
+                       memory.data()},
                       factors.data() + before, isProduct.data());
     const auto count = static_cast<std::size_t>(std::count(isProduct.begin(), isProduct.end(), 1));
     factors.resize(before + count * length);

@@ -276,9 +276,9 @@ template <class Real>
 void factorize(const FactorRun<Real>& run, Real* factors, char* isProduct) {
     constexpr Index lanes = kLanes<Real>, atOnce = RowLanes<Real>::count;
     const Index length = run.size[0] + run.size[1] + run.size[2];
-    alignas(64) Real given[(kMaxProductColumns + 1) * lanes];
-    alignas(64) Real results[(kMaxProductColumns + 2) * lanes];
+    Real* const given = run.memory;
     Real* const zeros = given + Offset{run.weightCount} * lanes;
+    Real* const results = zeros + lanes;
     for (Index lane = 0; lane < lanes; ++lane) zeros[lane] = 0;
     RowFactors<Real> rows(run);
     for (Index first = 0; first < run.rowCount; first += lanes) {

@@ -125,7 +125,15 @@ struct FactorRun {
     const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: the place of
                            ///< each weight in a row; weightCount if rows lack this column
     Index size[3];
+    Real* memory;  ///< temporary: factorizingCount() numbers, aligned to 64 bytes
 };
+
+/// How many numbers of temporary memory a FactorRun needs.
+/// \param factorCount size[0] + size[1] + size[2]
+template <class Real>
+constexpr Offset factorizingCount(Offset weightCount, Offset factorCount) {
+    return (weightCount + 1 + factorCount) * kLanes<Real>;
+}
 
 template <class Real>
 struct ESPALIER_API Kernels {
