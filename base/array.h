@@ -14,9 +14,9 @@ namespace espalier {
 inline constexpr std::size_t kLargeArray = std::size_t{4} << 20;
 
 /// Lets the system hold fresh memory in large pages. Writing to it is up to three times as fast,
-/// because the system gives 2 MB at a time instead of 4 kB. Large pages begin at multiples of 2 MB;
-/// the memory before the first and after the last one has pages of the usual size, and so has all
-/// of it if the system has no large pages.
+/// because the system gives 2 MB at a time instead of 4 kB. Large pages begin at multiples of 2 MB.
+/// Memory before the first and after the last large page has pages of the usual size. If the system
+/// has no large pages, all memory has pages of the usual size.
 ESPALIER_API void preferLargePages(void* memory, std::size_t bytes);
 
 /// Allocates memory that begins at a multiple of 2 MB, and calls preferLargePages().

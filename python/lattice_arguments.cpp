@@ -31,8 +31,7 @@ std::optional<StandardCell> standardCell(std::size_t vertexCount) {
                        vertexCount, " vertices"));
 }
 
-/// Returns true if the entries of a cell are loops (lists or arrays), and false if they are numbers
-/// of vertices.
+/// A cell lists either loops (lists or arrays) or vertex numbers. Returns true if it lists loops.
 bool holdsLoops(const py::sequence& cell) {
     return cell.size() == 0 || py::isinstance<py::sequence>(cell[0]);
 }

@@ -9,7 +9,7 @@ namespace {
 }  // namespace
 
 namespace avx2 {
-extern const Kernels<float> kFloatKernels = kFloat;
-extern const Kernels<double> kDoubleKernels = kDouble;
+extern const Kernels<float> kFloatKernels = kKernels<float>;
+extern const Kernels<double> kDoubleKernels = kKernels<double>;
 }  // namespace avx2
 }  // namespace espalier::osd::kernels

@@ -9,7 +9,7 @@ namespace {
 }  // namespace
 
 namespace baseline {
-extern const Kernels<float> kFloatKernels = kFloat;
-extern const Kernels<double> kDoubleKernels = kDouble;
+extern const Kernels<float> kFloatKernels = kKernels<float>;
+extern const Kernels<double> kDoubleKernels = kKernels<double>;
 }  // namespace baseline
 }  // namespace espalier::osd::kernels

@@ -73,5 +73,3 @@ template <class Real>
 constexpr Kernels<Real> kKernels = {
     evaluatePanels<Real>,  evaluateProducts<Real>, evaluateRows<Real>, evaluateAdjoint<Real>,
     kAdjointColumns<Real>, interleave<Real>,       factorize<Real>};
-constexpr Kernels<float> kFloat = kKernels<float>;
-constexpr Kernels<double> kDouble = kKernels<double>;
