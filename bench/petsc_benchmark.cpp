@@ -9,6 +9,7 @@
 
 #include <espalier/base/parallel.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/embed/tensor_product.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/petsc/distributed_table.h>
