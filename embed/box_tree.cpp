@@ -9,18 +9,39 @@
 
 namespace espalier::embed {
 
+using Eigen::Vector3d;
+
 namespace {
 
 /// The fastest to query among 2, 4, 8 and 16.
 constexpr Index kLeafSize = 8;
 
 /// Without a branch per side: which side fails first is unpredictable.
-bool contains(const BoxTree::Box& box, const Eigen::Vector3d& point) {
-    const auto isAtMost = [](double a, double b) { return static_cast<unsigned>(a <= b); };
-    unsigned isInside = 1;
+bool meets(const BoxTree::Box& a, const BoxTree::Box& b) {
+    const auto isAtMost = [](double low, double high) {
+        return static_cast<unsigned>(low <= high);
+    };
+    unsigned isMet = 1;
     for (Eigen::Index axis = 0; axis < 3; ++axis)
-        isInside &= isAtMost(box.min()[axis], point[axis]) & isAtMost(point[axis], box.max()[axis]);
-    return isInside != 0;
+        isMet &= isAtMost(a.min()[axis], b.max()[axis]) & isAtMost(b.min()[axis], a.max()[axis]);
+    return isMet != 0;
+}
+
+bool contains(const BoxTree::Box& box, const Vector3d& point) {
+    return meets(box, {point, point});
+}
+
+/// Returns the box around some points. Coordinates that are no numbers do not count.
+BoxTree::Box boxAround(std::span<const Point3> points) {
+    BoxTree::Box box;
+    for (const Point3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto at = static_cast<Eigen::Index>(axis);
+            // The arguments are in the order in which a NaN is not taken.
+            box.min()[at] = std::min(box.min()[at], point[axis]);
+            box.max()[at] = std::max(box.max()[at], point[axis]);
+        }
+    return box;
 }
 
 /// Returns how many of some sorted places go to the left child: those whose key lacks the highest
@@ -79,30 +100,66 @@ void BoxTree::build(std::span<const CurveItem> places, Index first, Index count)
     nodes_[at] = {box, 0, 0, static_cast<Index>(nodes_.size() - at)};
 }
 
-/// Appends the items whose boxes satisfy isIn, which must also hold for every box around such a
-/// box.
-template <class IsIn>
-void BoxTree::collect(IsIn isIn, std::vector<Index>& found) const {
+/// Calls use(i) for each boxes_[i] that satisfies isIn, which must also hold for every box around
+/// such a box.
+template <class IsIn, class Use>
+void BoxTree::forEach(IsIn isIn, Use use) const {
     for (std::size_t at = 0; at < nodes_.size();) {
         const Node& node = nodes_[at];
         const bool enters = isIn(node.box);
         if (enters)
             for (Index i = node.first; i < node.first + node.count; ++i)
-                if (isIn(boxes_[i])) found.push_back(order_[i]);
+                if (isIn(boxes_[i])) use(i);
         at += enters ? 1 : static_cast<std::size_t>(node.size);
     }
 }
 
-void BoxTree::findContaining(const Eigen::Vector3d& point, std::vector<Index>& found) const {
-    collect([&](const Box& box) { return contains(box, point); }, found);
+void BoxTree::findContaining(const Vector3d& point, std::vector<Index>& found) const {
+    forEach([&](const Box& box) { return contains(box, point); },
+            [&](Index i) { found.push_back(order_[i]); });
 }
 
-void BoxTree::findWithin(const Eigen::Vector3d& point, double distance,
-                         std::vector<Index>& found) const {
-    collect([&](const Box& box) { return !(box.exteriorDistance(point) > distance); }, found);
+void BoxTree::findContaining(std::span<const Point3> points,
+                             FunctionRef<void(std::size_t, std::span<const Index>)> use) const {
+    // The boxes that meet the box of some points are tested for each of these points. The number of
+    // points is such that these boxes are few.
+    constexpr std::size_t kMaxPoints = 64, kMaxNear = 64;
+    std::vector<Index> near;
+    std::vector<Box> nearBoxes;
+    std::vector<Index> found;
+    std::size_t count = 1;
+    for (std::size_t first = 0; first < points.size();) {
+        count = std::min(count, points.size() - first);
+        const auto some = points.subspan(first, count);
+        near.clear();
+        const Box around = boxAround(some);
+        forEach([&](const Box& box) { return meets(box, around); },
+                [&](Index i) { near.push_back(i); });
+        if (near.size() > kMaxNear && count > 1) {
+            count /= 2;
+            continue;
+        }
+        std::sort(near.begin(), near.end(),
+                  [&](Index i, Index k) { return order_[i] < order_[k]; });
+        nearBoxes.clear();
+        for (const Index i : near) nearBoxes.push_back(boxes_[i]);
+        for (const Point3& p : some) {
+            const Vector3d point(p.data());
+            found.clear();
+            for (std::size_t k = 0; k < near.size(); ++k)
+                if (contains(nearBoxes[k], point)) found.push_back(order_[near[k]]);
+            use(first++, found);
+        }
+        if (near.size() <= kMaxNear / 2) count = std::min(2 * count, kMaxPoints);
+    }
 }
 
-BoxTree::Nearest BoxTree::findNearest(const Eigen::Vector3d& point,
+void BoxTree::findWithin(const Vector3d& point, double distance, std::vector<Index>& found) const {
+    forEach([&](const Box& box) { return !(box.exteriorDistance(point) > distance); },
+            [&](Index i) { found.push_back(order_[i]); });
+}
+
+BoxTree::Nearest BoxTree::findNearest(const Vector3d& point,
                                       const std::function<double(Index)>& distance) const {
     Nearest best{0, std::numeric_limits<double>::infinity()};
     const auto boxDistance = [&](std::size_t node) {

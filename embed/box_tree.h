@@ -3,10 +3,13 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/array.h>
+#include <espalier/base/function_ref.h>
 #include <espalier/base/index.h>
+#include <espalier/base/point.h>
 #include <espalier/embed/space_curve.h>
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <functional>
 #include <span>
 #include <vector>
@@ -24,6 +27,12 @@ public:
 
     /// Appends the indices of the boxes that contain `point`, in no particular order.
     void findContaining(const Eigen::Vector3d& point, std::vector<Index>& found) const;
+
+    /// The same for many points: calls use(i, found) for each points[i]; `found` are the indices of
+    /// the boxes that contain it, ascending. Points that are each near the one before share a
+    /// search of the tree.
+    void findContaining(std::span<const Point3> points,
+                        FunctionRef<void(std::size_t i, std::span<const Index> found)> use) const;
 
     /// Appends the indices of the boxes whose distance from `point` is at most `distance`.
     void findWithin(const Eigen::Vector3d& point, double distance, std::vector<Index>& found) const;
@@ -52,8 +61,8 @@ private:
         bool isLeaf() const { return count > 0; }
     };
 
-    template <class IsIn>
-    void collect(IsIn isIn, std::vector<Index>& found) const;
+    template <class IsIn, class Use>
+    void forEach(IsIn isIn, Use use) const;
     void build(std::span<const CurveItem> places, Index first, Index count);
 
     Array<Node> nodes_;

@@ -113,27 +113,30 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
 Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
     std::vector<std::pair<Index, Index>> pairs;         // Cell and point, by point.
     std::vector<Offset> begins(bounds_.size() + 1, 0);  // First the number of pairs of each cell.
-    std::vector<Index> found;
-    for (std::size_t point = 0; point < points.size(); ++point) {
-        const auto add = [&](Index cell) {
-            pairs.emplace_back(cell, static_cast<Index>(point));
-            ++begins[static_cast<std::size_t>(cell) + 1];
-        };
-        for (const Index cell : unbounded_) add(cell);
-        found.clear();
-        const Vector3d position(points[point].data());
-        if (sought == Sought::Containing) {
-            tree_.findContaining(position, found);
-        } else {
+    const auto add = [&](std::size_t point, Index cell) {
+        pairs.emplace_back(cell, static_cast<Index>(point));
+        ++begins[static_cast<std::size_t>(cell) + 1];
+    };
+    const auto addAll = [&](std::size_t point, std::span<const Index> found) {
+        for (const Index cell : unbounded_) add(point, cell);
+        for (const Index i : found) add(point, bounded_[i]);
+    };
+    if (sought == Sought::Containing) {
+        tree_.findContaining(points, addAll);
+    } else {
+        std::vector<Index> found;
+        for (std::size_t point = 0; point < points.size(); ++point) {
+            const Vector3d position(points[point].data());
             const auto reachOf = [&](Index i) {
                 const Index cell = bounded_[i];
                 return reach(lattice_.base.level(0).complex, lattice_.positions, cell,
                              bounds_[cell], position);
             };
+            found.clear();
             tree_.findWithin(position, tree_.findNearest(position, reachOf).distance + margin_,
                              found);
+            addAll(point, found);
         }
-        for (const Index i : found) add(bounded_[i]);
     }
     std::partial_sum(begins.begin(), begins.end(), begins.begin());
     Candidates candidates;

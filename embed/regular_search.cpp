@@ -68,12 +68,8 @@ RegularPlaces RegularSearch::locate(std::span<const Point3> points) const {
     RegularPlaces result;
     result.places.resize(points.size());
     std::unordered_map<Index, Cell> cells;
-    std::vector<Index> found;
-    for (std::size_t p = 0; p < points.size(); ++p) {
+    tree_.findContaining(points, [&](std::size_t p, std::span<const Index> found) {
         const Vector3d point(points[p].data());
-        found.clear();
-        tree_.findContaining(point, found);
-        std::sort(found.begin(), found.end());
         for (const Index i : found) {
             auto known = cells.find(i);
             if (known == cells.end()) known = cells.emplace(i, make(cells_[i])).first;
@@ -93,7 +89,7 @@ RegularPlaces RegularSearch::locate(std::span<const Point3> points) const {
             result.largestResidual = std::max(result.largestResidual, residual);
             break;
         }
-    }
+    });
     return result;
 }
 

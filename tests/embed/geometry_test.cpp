@@ -304,6 +304,53 @@ void expectTreeMatchesBruteForce(const std::vector<BoxTree::Box>& boxes, std::mt
     }
 }
 
+TEST(Boxes, SearchOfManyPointsMatchesBruteForce) {
+    constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> at(0, 10), size(0, 1), step(-0.05, 0.05);
+    std::vector<BoxTree::Box> boxes;
+    for (int i = 0; i < 3000; ++i) {
+        const Vector3d low(at(random), at(random), at(random));
+        boxes.emplace_back(low, low + Vector3d(size(random), size(random), size(random)));
+    }
+    // A hundred boxes contain one point, which is more than a search shares.
+    for (int i = 0; i < 100; ++i)
+        boxes.emplace_back(Vector3d::Constant(5 - 0.01 * i), Vector3d::Constant(5 + 0.01 * i));
+    const BoxTree tree(boxes);
+
+    // Points near the one before, far from it, equal to it, outside all boxes, and no points.
+    std::vector<Point3> points(1000);
+    Point3 last = {5, 5, 5};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (double& x : last) x = i % 100 < 90 ? x + step(random) : at(random);
+        points[i] = i % 50 == 49 ? points[i - 1] : last;
+    }
+    points[100] = {5, 5, 5};
+    points[200] = {-100, 100, 5};
+    points[300] = {kNoNumber, kNoNumber, kNoNumber};
+    points[301] = {5, kNoNumber, 5};
+    points[400] = {kInfinity, 5, 5};
+    points[401] = {5, 5, -kInfinity};
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, points.size()}) {
+        std::size_t next = 0;
+        Offset largest = 0;
+        tree.findContaining(std::span(points).first(count), [&](std::size_t i, auto found) {
+            ASSERT_EQ(i, next++);  // each point once, in order
+            std::vector<Index> expected;
+            for (std::size_t b = 0; b < boxes.size(); ++b)
+                if (boxes[b].contains(Vector3d(points[i].data()))) expected.push_back(Index(b));
+            ASSERT_EQ(std::vector<Index>(found.begin(), found.end()), expected) << "point " << i;
+            largest = std::max(largest, std::ssize(found));
+        });
+        EXPECT_EQ(next, count);
+        if (count == points.size()) {
+            EXPECT_GE(largest, 100);
+        }
+    }
+    BoxTree({}).findContaining(points, [](std::size_t, auto found) { EXPECT_TRUE(found.empty()); });
+}
+
 TEST(Boxes, TreeMatchesBruteForce) {
     std::mt19937 random(8);
     std::uniform_real_distribution<double> at(0, 10), size(0, 1);
