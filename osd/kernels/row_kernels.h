@@ -9,15 +9,16 @@ public:
         : to_(to), from_(from), places_(from, to.addend != nullptr ? to.addendLength : 1) {}
 
     template <class V>
-    void operator()(V sum, Index row) const {
+    void operator()(const V& sum, Index row) const {
+        V value = sum;
         Real* result = to_.values + row * to_.stride + from_;
         if (to_.addend != nullptr) {
             const Real* own = to_.addend + row * to_.addendStride;
             V added = {};
             for (int c = 0; c < width; ++c) added[c] = own[places_.at[c]];
-            sum += added;
+            value += added;
         }
-        for (int c = 0; c < width; ++c) result[c] = sum[c];
+        for (int c = 0; c < width; ++c) result[c] = value[c];
     }
 
 private:
