@@ -334,18 +334,18 @@ TEST(Boxes, SearchOfManyPointsMatchesBruteForce) {
     points[401] = {5, 5, -kInfinity};
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, points.size()}) {
         std::size_t next = 0;
-        Offset largest = 0;
+        std::size_t largest = 0;
         tree.findContaining(std::span(points).first(count), [&](std::size_t i, auto found) {
             ASSERT_EQ(i, next++);  // each point once, in order
             std::vector<Index> expected;
             for (std::size_t b = 0; b < boxes.size(); ++b)
                 if (boxes[b].contains(Vector3d(points[i].data()))) expected.push_back(Index(b));
             ASSERT_EQ(std::vector<Index>(found.begin(), found.end()), expected) << "point " << i;
-            largest = std::max(largest, std::ssize(found));
+            largest = std::max(largest, found.size());
         });
         EXPECT_EQ(next, count);
         if (count == points.size()) {
-            EXPECT_GE(largest, 100);
+            EXPECT_GE(largest, 100u);
         }
     }
     BoxTree({}).findContaining(points, [](std::size_t, auto found) { EXPECT_TRUE(found.empty()); });
