@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/array.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/point_descent.h>
@@ -6,6 +7,7 @@
 #include <espalier/far/star.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -53,26 +55,49 @@ std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::v
     return boxes;
 }
 
-/// Contains the points within a distance of a box, and some more beside the edges of the box.
-class WidenedBox {
+/// The points that are sought in a cell, to be tested against the boxes of its children. Each
+/// coordinate has an array of its own, so that several points are tested at a time.
+class PointsOfCell {
 public:
-    WidenedBox(const Eigen::AlignedBox3d& box, double margin)
-        : low_(box.min().array() - margin), high_(box.max().array() + margin) {}
+    /// \param all must outlive this
+    explicit PointsOfCell(std::span<const Point3> all) : all_(all) {}
 
-    /// Has no branch for each side: which side fails first is unpredictable.
-    bool contains(const Point3& point) const {
-        unsigned isOutside = 0;
+    void assign(std::span<const Index> numbers) {
+        numbers_ = numbers;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            // The comparisons are such that a NaN is inside.
-            const auto at = static_cast<Eigen::Index>(axis);
-            isOutside |= static_cast<unsigned>(point[axis] < low_[at]) |
-                         static_cast<unsigned>(point[axis] > high_[at]);
+            coordinates_[axis].resize(numbers.size());
+            for (std::size_t i = 0; i < numbers.size(); ++i)
+                coordinates_[axis][i] = all_[numbers[i]][axis];
         }
-        return isOutside == 0;
+    }
+
+    /// Appends the numbers of the points that are in a hull and within a distance of a box, or a
+    /// little farther from its edges.
+    void appendPointsIn(const Eigen::AlignedBox3d& box, double margin, const AffineHull& hull,
+                        std::vector<Index>& found) {
+        const std::size_t count = numbers_.size();
+        isOutside_.resize(count);
+        const Eigen::Array3d low = box.min().array() - margin, high = box.max().array() + margin;
+        const double *x = coordinates_[0].data(), *y = coordinates_[1].data(),
+                     *z = coordinates_[2].data();
+        // The comparisons are such that a NaN is inside. They have no branches: which side fails
+        // first is unpredictable. GCC tests several points at a time if the flags have the type of
+        // the coordinates.
+        for (std::size_t i = 0; i < count; ++i)
+            isOutside_[i] = ((x[i] < low[0]) | (x[i] > high[0]) | (y[i] < low[1]) |
+                             (y[i] > high[1]) | (z[i] < low[2]) | (z[i] > high[2]))
+                                ? 1.0
+                                : 0.0;
+        for (std::size_t i = 0; i < count; ++i)
+            if (isOutside_[i] == 0 && hull.contains({x[i], y[i], z[i]}))
+                found.push_back(numbers_[i]);
     }
 
 private:
-    Eigen::Array3d low_, high_;
+    std::span<const Point3> all_;
+    std::span<const Index> numbers_;
+    std::array<Array<double>, 3> coordinates_;  ///< of the points, by axis
+    Array<double> isOutside_;                   ///< of the box, for each point: 0 or 1
 };
 
 /// Returns a distance from a point within which the cell certainly has a descendant.
@@ -200,8 +225,10 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
                       lattice_.base.options().creasing);
     const Candidates parents = std::exchange(descent.candidates, {});
     Candidates& children = descent.candidates;
+    PointsOfCell ofParent(points);
     for (std::size_t i = 0; i < parents.cells.size(); ++i) {
         const Index cell = parents.cells[i];
+        ofParent.assign(parents.pointsOf(i));
         const Bound& bound = parents.bounds[i];
         for (const Index vertex : parent.relation(3, 0)[cell]) {
             const auto child = refinement.childOf({{0, vertex}, {3, cell}});
@@ -218,11 +245,7 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
                 const auto all = parents.pointsOf(i);
                 children.points.insert(children.points.end(), all.begin(), all.end());
             } else {
-                const WidenedBox box(ofChild->box, descent.margin);
-                for (const Index point : parents.pointsOf(i))
-                    if (box.contains(points[point]) &&
-                        hull.contains(Vector3d(points[point].data())))
-                        children.points.push_back(point);
+                ofParent.appendPointsIn(ofChild->box, descent.margin, hull, children.points);
             }
             children.endCell(child->index, ofChild);
         }
