@@ -3,9 +3,9 @@
 
 #ifdef __linux__
 #include <sys/mman.h>
+#endif
 
 #include <cstdint>
-#endif
 
 namespace espalier {
 namespace {
@@ -27,13 +27,23 @@ void preferLargePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_
 }
 
 void* allocateLargePages(std::size_t bytes) {
-    void* const memory = ::operator new (bytes, std::align_val_t{kPage});
+    // To allocate aligned memory would be simpler. But glibc before 2.38 does not fill the gaps
+    // that it leaves around aligned memory: a process that refined a lattice again and again held
+    // five times the memory of one lattice.
+    constexpr std::size_t kMore = kPage + sizeof(void*);
+    if (bytes > static_cast<std::size_t>(-1) - kMore - kPage) throw std::bad_alloc();
+    const std::size_t inLastPage = bytes % kPage;
+    if (inLastPage >= kLargeArray) bytes += kPage - inLastPage;
+    char* const own = static_cast<char*>(::operator new(bytes + kMore));
+    char* const first = own + sizeof(void*);
+    void* const memory = first + (kPage - reinterpret_cast<std::uintptr_t>(first) % kPage) % kPage;
+    static_cast<void**>(memory)[-1] = own;  // for freeLargePages()
     preferLargePages(memory, bytes);
     return memory;
 }
 
 void freeLargePages(void* memory) {
-    ::operator delete (memory, std::align_val_t{kPage});
+    ::operator delete(static_cast<void**>(memory)[-1]);
 }
 
 }  // namespace espalier

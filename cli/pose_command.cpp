@@ -300,9 +300,8 @@ void addAlongAxis(CLI::App& command, std::vector<Step>& steps, const std::string
                   const std::string& numberName, const std::string& help, Operate operate) {
     using AxisAndNumber = std::array<std::string, 2>;
     const auto run = [operate](Posing& posing, const AxisAndNumber& values) {
-        const auto& [axis, number] = values;
         posing.operate([&](const auto& positions, const pose::Place& place) {
-            return operate(positions, *directionOf(axis), *numberOf(number), place, posing);
+            return operate(positions, *directionOf(values[0]), *numberOf(values[1]), place, posing);
         });
     };
     const std::string names = "AXIS " + numberName;
