@@ -222,6 +222,14 @@ class Files(FaultsTest):
             self.assert_fails(f"{output}: cannot create a file beside it: Permission denied",
                               *command, "-n", 1, "-o", output, **who)
 
+    def test_with_one_thread_no_other_is_started(self):
+        # At the end of a limit of threads, oneTBB may start threads, and ends the program if it cannot.
+        who = self.as_nobody()
+        self.path.chmod(0o777)
+        process = self.start("refine", "rest.vtu", "-n", 3, "--threads", 1, "-o", "r.vtu", "--quiet", **who,
+                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NPROC, (1, 1)))
+        self.assertEqual(process.wait(timeout=120), 0)
+
     def test_what_may_not_be_read_is_named(self):
         who = self.as_nobody()
         self.path.chmod(0o777)
@@ -413,8 +421,8 @@ class Memory(FaultsTest):
                                 (resource.RLIMIT_DATA, 100)]:
             size = megabytes << 20
             self.assert_fails(re.compile(r"out of memory while refining: [0-9.]+ MB were in use at most; "
-                                         r"the limit is [0-9.]+ [MGT]B \(--max-memory\)"), "refine", "rest.vtu", "-n", 6, "--threads", 1,
-                              "-o", "r.vtu",
+                                         r"the limit is [0-9.]+ [MGT]B \(--max-memory\)"),
+                              "refine", "rest.vtu", "-n", 6, "--threads", 1, "-o", "r.vtu",
                               preexec_fn=lambda: resource.setrlimit(kind, (size, size)))
 
     def test_allocations_that_fail(self):
