@@ -151,6 +151,10 @@ class Signals(FaultsTest):
         self.run_program(*self.stencils)
         self.files = self.contents()
         self.handle_default()
+        # SIGQUIT must not leave a core file here.
+        cores = resource.getrlimit(resource.RLIMIT_CORE)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, cores[1]))
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_CORE, cores)
 
     def handle_default(self):
         # A test in the background may have inherited ignored signals.
