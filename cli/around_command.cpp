@@ -100,7 +100,7 @@ void runAround(const AroundCommandOptions& options) {
     checkInputs(inputs);
     checkOutput(options.output, inputs);
     io::checkLatticeTarget(options.output);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     const std::vector<Point3> points = readPoints(options, stages);
     // Each round doubles the margin.

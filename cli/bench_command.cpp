@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
-#include <espalier/base/parallel.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/kernels/simd.h>
@@ -180,7 +179,7 @@ void print(const RunReport& run, const BenchReport& bench, ReportFormat format) 
 
 void runBench(const BenchOptions& options) {
     checkBasis(options);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     checkInputs({{"MODEL", options.model}, {"--rest", options.rest}});
     Stages stages(options.common.quiet);
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });

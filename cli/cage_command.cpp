@@ -26,7 +26,7 @@ void runCage(const CageCommandOptions& options) {
     checkInputs(inputs);
     checkOutput(options.output, inputs);
     io::checkLatticeTarget(options.output);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     std::vector<Point3> points;
     io::ModelFaces faces;

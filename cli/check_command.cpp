@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/parallel.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
@@ -199,7 +198,7 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
 }
 
 void runCheck(const CheckOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     const std::vector<Input> inputs = {{"LATTICE", options.pose}, {"--rest", options.rest}};
     checkInputs(inputs);
     if (!options.output.empty()) {

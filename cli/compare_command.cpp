@@ -5,7 +5,6 @@
 
 #ifdef ESPALIER_WITH_COMPARE
 
-#include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/compare/comparison.h>
 #include <espalier/compare/html_report.h>
@@ -103,7 +102,7 @@ void checkAll(const compare::Report& report) {
 }
 
 void runCompare(const CompareOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     const std::vector<Input> inputs = inputsOf("FILE", options.files);
     checkInputs(inputs);
     if (!options.html.empty()) checkOutput(options.html, inputs);

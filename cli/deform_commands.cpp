@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/animations/animation_file.h>
 #include <espalier/io/binding_file.h>
@@ -194,7 +193,7 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
 
 void runDeform(const DeformOptions& options) {
     checkBasis(options);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
@@ -218,7 +217,7 @@ void runDeform(const DeformOptions& options) {
 
 void runBind(const DeformOptions& options) {
     checkBasis(options);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     const std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
     checkInputs(inputs);
     checkOutput(options.output, inputs, {".espb"});
@@ -246,7 +245,7 @@ void runBind(const DeformOptions& options) {
 }
 
 void runApply(const DeformOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     io::BoundModel bound;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
@@ -388,7 +387,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
 
 void runFit(const FitCommandOptions& options) {
     checkBasis(options);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     if (options.targets.empty() && options.pulls.empty())
         throw CLI::ValidationError("--targets or --pull is required: where the points should go");
     std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};

@@ -430,7 +430,7 @@ void runModelInfo(const InfoOptions& options, const io::Model& model, Stages& st
 }
 
 void runInfo(const InfoOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     const Described described =
         stages.read(options.lattice, [&] { return readDescribed(options); });

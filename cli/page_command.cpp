@@ -114,7 +114,7 @@ void runPage(const PageOptions& options) {
         throw io::FileError(empty,
                             "is not the empty page of Espalier: it has no place for files. Build "
                             "the page by scripts/web");
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     const std::string files = stages.run("reading", [&] { return filesAsJson(options); });
     const std::size_t place = at + kFilesElement.find("</script>");

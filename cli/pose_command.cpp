@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/pose.h>
@@ -254,7 +253,7 @@ void runPose(const PoseOptions& options) {
     checkInputs(inputs);
     checkOutput(options.output, inputs);
     io::checkLatticeTarget(options.output);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     Lattice lattice = readLattice(options.lattice, stages);
     Posing posing(lattice);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/pose_file.h>
@@ -43,7 +42,7 @@ void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) 
 }
 
 void runRefine(const RefineOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     checkOutput(options.output, {{"LATTICE|MESH|CURVE", options.lattice}});
     Stages stages(options.common.quiet);
     const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run.h"
 
+#include <espalier/base/parallel.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -112,6 +113,12 @@ std::size_t peakMemory() {
     ::rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+void limitThreads(int threads) {
+    // Never destroyed: when a limit ends, oneTBB may start threads, and ends the program if there
+    // is no memory for their stacks.
+    [[maybe_unused]] static const auto* const limit = new ThreadLimit(threads);
 }
 
 int threadCount([[maybe_unused]] int limit) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/embed/basis_functions.h>
 #include <espalier/io/files/file.h>
@@ -145,7 +144,7 @@ void write(const Export& matrix, const StencilsOptions& options) {
 
 void runStencils(const StencilsOptions& options) {
     checkBasis(options.bind);
-    const ThreadLimit limit(options.common.threads);
+    limitThreads(options.common.threads);
     std::vector<Input> inputs = {{"LATTICE", options.lattice}};
     if (!options.points.empty()) inputs.push_back({"--points", options.points});
     checkInputs(inputs);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/executor.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
 #include <espalier/far/topology_refiner.h>
@@ -58,6 +59,9 @@ TEST(MemoryLimit, RefusesEveryAmountOnceItIsExceeded) {
 }
 
 TEST(MemoryLimit, StopsLoopsThatExceedTheLimit) {
+    // On many threads, the loop may end before the memory is checked.
+    SerialExecutor serial;
+    const ExecutorScope onThisThread(serial);
     std::vector<std::vector<char>> taken(200);
     const auto takeMemory = [&](Offset first, Offset) {
         taken[first].assign(1 << 20, 1);

@@ -57,6 +57,10 @@ class OnATerminal(FaultsTest):
 
     def setUp(self):
         super().setUp()
+        # At level 6 of irregular cells, one thread binds for some tenths of a second: much longer than this process
+        # waits for a core.
+        self.run_program("shape", "cylinder", "--sectors", 3, "--from", 0.5, 0.5, -0.5, "--to", 0.5, 0.5, 1.5,
+                         "-o", "rest.vtu", "--quiet")
         self.write_model(icosphere_points(20000))
         self.put("m.espb", "old")
         # A test in the background may have inherited ignored signals.
@@ -67,11 +71,11 @@ class OnATerminal(FaultsTest):
         """Sets a handler in this process and in its children, until the test ends."""
         self.addCleanup(signal.signal, number, signal.signal(number, handler))
 
-    def bind_until(self, stage, then, output="m.espb", level=4):
+    def bind_until(self, stage, then, output="m.espb", level=6):
         """Returns the signal that killed the program, or its exit code, and the text on the terminal."""
         master, slave = pty.openpty()
-        process = self.start("bind", "model.obj", "--rest", "rest.vtu", "-n", level, "-o", output,
-                             stdout=subprocess.DEVNULL, stderr=slave)
+        process = self.start("bind", "model.obj", "--rest", "rest.vtu", "-n", level, "--threads", 1,
+                             "-o", output, stdout=subprocess.DEVNULL, stderr=slave)
         os.close(slave)
         screen = ""
         try:
@@ -147,6 +151,10 @@ class Signals(FaultsTest):
         self.run_program(*self.stencils)
         self.files = self.contents()
         self.handle_default()
+        # SIGQUIT must not leave a core file here.
+        cores = resource.getrlimit(resource.RLIMIT_CORE)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, cores[1]))
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_CORE, cores)
 
     def handle_default(self):
         # A test in the background may have inherited ignored signals.
@@ -217,6 +225,14 @@ class Files(FaultsTest):
             output = "out/a.vtu" if command[0] == "refine" else "out/a.mtx"
             self.assert_fails(f"{output}: cannot create a file beside it: Permission denied",
                               *command, "-n", 1, "-o", output, **who)
+
+    def test_with_one_thread_no_other_is_started(self):
+        # At the end of a limit of threads, oneTBB may start threads, and ends the program if it cannot.
+        who = self.as_nobody()
+        self.path.chmod(0o777)
+        process = self.start("refine", "rest.vtu", "-n", 3, "--threads", 1, "-o", "r.vtu", "--quiet", **who,
+                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NPROC, (1, 1)))
+        self.assertEqual(process.wait(timeout=120), 0)
 
     def test_what_may_not_be_read_is_named(self):
         who = self.as_nobody()
@@ -409,8 +425,8 @@ class Memory(FaultsTest):
                                 (resource.RLIMIT_DATA, 100)]:
             size = megabytes << 20
             self.assert_fails(re.compile(r"out of memory while refining: [0-9.]+ MB were in use at most; "
-                                         r"the limit is [0-9.]+ GB \(--max-memory\)"), "refine", "rest.vtu", "-n", 6, "--threads", 1,
-                              "-o", "r.vtu",
+                                         r"the limit is [0-9.]+ [MGT]B \(--max-memory\)"),
+                              "refine", "rest.vtu", "-n", 6, "--threads", 1, "-o", "r.vtu",
                               preexec_fn=lambda: resource.setrlimit(kind, (size, size)))
 
     def test_allocations_that_fail(self):

@@ -280,19 +280,22 @@ TEST(Arena, UsesTheArenaOfTheCaller) {
 // Cancelling a oneTBB group of the host does not cancel our loops: a loop that skipped ranges would
 // leave uninitialized numbers.
 TEST(Arena, LoopInACancelledGroupCompletes) {
-    tbb::task_group group;
-    std::atomic<bool> isBegun = false;
     std::vector<std::atomic<int>> visits(500);
-    group.run([&] {
-        parallelFor(500, 1, [&](Offset first, Offset) {
-            isBegun = true;
-            ++visits[first];
-            std::this_thread::sleep_for(std::chrono::microseconds(20));
+    // Two threads also on one core: this thread waits for the other one to begin.
+    withThreads(2, [&] {
+        tbb::task_group group;
+        std::atomic<bool> isBegun = false;
+        group.run([&] {
+            parallelFor(500, 1, [&](Offset first, Offset) {
+                isBegun = true;
+                ++visits[first];
+                std::this_thread::sleep_for(std::chrono::microseconds(20));
+            });
         });
+        while (!isBegun) std::this_thread::yield();
+        group.cancel();
+        group.wait();
     });
-    while (!isBegun) std::this_thread::yield();
-    group.cancel();
-    group.wait();
     for (const auto& count : visits) EXPECT_EQ(count, 1);
 }
 #endif

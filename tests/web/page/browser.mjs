@@ -15,6 +15,9 @@ const kFlags =
   "--disable-component-update --disable-sync --use-gl=angle --use-angle=swiftshader " +
   "--enable-unsafe-swiftshader";
 
+/** How long to wait for what must happen, in milliseconds: long, for a machine that is busy. */
+export const kPatience = 120_000;
+
 export function openBrowser() {
   return chromium.launch({ executablePath: "/usr/bin/chromium", args: kFlags.split(" ") });
 }
@@ -24,6 +27,7 @@ export function openBrowser() {
  * @param options of playwright-core, such as viewport */
 export async function openPage(browser, { file = pageFile, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 900, height: 600 }, ...options });
+  context.setDefaultTimeout(kPatience);
   const page = await context.newPage();
   page.errors = [];
   page.on("pageerror", (error) => page.errors.push(String(error)));

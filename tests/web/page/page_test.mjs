@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { describe, test } from "node:test";
-import { settled } from "./browser.mjs";
+import { kPatience, settled } from "./browser.mjs";
 import {
   choose,
   clickVertex,
@@ -14,6 +14,7 @@ import {
   dragHandles,
   file,
   folder,
+  handlesLetGo,
   makeBox,
   message,
   openExample,
@@ -24,6 +25,21 @@ import {
   withPage,
 } from "./person.mjs";
 import { program } from "../program.mjs";
+
+/** The time in the document that the page has saved. (waitForFunction does not await promises.) */
+const timeOfSavedDocument = (page) =>
+  page.evaluate(async () => {
+    const resultOf = (request) =>
+      new Promise((resolve, reject) => {
+        request.onsuccess = () => resolve(request.result);
+        request.onerror = () => reject(request.error);
+      });
+    const database = await resultOf(indexedDB.open("espalier"));
+    const store = database.transaction("documents").objectStore("documents");
+    const saved = await resultOf(store.get("last"));
+    database.close();
+    return saved?.time;
+  });
 
 describe("the page", () => {
   test("undo goes back to the start, and redo to the end", () =>
@@ -253,8 +269,7 @@ describe("the page", () => {
       await page.mouse.down();
       await page.mouse.move(start.x + 40, start.y - 40, { steps: 4 });
       await page.mouse.up();
-      await page.waitForTimeout(300);
-      await settled(page);
+      await handlesLetGo(page);
       const now = await shownPoints(page);
       const moved = Math.hypot(...[0, 1, 2].map((c) => now[3 * pulled + c] - old[3 * pulled + c]));
       assert.ok(moved > 0.05, `the point moved by ${moved}`);
@@ -282,7 +297,9 @@ describe("the page", () => {
         lattice.positions[0] + 0.5 * (poses[0].positions[0] - lattice.positions[0]),
       );
       const points = await shownPoints(page);
-      await page.waitForTimeout(700);
+      const begin = Date.now();
+      while ((await timeOfSavedDocument(page)) !== 0.5)
+        assert.ok(Date.now() - begin < kPatience, "the document is not saved");
       await page.reload();
       await page.waitForSelector("html[data-ready]");
       await settled(page);

@@ -82,7 +82,7 @@ export const runLine = (line) =>
 
 /** Waits until something is so in the page, and is shown. */
 export async function until(page, condition) {
-  await page.waitForFunction(condition, null, { timeout: 20_000 });
+  await page.waitForFunction(condition);
   await settled(page);
 }
 
@@ -124,8 +124,15 @@ export async function dragHandles(page, dx, dy) {
   for (let step = 1; step <= 4; ++step)
     await page.mouse.move(from.x + (dx * step) / 4, from.y + (dy * step) / 4);
   await page.mouse.up();
-  await settled(page);
+  await handlesLetGo(page);
 }
+
+/** Waits until the document has what the handles did. */
+export const handlesLetGo = (page) =>
+  until(page, () => {
+    const { controls, start } = globalThis.espalier.gizmo;
+    return controls.enabled && start === null;
+  });
 
 /** Base64 passes to the test ten times as fast as numbers. */
 export const shownPoints = async (page) => {

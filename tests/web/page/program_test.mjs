@@ -230,7 +230,6 @@ describe("against the program", () => {
           (each) => document.querySelector(`[data-command="${each}"]`).click(),
           command,
         );
-        await page.waitForTimeout(50);
         await settled(page);
       };
       await pick(0, "max");
