@@ -83,11 +83,13 @@ public:
         // The comparisons are such that a NaN is inside. They have no branches: which side fails
         // first is unpredictable. GCC tests several points at a time if the flags have the type of
         // the coordinates.
-        for (std::size_t i = 0; i < count; ++i)
-            isOutside_[i] = ((x[i] < low[0]) | (x[i] > high[0]) | (y[i] < low[1]) |
-                             (y[i] > high[1]) | (z[i] < low[2]) | (z[i] > high[2]))
-                                ? 1.0
-                                : 0.0;
+        const auto isLess = [](double a, double b) { return static_cast<unsigned>(a < b); };
+        for (std::size_t i = 0; i < count; ++i) {
+            const unsigned isOutside = isLess(x[i], low[0]) | isLess(high[0], x[i]) |
+                                       isLess(y[i], low[1]) | isLess(high[1], y[i]) |
+                                       isLess(z[i], low[2]) | isLess(high[2], z[i]);
+            isOutside_[i] = isOutside != 0 ? 1.0 : 0.0;
+        }
         for (std::size_t i = 0; i < count; ++i)
             if (isOutside_[i] == 0 && hull.contains({x[i], y[i], z[i]}))
                 found.push_back(numbers_[i]);
