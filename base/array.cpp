@@ -27,8 +27,8 @@ void preferLargePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_
 }
 
 void* allocateLargePages(std::size_t bytes) {
-    // To allocate aligned memory would be simpler. But glibc before 2.38 does not fill the gaps
-    // that it leaves around aligned memory: a process that refined a lattice again and again held
+    // An aligned operator new would be simpler. But glibc before 2.38 leaves gaps around aligned
+    // memory and does not use them again: a process that refined a lattice again and again held
     // five times the memory of one lattice.
     constexpr std::size_t kMore = kPage + sizeof(void*);
     if (bytes > static_cast<std::size_t>(-1) - kMore - kPage) throw std::bad_alloc();

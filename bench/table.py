@@ -249,7 +249,7 @@ FIGURES = (
     """**Binding,** once for each model, takes {bind} for a million points in a lattice of 1,000 cells. VTK
     takes {vtk} for a part of this work.""")
 
-BEHIND = """Espalier is not ahead everywhere. ITK applies a first pose to a box lattice in a third of the time
+BEHIND = """Espalier is not ahead everywhere. ITK computes a first pose in a box lattice in a third of the time
 (see *Further peers*). The smallest lead over OpenSubdiv is in refining the topology of a surface: {refine_low:.1f} to
 {refine_high:.1f} times as fast on one thread."""
 

@@ -18,7 +18,7 @@ constexpr std::array<std::array<int, 3>, 8> kCorner = {
 
 /// Interpolates between a at t = 0 and b at t = 1, exact at both ends.
 Vector3d between(const Vector3d& a, const Vector3d& b, double t) {
-    // Written out: of Eigen's expressions, GCC inlines only some in a large file.
+    // For each axis, since GCC stops inlining Eigen's expressions when a file is large.
     return {(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1], (1 - t) * a[2] + t * b[2]};
 }
 

@@ -119,8 +119,8 @@ class MemoryTest(CliTest):
 
     def test_what_is_not_known_beforehand_is_stopped(self):
         # The points are outside, and the tolerance is so wide that each of them may be in every cell of level 9.
-        # Timing decides which comes first: the memory in use exceeds the limit, the system refuses memory, or a part
-        # of the work whose size is known by then (a part of the lattice, a table) does not fit into the rest.
+        # Timing decides which comes first: the memory in use exceeds the limit, the system refuses memory, or the
+        # program is about to refine cells or to make a table, and knows that this takes more than the limit leaves.
         self.lattice()
         points = self.points(1000, z=1.5)
         peak, error = self.peak_and_error("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
