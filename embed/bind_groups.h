@@ -60,7 +60,7 @@ void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, I
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::FactoredTable<double>& result);
 
-/// Adds the remaining data of a binding: the topology of the base, and the points without a place.
+/// Adds the remaining data of a binding: the topology of the base, and the points without a row.
 template <class Table>
 void completeBinding(const far::CellComplex& base, std::span<const Point3> points,
                      BindingOf<Table>& binding) {
@@ -71,6 +71,18 @@ void completeBinding(const far::CellComplex& base, std::span<const Point3> point
         binding.kept.push_back(i);
         binding.keptAt.push_back(points[i]);
     }
+}
+
+/// Does the same for a model with the statuses of its points. A point inside without a row is
+/// NotConverged: its place has unbounded weights (kMaxRowSum).
+/// \throws Error under OutsidePolicy::Error if a point is not inside
+template <class Table>
+void completeBinding(const far::CellComplex& base, std::span<const Point3> points,
+                     OutsidePolicy outside, BindingResultOf<Table>& model) {
+    completeBinding(base, points, model.binding);
+    for (const Index i : model.binding.kept)
+        if (model.statuses[i] == PointStatus::Inside) model.statuses[i] = PointStatus::NotConverged;
+    if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
 }
 
 /// Binds points in parallel, group by group; the points of a group are near each other.
@@ -113,10 +125,9 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
                 std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
             parts.push_back(std::move(part));
         }
-    if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
                model.binding.table);
-    completeBinding(base.level(0).complex, points, model.binding);
+    completeBinding(base.level(0).complex, points, outside, model);
     return model;
 }
 

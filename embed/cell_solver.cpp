@@ -30,11 +30,6 @@ constexpr double kOnFace = 1e-10;
 /// both cells however its coordinates were rounded.
 constexpr double kBoxSlack = 1e-12;
 
-/// Upper bound of an offset from the nearest place, in cells that are as wide as they are long. A
-/// larger offset means that the cell is flat: with weights of that size, the point would move
-/// wildly in any other pose.
-constexpr double kMaxOffset = 1e4;
-
 const far::CellComplex& checked(const far::CellComplex& complex,
                                 std::span<const Point3> positions) {
     checkPositions(complex, positions);
@@ -82,13 +77,15 @@ CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> 
       scale_(scale) {}
 
 std::optional<LocatedPoint> CellSolver::resultIfUnreachable(const Vector3d& point,
-                                                            bool seekNearest) {
-    // Cells may be as small as a millionth of the lattice. From farther away, the distances to all
-    // of these cells would be equal up to rounding, and all cells would be candidates.
-    constexpr double kFarthest = 1e8;
-    if ((point.array().abs() <= kFarthest).all()) return std::nullopt;
-    const bool isOutside = point.allFinite() && !seekNearest;
-    return LocatedPoint{isOutside ? PointStatus::Outside : PointStatus::NotConverged, {}, 0, 0};
+                                                            const Point3& vertex, double size) {
+    // Weights that sum to 1 and reproduce the point sum to at least distance / size in absolute
+    // value, since no vertex is farther from another than the size. From very far away, all cells
+    // would be equally near up to rounding, and all would be searched.
+    constexpr double kFarthest = 100;
+    static_assert(kFarthest > 10 * kMaxRowSum);
+    if (!point.allFinite()) return LocatedPoint{PointStatus::NotConverged, {}, 0, 0};
+    if ((point - Vector3d(vertex.data())).stableNorm() <= kFarthest * size) return std::nullopt;
+    return LocatedPoint{PointStatus::Outside, {}, 0, 0};
 }
 
 Eigen::AlignedBox3d CellSolver::boxOf(CellId cell) const {
@@ -219,38 +216,54 @@ bool CellSolver::isOnBoundary(const CellPlace& place) const {
     });
 }
 
-LocatedPoint CellSolver::locateOutsideCells(const Vector3d& point, CellId nearest,
-                                            bool seekNearest) const {
-    CellPlace place = nearestPlace(nearest, point);
-    const double distance = (positionOf(place) - point).norm();
-    LocatedPoint result;
-    result.distance = distance;
-    const bool isInside = distance <= scale_.tolerance || !isOnBoundary(place);
-    const PointStatus status = isInside ? PointStatus::Inside : PointStatus::Outside;
-    if (!isInside && !seekNearest) {
-        result.status = status;
-        return result;
-    }
-    const auto continued =
+CellSolver::NearestPlace CellSolver::nearestIn(CellId cell, const Vector3d& point) const {
+    const CellPlace place = nearestPlace(cell, point);
+    return {place, (positionOf(place) - point).norm()};
+}
+
+/// Continues the map along its tangent, up to a point. Returns nothing if the cell is flat.
+std::optional<LocatedPoint> CellSolver::continued(const Vector3d& point,
+                                                  const NearestPlace& nearest) const {
+    LocatedPoint result{PointStatus::Outside, nearest.place, nearest.distance, 0};
+    CellPlace& place = *result.place;
+    const auto continuation =
         continueTo(point, jacobianAt(place), scale_.size, [&](const Vector3d& offset) {
             place.offset = toArray(offset);
             // Computes the position from the weights, as the deformation does.
             return weightedSum(placeWeights(complex_, place),
                                [&](Index vertex) { return positionOf(vertex); });
         });
-    if (continued) {
-        place.offset = toArray(continued->offset);
-        const double cells = isInside ? 1 : 1 + distance / boxOf(nearest).diagonal().norm();
-        const bool isSteady = continued->offset.norm() < kMaxOffset * cells;
-        if (isSteady && isSettled(continued->position, point, scale_.size))
-            return {status, place, distance, (continued->position.sum - point).norm()};
-    }
-    // A point within the tolerance may get the nearest place itself if there is no better solution.
-    if (distance <= scale_.tolerance) {
-        place.offset = {};
-        return {PointStatus::Inside, place, distance, distance};
-    }
+    if (!continuation || !isSettled(continuation->position, point, scale_.size))
+        return std::nullopt;
+    place.offset = toArray(continuation->offset);
+    result.residual = (continuation->position.sum - point).norm();
     return result;
+}
+
+LocatedPoint CellSolver::settle(const Vector3d& point, const NearestPlace& nearest,
+                                double tolerance) const {
+    if (auto there = continued(point, nearest)) {
+        if (isWithin(there->place->offset, kMaxGap)) {
+            there->status = PointStatus::Inside;
+            return *there;
+        }
+    }
+    if (nearest.distance <= tolerance)
+        return {PointStatus::Inside, nearest.place, nearest.distance, nearest.distance};
+    return {PointStatus::Outside, {}, nearest.distance, 0};
+}
+
+LocatedPoint CellSolver::locateInGap(const Vector3d& point, CellId nearest) const {
+    const NearestPlace there = nearestIn(nearest, point);
+    if (there.distance > scale_.tolerance && isOnBoundary(there.place))
+        return {PointStatus::Outside, {}, there.distance, 0};
+    return settle(point, there, scale_.tolerance);
+}
+
+LocatedPoint CellSolver::carry(const Vector3d& point, CellId nearest) const {
+    const NearestPlace there = nearestIn(nearest, point);
+    return continued(point, there)
+        .value_or(LocatedPoint{PointStatus::Outside, {}, there.distance, 0});
 }
 
 }  // namespace espalier::embed

@@ -40,13 +40,13 @@ public:
     /// \cost O(cells), in parallel: 0.08 s for 500,000 on one thread
     CellSolver(const far::CellComplex& complex, std::span<const Point3> positions, Scale scale);
 
-    /// Returns the result for a point that cannot be located: one that is not finite, or one so far
-    /// away (1e8 sizes of the lattice) that rounding makes all cells equally near. Returns nothing
-    /// for all other points.
+    /// Returns the result for a point that needs no search: it is not finite, or so far away that
+    /// its weights would exceed kMaxRowSum by far. Returns nothing for all other points.
     ///
-    /// \param point in units of the lattice (LengthUnit)
+    /// \param vertex any vertex of the lattice
+    /// \param size of the lattice
     static std::optional<LocatedPoint> resultIfUnreachable(const Eigen::Vector3d& point,
-                                                           bool seekNearest);
+                                                           const Point3& vertex, double size);
 
     /// Returns a box that contains the points in a cell, the points within the tolerance of it, and
     /// the points in the gaps beside it.
@@ -59,18 +59,37 @@ public:
     std::optional<LocatedPoint> locateIn(const Eigen::Vector3d& point,
                                          std::span<const Index> cells) const;
 
+    /// The place of a cell that is nearest to a point outside the cell.
+    struct NearestPlace {
+        CellPlace place;
+        double distance = 0;
+    };
+    NearestPlace nearestIn(CellId cell, const Eigen::Vector3d& point) const;
+
     /// Returns the distance of a point from a cell. The point must not be inside.
     double distance(const Eigen::Vector3d& point, CellId cell) const {
-        return (positionOf(nearestPlace(cell, point)) - point).norm();
+        return nearestIn(cell, point).distance;
     }
 
-    /// Locates a point that is in no cell, by continuing the map of the nearest cell along its
-    /// tangent. The point may be in a gap between cells, within the tolerance of the lattice, or
-    /// outside.
+    /// Locates a point that is in no cell, but in the box of one. The point is Inside if it is
+    /// within the tolerance of the lattice, or in a gap between cells, and Outside otherwise.
     /// \param nearest the cell of the least distance()
-    /// \param seekNearest whether to find a place for a point outside
-    LocatedPoint locateOutsideCells(const Eigen::Vector3d& point, CellId nearest,
-                                    bool seekNearest) const;
+    LocatedPoint locateInGap(const Eigen::Vector3d& point, CellId nearest) const;
+
+    /// Continues the map of the nearest cell along its tangent to a point beside the cell. The
+    /// point is Inside if the way is at most a cell long (kMaxGap). Otherwise a point within the
+    /// tolerance gets the nearest place itself, and any other point is Outside.
+    LocatedPoint settle(const Eigen::Vector3d& point, const NearestPlace& nearest,
+                        double tolerance) const;
+
+    /// Gives a point outside the lattice a place, by continuing the map of the nearest cell along
+    /// its tangent, however long the way is. The point has no place if the cell is flat.
+    LocatedPoint carry(const Eigen::Vector3d& point, CellId nearest) const;
+
+    /// Longest way along the tangent to a point that counts as inside, in each coordinate of the
+    /// cell: a gap is never larger than the cells beside it. Weights over the vertices of the level
+    /// then sum to at most 7 in absolute value: 1 for the place, and 2 for each axis.
+    static constexpr double kMaxGap = 1;
 
 private:
     /// A tetrahedron of a type-n cell: its apex, and the edges from the apex.
@@ -82,6 +101,8 @@ private:
     std::optional<LocatedPoint> findIn(CellId cell, const Eigen::Vector3d& point,
                                        bool thoroughly) const;
     CellPlace nearestPlace(CellId cell, const Eigen::Vector3d& point) const;
+    std::optional<LocatedPoint> continued(const Eigen::Vector3d& point,
+                                          const NearestPlace& nearest) const;
     Eigen::Matrix3d jacobianAt(const CellPlace& place) const;
     std::vector<Index> supportOf(const CellPlace& place) const;
     bool isOnBoundary(const CellPlace& place) const;

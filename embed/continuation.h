@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -47,6 +49,11 @@ inline bool isSettled(const WeightedSum& position, const Eigen::Vector3d& point,
     constexpr double kRounding = 1e-15;
     return (position.sum - point).norm() <=
            std::max(kResidual * std::max(size, point.norm()), kRounding * position.size);
+}
+
+/// Returns true if each coordinate of an offset is at most `length`.
+inline bool isWithin(const std::array<double, 3>& offset, double length) {
+    return std::ranges::all_of(offset, [&](double along) { return std::abs(along) <= length; });
 }
 
 /// An offset from a place to a point, in the coordinates of the place's cell.

@@ -3,6 +3,7 @@
 #include <espalier/embed/embedding.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/point_location.h>
+#include <espalier/embed/row_bound.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
@@ -136,6 +137,21 @@ stencils::FactoredTable<double> factoredTable(const far::CellComplex& complex,
     return {stencilsFor(weights.columns), std::move(weights.table)};
 }
 
+stencils::FactoredTable<double> factorsOf(const far::TopologyRefiner& refiner, int level,
+                                          const Embedding& embedding) {
+    return factoredTable(refiner.level(level).complex, embedding,
+                         [&](std::span<const Index> vertices) {
+                             return stencils::buildStencils(refiner, level, vertices);
+                         });
+}
+
+stencils::FactoredTable<double> factorsOf(const stencils::Levels& levels,
+                                          const Embedding& embedding) {
+    return factoredTable(
+        levels.finestLevel().complex, embedding,
+        [&](std::span<const Index> vertices) { return levels.stencils(vertices); });
+}
+
 /// Returns D, the product of its factors.
 stencils::StencilTable<double> multiplied(const stencils::FactoredTable<double>& factors,
                                           const far::TopologyRefiner& refiner, int level,
@@ -144,25 +160,6 @@ stencils::StencilTable<double> multiplied(const stencils::FactoredTable<double>&
     return stencils::multiply(factors.points, factors.vertices,
                               orderByBaseCell(embedding, origins.of(3), origins.count()));
 }
-
-}  // namespace
-
-stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
-                                                   const Embedding& embedding) {
-    return factoredTable(refiner.level(level).complex, embedding,
-                         [&](std::span<const Index> vertices) {
-                             return stencils::buildStencils(refiner, level, vertices);
-                         });
-}
-
-stencils::FactoredTable<double> buildFactoredTable(const stencils::Levels& levels,
-                                                   const Embedding& embedding) {
-    return factoredTable(
-        levels.finestLevel().complex, embedding,
-        [&](std::span<const Index> vertices) { return levels.stencils(vertices); });
-}
-
-namespace {
 
 /// Computes D where rows of S are long: multiplies from the left, so that only rows of points are
 /// carried to the base.
@@ -185,18 +182,31 @@ bool hasLongRows(const far::TopologyRefiner& refiner) {
 
 }  // namespace
 
+stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
+                                                   const Embedding& embedding) {
+    return boundRows(factorsOf(refiner, level, embedding));
+}
+
+stencils::FactoredTable<double> buildFactoredTable(const stencils::Levels& levels,
+                                                   const Embedding& embedding) {
+    return boundRows(factorsOf(levels, embedding));
+}
+
 stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
                                                      const Embedding& embedding) {
-    if (hasLongRows(refiner))
-        return multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level), embedding);
-    return multiplied(buildFactoredTable(refiner, level, embedding), refiner, level, embedding);
+    return boundRows(
+        hasLongRows(refiner)
+            ? multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level), embedding)
+            : multiplied(factorsOf(refiner, level, embedding), refiner, level, embedding));
 }
 
 stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,
                                                      const Embedding& embedding) {
     const far::TopologyRefiner& refiner = levels.refiner();
-    if (hasLongRows(refiner)) return multipliedFromPoints(refiner, levels.tables(), embedding);
-    return multiplied(buildFactoredTable(levels, embedding), refiner, levels.finest(), embedding);
+    return boundRows(
+        hasLongRows(refiner)
+            ? multipliedFromPoints(refiner, levels.tables(), embedding)
+            : multiplied(factorsOf(levels, embedding), refiner, levels.finest(), embedding));
 }
 
 }  // namespace espalier::embed

@@ -20,13 +20,24 @@ namespace espalier::embed {
 
 /// How to treat a point outside the region of the lattice.
 enum class OutsidePolicy {
-    Keep,     ///< the point stays in place: its row of D is empty
-    Nearest,  ///< the nearest cell carries the point, along the tangent of the cell's map
-    Error     ///< binding throws an exception
+    Keep,  ///< the point stays in place: its row of D is empty
+    /// The nearest cell carries the point, along the tangent of the cell's map. A point whose
+    /// weights would sum to more than kMaxRowSum in absolute value stays in place, as under Keep.
+    Nearest,
+    Error  ///< binding throws an exception
 };
 inline constexpr Word<OutsidePolicy> kOutsidePolicyWords[] = {{"keep", OutsidePolicy::Keep},
                                                               {"nearest", OutsidePolicy::Nearest},
                                                               {"error", OutsidePolicy::Error}};
+
+/// Upper bound of Σ |w| in each row of D. No pose moves a point farther than this multiple of the
+/// largest displacement of a vertex.
+///
+/// The weights of points in cells of well-shaped lattices sum to little more than 1. They grow with
+/// the distance of a point outside: by 2 for each cell of the base along an axis. So a point beside
+/// a face of a box is carried up to 3.5 cells away. Beside a cell that is nearly flat or folded,
+/// the tangent is no guide to the surroundings of the cell, and weights grow beyond all bounds.
+inline constexpr double kMaxRowSum = 8;
 
 /// The finest level that points can be bound to. Its cells are a millionth of a base cell across,
 /// about the default tolerance: on finer levels a point would be within the tolerance of more and
@@ -68,6 +79,16 @@ struct PlacedPoints {
             if (point.place) largest = std::max(largest, point.residual);
         return largest;
     }
+
+    /// The same for the points that have a row.
+    /// \param rows one per point
+    double largestResidual(const stencils::StencilTable<double>& rows) const {
+        double largest = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (!rows.columns(static_cast<Index>(i)).empty())
+                largest = std::max(largest, points[i].residual);
+        return largest;
+    }
 };
 
 /// Places of points in the cells of level 1 or above.
@@ -105,7 +126,8 @@ ESPALIER_API stencils::RowOrder orderByBaseCell(const Embedding& embedding,
 
 /// Returns D = W · S_level: row i contains the weights of point i over the base vertices, so that
 /// x' = D · p'. D is also the Jacobian of the points by the lattice vertices. Rows sum to 1, or are
-/// empty. Only the rows of S_level that W needs are computed.
+/// empty. A row whose weights would sum to more than kMaxRowSum in absolute value is empty. Only
+/// the rows of S_level that W needs are computed.
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries), in parallel
@@ -116,7 +138,8 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,
                                                                   const Embedding& embedding);
 
-/// Returns W and the rows of S_level that it needs, in the order of the vertices of the level.
+/// Returns W and the rows of S_level that it needs, in the order of the vertices of the level. A
+/// row of W is empty where the row of D is.
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries of S_level), in parallel

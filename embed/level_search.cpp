@@ -27,6 +27,7 @@ LevelSearch::LevelSearch(const RestLattice& lattice, int level, const EmbeddingO
     : level_(level),
       seekNearest_(options.outside == OutsidePolicy::Nearest),
       scale_(CellSolver::scaleOf(lattice.positions, options.tolerance)),
+      vertex_(lattice.positions.front()),
       descent_(lattice, scale_) {}
 
 void LevelSearch::locate(std::span<const Point3> points, Extent extent,
@@ -71,7 +72,7 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, std::optio
     for (const Index i : part.points) {
         const Vector3d point(points[i].data());
         const auto near = found ? cells.of(i) : std::span<const Index>();
-        auto located = CellSolver::resultIfUnreachable(point, seekNearest_);
+        auto located = CellSolver::resultIfUnreachable(point, vertex_, scale_.size);
         if (!located && found) located = solver->locateIn(point, near);
         // A gap is inside the boxes of the cells beside it, so a point in no box is outside.
         if (!located && (seekNearest_ || !near.empty())) unsettled.push_back(i);
@@ -85,7 +86,8 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, std::optio
     return part;
 }
 
-/// Locates points that are in no cell, by the nearest cell.
+/// Locates points that are in no cell, by the nearest cell. The candidates of a point include all
+/// cells whose boxes contain the point (Sought::Nearest).
 LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points, Descent& found) const {
     LocatedPart part = partOf(points.size());
     const far::CellComplex& complex = found.levels.finestLevel().complex;
@@ -98,8 +100,15 @@ LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points, Desc
         std::pair nearest(std::numeric_limits<double>::infinity(), kMaxIndex);
         for (const Index cell : cells.of(i))
             nearest = std::min(nearest, {solver.distance(point, CellId(cell)), cell});
-        part.embedding.points.push_back(
-            solver.locateOutsideCells(point, CellId(nearest.second), seekNearest_));
+        const CellId cell(nearest.second);
+        // As in locateInside(), a point in no box is outside.
+        const bool mayBeInGap = std::ranges::any_of(
+            cells.of(i), [&](Index near) { return solver.boxOf(CellId(near)).contains(point); });
+        LocatedPoint located{PointStatus::Outside, {}, nearest.first, 0};
+        if (mayBeInGap) located = solver.locateInGap(point, cell);
+        if (located.status == PointStatus::Outside && seekNearest_)
+            located = solver.carry(point, cell);
+        part.embedding.points.push_back(located);
     }
     part.levels = std::move(found.levels);
     part.baseVertices = std::move(found.baseVertices);

@@ -50,6 +50,7 @@ private:
     int level_;
     bool seekNearest_;
     CellSolver::Scale scale_;
+    Point3 vertex_;  ///< any vertex of the lattice
     PointDescent descent_;
 };
 

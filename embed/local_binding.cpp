@@ -54,8 +54,10 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
         part.points = std::move(located.points);
         for (const LocatedPoint& point : located.embedding.points)
             part.statuses.push_back(point.status);
-        part.largestResidual = located.embedding.largestResidual();
-        if (located.levels) part.table = rowsIn<Table>(*located.levels, located.embedding);
+        if (located.levels) {
+            part.table = rowsIn<Table>(*located.levels, located.embedding);
+            part.largestResidual = located.embedding.largestResidual(pointRows(part.table));
+        }
         part.baseVertices = std::move(located.baseVertices);
         parts.push_back(std::move(part));
     });
@@ -147,9 +149,10 @@ PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const P
     const Embedding embedding = embed();
     const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
     PointsInLevel located{{},
-                          embedding.largestResidual(),
+                          0,
                           buildFactoredTable(refiner, level, embedding),
                           orderByBaseCell(embedding, origins.of(3), origins.count())};
+    located.largestResidual = embedding.largestResidual(located.factors.points);
     located.statuses.reserve(points.size());
     for (const LocatedPoint& point : embedding.points) located.statuses.push_back(point.status);
     return located;
@@ -183,10 +186,9 @@ BindingResultOf<Table> bindToWholeLevel(const far::TopologyRefiner& base, const 
     BindingResultOf<Table> model;
     model.statuses.resize(points.size());
     for (std::size_t i = 0; i < order.size(); ++i) model.statuses[order[i]] = located.statuses[i];
-    if (options.embedding.outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     model.largestResidual = unit.fromUnits(located.largestResidual);
     orderRows(std::move(located.factors), located.byBaseCell, order, model.binding.table);
-    completeBinding(base.level(0).complex, points, model.binding);
+    completeBinding(base.level(0).complex, points, options.embedding.outside, model);
     return model;
 }
 

@@ -8,12 +8,12 @@
 
 namespace espalier::embed {
 
+/// Where a point is. It does not depend on the policy for points outside.
 enum class PointStatus : std::uint8_t {
     Inside,       ///< in a cell, in a gap between two cells, or within the tolerance of the lattice
     Outside,      ///< outside the region that the cells fill
     NotConverged  ///< no place reproduces the point: its cell is degenerate, or a coordinate is not
-                  ///< finite; or the nearest cell should carry the point, and the point is farther
-                  ///< away than 1e8 times the size of the lattice
+                  ///< finite
 };
 
 /// The result of locating a point in a lattice. Place is CellPlace or TensorPlace.
@@ -38,8 +38,9 @@ struct Located {
 /// The residual is the rounding error of the solution. It is at most 1e-12 of the size of the
 /// lattice, or of the point's distance from the origin if that distance is larger. A point more
 /// than a few thousand cells away has large weights, and the residual is 1e-15 of their size. A
-/// cell may be too flat to solve for: if such a cell is the nearest one, a point within the
-/// tolerance gets the place nearest to it, and the residual is the distance to that place.
+/// point within the tolerance gets the place nearest to it if the way along the tangent is longer
+/// than the cell, or the cell is too flat to solve for: the residual is then the distance to that
+/// place.
 using LocatedPoint = Located<CellPlace>;
 
 }  // namespace espalier::embed

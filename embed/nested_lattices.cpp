@@ -28,10 +28,13 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
     // A vertex that would be kept in place has no row of weights.
     if (!bound.binding.kept.empty()) {
         const Index vertex = bound.binding.kept.front();
-        const bool isOutside = bound.statuses[vertex] == PointStatus::Outside;
-        throw Error("vertex " + std::to_string(vertex) + " of the child " +
-                    (isOutside ? "lies outside the parent lattice"
-                               : "cannot be placed in the parent lattice: its cell is degenerate"));
+        std::string why = "cannot be placed in the parent lattice: its cell is degenerate";
+        if (bound.statuses[vertex] == PointStatus::Outside) why = "lies outside the parent lattice";
+        if (bound.statuses[vertex] == PointStatus::Outside &&
+            options.embedding.outside == OutsidePolicy::Nearest)
+            why +=
+                ", and the nearest cell cannot carry it: it is too far away, or the cell is flat";
+        throw Error("vertex " + std::to_string(vertex) + " of the child " + why);
     }
     return stencils::multiply(child, bound.binding.table);
 }

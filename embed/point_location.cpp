@@ -32,7 +32,9 @@ PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Poin
     : unit_(positions),
       solver_(complex, unit_.toUnits(positions),
               {unit_.toUnits(scale.size), unit_.toUnits(scale.tolerance)}),
-      tree_(cellBoxes(solver_, complex.count(3))) {}
+      tree_(cellBoxes(solver_, complex.count(3))),
+      vertex_(unit_.toUnits(positions.front())),
+      size_(unit_.toUnits(scale.size)) {}
 
 LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) const {
     LocatedPoint located = locateInUnits(unit_.toUnits(position), seekNearest);
@@ -43,7 +45,7 @@ LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) cons
 
 LocatedPoint PointLocator::locateInUnits(const Point3& position, bool seekNearest) const {
     const Vector3d point(position.data());
-    if (const auto unreachable = CellSolver::resultIfUnreachable(point, seekNearest))
+    if (const auto unreachable = CellSolver::resultIfUnreachable(point, vertex_, size_))
         return *unreachable;
 
     std::vector<Index> candidates;
@@ -52,10 +54,15 @@ LocatedPoint PointLocator::locateInUnits(const Point3& position, bool seekNeares
     if (const auto found = solver_.locateIn(point, candidates)) return *found;
     // A gap is in the convex hull of the face beside it, and so in the boxes of the cells at the
     // face: a point in no box is outside.
-    if (candidates.empty() && !seekNearest) return {PointStatus::Outside, {}, 0, 0};
-    const auto nearest =
-        tree_.findNearest(point, [&](Index cell) { return solver_.distance(point, CellId(cell)); });
-    return solver_.locateOutsideCells(point, CellId(nearest.index), seekNearest);
+    LocatedPoint located{PointStatus::Outside, {}, 0, 0};
+    if (candidates.empty() && !seekNearest) return located;
+    const CellId nearest(
+        tree_.findNearest(point, [&](Index cell) { return solver_.distance(point, CellId(cell)); })
+            .index);
+    if (!candidates.empty()) located = solver_.locateInGap(point, nearest);
+    if (located.status == PointStatus::Outside && seekNearest)
+        located = solver_.carry(point, nearest);
+    return located;
 }
 
 }  // namespace espalier::embed

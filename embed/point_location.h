@@ -45,6 +45,8 @@ private:
     LengthUnit unit_;
     CellSolver solver_;  ///< of positions in units
     BoxTree tree_;
+    Point3 vertex_;  ///< any vertex of the lattice
+    double size_;    ///< of the lattice
 };
 
 }  // namespace espalier::embed

@@ -102,12 +102,11 @@ BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& un
                                      : std::function<void(Offset)>());
         for (std::size_t i = 0; i < numbers.size(); ++i)
             model.statuses[numbers[i]] = others.statuses[i];
-        if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
     }
     model.largestResidual =
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
     model.binding.table = rowsOf(places, search.spacing(), base.count(0), others.binding.table);
-    completeBinding(base, points, model.binding);
+    completeBinding(base, points, outside, model);
     return model;
 }
 

@@ -4,6 +4,7 @@
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/place_points.h>
+#include <espalier/embed/row_bound.h>
 #include <espalier/embed/tensor_product.h>
 #include <espalier/stencils/table_builder.h>
 
@@ -215,23 +216,28 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
     checkVertexCount(embedding.vertexCount, lattice.complex().count(0));
     // All rows are equally long; a row of a Bézier lattice contains every vertex.
     const auto& points = embedding.points;
+    const bool isCarried = std::ranges::any_of(points, [](const auto& point) {
+        return point.status == PointStatus::Outside && point.place;
+    });
     const auto first = std::find_if(points.begin(), points.end(),
                                     [](const auto& point) { return point.place.has_value(); });
     if (first != points.end())
         requireMemory(points.size() * lattice.weights(*first->place).size() *
                           (sizeof(Index) + sizeof(double)),
                       "a table of " + std::to_string(points.size()) + " rows");
-    return stencils::buildTableInPlace(static_cast<Index>(points.size()),
-                                       lattice.complex().count(0),
-                                       [&](Offset from, Offset to, stencils::RowList& rows) {
-                                           TensorLattice::Row row;
-                                           for (Offset i = from; i < to; ++i) {
-                                               row.weights.clear();
-                                               if (points[i].place)
-                                                   lattice.setWeights(*points[i].place, row);
-                                               rows.appendRow(row.weights);
-                                           }
-                                       });
+    auto table =
+        stencils::buildTableInPlace(static_cast<Index>(points.size()), lattice.complex().count(0),
+                                    [&](Offset from, Offset to, stencils::RowList& rows) {
+                                        TensorLattice::Row row;
+                                        for (Offset i = from; i < to; ++i) {
+                                            row.weights.clear();
+                                            if (points[i].place)
+                                                lattice.setWeights(*points[i].place, row);
+                                            rows.appendRow(row.weights);
+                                        }
+                                    });
+    // Weights of the bases are between 0 and 1 in the region.
+    return isCarried ? boundRows(std::move(table)) : table;
 }
 
 Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
@@ -249,7 +255,8 @@ BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> p
                          const EmbeddingOptions& options,
                          const std::function<void(Offset)>& progress) {
     const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
-    BindingResult result{makeBinding(lattice, embedding, points), {}, embedding.largestResidual()};
+    BindingResult result{makeBinding(lattice, embedding, points), {}, 0};
+    result.largestResidual = embedding.largestResidual(result.binding.table);
     result.statuses.reserve(points.size());
     for (const auto& point : embedding.points) result.statuses.push_back(point.status);
     return result;

@@ -104,8 +104,8 @@ ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
                                          const std::function<void(Offset)>& progress = {});
 
 /// Returns D: row i contains the weights of point i over the vertices of the lattice. Rows sum to
-/// 1, or are empty for points without a place. With a Bézier basis, D has up to points × vertices
-/// entries.
+/// 1, or are empty for points without a place and where weights would exceed kMaxRowSum. With a
+/// Bézier basis, D has up to points × vertices entries.
 ///
 /// \throws Error if the embedding is in a lattice with another number of vertices
 /// \cost O(entries), in parallel

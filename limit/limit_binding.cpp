@@ -2,12 +2,14 @@
 #include <espalier/base/error.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/regular_binding.h>
+#include <espalier/embed/row_bound.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -169,6 +171,7 @@ public:
                 const LimitOptions& options)
         : perLength_(unit.toUnits(1.0)),
           gradients_(options.gradients),
+          carriesOutside_(options.embedding.outside == embed::OutsidePolicy::Nearest),
           search_(lattice, forGradients(options)) {}
 
     using Part = embed::BoundPart<LimitTable>;
@@ -189,8 +192,13 @@ public:
                      numbers, parts);
             for (const Index i : unsettledOfThese) unsettled.push_back(some[i]);
         }
-        if (!unsettled.empty())
-            addParts(search_.findNearest(embed::chosenPoints(points, unsettled)), unsettled, parts);
+        if (unsettled.empty()) return parts;
+        std::vector<Index> outside;
+        addParts(search_.findBeside(embed::chosenPoints(points, unsettled), outside), unsettled,
+                 parts);
+        if (!carriesOutside_ || outside.empty()) return parts;
+        for (Index& i : outside) i = unsettled[i];
+        addParts(search_.carry(embed::chosenPoints(points, outside)), outside, parts);
         return parts;
     }
 
@@ -202,6 +210,7 @@ private:
         const stencils::Levels& levels = found.descent.levels;
         std::vector<Part> ofLevels(static_cast<std::size_t>(levels.finest()) + 1);
         std::vector<std::vector<LimitPlace>> places(ofLevels.size());
+        std::vector<std::vector<double>> residuals(ofLevels.size());
         Part without;
         for (std::size_t i = 0; i < found.points.size(); ++i) {
             const LocatedInLimit& located = found.points[i];
@@ -209,8 +218,8 @@ private:
             part.points.push_back(numbers[i]);
             part.statuses.push_back(located.status);
             if (!located.place) continue;
-            part.largestResidual = std::max(part.largestResidual, located.residual);
             places[located.place->level].push_back(*located.place);
+            residuals[located.place->level].push_back(located.residual);
         }
         std::vector<stencils::StencilTable<double>> rows, directions;
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
@@ -227,19 +236,27 @@ private:
                                                       stencils::RowMeaning::Spans);
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
             if (places[level].empty()) continue;
-            LimitTable& table = ofLevels[level].table;
-            table.points = std::move(tables[level]);
+            Part& part = ofLevels[level];
+            const std::vector<Index> unbounded = embed::unboundedRows(tables[level]);
+            part.table.points = embed::emptyRows(std::move(tables[level]), unbounded);
             if (gradients_) {
-                table.gradients = gradientsOf(directions[level], levels.positions(0), perLength_);
+                part.table.gradients =
+                    gradientsOf(directions[level], levels.positions(0), perLength_);
+                for (auto& gradient : part.table.gradients)
+                    gradient = embed::emptyRows(std::move(gradient), unbounded);
             }
-            ofLevels[level].baseVertices = found.descent.baseVertices;
-            parts.push_back(std::move(ofLevels[level]));
+            for (std::size_t i = 0; i < places[level].size(); ++i)
+                if (!part.table.points.columns(static_cast<Index>(i)).empty())
+                    part.largestResidual = std::max(part.largestResidual, residuals[level][i]);
+            part.baseVertices = found.descent.baseVertices;
+            parts.push_back(std::move(part));
         }
         if (!without.points.empty()) parts.push_back(std::move(without));
     }
 
     double perLength_;  ///< number of units in a length of 1
     bool gradients_;
+    bool carriesOutside_;
     LimitSearch search_;
 };
 

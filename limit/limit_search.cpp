@@ -21,6 +21,7 @@
 namespace espalier::limit {
 
 using Eigen::Vector3d;
+using embed::CellSolver;
 using embed::PatchSolver;
 using embed::TricubicPatch;
 using Extent = far::TopologyRefiner::Extent;
@@ -102,7 +103,7 @@ public:
                (blend_ && boxes_[i].exteriorDistance(point) > kFar * boxes_[i].diagonal().norm());
     }
     /// \pre isBlended() is true for some candidate
-    const embed::CellSolver& blend() const { return *blend_; }
+    const CellSolver& blend() const { return *blend_; }
 
     /// Returns the rows of a point on the limit of an irregular edge of candidate i: see
     /// EdgeSearch::find(). Null if the nearest cell is sought.
@@ -173,14 +174,14 @@ private:
     std::vector<embed::CellFrame> frames_;
     std::vector<std::uint8_t> isBlended_;
     std::vector<Eigen::AlignedBox3d> boxes_;  ///< contain the candidates, in the limit
-    std::optional<embed::CellSolver> blend_;
+    std::optional<CellSolver> blend_;
     EdgeSearch edges_;
 };
 
 LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options)
     : tolerance_(options.tolerance),
-      seekNearest_(options.embedding.outside == embed::OutsidePolicy::Nearest),
-      scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
+      scale_(CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
+      vertex_(lattice.positions.front()),
       descent_(lattice, scale_),
       refinements_(lattice.base.rules()) {}
 
@@ -232,8 +233,9 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                     return answer == PatchSolver::Answer::Undecided && level < kMaxLevelOfPatches;
                 }
                 if (auto rows = cells.onEdge(i, point)) {
-                    const Continued there = continued({level, EdgePlace{std::move(rows), {}}},
-                                                      found.descent.levels, point);
+                    const Continued there =
+                        continued({level, EdgePlace{std::move(rows), {}}}, found.descent.levels,
+                                  point, CellSolver::kMaxGap);
                     if (there.isSettled) {
                         located = {embed::PointStatus::Inside, there.place, 0, there.residual};
                         return false;
@@ -244,12 +246,12 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                 auto inside = cells.blend().locateIn(point, {&cell, 1});
                 if (!inside) {
                     // The cell is so small that rounding may put a point on its faces outside.
-                    inside = cells.blend().locateOutsideCells(point, CellId(cell), true);
-                    if (!(inside->distance <= descent_.rounding())) return false;
+                    const auto nearest = cells.blend().nearestIn(CellId(cell), point);
+                    if (!(nearest.distance <= descent_.rounding())) return false;
+                    inside = cells.blend().settle(point, nearest, descent_.rounding());
                 }
-                if (inside->place)
-                    located = {embed::PointStatus::Inside, LimitPlace{level, *inside->place}, 0,
-                               inside->residual};
+                located = {embed::PointStatus::Inside, LimitPlace{level, *inside->place}, 0,
+                           inside->residual};
                 return false;
             });
         });
@@ -263,7 +265,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
         if (located.place || std::binary_search(deep.begin(), deep.end(), static_cast<Index>(p)))
             continue;
         const auto beyond =
-            embed::CellSolver::resultIfUnreachable(Vector3d(points[p].data()), seekNearest_);
+            CellSolver::resultIfUnreachable(Vector3d(points[p].data()), vertex_, scale_.size);
         if (beyond)
             located.status = beyond->status;
         else
@@ -287,8 +289,8 @@ void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
             cellsOf[p].emplace_back(0, candidates.cells[i]);
-    const embed::CellSolver solver(descent.levels.finestLevel().complex,
-                                   descent.levels.finestPositions(), scale_);
+    const CellSolver solver(descent.levels.finestLevel().complex, descent.levels.finestPositions(),
+                            scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {
         auto& cells = cellsOf[p];
         if (cells.size() <= maxCells) continue;
@@ -310,12 +312,12 @@ void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point
     });
 }
 
-FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
-    // If points outside are kept in place, only points in gaps matter here.
-    std::vector<double> nearest(points.size(),
-                                seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
-    auto result =
-        search(points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
+/// Finds the nearest place of each point, among the places that are at most `reach` away. The
+/// places have no offset yet.
+FoundPoints LimitSearch::findNearest(std::span<const Point3> points, double reach) const {
+    std::vector<double> nearest(points.size(), reach);
+    return search(
+        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);
@@ -323,7 +325,6 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
                 const bool isPatch =
                     patch && (patch->isNearlyLinear() || level >= kMaxLevelOfPatches);
                 if (!isPatch && !cells.isBlended(i, point)) return true;
-                const Index cell = found.descent.candidates.cells[i];
                 LocatedInLimit& located = found.points[p];
                 LimitPlace place{level, {}};
                 double distance = 0;
@@ -332,10 +333,10 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
                     distance = patch->distance(uvw, point);
                     place.where = FramePlace{cells.frame(i), embed::toArray(uvw), {}, false};
                 } else {
-                    const auto there = cells.blend().locateOutsideCells(point, CellId(cell), true);
-                    if (!there.place) return false;
+                    const auto there =
+                        cells.blend().nearestIn(CellId(found.descent.candidates.cells[i]), point);
                     distance = there.distance;
-                    place.where = *there.place;
+                    place.where = there.place;
                 }
                 if (!located.place || distance < located.distance) {
                     located = {embed::PointStatus::Outside, place, distance, 0};
@@ -346,34 +347,45 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
             });
             descent_.keepNearest(found.descent, points, nearest);
         });
+}
+
+FoundPoints LimitSearch::findBeside(std::span<const Point3> points,
+                                    std::vector<Index>& outside) const {
+    FoundPoints result = findNearest(points, gap());
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
-        // There is no cell within the width of a gap.
-        if (!located.place && !seekNearest_) continue;
-        located = carried(located, result.descent.levels, Vector3d(points[p].data()));
+        if (!located.place || !(located.distance <= gap())) {
+            located.place.reset();
+            outside.push_back(static_cast<Index>(p));
+            continue;
+        }
+        const Continued there = continued(*located.place, result.descent.levels,
+                                          Vector3d(points[p].data()), CellSolver::kMaxGap);
+        located = {embed::PointStatus::Inside, there.place, located.distance, there.residual};
     }
     return result;
 }
 
-/// Continues the nearest place of a point along the tangent, up to the point.
-LocatedInLimit LimitSearch::carried(const LocatedInLimit& nearest, const stencils::Levels& levels,
-                                    const Vector3d& point) const {
-    if (!nearest.place) return {embed::PointStatus::NotConverged, {}, 0, 0};
-    const double distance = nearest.distance;
-    // The point is in the gap between a patch and a blended cell, or on the boundary within
-    // rounding.
-    const bool isInside = distance <= gap();
-    const embed::PointStatus status =
-        isInside ? embed::PointStatus::Inside : embed::PointStatus::Outside;
-    if (!isInside && !seekNearest_) return {status, {}, distance, 0};
-    const Continued there = continued(*nearest.place, levels, point);
-    if (!there.isSettled && !isInside) return {embed::PointStatus::NotConverged, {}, distance, 0};
-    return {status, there.place, distance, there.residual};
+FoundPoints LimitSearch::carry(std::span<const Point3> points) const {
+    constexpr double kAnyDistance = std::numeric_limits<double>::infinity();
+    FoundPoints result = findNearest(points, kAnyDistance);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        LocatedInLimit& located = result.points[p];
+        if (!located.place) continue;
+        const Continued there = continued(*located.place, result.descent.levels,
+                                          Vector3d(points[p].data()), kAnyDistance);
+        if (there.isSettled)
+            located = {located.status, there.place, located.distance, there.residual};
+        else
+            located.place.reset();
+    }
+    return result;
 }
 
 /// Continues a place along the tangent, up to a point.
+/// \param maxOffset largest coordinate of the offset
 LimitSearch::Continued LimitSearch::continued(LimitPlace place, const stencils::Levels& levels,
-                                              const Vector3d& point) const {
+                                              const Vector3d& point, double maxOffset) const {
     const PlaceRows rows(levels, place.level, {&place, 1});
     const auto sum = [&](const Orders& orders) {
         return embed::weightedSum(rows.weights(0, orders), [&](Index vertex) {
@@ -392,7 +404,7 @@ LimitSearch::Continued LimitSearch::continued(LimitPlace place, const stencils::
             setOffset(offset);
             return sum(kPosition);
         });
-    if (continuation) {
+    if (continuation && embed::isWithin(embed::toArray(continuation->offset), maxOffset)) {
         setOffset(continuation->offset);
         if (embed::isSettled(continuation->position, point, scale_.size))
             return {place, (continuation->position.sum - point).norm(), true};

@@ -41,7 +41,7 @@ public:
     /// belongs to the cell of the lowest level, and among these to the cell of the lowest number.
     /// A point within the tolerance of a layered edge belongs to the edge.
     /// May miss points in strongly bent cells, which reach far beyond their corners.
-    /// \param unsettled gets the points that were not found and may be found by findNearest()
+    /// \param unsettled gets the points that were not found and may be found by findBeside()
     /// \param deep gets the points that need many more levels, as beside irregular edges, if there
     ///        are more than kMaxDeepPoints. They are to be sought again, in groups of this size:
     ///        their levels have no cells in common, and take 15 MB for each point
@@ -50,13 +50,18 @@ public:
 
     static constexpr std::size_t kMaxDeepPoints = 4;
 
-    /// Finds the nearest place of each point: for points in strongly bent cells, in gaps between
-    /// cells and, if points outside are to be carried, beside the lattice.
+    /// Finds the points that are in strongly bent cells, in gaps between cells, or within rounding
+    /// of the boundary, by their nearest places. All other points are Outside.
+    /// \param outside gets the points that are Outside
+    FoundPoints findBeside(std::span<const Point3> points, std::vector<Index>& outside) const;
+
+    /// Gives points outside their nearest place, continued along the tangent up to the point. The
+    /// cell of the place may be flat; then the point has no place.
     ///
     /// Searches at most kMaxNearest cells of a level for each point. Where more cells are equally
     /// near, as in a lattice that is folded flat, the result is a near place instead of the nearest
-    /// one, or NotConverged.
-    FoundPoints findNearest(std::span<const Point3> points) const;
+    /// one.
+    FoundPoints carry(std::span<const Point3> points) const;
 
 private:
     class Cells;
@@ -67,21 +72,20 @@ private:
     template <class Settle>
     FoundPoints search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
                        Settle settle) const;
-    LocatedInLimit carried(const LocatedInLimit& nearest, const stencils::Levels& levels,
-                           const Eigen::Vector3d& point) const;
+    FoundPoints findNearest(std::span<const Point3> points, double reach) const;
 
     /// A place with the offset that leads to a point along the tangent.
     struct Continued {
         LimitPlace place;
         double residual;  ///< distance of the position from the point
-        bool isSettled;   ///< false if no offset leads to the point; the offset is then 0
+        bool isSettled;   ///< false if no such offset leads to the point; the offset is then 0
     };
     Continued continued(LimitPlace place, const stencils::Levels& levels,
-                        const Eigen::Vector3d& point) const;
+                        const Eigen::Vector3d& point, double maxOffset) const;
 
     double tolerance_;  ///< LimitOptions::tolerance
-    bool seekNearest_;
     embed::CellSolver::Scale scale_;
+    Point3 vertex_;  ///< any vertex of the lattice
     embed::PointDescent descent_;
     EdgeRefinements refinements_;
 };

@@ -41,8 +41,13 @@ TEST(CellSolver, AgreesWithTheLocator) {
             const auto inside = solver.locateIn(vec(point), cells);
             inCells += inside.has_value();
             const LocatedPoint expected = locator.locate(point, true);
-            const LocatedPoint found =
-                inside ? *inside : solver.locateOutsideCells(vec(point), nearestTo(point), true);
+            LocatedPoint found{PointStatus::Outside, {}, 0, 0};
+            if (inside)
+                found = *inside;
+            else if (!cells.empty())
+                found = solver.locateInGap(vec(point), nearestTo(point));
+            if (found.status == PointStatus::Outside)
+                found = solver.carry(vec(point), nearestTo(point));
             ASSERT_EQ(found.status, expected.status) << name;
             ASSERT_EQ(found.distance, expected.distance) << name;
             ASSERT_EQ(found.residual, expected.residual) << name;

@@ -345,14 +345,15 @@ TEST(Embedding, PointsThatAreNotFiniteDoNotConverge) {
     EXPECT_EQ(embedding.count(PointStatus::NotConverged), 2);
 }
 
-// A flattened lattice has no volume. A point on it may get a place, but a point beside it cannot.
+// A flattened lattice has no volume. A point on it may get a place, but a point beside it cannot be
+// carried.
 TEST(Embedding, FlatLatticeGivesAStatus) {
     Lattice flat = shapes::box();
     for (Point3& p : flat.positions) p[2] = 0;
     const Refined refined(flat, 1);
     const Embedding embedding =
         refined.embed({{0.5, 0.5, 1}, {0.3, 0.6, 0}}, {.outside = OutsidePolicy::Nearest});
-    EXPECT_EQ(embedding.points[0].status, PointStatus::NotConverged);
+    EXPECT_EQ(embedding.points[0].status, PointStatus::Outside);
     EXPECT_FALSE(embedding.points[0].place);
     if (embedding.points[1].place) {
         EXPECT_LT(embedding.points[1].residual, 1e-14);

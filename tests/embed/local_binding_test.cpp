@@ -58,11 +58,11 @@ struct WholeLevelBinding {
         table = buildDeformationTable(refiner, level, embedding);
     }
 
-    /// The points without a place.
+    /// The points without a row.
     std::vector<Index> kept() const {
         std::vector<Index> result;
-        for (std::size_t i = 0; i < embedding.points.size(); ++i)
-            if (!embedding.points[i].place) result.push_back(Index(i));
+        for (Index i = 0; i < table.rowCount(); ++i)
+            if (table.columns(i).empty()) result.push_back(i);
         return result;
     }
 };
@@ -422,33 +422,31 @@ TEST(LocalBinding, RefusesInvalidInput) {
     EXPECT_EQ(none.binding.table.columnCount(), 8);
 }
 
-// The nearest cell carries a point, and keeps it in place at rest, at any distance up to the one at
-// which no cell is nearer than another. On deep levels, this is billions of cells away.
-TEST(LocalBinding, CarriesPointsFromFarAway) {
-    const int count = kIsSlow ? 2 : 4;
-    std::mt19937 random(12);
-    std::normal_distribution<double> along;
-    for (const Lattice& lattice : {shapes::box({.cells = {10, 10, 10}}), shapes::icosahedron()}) {
-        const double size = diagonal(lattice.positions);
-        const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-        for (const int level : {1, 5, 7})
-            for (const double sizes : {2.0, 10.0, 100.0, 1e4, 1e6, 2e7}) {
-                std::vector<Point3> points;
-                for (int i = 0; i < count; ++i) {
-                    const Vector3d direction(along(random), along(random), along(random));
-                    const Vector3d point = sizes * size * direction.normalized();
-                    points.push_back({point[0], point[1], point[2]});
-                }
-                const auto model =
-                    bindPoints({base, lattice.positions}, points,
-                               {.level = level, .embedding = {.outside = OutsidePolicy::Nearest}});
-                EXPECT_EQ(model.count(PointStatus::Outside), count) << level << ' ' << sizes;
-                // Weights are as large as the distance in cells, and sums of 8 of them are rounded
-                // accordingly.
-                const double cells = sizes * 10 * std::ldexp(1.0, level);
-                EXPECT_LT(model.largestResidual, size * std::max(1e-12 * sizes, 1e-14 * cells))
-                    << level << ' ' << sizes;
-            }
+// Beside the middle of a face of a box, the tangent is u -> P0 + u (P1 - P0) on every level, and
+// the weights along the face are positive. So the weights of a point k cells away sum to 1 + 2k in
+// absolute value, and the bound of 8 is at 3.5 cells. A point farther away stays, up to the
+// distance at which no cell is nearer than another, and beyond.
+TEST(LocalBinding, CarriesPointsUpToTheBoundOfRows) {
+    const Lattice lattice = shapes::box({.cells = {10, 10, 10}});
+    const TopologyRefiner base(lattice.complex);
+    for (const int level : {1, 5, 7}) {
+        std::vector<Point3> points;
+        const std::vector<double> distances = {0.5, 3.49, 3.51, 100, 1e5, 1e7, 2e8, 1e300};
+        for (const double cells : distances) points.push_back({0.45, 0.52, 1 + cells / 10});
+        const BindingOptions options = {.level = level,
+                                        .embedding = {.outside = OutsidePolicy::Nearest}};
+        const auto model = bindPoints({base, lattice.positions}, points, options);
+        EXPECT_EQ(model.count(PointStatus::Outside), std::ssize(points)) << level;
+        EXPECT_THAT(model.binding.kept, testing::ElementsAre(2, 3, 4, 5, 6, 7)) << level;
+        for (const Index point : {0, 1}) {
+            double sum = 0;
+            for (const double weight : model.binding.table.weights(point)) sum += std::abs(weight);
+            // The rounding of about a hundred weights.
+            EXPECT_NEAR(sum, 1 + 2 * distances[point], 1e-13) << level;
+        }
+        EXPECT_LT(model.largestResidual, 1e-12) << level;
+        const auto factored = bindFactored({base, lattice.positions}, points, options);
+        EXPECT_EQ(factored.binding.kept, model.binding.kept) << level;
     }
 }
 

@@ -112,6 +112,11 @@ TEST(NestedLattices, RefuseInvalidInput) {
     for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Error})
         EXPECT_REFUSED(Error, "vertex 3 of the child lies outside the parent lattice",
                        nest.nest(outside, {.outside = policy}));
+    const std::string cannotCarry =
+        "vertex 3 of the child lies outside the parent lattice, and the "
+        "nearest cell cannot carry it: it is too far away";
+    EXPECT_REFUSED(Error, cannotCarry, nest.nest(outside, {.outside = OutsidePolicy::Nearest}));
+    outside[3] = {2, 0, 0};
     EXPECT_EQ(nest.nest(outside, {.outside = OutsidePolicy::Nearest}).rowCount(), 200);
     auto fewer = nest.child.positions;
     fewer.pop_back();
@@ -131,8 +136,8 @@ TEST(NestedLattices, RefuseInvalidInput) {
                        {.level = kLevel, .embedding = {.outside = OutsidePolicy::Nearest}});
         },
         ThrowsMessage<Error>(
-            HasSubstr("vertex 0 of the child cannot be placed in the parent lattice: "
-                      "its cell is degenerate")));
+            HasSubstr("vertex 0 of the child lies outside the parent lattice, and the nearest cell "
+                      "cannot carry it: it is too far away, or the cell is flat")));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -203,6 +204,12 @@ TEST(Stencils, RelabellingPermutesTheTable) {
 namespace espalier::embed {
 namespace {
 
+/// Adds a point on each side of a lattice, outside but near enough to be carried.
+void addPointsBeside(const Lattice& lattice, std::vector<Point3>& points) {
+    const BoundingBox box(lattice.positions);
+    for (const double x : {-0.1, 1.1}) points.push_back({box.min[0] + x * box.size()[0], 0.3, 0.2});
+}
+
 // An undeformed lattice reproduces the model within 1e-12 of its size (the accuracy that the
 // project promises). An affine map of the lattice maps the model in the same way, including points
 // outside.
@@ -213,7 +220,7 @@ TEST(Embedding, ReproducesAffineMaps) {
     for (const auto& [name, lattice] : test::zoo()) {
         const Refined refined(lattice, 2);
         auto points = pointsIn(refined, 200, 1);
-        for (const double x : {-2.0, 3.5}) points.push_back({x, 0.3, 0.2});
+        addPointsBeside(lattice, points);
         const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
         EXPECT_EQ(embedding.count(PointStatus::NotConverged), 0) << name;
         EXPECT_LT(embedding.largestResidual(), 1e-13) << name;
@@ -240,7 +247,7 @@ TEST(Embedding, RowsSumToOne) {
         SCOPED_TRACE(name);
         const Refined refined(lattice, 2);
         auto points = pointsIn(refined, 100, 11);
-        for (const double x : {-2.0, 3.5}) points.push_back({x, 0.3, 0.2});
+        addPointsBeside(lattice, points);
         const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
         for (const auto& table :
              {buildEmbeddingTable(refined.complex(), embedding), refined.table(embedding)})
