@@ -506,11 +506,12 @@ ESPALIER_C_API espalier_status espalier_table_csr(const espalier_table* table, e
 enum {
     ESPALIER_OUTSIDE_KEEP = 0,     ///< the point stays in place: its row of D is empty
     ESPALIER_OUTSIDE_NEAREST = 1,  ///< the nearest cell moves the point, along the tangent of its
-                                   ///< map
+                                   ///< map. The point stays in place if the absolute values of
+                                   ///< its weights would sum to more than 8
     ESPALIER_OUTSIDE_REFUSE = 2    ///< binding fails
 };
 
-/// Where binding found a point.
+/// Where binding found a point. It does not depend on ESPALIER_OUTSIDE_...
 enum {
     ESPALIER_POINT_INSIDE = 0,
     ESPALIER_POINT_OUTSIDE = 1,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bind_model.h"
 
+#include <espalier/base/printable.h>
 #include <espalier/embed/tensor_product.h>
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
+#include <espalier/solve/validity.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,6 +49,32 @@ ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> p
     if (hasGradients) result.gradients = {std::move(bound.binding.table.gradients)};
     result.points = limit::withoutGradients(std::move(bound));
     return result;
+}
+
+/// Warns on standard error if cells of the lattice are folded at rest. Returns without a check for
+/// a basis other than subdivision, whose lattices are boxes without folds.
+void warnOfFoldsAtRest(const BindOptions& options, const Lattice& lattice) {
+    if (options.common.quiet || options.basis) return;
+    // The check takes 8 µs a cell, and so at most half a second.
+    constexpr Index kMaxCells = 100'000;
+    const Index cellCount = lattice.complex.count(3);
+    const std::string path = printable(options.rest);
+    if (cellCount > kMaxCells) {
+        printError(fmt::format("note: the {} cells of '{}' were not checked for folds at rest; "
+                               "espalier info does so",
+                               cellCount, path)
+                       .c_str());
+        return;
+    }
+    const auto base = refineLattice(options.rest, lattice, options.common, 0);
+    const std::vector<Index> cells = solve::cellsBadAtRest(base, lattice.positions);
+    if (cells.empty()) return;
+    printError(fmt::format("warning: {} of {} cells of '{}' {} flat, folded or inside out at rest "
+                           "(first: cell {}). A point there may be in several cells or in none, "
+                           "and neighbouring points may move apart",
+                           cells.size(), cellCount, path, cells.size() == 1 ? "is" : "are",
+                           cells.front())
+                   .c_str());
 }
 
 /// Returns a callback that shows the progress of binding `pointCount` points.
@@ -100,6 +128,7 @@ void checkBasis(const BindOptions& options) {
 
 ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
                        const Lattice& lattice, Stages& stages, bool hasGradients) {
+    warnOfFoldsAtRest(options, lattice);
     return stages.run("binding", [&] {
         auto bound = bindByOptions(options, points, lattice, hasGradients,
                                    progressOf(stages, points.size()));
@@ -108,11 +137,23 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
     });
 }
 
-void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
-                         const CommonOptions& options) {
-    const Offset outside = std::ranges::count(statuses, embed::PointStatus::Outside);
-    if (options.quiet || outside == 0 || options.outside->count() > 0) return;
-    const Offset all = std::ssize(statuses);
+void warnOfPointsOutside(const embed::BindingResult& bound, const CommonOptions& options) {
+    const Index outside = bound.countKept(embed::PointStatus::Outside);
+    if (options.quiet || outside == 0) return;
+    if (options.embedding.outside == embed::OutsidePolicy::Nearest) {
+        const bool isOne = outside == 1;
+        printError(fmt::format("warning: {} of {} points outside the lattice {} too far away, or "
+                               "beside a cell that is too flat, to move with the nearest cell: the "
+                               "absolute values of {} weights would sum to more than {}. {} in "
+                               "place",
+                               outside, bound.count(embed::PointStatus::Outside),
+                               isOne ? "is" : "are", isOne ? "its" : "their", embed::kMaxRowSum,
+                               isOne ? "It stays" : "They stay")
+                       .c_str());
+        return;
+    }
+    if (options.outside->count() > 0) return;
+    const Offset all = std::ssize(bound.statuses);
     printError(
         fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
                     "--outside nearest to move them with the nearest cell, --outside keep if they "

@@ -55,11 +55,9 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
                        const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
-/// the parts of a model that move may come apart from them. Prints nothing if the command
-/// line has --outside or --quiet.
-/// \param statuses of all points
-void warnOfPointsOutside(std::span<const embed::PointStatus> statuses,
-                         const CommonOptions& options);
+/// the parts of a model that move may come apart from them. Prints nothing if the command line has
+/// --quiet, or an --outside that keeps points in place by choice.
+void warnOfPointsOutside(const embed::BindingResult& bound, const CommonOptions& options);
 
 /// Binds like bindModel(), in the stage "binding in factors", but returns the matrix as a product
 /// of two tables. Returns nothing for the limit and for a basis other than subdivision.

@@ -188,7 +188,7 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
         printText(report);
         fmt::print("{}", meshes.text);
     }
-    if (report.points) warnOfPointsOutside(report.points->statuses, options.common);
+    if (report.points) warnOfPointsOutside(*report.points, options.common);
 }
 
 void runDeform(const DeformOptions& options) {

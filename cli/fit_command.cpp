@@ -231,17 +231,17 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
 /// Rows of D for the points that have targets and for the held points.
 struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;
-    std::vector<embed::PointStatus> statuses = {};  ///< of all these points
+    embed::BindingResult bound = {};  ///< of all these points, without its table
 };
 
 /// Returns the end of a message: why the row of a point in D is empty.
 std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus status) {
-    return status == embed::PointStatus::Outside
-               ? fmt::format("lies outside the lattice {}", printable(options.rest))
-               : fmt::format(
-                     "could not be placed in the lattice {}: its cell is degenerate, or the "
-                     "point is very far away",
-                     printable(options.rest));
+    if (status != embed::PointStatus::Outside)
+        return fmt::format("could not be placed in the lattice {}: its cell is degenerate",
+                           printable(options.rest));
+    const bool isTooFar = options.common.embedding.outside == embed::OutsidePolicy::Nearest;
+    return fmt::format("lies outside the lattice {}{}", printable(options.rest),
+                       isTooFar ? ", too far for the nearest cell to carry it" : "");
 }
 
 [[noreturn]] void refuseTarget(const FitCommandOptions& options, const io::Target& target,
@@ -322,7 +322,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
     if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
-    rows.statuses = std::move(bound.statuses);
+    rows.bound = std::move(bound);
     return rows;
 }
 
@@ -420,7 +420,7 @@ void runFit(const FitCommandOptions& options) {
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
         printFit(options, wishes, wishCount - wishes.targets.size(), held.size(), fit);
-    warnOfPointsOutside(rows.statuses, options.common);
+    warnOfPointsOutside(rows.bound, options.common);
 }
 
 }  // namespace

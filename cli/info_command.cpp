@@ -12,6 +12,7 @@
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/solve/mesh_quality.h>
+#include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -175,6 +176,7 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
         levels.push_back(reportLevel(refiner.level(level), positions, level == 0));
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
+    const far::TopologyRefiner base(refiner.level(0), refiner.options());
     return {{"lattice", path},
             {"bounds", {box.min, box.max}},
             {"size", box.size()},
@@ -182,6 +184,7 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
             {"marks", lattice.marks.edges.size() + lattice.marks.vertices.size()},
             {"attributes", attributes},
             {"interior_edges_of_two_faces", edgesOfTwoFaces},
+            {"cells_bad_at_rest", solve::cellsBadAtRest(base, lattice.positions)},
             {"levels", levels}};
 }
 
@@ -345,6 +348,13 @@ void printText(const SortedJson& report, const InfoOptions& options) {
             "negative "
             "weight, and the refined lattice may leave the convex hull there\n",
             edgesOfTwoFaces);
+    if (const auto& cells = report["cells_bad_at_rest"]; !cells.empty())
+        fmt::print(
+            "folds       {} of {} cells are flat, folded or inside out after one refinement "
+            "(first: "
+            "cell {}). A point there may be in several cells or in none\n",
+            cells.size(), report["levels"][0]["counts"]["cells"].get<Index>(),
+            cells.front().get<Index>());
     fmt::print(
         "\nRows count by place: at corners, on sharp edges, on the boundary surface, in the "
         "interior.\n"

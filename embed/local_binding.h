@@ -37,6 +37,12 @@ struct BindingResultOf {
     Index count(PointStatus status) const {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
     }
+
+    /// Returns the number of points with a status whose rows are empty, so that they stay in place.
+    Index countKept(PointStatus status) const {
+        return static_cast<Index>(std::ranges::count_if(
+            binding.kept, [&](Index point) { return statuses[point] == status; }));
+    }
 };
 
 using BindingResult = BindingResultOf<stencils::StencilTable<double>>;
@@ -63,7 +69,8 @@ struct BindingOptions {
 /// few columns in each row, the function refines the whole level, and needs memory for it, for W
 /// and for D.
 ///
-/// Statuses are the same as of embedPoints() in the whole level. Weights are the same as of
+/// Statuses are the same as of embedPoints() in the whole level, except that a point inside whose
+/// weights exceed kMaxRowSum is NotConverged. Weights are the same as of
 /// buildDeformationTable(), to the last bit for points outside regular cells, and up to rounding in
 /// regular cells: coordinates are rounded by about 1e-15 of the lattice, and weights by as much in
 /// units of a base cell. In a lattice that is folded over itself, a point in several cells belongs

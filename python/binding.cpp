@@ -299,7 +299,8 @@ lattice   : Lattice, or Refiner where the rules are not the usual ones
 points    : array (N, 3), in the units of the lattice; or a Model
 level     : the refinement level to bind to, 1 to 20
 outside   : a point outside the lattice: "keep" leaves it where it is, "nearest" moves it with the
-            nearest cell, "error" raises an error
+            nearest cell (it stays if the absolute values of its weights would sum to more than 8),
+            "error" raises an error
 tolerance : how far outside a point still counts as inside, as a fraction of the diagonal of the
             lattice's bounding box
 basis     : "subdivision"; or, for a box lattice that is an evenly divided parallelepiped at rest,

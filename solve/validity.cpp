@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
+#include <espalier/base/sort_unique.h>
+#include <espalier/embed/length_unit.h>
 #include <espalier/solve/validity.h>
+#include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <cmath>
@@ -248,6 +251,19 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxL
         if (step.length < result.length) result = step;
     result.length *= maxLength;
     return result;
+}
+
+std::vector<Index> cellsBadAtRest(const far::TopologyRefiner& base, std::span<const Point3> rest) {
+    far::TopologyRefiner refiner(base);
+    refiner.refineUniform(1);
+    // In units of the lattice: cubes of very large coordinates would overflow.
+    const std::vector<Point3> inUnits = embed::LengthUnit(rest).toUnits(rest);
+    const ValidityCheck check(refiner.level(1).complex,
+                              stencils::refinePositions(refiner, 1, inUnits));
+    std::vector<Index> cells;
+    for (const Index cell : check.badAtRest()) cells.push_back(baseCellOf(refiner, 1, cell));
+    sortUnique(cells);
+    return cells;
 }
 
 Index baseCellOf(const far::TopologyRefiner& refiner, int level, Index cell) {

@@ -153,6 +153,15 @@ private:
     std::vector<Index> badAtRest_;
 };
 
+/// Returns the cells of a lattice that are bad at rest after one refinement, ascending: base cells
+/// with a cell of level 1 in ValidityCheck::badAtRest(). There the place of a point is not unique,
+/// and a pose of the lattice moves near points in opposite directions.
+/// \param base a lattice that has not been refined
+/// \throws Error if `rest` does not fit or is not finite, and as TopologyRefiner::refineUniform()
+/// \cost O(cells), in parallel: about 8 µs per hexahedron
+ESPALIER_API std::vector<Index> cellsBadAtRest(const far::TopologyRefiner& base,
+                                               std::span<const Point3> rest);
+
 /// Returns the base cell that a cell of a level descends from.
 /// \throws Error if the level does not exist
 /// \cost O(levels · log cells)

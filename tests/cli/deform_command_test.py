@@ -126,8 +126,8 @@ class Deform(CliTest):
 
     def test_points_outside_that_stay_are_warned_of(self):
         self.run_program("shape", "box", "-o", "rest.ovm")
-        self.write_model([(.5, .5, .5), (.2, .2, .3), (3, 3, 3)])
-        self.put("targets.txt", "0 .6 .5 .5\n2 3 3 3\n")
+        self.write_model([(.5, .5, .5), (.2, .2, .3), (2, 2, 2)])
+        self.put("targets.txt", "0 .6 .5 .5\n2 2 2 2\n")
         bound = ["model.obj", "--rest", "rest.ovm", "-n", 1]
         commands = {"deform": ["deform", *bound, "--to", "rest.ovm", "-o", "out.obj"],
                     "bind": ["bind", *bound, "-o", "out.espb"],
@@ -143,11 +143,45 @@ class Deform(CliTest):
                 "espalier shape around\n")
             for option in [["--quiet"], ["--outside", "nearest"], ["--outside", "keep"]]:
                 self.assertEqual(self.run_program(*command, *option).stderr, "")
+        # Weights at (2, 2, 2) sum to 7 in absolute value: 1, and 2 for each axis. At (3, 3, 3) they
+        # would sum to 13.
+        self.write_model([(.5, .5, .5), (2, 2, 2), (3, 3, 3)])
+        for option in [[], ["--limit"], ["--basis", "bezier"]]:
+            level = [] if option else ["-n", 1]
+            result = self.run_program("deform", "model.obj", "--rest", "rest.ovm", *level, *option,
+                                      "--to", "rest.ovm", "-o", "out.obj", "--outside", "nearest")
+            self.assertEqual(
+                result.stderr,
+                "espalier: warning: 1 of 2 points outside the lattice is too far away, or beside a "
+                "cell that is too flat, to move with the nearest cell: the absolute values of its "
+                "weights would sum to more than 8. It stays in place\n")
+            self.assertIn("left in place     1 point, whatever the pose", result.stdout)
         self.write_model([(3, 3, 3), (4, 4, 4), (5, 5, 5)])
         self.assertIn("warning: 3 of 3 points are outside the lattice and stay in place. Use",
                       self.run_program(*commands["bind"]).stderr)
         self.write_model([(.3, .3, .3), (.4, .4, .4), (.5, .5, .5)])
         self.assertEqual(self.run_program(*commands["bind"]).stderr, "")
+
+    def test_folds_of_the_lattice_at_rest_are_warned_of(self):
+        # The vertex between the first two of three cells in a row is beyond the end of the third.
+        self.run_program("shape", "box", "--cells", 3, 1, 1, "-o", "rest.ovm")
+        self.write_pose("folded.ovm", "rest.ovm",
+                        lambda p: (2 if .3 < p[0] < .4 else p[0], p[1], p[2]))
+        self.write_model([(.9, .5, .5), (.95, .2, .3)])
+        warning = ("espalier: warning: 1 of 3 cells of 'folded.ovm' is flat, folded or inside out at "
+                   "rest (first: cell 1). A point there may be in several cells or in none, and "
+                   "neighbouring points may move apart\n")
+        bound = ["model.obj", "--rest", "folded.ovm"]
+        for command in (["bind", *bound, "-o", "out.espb"],
+                        ["deform", *bound, "--limit", "--to", "rest.ovm", "-o", "out.obj"],
+                        ["stencils", "folded.ovm", "--points", "model.obj", "-o", "D.npz"]):
+            self.assertEqual(self.run_program(*command).stderr, warning)
+            self.assertEqual(self.run_program(*command, "--quiet").stderr, "")
+        self.assertIn("folds       1 of 3 cells are flat, folded or inside out after one refinement "
+                      "(first: cell 1)", self.run_program("info", "folded.ovm").stdout)
+        self.assertEqual(self.info("folded.ovm")["cells_bad_at_rest"], [1])
+        self.assertEqual(self.info("rest.ovm")["cells_bad_at_rest"], [])
+        self.assertNotIn("folds", self.run_program("info", "rest.ovm").stdout)
 
     def test_a_model_is_written_in_the_format_of_the_output(self):
         self.run_program("shape", "box", "-o", "rest.ovm")

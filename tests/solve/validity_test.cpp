@@ -460,5 +460,38 @@ TEST(Validity, RefusesBadInputByName) {
     EXPECT_REFUSED(Error, "dimension 0", ValidityCheck(CellComplex(), {}));
 }
 
+// The planes of a row of three cells are at 0, 1, 2 and 3. With the second at 2.5, the middle cell
+// spans −0.5 along the axis, and is inside out among two others.
+TEST(CellsBadAtRest, FindFoldsOfAnySize) {
+    const Lattice row = shapes::box({.cells = {3, 1, 1}, .max = {3, 1, 1}});
+    const far::TopologyRefiner base(row.complex);
+    for (const double size : {1e-300, 1.0, 1e200}) {
+        const auto at = [&](double second) {
+            return changed(row.positions, [&](const Point3& p) {
+                return Point3{size * (p[0] == 1 ? second : p[0]), size * p[1], size * p[2]};
+            });
+        };
+        EXPECT_THAT(cellsBadAtRest(base, at(1)), IsEmpty()) << size;
+        EXPECT_THAT(cellsBadAtRest(base, at(2.5)), ElementsAre(1)) << size;
+        // A flat cell is bad, too.
+        EXPECT_THAT(cellsBadAtRest(base, at(2)), ElementsAre(1)) << size;
+    }
+    // A lattice inside out as a whole is left-handed, not folded.
+    EXPECT_THAT(cellsBadAtRest(base, changed(row.positions,
+                                             [](const Point3& p) {
+                                                 return Point3{-p[0], p[1], p[2]};
+                                             })),
+                IsEmpty());
+}
+
+// No shape that the program makes has a fold.
+TEST(CellsBadAtRest, AreNoneInTheZoo) {
+    for (const auto& [name, lattice] : zoo())
+        EXPECT_THAT(cellsBadAtRest(far::TopologyRefiner(lattice.complex, {.marks = lattice.marks}),
+                                   lattice.positions),
+                    IsEmpty())
+            << name;
+}
+
 }  // namespace
 }  // namespace espalier::solve

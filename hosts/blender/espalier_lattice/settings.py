@@ -27,7 +27,7 @@ class EspalierSettings(bpy.types.PropertyGroup):
     outside: bpy.props.EnumProperty(
         name="Outside", description="What happens to points outside the lattice", update=_rebind_is_needed,
         items=(("keep", "Stay", "They stay where they are"),
-               ("nearest", "Follow", "They follow the nearest cell")))
+               ("nearest", "Follow", "They follow the nearest cell, unless they are too far away")))
     rules: bpy.props.EnumProperty(
         name="Rules", description="The rules of refinement", update=_rebind_is_needed,
         items=(("siggraph96", "SIGGRAPH 96", "MacCracken and Joy 1996"),
