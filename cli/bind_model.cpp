@@ -137,8 +137,11 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
     });
 }
 
-void warnOfPointsOutside(const embed::BindingResult& bound, const CommonOptions& options) {
-    const Index outside = bound.countKept(embed::PointStatus::Outside);
+void warnOfPointsOutside(std::span<const embed::PointStatus> statuses, std::span<const Index> kept,
+                         const CommonOptions& options) {
+    using enum embed::PointStatus;
+    const Offset outside =
+        std::ranges::count_if(kept, [&](Index point) { return statuses[point] == Outside; });
     if (options.quiet || outside == 0) return;
     if (options.embedding.outside == embed::OutsidePolicy::Nearest) {
         const bool isOne = outside == 1;
@@ -146,14 +149,14 @@ void warnOfPointsOutside(const embed::BindingResult& bound, const CommonOptions&
                                "beside a cell that is too flat, to move with the nearest cell: the "
                                "absolute values of {} weights would sum to more than {}. {} in "
                                "place",
-                               outside, bound.count(embed::PointStatus::Outside),
-                               isOne ? "is" : "are", isOne ? "its" : "their", embed::kMaxRowSum,
+                               outside, std::ranges::count(statuses, Outside), isOne ? "is" : "are",
+                               isOne ? "its" : "their", embed::kMaxRowSum,
                                isOne ? "It stays" : "They stay")
                        .c_str());
         return;
     }
     if (options.outside->count() > 0) return;
-    const Offset all = std::ssize(bound.statuses);
+    const Offset all = std::ssize(statuses);
     printError(
         fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
                     "--outside nearest to move them with the nearest cell, --outside keep if they "

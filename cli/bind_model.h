@@ -57,7 +57,10 @@ ModelBinding bindModel(const BindOptions& options, std::span<const Point3> point
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
 /// the parts of a model that move may come apart from them. Prints nothing if the command line has
 /// --quiet, or an --outside that keeps points in place by choice.
-void warnOfPointsOutside(const embed::BindingResult& bound, const CommonOptions& options);
+/// \param statuses of all points
+/// \param kept the points with empty rows
+void warnOfPointsOutside(std::span<const embed::PointStatus> statuses, std::span<const Index> kept,
+                         const CommonOptions& options);
 
 /// Binds like bindModel(), in the stage "binding in factors", but returns the matrix as a product
 /// of two tables. Returns nothing for the limit and for a basis other than subdivision.

@@ -188,7 +188,8 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
         printText(report);
         fmt::print("{}", meshes.text);
     }
-    if (report.points) warnOfPointsOutside(*report.points, options.common);
+    if (report.points)
+        warnOfPointsOutside(report.points->statuses, report.binding.kept, options.common);
 }
 
 void runDeform(const DeformOptions& options) {

@@ -231,7 +231,8 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
 /// Rows of D for the points that have targets and for the held points.
 struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;
-    embed::BindingResult bound = {};  ///< of all these points, without its table
+    std::vector<embed::PointStatus> statuses = {};  ///< of all these points
+    std::vector<Index> kept = {};                   ///< those with empty rows
 };
 
 /// Returns the end of a message: why the row of a point in D is empty.
@@ -322,7 +323,8 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
     if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
-    rows.bound = std::move(bound);
+    rows.statuses = std::move(bound.statuses);
+    rows.kept = std::move(bound.binding.kept);
     return rows;
 }
 
@@ -420,7 +422,7 @@ void runFit(const FitCommandOptions& options) {
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
         printFit(options, wishes, wishCount - wishes.targets.size(), held.size(), fit);
-    warnOfPointsOutside(rows.bound, options.common);
+    warnOfPointsOutside(rows.statuses, rows.kept, options.common);
 }
 
 }  // namespace

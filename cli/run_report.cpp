@@ -112,7 +112,7 @@ void print(const RunReport& report, ReportFormat format, const CommonOptions& op
         fmt::print("{}\n", toJson(report).dump(2));
     else
         printText(report);
-    if (report.points) warnOfPointsOutside(*report.points, options);
+    if (report.points) warnOfPointsOutside(report.points->statuses, report.binding.kept, options);
 }
 
 }  // namespace espalier::cli

@@ -85,7 +85,7 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
     const Lattice lattice = readLattice(options.lattice, stages);
     auto [bound, gradients] =
         bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
-    warnOfPointsOutside(bound, options.common);
+    warnOfPointsOutside(bound.statuses, bound.binding.kept, options.common);
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",

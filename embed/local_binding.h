@@ -37,12 +37,6 @@ struct BindingResultOf {
     Index count(PointStatus status) const {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
     }
-
-    /// Returns the number of points with a status whose rows are empty, so that they stay in place.
-    Index countKept(PointStatus status) const {
-        return static_cast<Index>(std::ranges::count_if(
-            binding.kept, [&](Index point) { return statuses[point] == status; }));
-    }
 };
 
 using BindingResult = BindingResultOf<stencils::StencilTable<double>>;

@@ -163,10 +163,10 @@ class Deform(CliTest):
         self.assertEqual(self.run_program(*commands["bind"]).stderr, "")
 
     def test_folds_of_the_lattice_at_rest_are_warned_of(self):
-        # The vertex between the first two of three cells in a row is beyond the end of the third.
+        # Three cells in a row, with planes at 0, 0.8, 2/3 and 1.
         self.run_program("shape", "box", "--cells", 3, 1, 1, "-o", "rest.ovm")
         self.write_pose("folded.ovm", "rest.ovm",
-                        lambda p: (2 if .3 < p[0] < .4 else p[0], p[1], p[2]))
+                        lambda p: (.8 if .3 < p[0] < .4 else p[0], p[1], p[2]))
         self.write_model([(.9, .5, .5), (.95, .2, .3)])
         warning = ("espalier: warning: 1 of 3 cells of 'folded.ovm' is flat, folded or inside out at "
                    "rest (first: cell 1). A point there may be in several cells or in none, and "

@@ -104,9 +104,12 @@ class Export(CliTest):
         self.deform("model.obj", "c.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         numpy.testing.assert_allclose((matrix @ pose)[:50], self.read_points("moved.obj")[:50],
                                       rtol=0, atol=1e-14)
-        # With --outside nearest, the nearest cell moves it.
+        # With --outside nearest, the nearest cell moves a point that is not too far away.
+        near = points[:50] + [(1.2, 0, 0.5), (9, 9, 9)]
+        self.write_model(near)
         self.write("-n", 2, "--points", "model.obj", "--outside", "nearest", "-o", "n.npz")
-        numpy.testing.assert_allclose(self.npz("n.npz") @ base, points, rtol=0, atol=1e-12)
+        numpy.testing.assert_allclose((self.npz("n.npz") @ base)[:51], near[:51], rtol=0, atol=1e-12)
+        self.assertEqual(self.npz("n.npz")[51].nnz, 0)
 
     def bent(self, rest):
         base = numpy.array(self.read_ovm_positions(rest))

@@ -182,16 +182,16 @@ class Fit(CliTest):
         self.assertEqual([report["left_out"] for report in held], [0, 2])
         self.assertEqual(held[0]["held_vertices"], held[1]["held_vertices"])
 
-    def test_points_that_did_not_converge_are_not_called_outside(self):
+    def test_points_too_far_outside_cannot_be_carried(self):
         self.points[7] = (1e12, 2e12, -1e12)
         self.write_model(self.points)
         self.put("t.txt", "3 0.5 0.5 0.5\n7 0.5 0.5 1.1\n")
         for options in [["--outside", "nearest"], ["--outside", "nearest", "--limit"]]:
             error = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                   *options, "-o", "pose.ovm")
-            self.assertIn("t.txt:2: point 7 could not be placed in the lattice rest.ovm: its cell is "
-                          "degenerate, or the point is very far away", error)
-            self.assertNotIn("outside", error)
+            self.assertEqual(
+                "espalier: t.txt:2: point 7 lies outside the lattice rest.ovm, too far for the nearest "
+                "cell to carry it; the lattice cannot carry it to its target\n", error)
 
     def test_terminal_shows_that_it_holds(self):
         self.make_tall_lattice()
