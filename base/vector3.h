@@ -3,6 +3,7 @@
 
 #include <espalier/base/point.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -35,9 +36,16 @@ inline Point3 cross(const Point3& a, const Point3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// \param a not the zero vector
+/// Returns the vector of length 1 in the direction of a. The length of a may be a denormal, or
+/// overflow.
+/// \param a not the zero vector, finite
 inline Point3 normalised(const Point3& a) {
-    return scaled(a, 1 / length(a));
+    // A power of two is exact, so that vectors of common lengths get the bits that they would get
+    // without it.
+    const int exponent = std::ilogb(std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}));
+    const Point3 near1 = {std::scalbn(a[0], -exponent), std::scalbn(a[1], -exponent),
+                          std::scalbn(a[2], -exponent)};
+    return scaled(near1, 1 / length(near1));
 }
 
 /// Returns the mean of one or more points.

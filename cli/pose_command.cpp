@@ -28,6 +28,7 @@ namespace {
 namespace pose = shapes::pose;
 
 constexpr const char* kSelect = "--select";
+constexpr const char* kSelectAll = "--select-all";
 
 class Posing;
 
@@ -248,7 +249,48 @@ private:
     shapes::Falloff falloff_;
 };
 
+/// The options that change an operation after them, and the operations that use them. All
+/// operations use the others: --select, --select-all and --falloff.
+constexpr std::pair<std::string_view, std::string_view> kModifiers[] = {
+    {kSelect, ""},
+    {kSelectAll, ""},
+    {"--falloff", ""},
+    {"--center", "--rotate, --scale, --twist, --bend or --taper"},
+    {"--range", "--twist, --bend or --taper"},
+    {"--toward", "--bend"}};
+
+/// Refuses an option that changes no operation: no operation that follows uses it, or a later
+/// option replaces it before. \throws CLI::ValidationError
+void checkModifiers(std::span<const Step> steps) {
+    using Modifier = std::pair<std::string_view, std::string_view>;
+    std::vector<const Modifier*> unused;
+    const auto refuse = [](const Modifier& modifier, const std::string& why) {
+        throw CLI::ValidationError(
+            std::string(modifier.first),
+            fmt::format(
+                "has no effect{}; put it before {}", why,
+                modifier.second.empty() ? "the operation that it is for" : modifier.second));
+    };
+    for (const Step& step : steps) {
+        const auto* const modifier = std::ranges::find(kModifiers, step.option, &Modifier::first);
+        if (modifier == std::end(kModifiers)) {
+            std::erase_if(unused, [&](const Modifier* other) {
+                return other->second.empty() ||
+                       other->second.find(step.option) != std::string_view::npos;
+            });
+            continue;
+        }
+        const bool isSelection = step.option.starts_with(kSelect);
+        for (const Modifier* other : unused)
+            if (isSelection || other == modifier)
+                refuse(*other, fmt::format(": the {} after it replaces it", step.option));
+        unused.push_back(modifier);
+    }
+    if (!unused.empty()) refuse(*unused.front(), ": no operation after it uses it");
+}
+
 void runPose(const PoseOptions& options) {
+    checkModifiers(options.steps);
     const std::vector<Input> inputs = {{"LATTICE", options.lattice}};
     checkInputs(inputs);
     checkOutput(options.output, inputs);
@@ -389,9 +431,9 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
         ->trigger_on_parse();
     command
         .add_flag_callback(
-            "--select-all",
+            kSelectAll,
             [&steps] {
-                steps.push_back({"--select-all", [](Posing& posing) { posing.select({}); }});
+                steps.push_back({kSelectAll, [](Posing& posing) { posing.select({}); }});
             },
             "The operations that follow are for all vertices again")
         ->trigger_on_parse();

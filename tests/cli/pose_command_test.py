@@ -101,8 +101,8 @@ class Pose(CliTest):
         for (x, y, z), after in zip(self.rest, moved):
             self.assertAlmostEqual(after[0], x + z / 4, delta=1e-15)
         # The falloff ends with its selection.
-        moved = self.pose("--select", "end", "+z", "--falloff", "smooth", 4, "--select", "end",
-                          "+z", "--move", 1, 0, 0)
+        moved = self.pose("--select", "end", "+z", "--falloff", "smooth", 4, "--move", 0, 0, 0,
+                          "--select", "end", "+z", "--move", 1, 0, 0)
         self.assertEqual(sum(a != b for a, b in zip(moved, self.rest)), 9)
 
     def test_the_values_of_an_attribute_are_weights(self):
@@ -118,7 +118,7 @@ class Pose(CliTest):
                               ("other", "the lattice has no attribute other with one value for each "
                                         "vertex; its attributes: part, large")]:
             self.assertIn(message, self.error_of("pose", "marked.vtk", "--select", "attribute",
-                                                 name, "-o", "x.ovm", code=2))
+                                                 name, "--move", 0, 0, 1, "-o", "x.ovm", code=2))
 
     def test_it_prints_how_many_moved(self):
         out = self.run_program("pose", "rest.ovm", "--select", "end", "+z", "--move", 1, 0, 0, "-o",
@@ -126,6 +126,38 @@ class Pose(CliTest):
         self.assertEqual(out, "pose.vtu: 9 of 45 vertices moved\n")
         # No operation: the pose is the lattice.
         self.assertEqual(self.pose(), self.rest)
+
+    def test_options_that_change_no_operation_are_refused(self):
+        late = ": no operation after it uses it; put it before "
+        turns = "--rotate, --scale, --twist, --bend or --taper"
+        bends = "--twist, --bend or --taper"
+        any_operation = "the operation that it is for"
+        move, bend, top = ["--move", 1, 0, 0], ["--bend", "x", 90], ["--select", "end", "+z"]
+        for options, message in [
+                ([*bend, "--toward", "+z"], "--toward: has no effect" + late + "--bend"),
+                ([*bend, "--range", 0, 1], "--range: has no effect" + late + bends),
+                ([*bend, "--center", 0, 0, 0], "--center: has no effect" + late + turns),
+                ([*bend, *top], "--select: has no effect" + late + any_operation),
+                ([*top, *bend, "--falloff", "smooth", 1], "--falloff: has no effect" + late + any_operation),
+                ([*top, *bend, "--select-all"], "--select-all: has no effect" + late + any_operation),
+                # An operation that does not use it.
+                (["--toward", "+z", *move], "--toward: has no effect" + late + "--bend"),
+                (["--center", 0, 0, 0, *move], "--center: has no effect" + late + turns),
+                (["--range", 0, 1, "--rotate", "x", 9], "--range: has no effect" + late + bends),
+                # Replaced before an operation.
+                (["--center", 0, 0, 0, "--center", 1, 0, 0, *bend],
+                 "--center: has no effect: the --center after it replaces it; put it before " + turns),
+                (["--toward", "+z", *top, *bend],
+                 "--toward: has no effect: the --select after it replaces it; put it before --bend"),
+                ([*top, "--select-all", *bend], "--select: has no effect: the --select-all after it "
+                                                "replaces it; put it before " + any_operation)]:
+            self.assertEqual(self.error_of("pose", "rest.ovm", *options, "-o", "x.ovm", code=2),
+                             f"espalier: {message}\n")
+        # Nothing is read, and nothing written.
+        self.assertIn("--toward", self.error_of("pose", "none.ovm", *bend, "--toward", "y", "-o", "x.ovm", code=2))
+        self.assertFalse((self.path / "x.ovm").exists())
+        # An option lasts until it is replaced.
+        self.pose("--center", 0, 0, 0, *move, "--rotate", "z", 90, "--twist", "z", 9, *top, *move)
 
     def test_wrong_options_name_themselves(self):
         for options, message in [
@@ -160,8 +192,8 @@ class Pose(CliTest):
                 (["--bend", "z", 30, "--toward", "z", "--bend", "z", 30],
                  "espalier: --bend: toward is")]:
             with self.subTest(options):
-                self.assertIn(message, self.error_of("pose", "rest.ovm", *options, "-o", "x.ovm",
-                                                     code=2))
+                self.assertIn(message, self.error_of("pose", "rest.ovm", *options, "--move", 0, 0, 0,
+                                                     "-o", "x.ovm", code=2))
                 self.assertFalse((self.path / "x.ovm").exists())
 
 

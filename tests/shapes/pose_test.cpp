@@ -239,6 +239,26 @@ TEST(Pose, ThePlaceIsTheSelectedPart) {
     expectNear(twistedUpper, twist(upper, kZ, 2));
 }
 
+// The length of an axis has no effect, also where its inverse or its square overflows. The lengths
+// are powers of two: the results have the same bits.
+TEST(Pose, AxesMayHaveAnyLength) {
+    const auto points = cloud();
+    for (const int exponent : {-1074, -1030, -600, 600, 1023}) {
+        const auto along = [&](Point3 axis) {
+            for (double& number : axis) number = std::scalbn(number, exponent);
+            return axis;
+        };
+        EXPECT_EQ(rotate(points, along(kZ), 2), rotate(points, kZ, 2)) << exponent;
+        EXPECT_EQ(twist(points, along(kY), 2), twist(points, kY, 2)) << exponent;
+        EXPECT_EQ(taper(points, along(kX), 2), taper(points, kX, 2)) << exponent;
+        EXPECT_EQ(bend(points, along(kZ), 2, along(kX)), bend(points, kZ, 2, kX)) << exponent;
+        EXPECT_EQ(selectEnd(points, along(kZ)), selectEnd(points, kZ)) << exponent;
+        EXPECT_EQ(selectHalfSpace(points, {0, 0, 1}, along(kZ)),
+                  selectHalfSpace(points, {0, 0, 1}, kZ))
+            << exponent;
+    }
+}
+
 TEST(Pose, RefusesArgumentsOutOfRange) {
     const auto points = cloud();
     const std::vector<double> few(3, 1), nothing(points.size(), 0), large(points.size(), 1.5);
