@@ -23,12 +23,17 @@ public:
 /// quotes. A text of more than 40 bytes is shortened to its beginning and its end.
 ESPALIER_API std::string inQuotes(std::string_view text);
 
+/// Returns the shortest text that reads back as `value`: "0.1", "1e+300".
+ESPALIER_API std::string textOf(double value);
+
 /// Joins texts and numbers to one text, for messages.
 template <class... Parts>
 std::string concat(const Parts&... parts) {
     std::string text;
     const auto append = [&]<class Part>(const Part& part) {
-        if constexpr (std::is_arithmetic_v<Part>)
+        if constexpr (std::is_floating_point_v<Part>)
+            text += textOf(part);
+        else if constexpr (std::is_arithmetic_v<Part>)
             text += std::to_string(part);
         else
             text += part;

@@ -63,4 +63,8 @@ std::from_chars_result scanNumber(std::string_view text, float& number) {
     return readReal(text, number);
 }
 
+std::string textOf(double value) {
+    return std::string(NumberText(value).view());
+}
+
 }  // namespace espalier

@@ -48,11 +48,6 @@ private:
     std::size_t size_;
 };
 
-/// Returns the shortest text that reads back as `value`.
-inline std::string textOf(double value) {
-    return std::string(NumberText(value).view());
-}
-
 inline std::string textOf(const Point3& point) {
     return concat("(", textOf(point[0]), ", ", textOf(point[1]), ", ", textOf(point[2]), ")");
 }

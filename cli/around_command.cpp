@@ -119,10 +119,13 @@ void runAround(const AroundCommandOptions& options) {
             continue;
         }
         if (outside > 0)
-            throw io::FileError(options.models.front(),
-                                fmt::format("{} points are outside the lattice; give --margin a "
-                                            "larger number",
-                                            outside));
+            throw io::FileError(
+                options.models.front(),
+                fmt::format("{} points are outside the lattice, whatever the margin: "
+                            "the size of the model ({:.3g}) is near the rounding "
+                            "of its coordinates; scale it, or move it to the "
+                            "origin",
+                            outside, BoundingBox(points).diagonal()));
         stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
         if (options.common.quiet) return;
         fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),

@@ -214,19 +214,10 @@ void addBenchCommand(CLI::App& program) {
         runBench);
     addModelAndRest(command, options);
     addBindingOptions(command, options);
-    // CLI::PositiveNumber would accept infinity.
-    const CLI::Validator isDuration(
-        [](std::string& text) {
-            double number = 0;
-            const bool isOne =
-                CLI::detail::lexical_cast(text, number) && number > 0 && number <= 3600;
-            return isOne ? std::string() : "expected more than 0 and at most 3600, got " + text;
-        },
-        "");
     command
         .add_option("--seconds", options.seconds,
                     "How long to repeat each measurement; the quickest run counts")
-        ->check(isDuration)
+        ->check(aboveZero(3600))
         ->capture_default_str();
     addRunOptions(command, options.common);
     addReportOption(command, options.report);

@@ -19,6 +19,7 @@ struct CageCommandOptions {
     std::vector<std::string> models;
     cages::CageOptions cage;
     std::string output;
+    const CLI::App* command = nullptr;
 };
 
 void runCage(const CageCommandOptions& options) {
@@ -44,7 +45,9 @@ void runCage(const CageCommandOptions& options) {
     }
     const Lattice lattice = stages.run("building", [&] {
         return ofFile(options.models.front(), [&] {
-            return cages::cage({points, faces.corners, faces.ends}, options.cage);
+            return withNamesOfOptions(*options.command, [&] {
+                return cages::cage({points, faces.corners, faces.ends}, options.cage);
+            });
         });
     });
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
@@ -59,6 +62,7 @@ void addCageCommand(CLI::App& shape) {
     const auto [command, options] =
         addCommand(shape, "cage",
                    "A lattice of hexahedra that follows the shape of one or more models", runCage);
+    options.command = &command;
     command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
         ->required()
         ->expected(1, 1000);
@@ -68,7 +72,7 @@ void addCageCommand(CLI::App& shape) {
                 "--vertices", options.cage.vertices,
                 "Number of vertices, 8 to 100,000; the result has between 0.8 and 1.2 times "
                 "as many")
-            ->check(CLI::Range(8, 100000))
+            ->check(inRange(8, 100000, true))
             ->capture_default_str();
     command
         .add_option("--size", options.cage.cellSize,
@@ -79,7 +83,7 @@ void addCageCommand(CLI::App& shape) {
         .add_option("--margin", options.cage.margin,
                     "Least distance from the model to the boundary of the lattice, as a fraction "
                     "of the diagonal of the box around the model: 0 to 1")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(inRange(0, 1))
         ->capture_default_str();
     command
         .add_option("--shell", options.cage.shell,

@@ -254,7 +254,7 @@ void addCheckCommand(CLI::App& program) {
         .add_option(
             "--max-step", options.maxStep,
             "How far to look for the largest safe step; 1 is the whole way from rest to pose")
-        ->check(CLI::Range(std::numeric_limits<double>::min(), 1e6))
+        ->check(aboveZero(1e6))
         ->capture_default_str();
     command
         .add_option("--list", options.listed,

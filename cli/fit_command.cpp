@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/printable.h>
 #include <espalier/base/sort_unique.h>
@@ -186,12 +187,18 @@ bool isList(const std::string& path) {
 void addPulls(const FitCommandOptions& options, std::span<const Point3> points, Wishes& wishes) {
     for (const auto& [x, y, z, dx, dy, dz] : options.pulls) {
         const Point3 place = {x, y, z};
-        const auto squaredDistance = [&](const Point3& point) {
-            const Point3 way = difference(point, place);
-            return dot(way, way);
-        };
-        const auto nearest = std::ranges::min_element(points, {}, squaredDistance);
+        const auto distance = [&](const Point3& point) { return length(difference(point, place)); };
+        const auto nearest = std::ranges::min_element(points, {}, distance);
         const auto number = static_cast<Index>(nearest - points.begin());
+        // From farther away, rounding makes all points equally near.
+        constexpr double kFarthest = 1e8;
+        if (const double size = BoundingBox(points).diagonal();
+            distance(*nearest) > kFarthest * size)
+            throw Error(fmt::format(
+                "--pull {} {} {}: the place is more than 1e8 times the size of the "
+                "model ({:.4g}) away from it, so that all points are equally near; give "
+                "a place near the point to pull",
+                x, y, z, size));
         for (const io::Target& target : wishes.targets)
             if (target.point == number)
                 throw Error(
@@ -245,12 +252,20 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
                        isTooFar ? ", too far for the nearest cell to carry it" : "");
 }
 
+/// Throws an error of a target, which is in a line of --targets, in the model of --targets, or
+/// comes from a --pull. \param line of the target; 0 if it has none
+[[noreturn]] void throwOfTarget(const FitCommandOptions& options, std::size_t line,
+                                const std::string& cause) {
+    if (line > 0) throw io::FileError(options.targets, line, cause);
+    if (!options.targets.empty()) throw io::FileError(options.targets, cause);
+    throw Error("--pull: " + cause);
+}
+
 [[noreturn]] void refuseTarget(const FitCommandOptions& options, const io::Target& target,
                                embed::PointStatus status) {
-    const std::string cause = fmt::format("point {} {}; the lattice cannot carry it to its target",
-                                          target.point, whyNotCarried(options, status));
-    throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
-                          : io::FileError(options.model, cause);
+    throwOfTarget(options, target.line,
+                  fmt::format("point {} {}; the lattice cannot carry it to its target",
+                              target.point, whyNotCarried(options, status)));
 }
 
 /// Returns the rows of the targets whose points move with the lattice. A point that does not move
@@ -268,10 +283,11 @@ std::vector<Index> carriedTargets(const FitCommandOptions& options,
             refuseTarget(options, wishes.targets[i], bound.statuses[i]);
     }
     if (carried.empty())
-        throw io::FileError(options.targets,
-                            fmt::format("no target is left: all {} points lie outside the lattice "
-                                        "{}, and their targets are where they are already",
-                                        wishes.targets.size(), printable(options.rest)));
+        throwOfTarget(
+            options, 0,
+            fmt::format("no target is left: all {} points lie outside the lattice {}, and "
+                        "their targets are where they are already",
+                        wishes.targets.size(), printable(options.rest)));
     return carried;
 }
 
@@ -283,12 +299,10 @@ solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRo
         return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
     } catch (const solve::TargetError& error) {
         const io::Target& target = wishes.targets[error.row()];
-        const std::string cause = fmt::format(
-            "the target of point {} is too far from the point: the square of the distance "
-            "overflows",
-            target.point);
-        throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
-                              : io::FileError(options.targets, cause);
+        throwOfTarget(options, target.line,
+                      fmt::format("the target of point {} is too far from the point: the square of "
+                                  "the distance overflows",
+                                  target.point));
     }
 }
 

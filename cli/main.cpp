@@ -30,6 +30,7 @@
 
 #include "command_tree.h"
 #include "commands.h"
+#include "options.h"
 #include "run.h"
 #include "standard_streams.h"
 #include "version.h"
@@ -152,6 +153,7 @@ int run(int argumentCount, char** arguments) {
         kExitCodes);
     const auto memory = std::make_shared<MemoryOption>();
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
+    requireFiniteNumbers(program);
     program.parse_complete_callback([memory] { memory->apply(); });
 #ifdef ESPALIER_WITH_TBB
     const SignalsToMainThread signals;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
-#include <limits>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -57,14 +59,6 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor ru
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
-    // CLI::Range would accept NaN.
-    const CLI::Validator isFraction(
-        [](std::string& text) {
-            const auto number = numberOf(text);
-            const bool isOne = number && *number >= 0 && *number <= 1;
-            return isOne ? std::string() : "expected 0 to 1, got " + text;
-        },
-        "");
     options.outside = addChoice<embed::OutsidePolicy>(
         command, "--outside", options.embedding.outside, embed::kOutsidePolicyWords,
         "Points outside the lattice. keep: they stay where they are, without a warning if you give "
@@ -74,7 +68,7 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
             "--tolerance", options.embedding.tolerance,
             "How far outside a point still counts as inside, as a fraction of the diagonal of "
             "the lattice's bounding box")
-        ->check(isFraction)
+        ->check(inRange(0, 1))
         ->capture_default_str();
 }
 
@@ -84,7 +78,7 @@ void addRunOptions(CLI::App& command, CommonOptions& options) {
         .add_option("--threads", options.threads,
                     "Largest number of threads; 0: one for each core. The results do not "
                     "depend on it")
-        ->check(CLI::Range(0, 4096))
+        ->check(inRange(0, 4096, true))
         ->capture_default_str();
 }
 
@@ -105,7 +99,7 @@ CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::st
 
 std::optional<double> numberOf(const std::string& word) {
     double number = 0;
-    if (!CLI::detail::lexical_cast(word, number)) return std::nullopt;
+    if (!CLI::detail::lexical_cast(word, number) || !std::isfinite(number)) return std::nullopt;
     return number;
 }
 
@@ -190,22 +184,51 @@ void throwWithNamesOfOptions(const CLI::App& command, const Error& error) {
     throw Error(message);
 }
 
-CLI::Validator aboveZero() {
+namespace {
+
+/// Returns a check of one number.
+/// \param expected the numbers that isAllowed() accepts, for the message
+template <class IsAllowed>
+CLI::Validator numberCheck(const std::string& expected, const std::string& nameInHelp,
+                           IsAllowed isAllowed) {
     return CLI::Validator(
-        [](std::string& text) {
-            double number = 0;
-            const bool isOne = CLI::detail::lexical_cast(text, number) && number > 0 &&
-                               number <= std::numeric_limits<double>::max();
-            return isOne ? std::string() : "expected a number above 0, got " + text;
+        [expected, isAllowed](std::string& text) {
+            const auto number = numberOf(text);
+            return number && isAllowed(*number)
+                       ? std::string()
+                       : "expected " + expected + ", got " + (text.empty() ? "nothing" : text);
         },
-        "POSITIVE");
+        nameInHelp);
+}
+
+}  // namespace
+
+CLI::Validator aboveZero(double most) {
+    const bool isAny = most == std::numeric_limits<double>::max();
+    const std::string limit = isAny ? "" : fmt::format(" and at most {}", most);
+    return numberCheck("a number above 0" + limit, isAny ? "POSITIVE" : "POSITIVE" + limit,
+                       [most](double number) { return number > 0 && number <= most; });
+}
+
+CLI::Validator inRange(double least, double most, bool whole) {
+    const std::string ends = fmt::format("{} to {}", least, most);
+    return numberCheck((whole ? "a whole number, " : "") + ends, ends, [=](double number) {
+        return number >= least && number <= most && (!whole || number == std::floor(number));
+    });
+}
+
+void requireFiniteNumbers(CLI::App& command) {
+    for (CLI::Option* option : command.get_options())
+        if (option->get_type_name().find("FLOAT") != std::string::npos)
+            option->check(numberCheck("a finite number", "", [](double) { return true; }));
+    for (CLI::App* inner : command.get_subcommands({})) requireFiniteNumbers(*inner);
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {
     // Level 15 of a single cell has 8¹⁵ cells, far more than an index can count.
     constexpr int kMaxLevel = 15;
     command.add_option("-n,--level", level, "Refinement level: how many times to refine")
-        ->check(CLI::Range(least, kMaxLevel))
+        ->check(inRange(least, kMaxLevel, true))
         ->capture_default_str();
 }
 

@@ -10,6 +10,7 @@
 #include <espalier/shapes/lattice.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -101,10 +102,10 @@ void addRunOptions(CLI::App& command, CommonOptions& options);
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name = "-o,--output");
 
-/// Returns the value of a word that is a number; nothing if the word is no number.
+/// Returns the value of a word that is a finite number; nothing for any other word.
 std::optional<double> numberOf(const std::string& word);
 
-/// Returns a check that a word is a number.
+/// Returns a check that a word is a finite number.
 /// \param words all words of the option, for the message: "the numbers X Y Z", "AXIS DEGREES"
 CLI::Validator isNumberOf(const std::string& words);
 
@@ -144,9 +145,17 @@ auto withNamesOfOptions(const CLI::App& command, const Call& call) {
     }
 }
 
-/// Accepts finite numbers above 0. (CLI::PositiveNumber accepts infinity, and its message has a
-/// number of 309 digits.)
-CLI::Validator aboveZero();
+/// Accepts finite numbers above 0, up to `most`. (CLI::PositiveNumber accepts infinity, and its
+/// message has a number of 309 digits.)
+CLI::Validator aboveZero(double most = std::numeric_limits<double>::max());
+
+/// Accepts numbers from `least` to `most`. (CLI::Range accepts NaN.)
+/// \param whole only whole numbers
+CLI::Validator inRange(double least, double most, bool whole = false);
+
+/// Lets all options of a command and its subcommands that take a real number refuse numbers that
+/// are not finite. Call this when all options are there.
+void requireFiniteNumbers(CLI::App& command);
 
 /// Adds -n to a command.
 void addLevelOption(CLI::App& command, int& level, int least);

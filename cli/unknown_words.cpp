@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -127,7 +128,15 @@ void endNumbers(const CLI::App& command, std::vector<std::string>& words) {
         if (command.get_allow_extras()) break;
         if (!isOption(words[i])) continue;
         const CLI::Option& option = findOption(command, words[i]);
+        const std::size_t first = i;
         i = lastRequired(option, words, i);
+        // The parser would take -inf for a group of options, and count the numbers before it only.
+        for (std::size_t k = first + 1; k <= i; ++k)
+            if (words[k].starts_with('-'))
+                if (double number = 0;
+                    CLI::detail::lexical_cast(words[k], number) && !std::isfinite(number))
+                    throw CLI::ValidationError(option.get_name(),
+                                               "expected a finite number, got " + words[k]);
         const char delimiter = option.get_delimiter();
         if (delimiter == '\0' || !option.get_allow_extra_args()) continue;
         while (i + 1 < words.size() && isNumbers(words[i + 1], delimiter)) ++i;

@@ -50,7 +50,7 @@ void checkRest(const RestLattice& lattice, int level) {
 
 double checkedTolerance(double tolerance) {
     if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
-    throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
+    throw Error(concat("the tolerance is ", tolerance, "; expected 0 or more"));
 }
 
 std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers) {
