@@ -153,7 +153,7 @@ int run(int argumentCount, char** arguments) {
         kExitCodes);
     const auto memory = std::make_shared<MemoryOption>();
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
-    requireFiniteNumbers(program);
+    checkNumbers(program);
     program.parse_complete_callback([memory] { memory->apply(); });
 #ifdef ESPALIER_WITH_TBB
     const SignalsToMainThread signals;

@@ -217,11 +217,16 @@ CLI::Validator inRange(double least, double most, bool whole) {
     });
 }
 
-void requireFiniteNumbers(CLI::App& command) {
-    for (CLI::Option* option : command.get_options())
-        if (option->get_type_name().find("FLOAT") != std::string::npos)
+void checkNumbers(CLI::App& command) {
+    const auto isWhole = [](double number) { return number == std::floor(number); };
+    for (CLI::Option* option : command.get_options()) {
+        const std::string type = option->get_type_name();
+        if (type.find("FLOAT") != std::string::npos)
             option->check(numberCheck("a finite number", "", [](double) { return true; }));
-    for (CLI::App* inner : command.get_subcommands({})) requireFiniteNumbers(*inner);
+        else if (type.find("INT") != std::string::npos)
+            option->check(numberCheck("a whole number", "", isWhole));
+    }
+    for (CLI::App* inner : command.get_subcommands({})) checkNumbers(*inner);
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {

@@ -153,9 +153,9 @@ CLI::Validator aboveZero(double most = std::numeric_limits<double>::max());
 /// \param whole only whole numbers
 CLI::Validator inRange(double least, double most, bool whole = false);
 
-/// Lets all options of a command and its subcommands that take a real number refuse numbers that
-/// are not finite. Call this when all options are there.
-void requireFiniteNumbers(CLI::App& command);
+/// Lets all options of a command and its subcommands that take a number refuse words that are no
+/// finite number, or no whole number where they take one. Call this when all options are there.
+void checkNumbers(CLI::App& command);
 
 /// Adds -n to a command.
 void addLevelOption(CLI::App& command, int& level, int least);

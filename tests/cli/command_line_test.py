@@ -33,6 +33,53 @@ class Help(CliTest):
             self.assertEqual(result.stderr, "espalier: expected a command, as listed above\n")
 
 
+class Numbers(CliTest):
+    """Every number that an option takes, of every command: by the help, which the program makes from its own
+    options."""
+    WORDS = {"AXIS": "x", "linear|smooth": "linear"}  # of options with words before their numbers
+
+    def numeric_options(self, *command):
+        """The options of a command that take numbers: (name, a word for each value, indices of the numbers)."""
+        text = self.run_program(*command, "--help").stdout
+        for name, form in re.findall(r"^  (?:-\w,)?(--[\w-]+) (\S.*?)(?:  |$)", text, re.MULTILINE):
+            form = re.sub(r"=\S+| x \d+|\.\.\.|REQUIRED|\[.*?\]|(Excludes|Needs): .*", "", form)
+            words = form.split("|")[-1].split() if "|" in form and form[0].isupper() else form.split()
+            words = [word.split(":")[0] for word in words if not word.startswith(("to", "and", "at"))]
+            numbers = [i for i, word in enumerate(words) if re.fullmatch("[A-Z][A-Z0-9]*", word)
+                       and word not in ("TEXT", "DIRECTION", "SIZE", "KIND", "AXIS")]
+            if numbers:
+                yield name, [self.WORDS.get(word, "1") for word in words], numbers
+
+    def test_those_that_are_not_finite_are_refused(self):
+        tried = set()
+        programs = commands_in(self.run_program("--help").stdout)
+        commands = [[name] for name in programs if name != "shape"] + [
+            ["shape", name] for name in commands_in(self.run_program("shape", "--help").stdout)]
+        for command in commands:
+            for name, words, numbers in self.numeric_options(*command):
+                for i in numbers:
+                    for bad in ("nan", "inf", "-inf", "1e999", ""):
+                        values = words[:i] + [bad] + words[i + 1:]
+                        with self.subTest(command=command, option=[name, *values]):
+                            error = self.error_of(*command, name, *values, code=2)
+                            self.assertIn(name + ": expected", error)
+                            self.assertTrue(error.rstrip("\n").endswith("got " + (bad or "nothing")), error)
+                tried.add(" ".join([*command, name]))
+        # The form of a help that the pattern above does not know would be left out in silence.
+        for known in ("fit --pull", "fit --strength", "check --max-step", "pose --bend", "pose --falloff",
+                      "pose --scale", "shape cage --margin", "shape around --around-part", "bench --seconds",
+                      "shape arm --joint", "deform --level", "deform --threads", "deform --frame-rate",
+                      "shape merge --tolerance", "shape torus --minor-radius", "fit --freeze", "check --list"):
+            self.assertIn(known, tried)
+
+    def test_selections_of_pose_take_finite_numbers(self):
+        for words in (["ball", "nan", 0, 0, 1], ["ball", 0, 0, 0, "inf"], ["box", 0, 0, 0, 1, 1, "-inf"],
+                      ["half-space", 0, 0, 0, "nan", 0, 1], ["vertices", "nan"]):
+            with self.subTest(words):
+                self.assertIn("--select", self.error_of("pose", "x.vtu", "--select", *words, "--move", 1, 0, 0,
+                                                        "-o", "y.vtu", code=2))
+
+
 class MisspeltWords(CliTest):
     def test_the_nearest_command_is_suggested(self):
         for words, message in [
