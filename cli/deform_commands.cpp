@@ -96,8 +96,9 @@ struct Deformation {
     }
 };
 
-/// Calls f, which checks the cells of a mesh. If the user has not asked for the check, an error of
-/// it becomes a warning that begins with `what`, and does not stop the deformation.
+/// Calls f, which checks the cells of a mesh that have been read. If the user has not asked for the
+/// check, an error of it, such as coordinates that are too large for it, becomes a warning that
+/// begins with `what`, and does not stop the deformation.
 template <class F>
 void orWarning(const DeformOptions& options, const std::string& what, F f) {
     try {
@@ -206,10 +207,12 @@ void runDeform(const DeformOptions& options) {
     const bool isChecked =
         !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
     std::optional<MeshCheck> check;
-    if (isChecked)
+    if (isChecked) {
+        io::ModelVolume volume = readVolume(*model, stages);
         orWarning(options, "cells not checked: ", [&] {
-            check.emplace(options.model, *model, options.output, stages);
+            check.emplace(options.model, *model, std::move(volume), options.output, stages);
         });
+    }
     const MeshReports meshes =
         writePoses({*model, bound.binding, rest.positions, gradients}, options, poses, paths,
                    requiredCheck(check, options), stages);
@@ -266,7 +269,7 @@ void runApply(const DeformOptions& options) {
     // Checking takes much longer than applying, so only on request.
     std::optional<MeshCheck> check;
     if (options.mesh.noInverted || options.mesh.largestStep)
-        check.emplace(options.model, *model, options.output, stages);
+        check.emplace(options.model, *model, readVolume(*model, stages), options.output, stages);
     const MeshReports meshes =
         writePoses({*model, bound.binding, bound.rest, bound.gradients}, options, poses, paths,
                    requiredCheck(check, options), stages);

@@ -87,13 +87,16 @@ void addMeshOptions(CLI::App& command, MeshOptions& options) {
         ->excludes(none);
 }
 
-MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
-                     const std::filesystem::path& output, Stages& stages)
-    : path_(path), output_(output), model_(model) {
-    volume_ = stages.run("reading", [&] {
+io::ModelVolume readVolume(const io::Model& model, Stages& stages) {
+    return stages.run("reading", [&] {
         stages.addBytes(0);  // The bytes of the file have been counted.
         return model.readVolume();
     });
+}
+
+MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
+                     io::ModelVolume volume, const std::filesystem::path& output, Stages& stages)
+    : path_(path), output_(output), model_(model), volume_(std::move(volume)) {
     if (!hasCells()) return;
     stages.run("checking cells", [&] {
         const far::VolumeMesh& mesh = volume_.mesh;

@@ -36,13 +36,19 @@ struct MeshVerdict {
     double written = 1;  ///< the share of the pose that is written
 };
 
+/// Reads the cells of a model in the stage "reading".
+/// \throws Error if the file of the model, or a file beside it, is broken
+io::ModelVolume readVolume(const io::Model& model, Stages& stages);
+
 /// The cells of a model, and its points at rest.
 class MeshCheck {
 public:
-    /// Reads the cells of a model in the stage "reading".
+    /// Measures the cells in the stage "checking cells".
     /// \param path of the model, for messages
+    /// \param volume the cells of the model
     /// \param output the file that will hold the poses, in its own format or as an animation
-    MeshCheck(const std::filesystem::path& path, const io::Model& model,
+    /// \throws FileError if the coordinates are too large to check
+    MeshCheck(const std::filesystem::path& path, const io::Model& model, io::ModelVolume volume,
               const std::filesystem::path& output, Stages& stages);
 
     /// False if the model has no cells that can be checked.

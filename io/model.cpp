@@ -74,28 +74,11 @@ std::string extensionsOf(bool areTargets) {
     return known;
 }
 
-/// Throws unless points of OpenFOAM may be written to a path.
-void checkFoamName(const std::filesystem::path& path) {
-    std::error_code ignored;
-    const bool isDevice = std::filesystem::exists(path, ignored) &&
-                          !std::filesystem::is_regular_file(path, ignored) &&
-                          !std::filesystem::is_directory(path, ignored);
-    // A new name without an extension may be meant as the folder of a case.
-    if (path.filename() != kFoamPoints && !isDevice)
-        throw FileError(
-            path,
-            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
-            "or into a folder with a copy of the case (cp -r CASE COPY)");
-}
-
 /// Returns the format to which a model is converted if it is written to `path`; null if it is
 /// written in its own.
 /// \throws FileError if the model, or any model, cannot be written under this name
 const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::path& path) {
-    if (model.extension() == kFoamPoints) {
-        checkFoamName(path);
-        return nullptr;
-    }
+    if (model.extension() == kFoamPoints) return nullptr;
     const ModelFormat* format = findModelFormat(path);
     if (!format || format->extension() == model.extension()) return nullptr;
     if (!format->surfaces.write)
@@ -152,7 +135,7 @@ std::filesystem::path modelTarget(const std::filesystem::path& path) {
 void ModelSurface::addOther(const std::string& kind, const std::string& name) {
     auto other = std::ranges::find(others, kind, &OtherData::kind);
     if (other == others.end()) other = others.insert(others.end(), {kind, {}});
-    if (!name.empty() && std::ranges::count(other->names, name) == 0) other->names.push_back(name);
+    if (!name.empty() && known_.emplace(kind, name).second) other->names.push_back(name);
 }
 
 ModelFaces boundaryFaces(const far::VolumeMesh& mesh) {
@@ -176,6 +159,7 @@ std::string Model::checkTarget(const std::filesystem::path& name) const {
     const std::filesystem::path path = modelTarget(name);
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
         return conversionTo(*surfaces, path)->losses(path);
+    checkOwnTarget(path);
     const std::string word = path.extension().string();
     if (extension() != kFoamPoints && !findModelFormat(path) && !word.empty() && !isNumber(word))
         return concat(shownPath(path), ": is written as ", extension(),
@@ -201,9 +185,9 @@ void Model::write(const std::filesystem::path& path, std::span<const Point3> mov
 void Model::writeInFormat(const std::filesystem::path& path, std::span<const Point3> moved,
                           std::span<const DeformationGradient> gradients) const {
     if (const SurfaceFormat* surfaces = conversionFor(*this, path))
-        conversionTo(*surfaces, path)->write(path, moved, gradients);
-    else
-        writeChecked(path, moved, gradients);
+        return conversionTo(*surfaces, path)->write(path, moved, gradients);
+    checkOwnTarget(path);
+    writeChecked(path, moved, gradients);
 }
 
 std::shared_ptr<const ModelConversion> Model::conversionTo(

@@ -11,9 +11,11 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace espalier::io {
@@ -86,9 +88,12 @@ struct ModelSurface {
     /// (hexahedron)".
     std::vector<std::string> otherShapes;
 
-    /// Adds a kind of data, and the name of a part of it, if it is not empty. Each kind is listed
-    /// once.
+    /// Adds a kind of data, and the name of a part of it, if it is not empty. Each kind and each
+    /// name of it is listed once. \cost O(kinds + log names)
     void addOther(const std::string& kind, const std::string& name = {});
+
+private:
+    std::set<std::pair<std::string, std::string>> known_;  ///< kinds and names in `others`
 };
 
 class ModelConversion;
@@ -178,7 +183,7 @@ public:
     ///         written in its own format too, and there is no line
     /// \throws FileError if `path` has the extension of another model format to which this model
     ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
-    ///         another name
+    ///         another name, or replace those of another mesh
     /// \cost if the format is another one, the cost of readSurface() and of splitting faces. The
     ///       result stays in memory: the same call is free the next time
     std::string checkTarget(const std::filesystem::path& path) const;
@@ -214,6 +219,9 @@ private:
     /// Returns the conversion to another format. Keeps the last one for later calls.
     std::shared_ptr<const ModelConversion> conversionTo(const SurfaceFormat& format,
                                                         const std::filesystem::path& path) const;
+
+    /// Throws unless the model may be written to a file in its own format.
+    virtual void checkOwnTarget(const std::filesystem::path&) const {}
 
     /// Writes the model in its own format.
     /// \param gradients one per point; or empty, and the directions stay

@@ -47,7 +47,12 @@ std::filesystem::path numberedPath(const std::filesystem::path& pattern, int num
     const auto refuse = [&](const char* why) {
         throw Error(std::string("'").append(printable(text)).append("' ").append(why));
     };
-    if (!pattern.has_filename()) refuse("names no file");
+    // A slash at the end names a folder, which is numbered like a file.
+    if (!pattern.has_filename()) {
+        const std::filesystem::path folder = pattern.parent_path();
+        if (!folder.has_filename()) refuse("names no file");
+        return numberedPath(folder, number, count) / "";
+    }
     if (number < 0) refuse("cannot be numbered with a number below 0");
     const std::size_t percent = text.find('%');
     if (percent == std::string::npos) {

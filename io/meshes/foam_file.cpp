@@ -105,7 +105,7 @@ std::size_t FoamFile::count(const char* what, std::size_t minBytes) {
     return number;
 }
 
-Index FoamFile::label(const char* what) {
+Index FoamFile::label(const char* what, Index least) {
     std::int64_t number = 0;
     if (isBinary_) {
         if (bytes_.size() - position_ < labelBytes_) fail(concat("the file ends; expected ", what));
@@ -116,8 +116,8 @@ Index FoamFile::label(const char* what) {
         const std::string_view text = word(what);
         if (!parseNumber(text, number)) fail(inQuotes(text) + " is not a number; expected " + what);
     }
-    if (number < 0 || number > kMaxIndex)
-        fail(concat(what, " is ", number, "; expected 0 to ", kMaxIndex));
+    if (number < least || number > kMaxIndex)
+        fail(concat(what, " is ", number, "; expected ", least, " to ", kMaxIndex));
     return static_cast<Index>(number);
 }
 
@@ -158,8 +158,8 @@ PlacedPoints FoamFile::points() {
     return points;
 }
 
-std::vector<Index> FoamFile::labels(const char* what) {
-    // A list of equal numbers may be "1000{0}": its length is checked against the faces later.
+std::vector<Index> FoamFile::labels(const char* what, std::size_t limit, const char* limited,
+                                    Index least) {
     const std::string_view text = word("the number of labels");
     std::uint64_t size = 0;
     if (!parseNumber(text, size))
@@ -172,16 +172,13 @@ std::vector<Index> FoamFile::labels(const char* what) {
         }
         return {};
     }
+    if (size > limit) fail(concat("has ", size, " labels, but there are ", limit, " ", limited));
     const std::string_view mark = word("( before labels");
-    if (size > static_cast<std::uint64_t>(kMaxIndex))
-        fail(concat("there are ", size, " labels; at most ", kMaxIndex, " can be counted"));
     if (mark == "{") {
         const bool wasBinary = std::exchange(isBinary_, false);
-        const Index value = label(what);
+        const Index value = label(what, least);
         isBinary_ = wasBinary;
         expect("}");
-        // A file of a few bytes must not claim gigabytes.
-        requireMemory(size * sizeof(Index), "a list of equal labels");
         return std::vector<Index>(size, value);
     }
     if (mark != "(") fail("expected ( before labels, got " + inQuotes(mark));
@@ -190,7 +187,7 @@ std::vector<Index> FoamFile::labels(const char* what) {
         fail(concat("the number of labels is ", size, ", but only ", left, " bytes are left"));
     std::vector<Index> labels;
     labels.reserve(size);
-    for (std::size_t i = 0; i < size; ++i) labels.push_back(label(what));
+    for (std::size_t i = 0; i < size; ++i) labels.push_back(label(what, least));
     expect(")");
     return labels;
 }
@@ -198,8 +195,10 @@ std::vector<Index> FoamFile::labels(const char* what) {
 far::Rows<Index> FoamFile::faces() {
     far::Rows<Index> faces;
     if (className_ == "faceCompactList") {
-        const std::vector<Index> offsets = labels("the begin of a face");
-        const std::vector<Index> points = labels("a point of a face");
+        // Faces of a mesh differ, so their lists have bytes for each number.
+        const std::size_t limit = bytes_.size();
+        const std::vector<Index> offsets = labels("the begin of a face", limit, "bytes");
+        const std::vector<Index> points = labels("a point of a face", limit, "bytes");
         if (offsets.empty()) return faces;
         faces.offsets.clear();
         Index before = 0;

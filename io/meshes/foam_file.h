@@ -29,9 +29,13 @@ public:
     /// Reads a list of vectors.
     PlacedPoints points();
 
-    /// Reads a list of numbers from 0 to the largest Index.
+    /// Reads a list of numbers from 0 to the largest Index. Twelve bytes can claim any number of
+    /// equal ones ("1000000{0}"), so the number is compared with `limit` before memory is taken.
     /// \param what one of them in messages
-    std::vector<Index> labels(const char* what);
+    /// \param limit the largest number of labels: that of the things named `limited`, "faces"
+    /// \param least the smallest label: 0 or −1
+    std::vector<Index> labels(const char* what, std::size_t limit, const char* limited,
+                              Index least = 0);
 
     /// Reads a list of faces: of lists of points, or the compact form of two lists.
     far::Rows<Index> faces();
@@ -45,7 +49,7 @@ private:
     std::string_view word(const char* what);
     void expect(std::string_view mark);
     std::size_t count(const char* what, std::size_t minBytes);
-    Index label(const char* what);
+    Index label(const char* what, Index least = 0);
     double scalar(std::size_t axis, std::size_t point, std::size_t& place);
     [[noreturn]] void fail(const std::string& cause) const;
 

@@ -52,6 +52,11 @@ struct MeshFormat {
 
     /// Reads the volume from files beside `path`; null if readCells() has the cells.
     far::VolumeMesh (*readVolume)(const std::filesystem::path& path, Index pointCount) = nullptr;
+
+    /// Throws unless the points of `source` may be written to `target`, an existing or a new file;
+    /// null if any name will do.
+    void (*checkTarget)(const std::filesystem::path& source, const std::filesystem::path& target,
+                        Index pointCount) = nullptr;
 };
 
 /// Reads a mesh as a model: all that is not a coordinate is kept byte for byte.

@@ -51,6 +51,11 @@ private:
         format_.readCells(path_, bytes_, static_cast<Index>(points_.positions.size()), visitor);
     }
 
+    void checkOwnTarget(const std::filesystem::path& target) const override {
+        if (format_.checkTarget)
+            format_.checkTarget(path_, target, static_cast<Index>(points_.positions.size()));
+    }
+
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
                       std::span<const DeformationGradient>) const override {
         if (points_.dimension == 2)

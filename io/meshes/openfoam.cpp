@@ -19,11 +19,16 @@ using Path = std::filesystem::path;
 
 const Path kPolyMesh = "polyMesh", kConstant = "constant";
 
-/// Returns whether a file exists.
-/// \throws FileError if only its compressed form exists, "NAME.gz"
+/// Returns whether a file of a mesh exists.
+/// \throws FileError if only its compressed form exists, "NAME.gz", or if it is no regular file:
+///         the user has named the case and not this file, and a pipe would block for ever
 bool existsUncompressed(const Path& path) {
     std::error_code ignored;
-    if (std::filesystem::exists(path, ignored)) return true;
+    const auto status = std::filesystem::status(path, ignored);
+    if (std::filesystem::exists(status)) {
+        if (std::filesystem::is_regular_file(status)) return true;
+        throw FileError(path, "is not a regular file; copy it to a file first");
+    }
     const Path compressed = Path(path) += ".gz";
     if (std::filesystem::exists(compressed, ignored))
         throw FileError(compressed, "is compressed; run gunzip on the files of the mesh first");
@@ -57,6 +62,8 @@ struct FoamCells {
     Index cellCount = 0;
 };
 
+constexpr const char* kCellFiles[] = {"faces", "owner", "neighbour"};
+
 /// Reads the cells; none if there is no file of faces.
 /// \throws FileError if a file is malformed, or the lists do not have the same length
 FoamCells readFoamCells(const Path& points) {
@@ -64,23 +71,25 @@ FoamCells readFoamCells(const Path& points) {
     FoamCells cells;
     if (!folder) return cells;
     cells.faces = readFoamFile(*folder / "faces", [](FoamFile& file) { return file.faces(); });
-    const auto read = [&](const char* name) {
-        return readFoamFile(*folder / name,
-                            [](FoamFile& file) { return file.labels("the number of a cell"); });
-    };
-    cells.owners = read("owner");
-    cells.neighbours = read("neighbour");
     const std::size_t faceCount = cells.faces.offsets.size() - 1;
+    const auto read = [&](const char* name, Index least) {
+        return readFoamFile(*folder / name, [&](FoamFile& file) {
+            return file.labels("the number of a cell", faceCount, "faces", least);
+        });
+    };
+    cells.owners = read("owner", 0);
+    // Old versions write a neighbour for each face: −1 on the boundary, which comes last.
+    cells.neighbours = read("neighbour", -1);
+    while (!cells.neighbours.empty() && cells.neighbours.back() == -1) cells.neighbours.pop_back();
+    if (const auto none = std::ranges::find(cells.neighbours, -1); none != cells.neighbours.end())
+        throw FileError(*folder / "neighbour",
+                        concat("face ", none - cells.neighbours.begin(),
+                               " has no neighbour (-1), but a face after it has one"));
     if (cells.owners.size() != faceCount)
         throw FileError(*folder / "owner", concat("has ", cells.owners.size(),
                                                   " labels, but there "
                                                   "are ",
                                                   faceCount, " faces"));
-    // Very old versions write a neighbour for each face: −1 on the boundary, which label() refuses.
-    if (cells.neighbours.size() > faceCount)
-        throw FileError(*folder / "neighbour",
-                        concat("has ", cells.neighbours.size(), " labels, but there are ",
-                               faceCount, " faces"));
     for (std::size_t face = 0; face < cells.neighbours.size(); ++face)
         if (cells.neighbours[face] == cells.owners[face])
             throw FileError(*folder / "neighbour",
@@ -94,6 +103,28 @@ FoamCells readFoamCells(const Path& points) {
         throw FileError(*folder / "owner", concat("names cell ", cells.cellCount - 1,
                                                   ", but there are ", faceCount, " faces"));
     return cells;
+}
+
+bool haveSameBytes(const Path& a, const Path& b) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(a, b, ignored)) return true;
+    return std::filesystem::file_size(a, ignored) == std::filesystem::file_size(b, ignored) &&
+           readFile(a) == readFile(b);
+}
+
+/// Returns true if the faces and cells of two meshes are the same, in any form.
+/// \param a, b points of the meshes, both with files of faces
+bool haveSameCells(const Path& a, const Path& b) {
+    const Path folderA = *facesFolder(a), folderB = *facesFolder(b);
+    if (std::ranges::all_of(kCellFiles, [&](const char* name) {
+            return existsUncompressed(folderA / name) && existsUncompressed(folderB / name) &&
+                   haveSameBytes(folderA / name, folderB / name);
+        }))
+        return true;
+    const FoamCells cellsA = readFoamCells(a), cellsB = readFoamCells(b);
+    return std::ranges::equal(cellsA.faces.offsets, cellsB.faces.offsets) &&
+           std::ranges::equal(cellsA.faces.values, cellsB.faces.values) &&
+           cellsA.owners == cellsB.owners && cellsA.neighbours == cellsB.neighbours;
 }
 
 /// Makes a mesh, which checks all numbers. Errors name the file of faces.
@@ -130,7 +161,39 @@ void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor
         visitor.boundaryFace(mesh.face(face));
 }
 
-constexpr MeshFormat kFoam = {kFoamPoints, readPoints, readCells, readVolume};
+/// Throws unless the points of a mesh may be written to a path: to a device, or to a file "points"
+/// that belongs to the same mesh or to none.
+void checkTarget(const Path& source, const Path& target, Index pointCount) {
+    std::error_code ignored;
+    const auto status = std::filesystem::status(target, ignored);
+    const bool isFile = std::filesystem::is_regular_file(status);
+    if (std::filesystem::exists(status) && !isFile && !std::filesystem::is_directory(status))
+        return;
+    // A new name without an extension may be meant as the folder of a case.
+    if (target.filename() != kFoamPoints)
+        throw FileError(
+            target,
+            "the points of an OpenFOAM mesh are written to a file of the name 'points', "
+            "or into a folder with a copy of the case (cp -r CASE COPY)");
+    const auto refuse = [&](const std::string& cause) {
+        throw FileError(target, "belongs to another mesh, " + cause +
+                                    "; write into a copy of the case (cp -r CASE COPY)");
+    };
+    if (!facesFolder(target)) return;
+    if (facesFolder(source)) {
+        if (!haveSameCells(source, target))
+            refuse("whose faces, owner and neighbour are not those of " + shownPath(source));
+        return;
+    }
+    // The points of a binding come without their faces.
+    if (!isFile) return;
+    const std::size_t count =
+        readFoamFile(target, [](FoamFile& file) { return file.points(); }).positions.size();
+    if (count != static_cast<std::size_t>(pointCount))
+        refuse(concat("which has ", count, " points, and not ", pointCount));
+}
+
+constexpr MeshFormat kFoam = {kFoamPoints, readPoints, readCells, readVolume, checkTarget};
 
 /// Returns the folder polyMesh that a folder means; nothing if there is none.
 std::optional<Path> polyMeshOf(const Path& folder) {
@@ -173,7 +236,11 @@ std::filesystem::path foamPointsOf(const Path& path) {
 std::filesystem::path foamTargetOf(const Path& path) {
     const auto folder = caseFolderOf(path);
     if (!folder) return path;
-    if (const auto polyMesh = polyMeshOf(*folder)) return *polyMesh / kFoamPoints;
+    if (const auto polyMesh = polyMeshOf(*folder)) {
+        if (facesFolder(*polyMesh / kFoamPoints)) return *polyMesh / kFoamPoints;
+        throw FileError(path,
+                        "has a folder polyMesh without a file of faces; copy the whole case first");
+    }
     throw FileError(path,
                     "is a folder without a mesh of OpenFOAM; copy the case first, for example: "
                     "cp -r CASE " +

@@ -18,6 +18,7 @@
 ///
 /// The points are in the file "points". The faces and cells are in the files "faces", "owner" and
 /// "neighbour" beside it; or in constant/polyMesh of the case, if "points" is in TIME/polyMesh.
+/// Files that the user has not named must be regular ones.
 
 namespace espalier::io {
 
@@ -37,10 +38,12 @@ ESPALIER_API std::filesystem::path foamPointsOf(const std::filesystem::path& pat
 /// Returns the file of points that is to be written for a path, as foamPointsOf(); the folder
 /// polyMesh must exist, the file need not.
 ///
-/// \throws FileError if a folder has no folder polyMesh and is none
+/// \throws FileError if a folder has no folder polyMesh and is none, or if this folder has no faces
 ESPALIER_API std::filesystem::path foamTargetOf(const std::filesystem::path& path);
 
-/// Reads the points as a model. Only their coordinates are replaced on writing. The faces of the
+/// Reads the points as a model. Only their coordinates are replaced on writing, in a file that has
+/// the same faces, owner and neighbour beside it, or none; points without such files beside them
+/// replace those of a mesh with the same number of points. The faces of the
 /// model are the boundary faces of the mesh. The volume is read from the files beside `path`; it
 /// has no cells if there is no file "faces".
 ///

@@ -7,8 +7,11 @@
 
 import fractions
 import json
+import os
+import resource
 import shutil
 import struct
+import subprocess
 import sys
 import unittest
 
@@ -149,14 +152,20 @@ class Mesh(CliTest):
         self.assertIn("  largest step      0.99999999999", result.stdout)
         self.assertIn("0.999999 of the way", result.stderr)
 
-    def test_a_check_that_nobody_asked_for_does_not_stop_the_deformation(self):
+    def test_a_mesh_whose_cells_cannot_be_read_is_refused(self):
         self.put("a.su2", SU2.replace("10 0 1 2 3", "10 0 1 2 9"))
-        result = self.deform_mesh()
-        self.assertIn("warning: cells not checked: a.su2:3: an element names point 9", result.stderr)
-        self.assertIn("\n0 0 -1\n", self.text("out.su2"))
-        for option in ("--no-inverted", "--largest-step"):
+        for option in ([], ["--no-inverted"], ["--largest-step"]):
             self.assertIn("espalier: a.su2:3: an element names point 9",
-                          self.deform_mesh(option, code=1).stderr)
+                          self.deform_mesh(*option, code=1).stderr)
+        self.assertFalse((self.path / "out.su2").exists())
+
+    def test_a_check_that_nobody_asked_for_does_not_stop_the_deformation(self):
+        # The bounds of the check are ±1e90, so this mesh is whole, but cannot be checked.
+        self.put("a.su2", SU2.replace("\n0 0 1\n", "\n0 0 1e91\n"))
+        result = self.deform_mesh()
+        self.assertIn("warning: cells not checked: a.su2: ", result.stderr)
+        for option in ("--no-inverted", "--largest-step"):
+            self.deform_mesh(option, code=1)
         # Elements of unknown types are counted.
         self.put("a.su2", SU2.replace("NELEM= 1\n", "NELEM= 3\n22 0 1 2 3\n22 0 1 2 3\n"))
         self.assertIn("  not checked       2 elements of unknown types\n", self.deform_mesh().stdout)
@@ -235,6 +244,54 @@ class Mesh(CliTest):
         self.assertIn("(0 0 -1)", self.text("copy/constant/polyMesh/points"))
         self.assertIn("m.espb: has no cells of a volume, so there is nothing to check for --largest-step; the faces",
                       self.error_of("apply", "m.espb", "--to", "pose.ovm", "-o", "copy", "--largest-step"))
+
+    def test_the_points_of_another_openfoam_case_are_kept(self):
+        self.put_case("case")
+        other = self.put_case("other")
+        (other / "owner").write_text(FOAM["owner"].replace("4{0}", "4(0 1 0 1)"))
+        for out in ("other", "other/constant/polyMesh/points"):
+            self.assertIn("belongs to another mesh, whose faces, owner and neighbour are not those of case",
+                          self.deform_mesh("--quiet", model="case", out=out, code=1).stderr)
+        (other / "faces").unlink()
+        self.assertIn("other: has a folder polyMesh without a file of faces",
+                      self.deform_mesh(model="case", out="other", code=1).stderr)
+        self.assertEqual((other / "points").read_text(), FOAM["points"])
+        # Other bytes with the same faces and cells, and a slash.
+        (self.put_case("copy") / "owner").write_text(FOAM["owner"].replace("4{0}", "4 ( 0 0 0 0 )"))
+        self.deform_mesh(model="case", out="copy/")
+        self.assertIn("(0 0 -1)", self.text("copy/constant/polyMesh/points"))
+        # A binding has no faces: it knows the number of points.
+        self.run_program("bind", "case", "--rest", "rest.ovm", "-n", 1, "-o", "case.espb")
+        self.run_program("apply", "case.espb", "--to", "rest.ovm", "-o", "copy/")
+        self.assertEqual(self.text("copy/constant/polyMesh/points"), FOAM["points"])
+        more = FOAM["points"].replace("4(", "5((7 7 7)")
+        self.put("copy/constant/polyMesh/points", more)
+        self.assertIn("belongs to another mesh, which has 5 points, and not 4",
+                      self.run_program("apply", "case.espb", "--to", "rest.ovm", "-o", "copy", code=1).stderr)
+        self.assertEqual(self.text("copy/constant/polyMesh/points"), more)
+
+    def test_a_small_file_of_openfoam_takes_little_memory(self):
+        # The lists claim 8 GB: more than the program may take here, and far more than it needs.
+        limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+        for name, faces in (("owner", "4 faces"), ("neighbour", "4 faces"), ("faces", r"\d+ bytes")):
+            folder = self.put_case(name)
+            (folder / name).write_text(HEADER % "faceCompactList" + "2147483647{0}\n")
+            result = subprocess.run(
+                [program.ESPALIER, "deform", name, "--rest", "rest.ovm", "--to", "pose.ovm", "-n", "1",
+                 "-o", "/dev/stdout"], cwd=self.path, encoding="utf-8", capture_output=True, timeout=120,
+                preexec_fn=limit)
+            self.assertRegex(result.stderr, rf"polyMesh/{name}:2: has 2147483647 labels, but there are {faces}$")
+            self.assertEqual(result.returncode, 1)
+            self.assertNotIn("FoamFile", result.stdout)
+
+    def test_a_pipe_in_an_openfoam_case_is_refused(self):
+        for name in FOAM:
+            file = self.put_case(name) / name
+            file.unlink()
+            os.mkfifo(file)
+            for command in (["info", name, "-n", 0],
+                            ["deform", name, "--rest", "rest.ovm", "--to", "pose.ovm", "-o", "/dev/null"]):
+                self.assertIn(f"polyMesh/{name}: is not a regular file", self.error_of(*command))
 
     def test_apply_checks_on_request(self):
         self.run_program("bind", "a.su2", "--rest", "rest.ovm", "-n", 1, "-o", "m.espb")

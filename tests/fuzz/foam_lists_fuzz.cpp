@@ -19,7 +19,7 @@ const Target kFoamLists("foam_lists", [](std::string_view bytes) {
                 "the last face ends at the last point");
     const auto labels = readResult(name.string(), [&] {
         io::FoamFile file(name, bytes);
-        auto read = file.labels("a label");
+        auto read = file.labels("a label", 1000, "faces");
         file.expectEnd();
         return read;
     });

@@ -18,6 +18,8 @@ TEST(NumberedPath, SeveralPosesGetTheNumberBeforeTheExtension) {
     EXPECT_EQ(numberedPath("/a/b.c/out", 1, 2), "/a/b.c/out.0001");
     EXPECT_EQ(numberedPath("a.tar.gz", 1, 2), "a.tar.0001.gz");
     EXPECT_EQ(numberedPath("../out.ply", 1, 2), "../out.0001.ply");
+    EXPECT_EQ(numberedPath("a/case/", 0, 1).string(), "a/case/");
+    EXPECT_EQ(numberedPath("a/case/", 1, 2).string(), "a/case.0001/");
 }
 
 TEST(NumberedPath, PercentDGivesTheNumberItsPlace) {
@@ -42,7 +44,7 @@ TEST(NumberedPath, OtherPercentSignsAreRefused) {
 
 TEST(NumberedPath, RefusesNegativeNumbersAndMissingFileNames) {
     EXPECT_THROW(numberedPath("", 0, 2), Error);
-    EXPECT_THROW(numberedPath("folder/", 0, 2), Error);
+    EXPECT_THROW(numberedPath("/", 0, 2), Error);
     EXPECT_THROW(numberedPath("out.obj", -1, 2), Error);
 }
 

@@ -3,6 +3,7 @@
 #include <espalier/io/meshes/openfoam.h>
 #include <io/mesh_samples.h>
 #include <io/replaced.h>
+#include <sys/stat.h>
 
 #include "support/test.h"
 
@@ -125,6 +126,53 @@ TEST(OpenFoam, IsWrittenToPointsOrIntoACopyOfTheCase) {
                    readModel(folder / "case"));
 }
 
+TEST(OpenFoam, IsNotWrittenOverTheMeshOfAnotherCase) {
+    const TemporaryFolder folder;
+    for (const char* name : {"case/constant/polyMesh", "other/constant/polyMesh", "points"})
+        putFoam(folder / name, sampleFoam());
+    const auto refused = [&](const std::filesystem::path& target) {
+        const auto model = readModel(folder / "case");
+        EXPECT_REFUSED(FileError, "belongs to another mesh, whose faces, owner and neighbour",
+                       model->checkTarget(target));
+        EXPECT_REFUSED(FileError, "belongs to another mesh",
+                       model->write(target, model->positions()));
+    };
+    const auto model = readModel(folder / "case");
+    const auto target = folder / "other/constant/polyMesh";
+    for (const char* name : {"faces", "owner", "neighbour"}) {
+        Files files = sampleFoam();
+        files["faces"] = replaced(files["faces"], "4(4 5 6 7)", "4(5 6 7 4)");
+        files["owner"] = replaced(files["owner"], "\n3\n)", "\n2\n)");
+        files["neighbour"] = replaced(files["neighbour"], "\n3\n)", "\n1\n)");
+        putFoam(target, sampleFoam());
+        putFile(target / name, files[name]);
+        refused(folder / "other");
+        refused(target / "points");
+    }
+    // The same mesh in binary has other bytes.
+    putFoam(target, sampleFoam(true));
+    EXPECT_EQ(model->checkTarget(folder / "other/"), "");
+    model->write(folder / "other/", model->positions());
+    EXPECT_EQ(copyOf(readModel(target / "points")->positions()), samplePoints());
+    // A file "points" that belongs to no mesh is written like any other.
+    std::filesystem::remove(folder / "points/faces");
+    putFile(folder / "points/points", "");
+    EXPECT_NO_THROW(model->write(folder / "points/points", model->positions()));
+}
+
+TEST(OpenFoam, FilesOfTheCaseAreRegularFiles) {
+    for (const char* name : {"points", "faces", "owner", "neighbour"}) {
+        const TemporaryFolder folder;
+        const auto points = putFoam(folder / "constant/polyMesh", sampleFoam());
+        const auto pipe = folder / "constant/polyMesh" / name;
+        std::filesystem::remove(pipe);
+        ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+        const std::string message = concat(name, ": is not a regular file");
+        EXPECT_REFUSED(FileError, message, readModel(folder / ".")->readVolume());
+        EXPECT_REFUSED(FileError, message, readLattice(folder / "."));
+    }
+}
+
 TEST(OpenFoam, ListsOfEqualLabelsAreRead) {
     const TemporaryFolder folder;
     Files files = sampleFoam();
@@ -138,6 +186,23 @@ TEST(OpenFoam, ListsOfEqualLabelsAreRead) {
         EXPECT_EQ(readModel(folder / "m/points")->readVolume().mesh.kind(0),
                   far::StandardCell::Tetrahedron);
     }
+}
+
+// The tutorials of OpenFOAM 2.1 have such meshes.
+TEST(OpenFoam, OldMeshesHaveANeighbourForEachFace) {
+    const TemporaryFolder folder;
+    Files files = sampleFoam();
+    files["neighbour"] = foamHeader("labelList", "neighbour") + "18(1 2 3" +
+                         test::words(std::vector<int>(15, -1)) + ")";
+    const auto points = putFoam(folder / "m", files);
+    const ModelVolume volume = readModel(points)->readVolume();
+    EXPECT_EQ(volume.mesh.cellCount(), 4);
+    EXPECT_EQ(volume.mesh.internalFaceCount(), 3);
+    EXPECT_EQ(readLattice(points).complex.count(3), 4);
+    putFile(folder / "m/neighbour", replaced(files["neighbour"], "1 2 3", "1 -1 3"));
+    EXPECT_REFUSED(FileError,
+                   "neighbour: face 1 has no neighbour (-1), but a face after it has one",
+                   readModel(points)->readVolume());
 }
 
 TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
@@ -170,16 +235,19 @@ TEST(OpenFoam, MalformedFilesAreRefusedWithTheLine) {
     expectRefused(changed("faces", "4(4 5 6 7)", "5(4 5 6 7)"), "')' is not a number");
     expectRefused(changed("faces", "4(4 5 6 7)", "2(4 5)"), "face 0 has fewer than 3 points");
     expectRefused(changed("owner", "18\n(", "17\n("), "expected ), got '3'");
-    expectRefused(changed("owner", "18\n(", "999999999999\n("), "there are 999999999999 labels");
+    expectRefused(changed("owner", "18\n(", "999999999999\n("),
+                  "owner:14: has 999999999999 labels, but there are 18 faces");
     expectRefused(changed("owner", "\n3\n)", "\n-1\n)"), "the number of a cell is -1");
     expectRefused(changed("owner", "\n3\n)", "\n99\n)"), "names cell 99, but there are 18 faces");
+    expectRefused(changed("neighbour", "\n3\n)", "\n-2\n)"),
+                  "the number of a cell is -2; expected -1 to");
     expectRefused(changed("neighbour", "\n3\n)", "\n3 3\n)"), "expected ), got '3'");
     Files files = good;
     files["owner"] = foamHeader("labelList", "owner") + "17{0}";
     expectRefused(files, "owner: has 17 labels, but there are 18 faces");
     files = good;
     files["neighbour"] = foamHeader("labelList", "neighbour") + "19{0}";
-    expectRefused(files, "neighbour: has 19 labels, but there are 18 faces");
+    expectRefused(files, "neighbour:14: has 19 labels, but there are 18 faces");
     files = good;
     files["neighbour"] = foamHeader("labelList", "neighbour") + "1{0}";
     expectRefused(files, "neighbour: face 0 has cell 0 as its owner and as its neighbour");
