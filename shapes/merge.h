@@ -44,8 +44,7 @@ struct MergeOptions {
 ///         types in two lattices; far::TopologyError for a cell that would lose a vertex, a cell
 ///         that is in two lattices, or a face of three cells. These messages name the lattices, and
 ///         number cells and faces as in their own lattice
-/// \cost O(n log n) in the number of entries of the result; the search for coincident vertices
-/// takes linear time if the vertices are spread out, as in most lattices
+/// \cost O(n log n) in the number of entries of all lattices
 /// \cite MacCracken & Joy 1996, section 5
 ESPALIER_API Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options = {});
 

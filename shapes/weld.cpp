@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/bounding_box.h>
-#include <espalier/base/hash.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <limits>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 #include "weld.h"
@@ -17,88 +14,102 @@
 namespace espalier::shapes {
 namespace {
 
-/// Stores the welded points by the boxes of a grid, in a hash table.
+/// A box of a grid, by its numbers along the axes.
+using Box = std::array<double, 3>;
+
+/// Finds the welded points near a point. They are stored by the boxes of a grid that is four times
+/// as wide as the distance. So a search reads few boxes, mostly one; and a box holds few points,
+/// wherever the points are, since welded points are more than the distance apart. The boxes are
+/// sorted and not hashed, so no choice of points makes the search slow.
 class PointGrid {
 public:
-    /// \param origin lower bound of all points, in each coordinate
-    PointGrid(const Point3& origin, double boxSize) : origin_(origin), boxSize_(boxSize) {}
-
-    void insert(Index index, const Point3& point) {
-        boxes_[boxOf(point)].push_back({index, point});
+    PointGrid(std::span<const Point3> points, double distance)
+        : distance_(distance), boxSize_(4 * distance) {
+        boxes_.reserve(points.size());
+        for (const Point3& point : points) boxes_.push_back(boxOf(point));
+        std::sort(boxes_.begin(), boxes_.end());
+        boxes_.erase(std::unique(boxes_.begin(), boxes_.end()), boxes_.end());
+        first_.assign(boxes_.size(), -1);
     }
 
-    /// Returns the point nearest to `point` within `distance`. If several are equally near, returns
-    /// the one that was inserted first.
-    std::optional<Index> nearest(const Point3& point, double distance) const {
-        const Point3 reach = {distance, distance, distance};
-        const Box low = boxOf(difference(point, reach));
-        const Box high = boxOf(sum(point, reach));
+    /// Adds the next welded point.
+    /// \param point one of the points of the grid
+    void add(const Point3& point) {
+        Index& first = first_[*find(boxOf(point))];
+        next_.push_back(first);
+        first = static_cast<Index>(positions_.size());
+        positions_.push_back(point);
+    }
+
+    /// Returns the welded point nearest to `point` within the distance. If several are equally
+    /// near, returns the one that was added first.
+    std::optional<Index> nearest(const Point3& point) const {
+        const Point3 reach = {distance_, distance_, distance_};
+        const std::array<Box, 3> near = {boxOf(difference(point, reach)), boxOf(point),
+                                         boxOf(sum(point, reach))};
         std::optional<Index> best;
         double bestDistance = std::numeric_limits<double>::infinity();
-        for (std::int64_t x = low[0]; x <= high[0]; ++x)
-            for (std::int64_t y = low[1]; y <= high[1]; ++y)
-                for (std::int64_t z = low[2]; z <= high[2]; ++z) {
-                    const auto box = boxes_.find({x, y, z});
-                    if (box == boxes_.end()) continue;
-                    for (const auto& [index, position] : box->second) {
-                        const double apart = length(difference(position, point));
-                        if (apart > distance || apart > bestDistance) continue;
-                        if (apart == bestDistance && index > *best) continue;
-                        best = index;
-                        bestDistance = apart;
-                    }
-                }
+        const auto visit = [&](const Box& box) {
+            const auto place = find(box);
+            for (Index index = place ? first_[*place] : -1; index >= 0; index = next_[index]) {
+                const double apart = length(difference(positions_[index], point));
+                if (apart > distance_ || apart > bestDistance) continue;
+                if (apart == bestDistance && index > *best) continue;
+                best = index;
+                bestDistance = apart;
+            }
+        };
+        // Along each axis the distance reaches two boxes at most, three if rounding moves a wall.
+        const auto isNew = [&](std::size_t axis, std::size_t i) {
+            return i == 0 || near[i][axis] != near[i - 1][axis];
+        };
+        for (std::size_t x = 0; x < 3; ++x)
+            for (std::size_t y = 0; y < 3 && isNew(0, x); ++y)
+                for (std::size_t z = 0; z < 3 && isNew(1, y); ++z)
+                    if (isNew(2, z)) visit({near[x][0], near[y][1], near[z][2]});
         return best;
     }
 
+    std::vector<Point3> takePositions() { return std::move(positions_); }
+
 private:
-    using Box = std::array<std::int64_t, 3>;
-
-    struct Hash {
-        std::size_t operator()(const Box& box) const {
-            // Odd multipliers spread neighbouring boxes over the table.
-            std::uint64_t hash = 0;
-            for (const std::int64_t coordinate : box)
-                hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * kHashFactor;
-            return hash ^ (hash >> 32U);
-        }
-    };
-
     Box boxOf(const Point3& point) const {
         Box box;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            box[axis] =
-                static_cast<std::int64_t>(std::floor((point[axis] - origin_[axis]) / boxSize_));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double place = std::floor(point[axis] / boxSize_);
+            // Without a distance, or if it is far below the rounding of the coordinate, only equal
+            // coordinates are near. Adding 0 turns −0 into 0.
+            box[axis] = std::isfinite(place) ? place : point[axis] + 0.0;
+        }
         return box;
     }
 
-    Point3 origin_;
-    double boxSize_;
-    std::unordered_map<Box, std::vector<std::pair<Index, Point3>>, Hash> boxes_;
+    /// Returns the place of a box in the lists; nothing if it has none of the points.
+    std::optional<std::size_t> find(const Box& box) const {
+        const auto at = std::lower_bound(boxes_.begin(), boxes_.end(), box);
+        if (at == boxes_.end() || *at != box) return std::nullopt;
+        return at - boxes_.begin();
+    }
+
+    double distance_, boxSize_;
+    std::vector<Box> boxes_;    ///< those with points, ascending
+    std::vector<Index> first_;  ///< per box: the welded point that was added last; −1: none
+    std::vector<Index> next_;   ///< per welded point: the one before it in its box; −1: none
+    std::vector<Point3> positions_;
 };
 
 }  // namespace
 
 Welding weld(std::span<const Point3> points, double distance) {
     Welding welding;
-    if (points.empty()) return welding;
-    // A box is at least four times as wide as the distance, so that most searches read one box
-    // only. A box is also at least kFinest times the size of the whole, so that the numbers of
-    // boxes do not overflow.
-    constexpr double kFinest = 1.0 / (1 << 20);
-    const BoundingBox bounds(points);
-    const double diagonal = bounds.diagonal();
-    const double boxSize = diagonal > 0 ? std::max(4 * distance, diagonal * kFinest) : 1;
-    PointGrid grid(bounds.min, boxSize);
+    PointGrid grid(points, distance);
+    Index count = 0;
     for (const Point3& point : points) {
-        std::optional<Index> same = grid.nearest(point, distance);
-        if (!same) {
-            same = static_cast<Index>(welding.positions.size());
-            welding.positions.push_back(point);
-            grid.insert(*same, point);
-        }
-        welding.newIndex.push_back(*same);
+        const std::optional<Index> same = grid.nearest(point);
+        if (!same) grid.add(point);
+        welding.newIndex.push_back(same ? *same : count++);
     }
+    welding.positions = grid.takePositions();
     return welding;
 }
 

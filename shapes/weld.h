@@ -21,7 +21,7 @@ struct Welding {
 ///
 /// \param points finite positions
 /// \param distance 0 or more
-/// \cost O(n) with a hash table of boxes, if few points share a box
+/// \cost O(n log n), wherever the points are
 Welding weld(std::span<const Point3> points, double distance);
 
 }  // namespace espalier::shapes

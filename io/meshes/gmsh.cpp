@@ -4,10 +4,10 @@
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/meshes/gmsh.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 #include "../files/bytes.h"
@@ -98,12 +98,14 @@ public:
     }
 
     void readCells(CellVisitor& visitor) {
-        Index next = 0;
         readNodes([&](std::int64_t tag) {
-            addTag(tag, next++);
+            const auto index = static_cast<Index>(tags_.size());
+            // Most files number their nodes from 1 in order.
+            isDense_ = isDense_ && tag == std::int64_t{index} + 1;
+            tags_.emplace_back(tag, index);
             for (std::size_t axis = 0; axis < 3; ++axis) coordinate(axis, 0);
         });
-        pointCount_ = next;
+        sortTags();
         if (isVersion4_)
             readElements4(visitor);
         else
@@ -256,22 +258,25 @@ private:
             text_.token("a parameter of a node");
     }
 
-    void addTag(std::int64_t tag, Index index) {
-        // Most files number their nodes from 1 in order.
-        if (isDense_ && tag == std::int64_t{index} + 1) return;
-        if (isDense_) {
-            isDense_ = false;
-            for (Index i = 0; i < index; ++i) indexOfTag_.emplace(std::int64_t{i} + 1, i);
-        }
-        if (!indexOfTag_.emplace(tag, index).second)
-            text_.fail(concat("two nodes have the tag ", tag));
+    /// Sorts the tags of all nodes, so that indexOf() finds them. A hash table would be faster, but
+    /// slow for tags that all fall into one bucket.
+    void sortTags() {
+        if (isDense_) return;
+        std::sort(tags_.begin(), tags_.end());
+        const auto twice =
+            std::adjacent_find(tags_.begin(), tags_.end(),
+                               [](const auto& a, const auto& b) { return a.first == b.first; });
+        if (twice != tags_.end()) text_.fail(concat("two nodes have the tag ", twice->first));
     }
 
     Index indexOf(std::int64_t tag) const {
-        if (isDense_ && tag >= 1 && tag <= pointCount_) return static_cast<Index>(tag - 1);
-        if (!isDense_)
-            if (const auto found = indexOfTag_.find(tag); found != indexOfTag_.end())
-                return found->second;
+        if (isDense_) {
+            if (tag >= 1 && tag <= std::ssize(tags_)) return static_cast<Index>(tag - 1);
+        } else {
+            const auto found =
+                std::lower_bound(tags_.begin(), tags_.end(), std::pair(tag, Index{0}));
+            if (found != tags_.end() && found->first == tag) return found->second;
+        }
         text_.fail(concat("an element names node ", tag, ", which does not exist"));
     }
 
@@ -387,11 +392,10 @@ private:
     TextReader text_;
     bool isVersion4_ = false;
     bool isBinary_ = false;
-    std::optional<std::endian> order_;  ///< of a binary file
-    bool isDense_ = true;               ///< whether node i has the tag i + 1
-    std::unordered_map<std::int64_t, Index> indexOfTag_;
-    Index pointCount_ = 0;
-    std::vector<Index> nodes_;  ///< of the current element
+    std::optional<std::endian> order_;                  ///< of a binary file
+    bool isDense_ = true;                               ///< whether node i has the tag i + 1
+    std::vector<std::pair<std::int64_t, Index>> tags_;  ///< of all nodes, and the nodes
+    std::vector<Index> nodes_;                          ///< of the current element
 };
 
 constexpr MeshFormat kGmsh = {

@@ -2,9 +2,12 @@
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "triangulation.h"
 
@@ -74,40 +77,139 @@ bool isOnLine(std::span<const Point3> polygon) {
     });
 }
 
+/// Places of corners, from which corners can be removed. A tree of boxes: each half of its places
+/// is on one side along the longer side of the box.
+class CornerTree {
+public:
+    CornerTree() = default;
+    /// \param corners some corners of the polygon; corners at one place are one place of the tree
+    CornerTree(std::span<const Point2> points, std::vector<std::size_t> corners)
+        : places_(points.size()) {
+        std::sort(corners.begin(), corners.end(), [&](std::size_t a, std::size_t b) {
+            return std::pair(points[a], a) < std::pair(points[b], b);
+        });
+        std::vector<Leaf> leaves;
+        for (const std::size_t corner : corners) {
+            if (leaves.empty() || leaves.back().point != points[corner])
+                leaves.push_back({points[corner], {}});
+            leaves.back().corners.push_back(corner);
+        }
+        if (leaves.empty()) return;
+        nodes_.resize(2 * std::bit_ceil(leaves.size()));
+        build(1, leaves);
+    }
+
+    /// Removes a corner. Returns its place, if the tree had it and the place has no corner any
+    /// more.
+    std::optional<std::size_t> remove(std::size_t corner) {
+        const std::size_t place = places_[corner];
+        for (std::size_t node = place; node > 0; node /= 2) --nodes_[node].count;
+        return place > 0 && nodes_[place].count == 0 ? std::optional(place) : std::nullopt;
+    }
+
+    /// Returns an upper bound of the numbers of places.
+    std::size_t placeBound() const { return nodes_.size(); }
+
+    /// Returns the place of a corner in a triangle, or on its edges; nothing if there is none. The
+    /// places of the corners of the triangle do not count.
+    /// \cost O(√n) at most if the tree has n corners, O(log n) for most triangles
+    std::optional<std::size_t> findIn(const Point2& a, const Point2& b, const Point2& c) const {
+        return nodes_.empty() ? std::nullopt : findIn({&a, &b, &c}, 1);
+    }
+
+private:
+    struct Leaf {
+        Point2 point;
+        std::vector<std::size_t> corners;
+    };
+
+    /// Nodes 2 i and 2 i + 1 are the halves of node i.
+    struct Node {
+        Point2 low = {}, high = {};
+        std::size_t count = 0;  ///< number of corners that are left
+        bool isLeaf = true;
+    };
+
+    void build(std::size_t number, std::span<Leaf> leaves) {
+        Node& node = nodes_[number];
+        node.low = node.high = leaves[0].point;
+        for (const Leaf& leaf : leaves) {
+            node.count += leaf.corners.size();
+            for (std::size_t axis = 0; axis < 2; ++axis) {
+                node.low[axis] = std::min(node.low[axis], leaf.point[axis]);
+                node.high[axis] = std::max(node.high[axis], leaf.point[axis]);
+            }
+        }
+        node.isLeaf = leaves.size() == 1;
+        if (node.isLeaf) {
+            for (const std::size_t corner : leaves[0].corners) places_[corner] = number;
+            return;
+        }
+        const std::size_t axis = node.high[0] - node.low[0] > node.high[1] - node.low[1] ? 0 : 1;
+        const std::size_t half = leaves.size() / 2;
+        std::nth_element(leaves.begin(), leaves.begin() + static_cast<std::ptrdiff_t>(half),
+                         leaves.end(), [&](const Leaf& p, const Leaf& q) {
+                             return std::pair(p.point[axis], p.point[1 - axis]) <
+                                    std::pair(q.point[axis], q.point[1 - axis]);
+                         });
+        build(2 * number, leaves.first(half));
+        build(2 * number + 1, leaves.subspan(half));
+    }
+
+    std::optional<std::size_t> findIn(const std::array<const Point2*, 3>& triangle,
+                                      std::size_t number) const {
+        const Node& node = nodes_[number];
+        if (node.count == 0) return std::nullopt;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Point2 &from = *triangle[i], &to = *triangle[(i + 1) % 3];
+            // The corner of the box that is farthest on the inner side of the edge.
+            const Point2 inner = {to[1] > from[1] ? node.low[0] : node.high[0],
+                                  to[0] > from[0] ? node.high[1] : node.low[1]};
+            if (doubleArea(from, to, inner) < 0) return std::nullopt;
+        }
+        if (node.isLeaf) {
+            const bool isCorner = std::ranges::any_of(
+                triangle, [&](const Point2* corner) { return *corner == node.low; });
+            return isCorner ? std::nullopt : std::optional(number);
+        }
+        const auto found = findIn(triangle, 2 * number);
+        return found ? found : findIn(triangle, 2 * number + 1);
+    }
+
+    std::vector<Node> nodes_;          ///< from 1
+    std::vector<std::size_t> places_;  ///< per corner of the polygon: its leaf; 0: it is in none
+};
+
+/// Cuts ears off. A corner is tested at first, when one of its neighbours was cut, and when the
+/// corner that lay in its triangle was cut: at no other time can it become an ear.
 class EarClipper {
 public:
     explicit EarClipper(std::span<const Point3> polygon)
-        : points_(projected(polygon)), before_(polygon.size()), after_(polygon.size()) {
+        : points_(projected(polygon)),
+          before_(polygon.size()),
+          after_(polygon.size()),
+          isCut_(polygon.size()) {
         const std::size_t size = polygon.size();
         for (std::size_t i = 0; i < size; ++i) {
             before_[i] = (i + size - 1) % size;
             after_[i] = (i + 1) % size;
         }
+        // Only corners that are not convex at first can lie in the triangle of an ear.
+        std::vector<std::size_t> reflex;
         for (std::size_t i = 0; i < size; ++i)
-            if (areaAt(i) <= 0) reflex_.push_back(i);
+            if (areaAt(i) <= 0) reflex.push_back(i);
+        reflex_ = CornerTree(points_, std::move(reflex));
+        waiting_.resize(reflex_.placeBound());
     }
 
     std::vector<Triangle> clip() {
         const std::size_t count = points_.size() - 2;
-        std::vector<bool> isCut(points_.size());
-        // An ear may appear where a corner is cut, or (rarely) elsewhere: then all corners are
-        // tested again.
-        while (triangles_.size() < count) {
-            const std::size_t countBefore = triangles_.size();
-            std::deque<std::size_t> candidates;
-            for (std::size_t i = 1; i <= points_.size(); ++i)
-                if (!isCut[i % points_.size()]) candidates.push_back(i % points_.size());
-            const std::size_t first = candidates.front();
-            for (; !candidates.empty() && triangles_.size() < count; candidates.pop_front()) {
-                const std::size_t corner = candidates.front();
-                if (isCut[corner] || !isEar(corner)) continue;
-                isCut[corner] = true;
+        for (std::size_t i = 1; i <= points_.size(); ++i) candidates_.push_back(i % points_.size());
+        for (; !candidates_.empty() && triangles_.size() < count; candidates_.pop_front())
+            if (const std::size_t corner = candidates_.front(); !isCut_[corner] && isEar(corner))
                 cut(corner);
-                candidates.insert(candidates.end(), {before_[corner], after_[corner]});
-            }
-            // The polygon crosses itself: any triangles of the rest will do.
-            if (triangles_.size() == countBefore) addFan(first, count);
-        }
+        // The polygon crosses itself: any triangles of the rest will do.
+        if (triangles_.size() < count) addFan(count);
         return std::move(triangles_);
     }
 
@@ -116,16 +218,14 @@ private:
         return doubleArea(points_[before_[corner]], points_[corner], points_[after_[corner]]);
     }
 
-    bool isEar(std::size_t corner) const {
+    /// Returns true if a corner is an ear. If a corner lies in its triangle, it waits for this one.
+    bool isEar(std::size_t corner) {
         if (!(areaAt(corner) > 0)) return false;
-        const Point2 &a = points_[before_[corner]], &b = points_[corner],
-                     &c = points_[after_[corner]];
-        return std::ranges::none_of(reflex_, [&](std::size_t other) {
-            const Point2& p = points_[other];
-            // Corners at one place are one point, as where a slit joins a hole to the outline.
-            if (p == a || p == b || p == c) return false;
-            return doubleArea(a, b, p) >= 0 && doubleArea(b, c, p) >= 0 && doubleArea(c, a, p) >= 0;
-        });
+        // Corners at one place are one point, as where a slit joins a hole to the outline.
+        const auto place =
+            reflex_.findIn(points_[before_[corner]], points_[corner], points_[after_[corner]]);
+        if (place) waiting_[*place].push_back(corner);
+        return !place;
     }
 
     void cut(std::size_t corner) {
@@ -133,19 +233,30 @@ private:
         triangles_.push_back({a, corner, c});
         after_[a] = c;
         before_[c] = a;
-        std::erase(reflex_, corner);
+        isCut_[corner] = true;
+        candidates_.insert(candidates_.end(), {a, c});
+        if (const auto place = reflex_.remove(corner)) {
+            std::vector<std::size_t>& waiting = waiting_[*place];
+            candidates_.insert(candidates_.end(), waiting.begin(), waiting.end());
+            waiting.clear();
+        }
     }
 
     /// Splits the corners that are left into a fan.
     /// \param count of all triangles
-    void addFan(std::size_t apex, std::size_t count) {
+    void addFan(std::size_t count) {
+        std::size_t apex = 1;
+        while (isCut_[apex]) apex = (apex + 1) % points_.size();
         for (std::size_t corner = after_[apex]; triangles_.size() < count; corner = after_[corner])
             triangles_.push_back({apex, corner, after_[corner]});
     }
 
     std::vector<Point2> points_;
     std::vector<std::size_t> before_, after_;  ///< the neighbours of each corner that is not cut
-    std::vector<std::size_t> reflex_;  ///< the corners that are not convex, or once were not
+    std::vector<bool> isCut_;
+    CornerTree reflex_;  ///< the corners that are not convex, or once were not
+    std::vector<std::vector<std::size_t>> waiting_;  ///< per place of reflex_
+    std::deque<std::size_t> candidates_;
     std::vector<Triangle> triangles_;
 };
 

@@ -20,8 +20,8 @@ namespace espalier::io {
 ///
 /// \param polygon corners of the polygon; fewer than three have no triangle
 /// \return corners of polygon.size() − 2 triangles, by their numbers in `polygon`
-/// \cost with n corners, r of them reflex: O(n) if the polygon is convex or its corners are on one
-///       line; at most O(n² · r) if it crosses itself; at most O(n · r) for all others
+/// \cost with n corners: O(n) if the polygon is convex or its corners are on one line; for most
+///       others O(n log n) tests of a triangle, each of which takes O(log n), at most O(√n)
 std::vector<std::array<std::size_t, 3>> triangulated(std::span<const Point3> polygon);
 
 }  // namespace espalier::io

@@ -22,9 +22,10 @@ namespace {
 /// Returns the indentation of an element: the white space before it on its line, or nothing if the
 /// line has other text before it.
 std::string_view indentOf(std::string_view bytes, std::size_t begin) {
-    const std::size_t lineBegin = bytes.rfind('\n', begin) + 1;
-    const std::string_view before = bytes.substr(lineBegin, begin - lineBegin);
-    return before.find_first_not_of(" \t") == std::string_view::npos ? before : "";
+    // Not the begin of the line: a line can be the whole file, with any number of elements.
+    const std::size_t before = bytes.substr(0, begin).find_last_not_of(" \t");
+    const std::size_t first = before == std::string_view::npos ? 0 : before + 1;
+    return first == 0 || bytes[before] == '\n' ? bytes.substr(first, begin - first) : "";
 }
 
 Precision precisionOf(NumberType type) {
