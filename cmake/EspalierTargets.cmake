@@ -111,7 +111,7 @@ endfunction()
 # pkg-config (if it has one) and for apt. Users of the component must find the library too, unless it is
 # private to a shared library.
 function(espalier_uses name scope library)
-  cmake_parse_arguments(PARSE_ARGV 3 arg "" "PACKAGE;DEBIAN" "PKG_CONFIG")
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "PACKAGE" "PKG_CONFIG;DEBIAN")
   target_link_libraries(espalier_${name} ${scope} ${library})
   get_target_property(type espalier_${name} TYPE)
   if(scope STREQUAL PUBLIC OR type STREQUAL STATIC_LIBRARY)

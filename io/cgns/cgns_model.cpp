@@ -19,10 +19,13 @@
 #include <utility>
 #include <vector>
 
+#include "../files/coding.h"
 #include "../files/descriptor.h"
+#include "../files/number_types.h"
 #include "../meshes/surface_faces.h"
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
+#include "cgns_check.h"
 
 namespace espalier::io {
 namespace {
@@ -155,10 +158,22 @@ private:
     double root_ = 0;
 };
 
+/// Throws if a file is too small for a number of values of four bytes or more. HDF5 may have
+/// compressed them; but it may as well claim values that were never written.
+void requireRoom(const std::filesystem::path& shown, std::size_t fileBytes, std::uint64_t count,
+                 const std::string& what) {
+    const std::uint64_t most = saturatingProduct<std::uint64_t>(fileBytes, kMaxInflation) / 4;
+    if (count > most)
+        throw FileError(shown, concat(what, " claims ", count, " values, but the ", fileBytes,
+                                      " bytes of the file can hold at most ", most));
+}
+
 /// Opens a file by the library's middle level, which knows zones and elements.
 class ZoneFile {
 public:
-    ZoneFile(const std::filesystem::path& shown, const char* path) : shown_(shown) {
+    /// \param fileBytes size of the file
+    ZoneFile(const std::filesystem::path& shown, const char* path, std::size_t fileBytes)
+        : shown_(shown), fileBytes_(fileBytes) {
         check(cg_open(path, CG_MODE_READ, &number_));
     }
     ~ZoneFile() {
@@ -168,6 +183,9 @@ public:
     ZoneFile& operator=(const ZoneFile&) = delete;
 
     int number() const { return number_; }
+    void requireRoom(std::uint64_t count, const std::string& what) const {
+        io::requireRoom(shown_, fileBytes_, count, what);
+    }
     void check(int code) const {
         if (code != CG_OK)
             throw FileError(shown_, concat("CGNS's library refuses the file: ", cg_get_error()));
@@ -219,6 +237,7 @@ private:
     }
 
     const std::filesystem::path& shown_;
+    std::size_t fileBytes_;
     int number_ = 0;
 };
 
@@ -322,7 +341,10 @@ private:
             if (end < start || size < 0)
                 file_.fail(concat("the section '", name.data(), "' has no elements"));
             section.first = static_cast<std::size_t>(start);
-            section.count = static_cast<std::size_t>(end - start) + 1;
+            section.count = static_cast<std::size_t>(end) - section.first + 1;
+            const std::string what = concat("the section '", name.data(), "'");
+            file_.requireRoom(static_cast<std::size_t>(size), what);
+            file_.requireRoom(section.count, what);
             section.elements.resize(static_cast<std::size_t>(size));
             const bool hasOffsets = section.type == CGNS_ENUMV(MIXED) ||
                                     section.type == CGNS_ENUMV(NGON_n) ||
@@ -440,7 +462,8 @@ public:
         : path_(std::move(path)), bytes_(std::move(bytes)) {
         const std::lock_guard lock(libraryMutex());
         const TemporaryFile file(bytes_);
-        zones_ = ZoneFile(path_, file.path()).zones();
+        checkCgnsFile(path_, bytes_, file.path());
+        zones_ = ZoneFile(path_, file.path(), bytes_.size()).zones();
         const NodeFile nodes(path_, file.path(), CGIO_MODE_READ);
         for (Zone& zone : zones_) readCoordinates(nodes, zone);
     }
@@ -491,7 +514,9 @@ private:
             if (axis == 0) {
                 zone.extent = extent;
                 zone.pointCount = 1;
-                for (const std::size_t size : extent) zone.pointCount *= size;
+                for (const std::size_t size : extent)
+                    zone.pointCount = saturatingProduct(zone.pointCount, size);
+                requireRoom(path_, bytes_.size(), zone.pointCount, array.node);
                 if (zone.firstPoint + zone.pointCount > static_cast<std::size_t>(kMaxIndex))
                     throw FileError(path_, concat("has more than ", kMaxIndex, " points"));
                 positions_.resize(zone.firstPoint + zone.pointCount, {0, 0, 0});
@@ -519,7 +544,7 @@ private:
     void visitCells(CellVisitor& visitor) const {
         const std::lock_guard lock(libraryMutex());
         const TemporaryFile temporary(bytes_);
-        const ZoneFile file(path_, temporary.path());
+        const ZoneFile file(path_, temporary.path(), bytes_.size());
         for (const Zone& zone : zones_) ZoneElements(file, zone, visitor).visit();
     }
 
