@@ -126,14 +126,16 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
     // Refuse a pose before the first one is written.
     for (std::size_t i = 0; check && options.mesh.noInverted && i < poses.size(); ++i) {
         auto points = deformation.pointsAt(poses[i], stages);
-        check->requireValid(check->check(points, options.mesh, stages), options.poses[i]);
+        check->requireValid(check->check(points, options.poses[i], options.mesh, stages),
+                            options.poses[i]);
     }
     MeshReports reports;
     const auto pointsOf = [&](std::size_t i) {
         auto points = deformation.pointsAt(poses[i], stages);
         if (!check) return points;
-        orWarning(options, io::shownPath(options.poses[i]) + ": cells not checked: ", [&] {
-            const MeshVerdict verdict = check->check(points, options.mesh, stages);
+        orWarning(options, "cells not checked: ", [&] {
+            const MeshVerdict verdict =
+                check->check(points, options.poses[i], options.mesh, stages);
             reports.text += check->text(verdict, options.poses[i]);
             reports.json.push_back(check->toJson(verdict, options.poses[i]));
             if (!options.common.quiet) check->warn(verdict, options.poses[i]);

@@ -123,13 +123,13 @@ std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
                                         : model_.stored(std::move(points));
 }
 
-MeshVerdict MeshCheck::check(std::vector<Point3>& points, const MeshOptions& options,
-                             Stages& stages) const {
+MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& poseName,
+                             const MeshOptions& options, Stages& stages) const {
     if (!hasCells()) return {};
     return stages.run("checking cells", [&] {
         MeshVerdict verdict;
         const std::vector<Point3> pose = stored(points);
-        verdict.validity = check_->check(pose);
+        verdict.validity = ofFile(poseName, [&] { return check_->check(pose); });
         verdict.step = check_->largestStep(pose);
         verdict.quality = solve::meshQuality(volume_.mesh, pose);
         if (!options.largestStep) return verdict;

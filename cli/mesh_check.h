@@ -65,8 +65,8 @@ public:
     ///
     /// \param points deformed points, one per point of the model. The check and the quality are
     ///        computed after the points are rounded to the precision of the output
-    MeshVerdict check(std::vector<Point3>& points, const MeshOptions& options,
-                      Stages& stages) const;
+    MeshVerdict check(std::vector<Point3>& points, const std::string& pose,
+                      const MeshOptions& options, Stages& stages) const;
 
     /// Throws a Finding if cells are inverted at the points of a verdict, or have no positive
     /// volume.

@@ -166,6 +166,13 @@ class Mesh(CliTest):
         self.assertIn("warning: cells not checked: a.su2: ", result.stderr)
         for option in ("--no-inverted", "--largest-step"):
             self.deform_mesh(option, code=1)
+        # A pose beyond the bounds names its file.
+        self.put("a.su2", SU2)
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (1e92 * p[0], p[1], p[2]))
+        far = "pose.ovm: the pose of vertex 1 is too far from the origin"
+        self.assertIn("warning: cells not checked: " + far, self.deform_mesh().stderr)
+        self.assertIn("espalier: " + far, self.deform_mesh("--no-inverted", code=1).stderr)
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: p)
         # Elements of unknown types are counted.
         self.put("a.su2", SU2.replace("NELEM= 1\n", "NELEM= 3\n22 0 1 2 3\n22 0 1 2 3\n"))
         self.assertIn("  not checked       2 elements of unknown types\n", self.deform_mesh().stdout)
