@@ -172,7 +172,7 @@ class Mesh(CliTest):
         far = "pose.ovm: the pose of vertex 1 is too far from the origin"
         self.assertIn("warning: cells not checked: " + far, self.deform_mesh().stderr)
         self.assertIn("espalier: " + far, self.deform_mesh("--no-inverted", code=1).stderr)
-        self.write_pose("pose.ovm", "rest.ovm", lambda p: p)
+        self.write_pose("pose.ovm", "rest.ovm", lambda p: (p[0], p[1], -p[2]))
         # Elements of unknown types are counted.
         self.put("a.su2", SU2.replace("NELEM= 1\n", "NELEM= 3\n22 0 1 2 3\n22 0 1 2 3\n"))
         self.assertIn("  not checked       2 elements of unknown types\n", self.deform_mesh().stdout)
