@@ -7,6 +7,7 @@
 #include <deque>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "triangulation.h"
@@ -114,7 +115,11 @@ public:
     /// places of the corners of the triangle do not count.
     /// \cost O(√n) at most if the tree has n corners, O(log n) for most triangles
     std::optional<std::size_t> findIn(const Point2& a, const Point2& b, const Point2& c) const {
-        return nodes_.empty() ? std::nullopt : findIn({&a, &b, &c}, 1);
+        if (nodes_.empty()) return std::nullopt;
+        Query query = {{a, b, c}, {}, {}};
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            std::tie(query.low[axis], query.high[axis]) = std::minmax({a[axis], b[axis], c[axis]});
+        return findIn(query, 1);
     }
 
 private:
@@ -128,6 +133,12 @@ private:
         Point2 low = {}, high = {};
         std::size_t count = 0;  ///< number of corners that are left
         bool isLeaf = true;
+    };
+
+    /// A triangle and its box.
+    struct Query {
+        std::array<Point2, 3> corners;
+        Point2 low, high;
     };
 
     void build(std::size_t number, std::span<Leaf> leaves) {
@@ -156,24 +167,25 @@ private:
         build(2 * number + 1, leaves.subspan(half));
     }
 
-    std::optional<std::size_t> findIn(const std::array<const Point2*, 3>& triangle,
-                                      std::size_t number) const {
+    std::optional<std::size_t> findIn(const Query& query, std::size_t number) const {
         const Node& node = nodes_[number];
         if (node.count == 0) return std::nullopt;
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            if (node.high[axis] < query.low[axis] || node.low[axis] > query.high[axis])
+                return std::nullopt;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Point2 &from = *triangle[i], &to = *triangle[(i + 1) % 3];
+            const Point2 &from = query.corners[i], &to = query.corners[(i + 1) % 3];
             // The corner of the box that is farthest on the inner side of the edge.
             const Point2 inner = {to[1] > from[1] ? node.low[0] : node.high[0],
                                   to[0] > from[0] ? node.high[1] : node.low[1]};
             if (doubleArea(from, to, inner) < 0) return std::nullopt;
         }
         if (node.isLeaf) {
-            const bool isCorner = std::ranges::any_of(
-                triangle, [&](const Point2* corner) { return *corner == node.low; });
+            const bool isCorner = std::ranges::count(query.corners, node.low) > 0;
             return isCorner ? std::nullopt : std::optional(number);
         }
-        const auto found = findIn(triangle, 2 * number);
-        return found ? found : findIn(triangle, 2 * number + 1);
+        const auto found = findIn(query, 2 * number);
+        return found ? found : findIn(query, 2 * number + 1);
     }
 
     std::vector<Node> nodes_;          ///< from 1

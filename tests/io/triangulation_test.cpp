@@ -128,6 +128,21 @@ TEST(Triangulation, CoversStarsAndSpirals) {
     expectCovered(spiral);
 }
 
+TEST(Triangulation, CoversPolygonsOfManyReflexCorners) {
+    // A comb, and a spiral of four corners a turn: their ears become ears one after the other.
+    std::vector<Point3> comb = inPlane({{0, -1}, {400, -1}}), spiral;
+    for (int i = 400; i > 0; --i) comb.push_back({double(i - 1), i % 2 * 100.0, 0});
+    for (const int side : {1, 0})
+        for (int i = 0; i < 200; ++i) {
+            const int step = side == 1 ? i : 199 - i;
+            const double angle = step * std::numbers::pi / 2;
+            spiral.push_back(
+                {(step + 4 + side) * std::cos(angle), (step + 4 + side) * std::sin(angle), 0});
+        }
+    expectCovered(comb);
+    expectCovered(tilted(spiral));
+}
+
 TEST(Triangulation, HasTrianglesForAnyPolygon) {
     const double huge = std::numeric_limits<double>::max();
     for (const auto& polygon :
