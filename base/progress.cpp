@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/loop_context.h>
+#include <espalier/base/memory.h>
 #include <espalier/base/progress.h>
 
 #include <utility>
@@ -55,6 +56,14 @@ ProgressScope::ProgressScope(Callback callback, std::chrono::milliseconds interv
 ProgressScope::~ProgressScope() {
     loopContext().progress = outer_;
     loopContext().isInStage = wasInStage_;
+}
+
+void checkCancelled() {
+    checkMemory();
+    ProgressState* const progress = loopContext().progress;
+    if (progress == nullptr) return;
+    progress->report();
+    progress->check();
 }
 
 }  // namespace espalier

@@ -5,6 +5,7 @@
 #include <espalier/base/index.h>
 
 #include <chrono>
+#include <cstddef>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -24,8 +25,8 @@ class ProgressState;
 /// refinement has several stages per level. The number of stages is not known beforehand. It
 /// depends on the arguments but not on the number of threads; a second call may have fewer stages,
 /// because it reuses incidences that the first call derived.
-/// Work that a single thread does between stages is not counted and cannot be cancelled: sorting,
-/// and all of solve::fitLattice().
+/// Work that a single thread does between stages, such as reading a file, is not counted, but the
+/// callback is called and can cancel it, too (checkCancelled()). Only sorting cannot be cancelled.
 ///
 /// So a progress bar that shows the fraction fills once per stage. A bar for a whole call is up to
 /// the host, which knows its calls and how their stages share the time.
@@ -86,5 +87,18 @@ private:
     ProgressState* outer_;
     bool wasInStage_;
 };
+
+/// Calls the callback of this thread's ProgressScope, if the interval has passed. Call it every few
+/// milliseconds in work that is not in a parallel loop, or that takes longer than that in one range
+/// of a loop.
+/// \throws Cancelled if the callback has cancelled, or the exception of the callback; MemoryError
+///         (memory.h) if the process exceeds the limit
+/// \cost as one range of a loop: nothing without a scope and a limit; else a query of the clock
+ESPALIER_API void checkCancelled();
+
+/// Calls checkCancelled() in the first of every 2^`bits` steps of a loop.
+inline void checkCancelledEvery(std::size_t step, int bits) {
+    if ((step & ((std::size_t{1} << bits) - 1)) == 0) checkCancelled();
+}
 
 }  // namespace espalier

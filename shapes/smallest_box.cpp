@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "smallest_box.h"
 
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -112,6 +113,7 @@ struct Search {
         constexpr int kMaxTurns = 60;
         int withoutGain = 0;
         for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
+            checkCancelled();
             turnAbout(current, static_cast<std::size_t>(turns % 3));
             const double next = paddedVolume(boxAlong(current, points), padding);
             withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
@@ -154,6 +156,7 @@ std::vector<Point3> extremePoints(std::span<const Point3> points) {
     constexpr int kDirections = 400;
     std::vector<Point3> result;
     for (const Point3& direction : directions(kDirections)) {
+        checkCancelled();
         const auto [low, high] = std::ranges::minmax_element(
             points, {}, [&](const Point3& point) { return dot(point, direction); });
         result.push_back(*low);

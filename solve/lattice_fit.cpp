@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/stencils/sparse_matrix.h>
 
@@ -123,13 +124,16 @@ public:
     NormalEquations(Matrix&& matrix, Matrix&& smooth, double strength) {
         matrix_.swap(matrix);
         smooth_.swap(smooth);
+        checkCancelled();
         square_ = matrix_.transpose() * matrix_;
+        checkCancelled();
         smooth_ *= strength * std::sqrt(square_.diagonal().mean());
         square_ += evaluated(smooth_.transpose() * smooth_);
         largest_ = largestEigenvalue();
         if (!(largest_ > 0)) throw Error("no target depends on a vertex that may move");
         Matrix identity(square_.rows(), square_.cols());
         identity.setIdentity();
+        checkCancelled();
         factor_.compute(evaluated(square_ + kOpen * largest_ * identity));
         if (factor_.info() != Eigen::Success)
             throw Error("the normal equations of the fit cannot be factored");
@@ -143,6 +147,7 @@ public:
         constexpr int kMaxSteps = 100;
         Columns solution = Columns::Zero(square_.rows(), 3);
         for (int step = 0; step < kMaxSteps; ++step) {
+            checkCancelled();
             const Columns left = matrix_.transpose() * (right - matrix_ * solution) -
                                  smooth_.transpose() * (smooth_ * solution);
             const Columns change = square_ * Columns(factor_.solve(Columns(factor_.solve(left))));
@@ -159,8 +164,10 @@ public:
     };
     Least least() const {
         Eigen::VectorXd vector = start();
-        for (int step = 0; step < kPowerSteps; ++step)
+        for (int step = 0; step < kPowerSteps; ++step) {
+            checkCancelled();
             vector = Eigen::VectorXd(factor_.solve(vector)).normalized();
+        }
         return {vector.dot(square_ * vector), vector};
     }
     double largest() const { return largest_; }

@@ -3,6 +3,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/base/progress.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/shapes/around.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 
@@ -185,6 +186,47 @@ TEST(Cancelled, ExceptionsOfTheCallbackAreThrownInstead) {
     }
 }
 
+TEST(CheckCancelled, CallsTheCallbackInTheWorkOfOneThread) {
+    checkCancelled();  // does nothing without a scope
+    int calls = 0;
+    const ProgressScope scope([&](const Progress&) { return ++calls < 3; }, 0ms);
+    checkCancelled();
+    checkCancelled();
+    EXPECT_EQ(calls, 2);
+    EXPECT_THROW(checkCancelled(), Cancelled);
+    EXPECT_THROW(checkCancelled(), Cancelled);
+    EXPECT_EQ(calls, 3);
+}
+
+TEST(CheckCancelled, EndsARangeOfALoop) {
+    int calls = 0, steps = 0;
+    const ProgressScope scope([&](const Progress&) { return ++calls < 10; }, 0ms);
+    const auto body = [&](Offset, Offset) {
+        for (; steps < 1000; ++steps) checkCancelled();
+    };
+    EXPECT_THROW(parallelFor(1, 1, body), Cancelled);
+    EXPECT_EQ(steps, 9);
+}
+
+TEST(CheckCancelled, KeepsTheIntervalAndCallsOnceInSomeSteps) {
+    int calls = 0;
+    const auto count = [&](const Progress&) { return ++calls > 0; };
+    {
+        const ProgressScope scope(count, std::chrono::hours(1));
+        for (int i = 0; i < 100; ++i) checkCancelled();
+        EXPECT_EQ(calls, 0);
+    }
+    const ProgressScope scope(count, 0ms);
+    for (std::size_t step = 0; step < 1000; ++step) checkCancelledEvery(step, 8);
+    EXPECT_EQ(calls, 4);  // at 0, 256, 512 and 768
+}
+
+TEST(CheckCancelled, ThrowsTheExceptionOfTheCallback) {
+    const ProgressScope scope(
+        [](const Progress&) -> bool { throw std::runtime_error("interrupted"); }, 0ms);
+    EXPECT_THROW(checkCancelled(), std::runtime_error);
+}
+
 /// Repeats work(), cancelled by the 1st, 3rd, 7th … call of the callback, until it completes.
 /// Expects the right result then, and after all cancelled attempts.
 template <class Work>
@@ -262,6 +304,12 @@ TEST(Cancelled, TablesAndBindings) {
             return embed::bindPoints({base, lattice().positions}, points, {.level = 2}).binding;
         });
     });
+}
+
+// Work of a single thread.
+TEST(Cancelled, TheSmallestBox) {
+    const auto points = pointsIn(Refined(lattice(), 1), 20'000, 4);
+    cancelEverywhere([&] { return shapes::around(points, {.oriented = true}).positions; });
 }
 
 }  // namespace
