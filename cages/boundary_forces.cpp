@@ -3,6 +3,7 @@
 
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -51,6 +52,7 @@ std::vector<std::vector<Index>> cellsApart(const Lattice& start, double edge) {
     std::vector<int> steps(centres.size(), -1);
     std::vector<Index> reached;
     for (std::size_t a = 0; a < centres.size(); ++a) {
+        checkCancelledEvery(a, 4);
         reached = {static_cast<Index>(a)};
         steps[a] = 0;
         for (std::size_t i = 0; i < reached.size() && steps[reached[i]] < kMaxSteps; ++i)
@@ -118,6 +120,7 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
     const std::span<const std::array<Index, 4>> loops = surface_.fineFaces().loops;
     fineFaces_.assign(loops.size(), {});
     for (std::size_t f = 0; f < loops.size(); ++f) {
+        checkCancelledEvery(f, 12);
         const auto& [a, b, c, d] = loops[f];
         Face& face = fineFaces_[f];
         face.centre = scaled(sum(sum(fine[a], fine[b]), sum(fine[c], fine[d])), 0.25);
@@ -288,6 +291,17 @@ void BoundaryForces::addEnergy(std::span<const Point3> positions, double& energy
                                std::span<Point3> gradient) const {
     energy += evaluatePlanes(surface_.coarseCentres(), pulls_, positions, gradient);
     energy += evaluatePlanes(surface_.fineCentres(), pushes_, positions, gradient);
+}
+
+double BoundaryForces::workOfMatch() const {
+    constexpr double kPerGroup = 1000, kPerFace = 1000, kPerCube = 1;
+    return kPerGroup * static_cast<double>(groups_.groups().size()) +
+           kPerFace * surface_.fineCentres().rowCount() + kPerCube * groups_.grid().cubeCount();
+}
+
+double BoundaryForces::workOfEnergy() const {
+    constexpr double kPerFace = 100;
+    return kPerFace * (surface_.coarseCentres().rowCount() + static_cast<double>(pushes_.size()));
 }
 
 void BoundaryForces::strengthen(std::span<const Uncovered> uncovered) {

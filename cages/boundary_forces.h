@@ -48,6 +48,10 @@ public:
     void addEnergy(std::span<const Point3> positions, double& energy,
                    std::span<Point3> gradient) const;
 
+    /// Return the steps of match() and of addEnergy(), as Work counts them.
+    double workOfMatch() const;
+    double workOfEnergy() const;
+
     /// Makes room around points without proof, pushes them more, and pulls less there.
     /// \param uncovered groups at the positions that were last matched
     void strengthen(std::span<const Uncovered> uncovered);

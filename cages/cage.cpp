@@ -17,9 +17,10 @@
 
 #include "fit_cage.h"
 #include "grid_cells.h"
+#include "model_samples.h"
 #include "model_surface.h"
 #include "model_voxels.h"
-#include "surface_samples.h"
+#include "work.h"
 
 namespace espalier::cages {
 namespace {
@@ -73,6 +74,17 @@ constexpr double kMaxVoxels = 2.5e7;
 /// Rounds of a fit with a margin: the start is further away.
 constexpr int kRoundsWithMargin = 14;
 
+/// Returns the limit of the work, in steps (work.h). It is more than any model of docs/cages.md
+/// takes, and less than a minute for 2,000 vertices.
+double mostWork(std::size_t triangles, Index vertices) {
+    return 4e9 + 2.5e7 * vertices + 5e4 * static_cast<double>(triangles);
+}
+
+/// Returns the number of samples above which samples that are near others are left out.
+std::size_t mostSamples(std::size_t triangles, Index vertices) {
+    return 1'500'000 + 7 * triangles + 50 * static_cast<std::size_t>(vertices);
+}
+
 using Axes = std::array<Point3, 3>;
 constexpr Axes kCoordinateAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
@@ -123,24 +135,25 @@ private:
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
     Index voxelsPerEdge(const Frame& frame, double cellSize) const;
     double smallestSize(const Frame& frame) const;
-    ModelVoxels voxelsOf(const Frame& frame, double cellSize) const;
-    GridCells cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const;
-    std::vector<Candidate> candidates() const;
+    ModelVoxels voxelsOf(const Frame& frame, double cellSize);
+    GridCells cellsOf(const ModelVoxels& voxels, const Candidate& candidate);
+    std::vector<Candidate> candidates();
     double ratioOf(Index vertexCount) const;
-    double sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
-                   int rounds) const;
+    double sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size, int rounds);
     void addCandidate(const ModelVoxels& voxels, Candidate candidate,
-                      std::vector<Candidate>& found) const;
-    Lattice fit(const Candidate& candidate) const;
-    std::vector<FitPoint> samples(const Frame& frame, double cellSize, const ModelVoxels& voxels,
-                                  const GridCells& cells) const;
+                      std::vector<Candidate>& found);
+    Lattice fit(const Candidate& candidate);
+    std::optional<Lattice> findLattice(std::string& failure);
+    Index vertexEstimate() const;
 
     ModelSurface surface_;
+    ModelSurface::Sizes sizes_ = surface_.sizes();
     CageOptions options_;
     std::vector<Frame> frames_;
     double diagonal_ = 0, margin_ = 0;
     double smallestSize_ = 0;  ///< of cells
     Way way_;
+    Work work_{0};
 };
 
 void requireNumber(double value, const char* name, double max) {
@@ -171,6 +184,7 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     requireNumber(options.shell, "shell", 2 * diagonal_);
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
+    work_ = Work(mostWork(surface_.triangles().size(), vertexEstimate()));
     choose(kWays.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw Error(concat("cage: cellSize is ", textOf(options.cellSize), "; expected at least ",
@@ -227,16 +241,21 @@ double CageMaker::smallestSize(const Frame& frame) const {
     return high;
 }
 
-ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) const {
-    return {surface_,
-            frame.points,
-            {.size = cellSize / voxelsPerEdge(frame, cellSize),
-             .isShell = options_.shell > 0,
-             .around = padding(),
-             .gap = cellSize / 2}};
+ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
+    const double size = cellSize / voxelsPerEdge(frame, cellSize);
+    constexpr double kPerVoxel = 4, kPerTriangle = 200, kPerMark = 50;
+    const double marks = sizes_.area / (size * size) + sizes_.perimeter / size;
+    work_.add(kPerVoxel * voxelCount(frame, cellSize, voxelsPerEdge(frame, cellSize)) +
+              kPerTriangle * static_cast<double>(surface_.triangles().size()) + kPerMark * marks);
+    return {
+        surface_,
+        frame.points,
+        {.size = size, .isShell = options_.shell > 0, .around = padding(), .gap = cellSize / 2}};
 }
 
-GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) const {
+GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) {
+    constexpr double kPerVoxel = 8;
+    work_.add(kPerVoxel * voxels.grid().cubeCount());
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
     std::array<Index, 3> offset;
     for (int axis = 0; axis < 3; ++axis) offset[axis] = candidate.offset[axis] * k / 2;
@@ -245,6 +264,14 @@ GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candida
              .offset = offset,
              .joinDistance = std::max(1.0, way_.joinDistance * k),
              .reach = way_.reach * k}};
+}
+
+/// Returns the number of vertices that bounds the work: the wanted one, or all cells of the given
+/// size in the box around the model.
+Index CageMaker::vertexEstimate() const {
+    if (options_.cellSize == 0) return options_.vertices;
+    return static_cast<Index>(
+        std::min<double>(kMaxVertices, voxelCount(frames_.front(), options_.cellSize, 1)));
 }
 
 double CageMaker::ratioOf(Index vertexCount) const {
@@ -256,7 +283,7 @@ double CageMaker::ratioOf(Index vertexCount) const {
 /// \param offset in halves of a cell
 /// \param size the first size to try
 double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset, double size,
-                          int rounds) const {
+                          int rounds) {
     double best = size, bestRatio = 0, last = size;
     double small = 0, large = 0;  // sizes with too many and with too few vertices
     for (int round = 0; round < rounds; ++round) {
@@ -283,7 +310,7 @@ double CageMaker::sizeFor(std::size_t frame, const std::array<Index, 3>& offset,
 
 /// Adds a candidate, unless its lattice is not fit for use.
 void CageMaker::addCandidate(const ModelVoxels& voxels, Candidate candidate,
-                             std::vector<Candidate>& found) const {
+                             std::vector<Candidate>& found) {
     const GridCells cells = cellsOf(voxels, candidate);
     if (!cells.isManifold() || (options_.keepApart && cells.joined())) return;
     candidate.vertexCount = cells.vertexCount();
@@ -294,7 +321,7 @@ void CageMaker::addCandidate(const ModelVoxels& voxels, Candidate candidate,
     found.push_back(candidate);
 }
 
-std::vector<Candidate> CageMaker::candidates() const {
+std::vector<Candidate> CageMaker::candidates() {
     const auto byScore = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
     std::vector<Candidate> found;
     for (std::size_t frame = 0; frame < frames_.size(); ++frame) {
@@ -326,50 +353,27 @@ std::vector<Candidate> CageMaker::candidates() const {
     return found;
 }
 
-Lattice CageMaker::fit(const Candidate& candidate) const {
+Lattice CageMaker::fit(const Candidate& candidate) {
     const Frame& frame = frames_[candidate.frame];
-    const ModelVoxels voxels = voxelsOf(frame, candidate.cellSize);
-    const GridCells cells = cellsOf(voxels, candidate);
-    Lattice start = cells.build();
+    Lattice start;
+    std::vector<FitPoint> samples;
+    {
+        const ModelVoxels voxels = voxelsOf(frame, candidate.cellSize);
+        const GridCells cells = cellsOf(voxels, candidate);
+        start = cells.build();
+        samples = sampleModel(surface_, voxels, cells,
+                              {.spacing = candidate.cellSize / 8,
+                               .isShell = options_.shell > 0,
+                               .axes = frame.axes,
+                               .most = mostSamples(surface_.triangles().size(), vertexEstimate())},
+                              work_);
+    }
     for (Point3& position : start.positions) position = fromFrame(frame.axes, position);
-    return fitCage(std::move(start), samples(frame, candidate.cellSize, voxels, cells),
+    return fitCage(std::move(start), std::move(samples),
                    {.margin = margin_,
                     .maxRounds = margin_ > 0 ? kRoundsWithMargin : FitOptions().maxRounds,
-                    .maxAttempts = way_.attempts});
-}
-
-/// Returns points of the model, at most an eighth of a cell apart.
-std::vector<FitPoint> CageMaker::samples(const Frame& frame, double cellSize,
-                                         const ModelVoxels& voxels, const GridCells& cells) const {
-    std::vector<FitPoint> result;
-    const std::vector<Point3>& points = surface_.points();
-    const auto add = [&](std::span<const Triangle> triangles, double sign) {
-        std::array<float, 3> normal = {0, 0, 0};
-        std::size_t last = triangles.size();
-        forEachSample(triangles, points, cellSize / 8, [&](const Point3& point, std::size_t t) {
-            if (sign != 0 && t != last) {
-                const auto& [a, b, c] = triangles[t];
-                const Point3 way =
-                    cross(difference(points[b], points[a]), difference(points[c], points[a]));
-                const double size = length(way);
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    normal[axis] = size > 0 ? static_cast<float>(sign * way[axis] / size) : 0;
-                last = t;
-            }
-            const Point3 local = toFrame(frame.axes, point);
-            result.push_back({point, normal, cells.cellOf(local), voxels.isInner(local)});
-        });
-    };
-    if (options_.shell > 0) {
-        add(surface_.triangles(), 0);
-        return result;
-    }
-    for (std::size_t i = 0; i < surface_.closedPieces().size(); ++i) {
-        const ModelSurface::ClosedPiece& piece = surface_.closedPieces()[i];
-        add(std::span(piece.triangles).first(piece.capBegin), voxels.signs()[i]);
-    }
-    add(surface_.openTriangles(), 0);
-    return result;
+                    .maxAttempts = way_.attempts},
+                   work_);
 }
 
 /// Names a point that is in no face, and so may be far from the faces by mistake.
@@ -381,8 +385,9 @@ std::string loosePointText(const ModelSurface& surface) {
     return {};
 }
 
-Lattice CageMaker::make() {
-    std::string failure;
+/// Returns the first lattice that is proved; none if there is none.
+/// \param failure gets the reason why the last one is not
+std::optional<Lattice> CageMaker::findLattice(std::string& failure) {
     for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
         choose(way);
         // Room around the model takes voxels, too.
@@ -395,13 +400,26 @@ Lattice CageMaker::make() {
             }
         }
     }
+    return std::nullopt;
+}
+
+Lattice CageMaker::make() {
+    std::string failure, end;
+    try {
+        if (auto found = findLattice(failure)) return std::move(*found);
+    } catch (const WorkError&) {
+        end =
+            concat("; the search ended early, after the most work for a lattice of this size and ",
+                   surface_.triangles().size(), " triangles");
+    }
     const std::string wanted = options_.cellSize > 0
                                    ? concat("with cells of the size ", textOf(options_.cellSize))
                                    : concat("of about ", options_.vertices, " vertices");
     throw Error(concat("cage: found no lattice ", wanted, " that follows the model",
-                       failure.empty() ? "" : "; the last one that was tried: ", failure,
+                       failure.empty() ? "" : "; the last one that was tried: ", failure, end,
                        loosePointText(surface_),
                        options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",
+                       end.empty() ? "" : ", or a model of fewer faces that overlap",
                        options_.keepApart ? ", or without keeping parts apart" : ""));
 }
 

@@ -203,6 +203,17 @@ double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3>
     return total;
 }
 
+double CellShapes::workOfEvaluation() const {
+    constexpr double kPerCell = 200, kPerRow = 100;
+    double steps = 0;
+    for (const LevelCells& level : levels_)
+        steps += level.table.rowCount() == 0
+                     ? kPerCell * static_cast<double>(level.cells.size())
+                     : kPerCell * static_cast<double>(level.activeCells.size()) +
+                           kPerRow * static_cast<double>(level.activeRows.size());
+    return steps;
+}
+
 std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions) const {
     std::vector<double> least(weights_.size(), 1.0);
     for (const LevelCells& level : levels_) {

@@ -52,6 +52,9 @@ public:
     /// Returns the energy and adds its gradient.
     double evaluate(std::span<const Point3> positions, std::span<Point3> gradient) const;
 
+    /// Returns the steps of evaluate(), as Work counts them.
+    double workOfEvaluation() const;
+
     /// Returns the least scaled Jacobian of each base cell: the determinant of the directions of
     /// the three edges of a corner.
     std::vector<double> leastJacobians(std::span<const Point3> positions) const;

@@ -4,6 +4,7 @@
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -41,6 +43,7 @@ stencils::StencilTable<double> centresOf(const stencils::StencilTable<double>& v
     Array<double> weights;
     std::vector<std::pair<Index, double>> row;
     for (Index face = 0; face < mesh.count(2); ++face) {
+        checkCancelledEvery(static_cast<std::size_t>(face), 12);
         row.clear();
         const auto corners = mesh.relation(2, 0)[face];
         for (const Index vertex : corners)
@@ -153,6 +156,7 @@ CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFac
     // does not depend on the faces beyond them.
     std::vector<Index> hull;
     for (Index face = 0; face < mesh.count(2); ++face) {
+        checkCancelledEvery(static_cast<std::size_t>(face), 12);
         hull.clear();
         for (std::size_t corner = 0; corner < 4; ++corner) {
             const Index vertex = loops[face][corner];
@@ -215,10 +219,12 @@ public:
     /// \param entries by ascending items
     Bins(Index binCount, std::span<const Entry> entries)
         : offsets_(static_cast<std::size_t>(binCount) + 1, 0), items_(entries.size()) {
-        for (const Entry& entry : entries) ++offsets_[entry.bin + 1];
+        // Until all items have their places, an offset is the end of its bin; then the begin. There
+        // may be many more bins than entries, so there is one array of them only.
+        for (const Entry& entry : entries) ++offsets_[entry.bin];
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-        std::vector<Offset> next(offsets_.begin(), offsets_.end() - 1);
-        for (const Entry& entry : entries) items_[next[entry.bin]++] = entry.item;
+        for (std::size_t i = entries.size(); i-- > 0;)
+            items_[--offsets_[entries[i].bin]] = entries[i].item;
     }
 
     std::span<const Index> operator[](Index bin) const {
@@ -226,7 +232,7 @@ public:
     }
 
 private:
-    std::vector<Offset> offsets_;
+    std::vector<std::uint32_t> offsets_;
     std::vector<Index> items_;
 };
 
@@ -318,6 +324,7 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
     std::vector<Point3> hull;
     for (Index number = 0; number < std::ssize(near); ++number) {
         const Index face = near[number];
+        checkCancelledEvery(static_cast<std::size_t>(number), 12);
         hull.clear();
         BoundingBox bounds;
         for (const Index vertex : enclosed == Enclosed::Hull
@@ -391,6 +398,14 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
 }
 
 }  // namespace
+
+double workOfCoverage(const CageSurface& surface, const PointGroups& points) {
+    constexpr double kPerGroup = 500, kPerPoint = 20, kPerFace = 2000, kPerCube = 1;
+    return kPerGroup * static_cast<double>(points.groups().size()) +
+           kPerPoint * static_cast<double>(points.points().size()) +
+           kPerFace * static_cast<double>(surface.fineFaces().loops.size()) +
+           kPerCube * points.grid().cubeCount();
+}
 
 std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
                                      const PointGroups& points, double margin) {

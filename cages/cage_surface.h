@@ -92,4 +92,7 @@ struct Uncovered {
 std::vector<Uncovered> findUncovered(const CageSurface& surface, std::span<const Point3> positions,
                                      const PointGroups& points, double margin);
 
+/// Returns the steps of findUncovered(), as Work counts them.
+double workOfCoverage(const CageSurface& surface, const PointGroups& points);
+
 }  // namespace espalier::cages

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cube_parts.h"
 
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -50,7 +51,8 @@ void CubeParts::findParts() {
     std::vector<Index> front;
     Cube cube;
     for (cube[2] = 0; cube[2] < counts_[2]; ++cube[2])
-        for (cube[1] = 0; cube[1] < counts_[1]; ++cube[1])
+        for (cube[1] = 0; cube[1] < counts_[1]; ++cube[1]) {
+            checkCancelled();
             for (cube[0] = 0; cube[0] < counts_[0]; ++cube[0]) {
                 std::array<Index, 3> low, high;
                 for (int axis = 0; axis < 3; ++axis) {
@@ -101,6 +103,7 @@ void CubeParts::findParts() {
                     for (const Index voxel : parts_[a].voxels)
                         partOf_[voxel] = static_cast<Index>(a);
             }
+        }
 }
 
 Index CubeParts::numberOf(const Cube& cube) const {
@@ -150,7 +153,9 @@ bool CubeParts::areNear(const Part& a, const Part& b) const {
     for (int axis = 0; axis < 3; ++axis)
         way[axis] = std::max({low[0][axis] - high[1][axis], low[1][axis] - high[0][axis], 0});
     if (away(way) > distance * distance) return false;
+    std::size_t step = 0;
     for (const Index p : a.voxels) {
+        checkCancelledEvery(step++, 6);
         const auto place = placeOf(p);
         for (int axis = 0; axis < 3; ++axis)
             way[axis] = std::max({low[1][axis] - place[axis], place[axis] - high[1][axis], 0});
@@ -168,6 +173,7 @@ void CubeParts::findContacts() {
     const auto& n = voxels_.grid().counts;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         Part& part = parts_[p];
+        checkCancelled();
         for (const Index voxel : part.voxels) {
             const auto place = placeOf(voxel);
             Index stride = 1;
@@ -259,8 +265,8 @@ bool CubeParts::isRemovable(Index number) const {
     return true;
 }
 
-/// Returns the distance of the centre of a voxel from a face of a cube, in voxels.
-double CubeParts::distanceToFace(const Cube& cube, Index direction, Index voxel) const {
+/// Returns the square of the distance of the centre of a voxel from a face of a cube, in voxels.
+double CubeParts::squareToFace(const Cube& cube, Index direction, Index voxel) const {
     const auto place = placeOf(voxel);
     double square = 0;
     for (Index axis = 0; axis < 3; ++axis) {
@@ -273,21 +279,21 @@ double CubeParts::distanceToFace(const Cube& cube, Index direction, Index voxel)
             way = at - std::clamp(at, 0.0, high);
         square += way * way;
     }
-    return std::sqrt(square);
+    return square;
 }
 
-double CubeParts::depthOf(Index number) const {
+bool CubeParts::isShallow(Index number, double most, double& depth) const {
     const Part& part = parts_[number];
     const unsigned faces = sharedFaces(number);
-    double depth = 0;
+    depth = 0;
     for (const Index voxel : part.voxels) {
         double least = std::numeric_limits<double>::infinity();
         for (Index d = 0; d < kDirections; ++d)
-            if ((faces >> d & 1) != 0) least = std::min(least, distanceToFace(part.cube, d, voxel));
-        depth = std::max(depth, least + 0.5);
-        if (depth > perEdge_) break;
+            if ((faces >> d & 1) != 0) least = std::min(least, squareToFace(part.cube, d, voxel));
+        depth = std::max(depth, std::sqrt(least) + 0.5);
+        if (depth > most) return false;
     }
-    return depth;
+    return true;
 }
 
 void CubeParts::leaveOut(Index number) {
@@ -299,7 +305,7 @@ void CubeParts::leaveOut(Index number) {
         double least = 0;
         for (Index d = 0; d < kDirections; ++d) {
             if (!behind[d]) continue;
-            const double distance = distanceToFace(part.cube, d, voxel);
+            const double distance = squareToFace(part.cube, d, voxel);
             if (best != kNone && distance >= least) continue;
             best = *behind[d];
             least = distance;

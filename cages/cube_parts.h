@@ -63,8 +63,10 @@ public:
     unsigned sharedFaces(Index part) const;
     /// Returns true if the topology stays the same without a part.
     bool isRemovable(Index part) const;
-    /// Returns how far the voxels of a part are from its shared faces, in voxels.
-    double depthOf(Index part) const;
+    /// Returns true if no voxel of a part is further than `most` from the shared faces, in voxels.
+    /// The answer no, which is the most frequent one, does not take all voxels.
+    /// \param depth becomes the largest of the distances, if the answer is yes
+    bool isShallow(Index part, double most, double& depth) const;
 
     /// Leaves out a part. Its voxels go to the neighbours.
     void leaveOut(Index part);
@@ -86,7 +88,7 @@ private:
     std::array<Index, 3> placeOf(Index voxel) const;
     bool areNear(const Part& a, const Part& b) const;
     bool isClosedAround(Index part, Index first, Index second) const;
-    double distanceToFace(const Cube& cube, Index direction, Index voxel) const;
+    double squareToFace(const Cube& cube, Index direction, Index voxel) const;
 
     const ModelVoxels& voxels_;
     Index perEdge_;

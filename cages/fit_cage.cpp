@@ -77,8 +77,10 @@ bool isStuck(std::span<const std::size_t> failures) {
 /// The state of a fit.
 class Fit {
 public:
-    Fit(const Lattice& start, std::span<const FitPoint> points, const FitOptions& options)
+    Fit(const Lattice& start, std::span<const FitPoint> points, const FitOptions& options,
+        Work& work)
         : options_(options),
+          work_(work),
           base_(start.complex, refinerOptions(start)),
           refiner_(refined()),
           surface_(base_),
@@ -114,6 +116,7 @@ private:
     }
 
     void begin(int attempt);
+    void match();
     void optimise(int iterations);
     void improve(int steps, int iterations);
     bool certify();
@@ -126,6 +129,7 @@ private:
     double enclosedVolume() const;
 
     const FitOptions& options_;
+    Work& work_;
     far::TopologyRefiner base_, refiner_;
     CageSurface surface_;
     std::vector<Point3> start_, positions_;
@@ -145,11 +149,18 @@ void Fit::begin(int attempt) {
     anchor_ = 0.001 * std::pow(4, attempt) / (edge_ * edge_);
     shapes_.resetWeights();
     forces_.reset(pull);
+    match();
+}
+
+void Fit::match() {
+    work_.add(forces_.workOfMatch());
     forces_.match(positions_);
 }
 
 void Fit::optimise(int iterations) {
+    const double steps = shapes_.workOfEvaluation() + forces_.workOfEnergy();
     const Energy energy = [&](std::span<const Point3> positions, std::span<Point3> gradient) {
+        work_.add(steps);
         double total = shapes_.evaluate(positions, gradient) * kShape;
         for (Point3& slope : gradient) slope = scaled(slope, kShape);
         for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -168,13 +179,14 @@ void Fit::optimise(int iterations) {
 void Fit::improve(int steps, int iterations) {
     for (int step = 0; step < steps; ++step) {
         optimise(iterations);
-        forces_.match(positions_);
+        match();
     }
 }
 
 /// Tries to prove the lattice. Where that fails, makes room for points and gives more weight to
 /// cells.
 bool Fit::certify() {
+    work_.add(workOfCoverage(surface_, groups_));
     const auto uncovered = findUncovered(surface_, positions_, groups_, options_.margin);
     double deepest = 0;
     for (const Uncovered& group : uncovered)
@@ -205,6 +217,8 @@ bool Fit::certify() {
 
 /// Returns the cells that are not proved to be free of folds.
 std::vector<Index> Fit::unprovedCells() const {
+    constexpr double kPerCell = 100e3;
+    work_.add(kPerCell * shapes_.cellCount());
     return solve::ValidityCheck(parts_, positions_).badAtRest();
 }
 
@@ -282,8 +296,12 @@ void Fit::polish() {
         } else if (repairs++ == options_.maxRounds) {
             break;
         }
-        improve(2, 15);
-        isProved = certify();
+        try {
+            improve(2, 15);
+            isProved = certify();
+        } catch (const WorkError&) {
+            break;
+        }
         const double least = leastJacobian();
         if (isProved && least > best) {
             best = least;
@@ -332,7 +350,8 @@ std::vector<Point3> Fit::run() {
 
 }  // namespace
 
-Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options) {
+Lattice fitCage(Lattice start, std::vector<FitPoint> points, const FitOptions& options,
+                Work& work) {
     if (start.complex.dimension() != 3) throw Error("fitting a cage: the start is not a lattice");
     if (points.empty()) throw Error("fitting a cage: there are no points");
     if (!(options.margin >= 0 && options.margin <= 1e90))
@@ -361,7 +380,8 @@ Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOption
     const auto isStart = [&](const Point3& p) { return p == start.positions.front(); };
     if (std::all_of(start.positions.begin(), start.positions.end(), isStart))
         throw Error("fitting a cage: all vertices of the start are at one place");
-    Fit fit(start, points, options);
+    Fit fit(start, points, options, work);
+    points = {};
     start.positions = fit.run();
     return start;
 }

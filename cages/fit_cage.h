@@ -5,9 +5,10 @@
 #include <espalier/base/point.h>
 #include <espalier/shapes/lattice.h>
 
-#include <span>
+#include <vector>
 
 #include "point_groups.h"
+#include "work.h"
 
 namespace espalier::cages {
 
@@ -46,14 +47,16 @@ struct FitOptions {
 ///
 /// \param start cells around the model, with a boundary that is a manifold. Its cells must have
 ///        positive volumes. It may leave some points a little outside
-/// \param points of the model; their order has no effect
+/// \param points of the model; their order has no effect. They are freed when they are in groups
+/// \param work counts the work of the fit, and may bound it
 /// \throws Error if there are no points; for a number that is not finite or out of range; for an
 ///         open boundary or semi-sharp marks; for a point that is more than an edge outside the
 ///         box around the start; for a start that is inside out; FitError if no lattice with these
 ///         cells is found: it names a point or a cell without proof, or says that the lattice grew
-///         too much
+///         too much; WorkError if the work ends before a lattice is proved. If it ends while the
+///         worst cells of a proved lattice are improved, the best one that is proved is returned
 /// \cost O(points) for each proof and each of the 12 times that faces and points are matched;
 ///       docs/cages.md has times of whole cages
-Lattice fitCage(Lattice start, std::span<const FitPoint> points, const FitOptions& options = {});
+Lattice fitCage(Lattice start, std::vector<FitPoint> points, const FitOptions& options, Work& work);
 
 }  // namespace espalier::cages

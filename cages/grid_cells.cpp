@@ -2,6 +2,7 @@
 #include "grid_cells.h"
 
 #include <espalier/base/disjoint_sets.h>
+#include <espalier/base/progress.h>
 #include <espalier/far/complex_builder.h>
 
 #include <algorithm>
@@ -33,15 +34,17 @@ void GridCells::leaveOut(double reach) {
     for (;;) {
         std::vector<std::pair<double, Index>> candidates;
         for (Index part = 0; part < parts_.count(); ++part) {
+            checkCancelledEvery(static_cast<std::size_t>(part), 6);
             if (!parts_.isRemovable(part)) continue;
-            const double depth = parts_.depthOf(part);
-            if (depth <= reach) candidates.emplace_back(depth, part);
+            if (double depth = 0; parts_.isShallow(part, reach, depth))
+                candidates.emplace_back(depth, part);
         }
         if (candidates.empty()) return;
         std::sort(candidates.begin(), candidates.end());
         bool isChanged = false;
         for (const auto& [depth, part] : candidates) {
-            if (!parts_.isRemovable(part) || parts_.depthOf(part) > reach) continue;
+            double now = 0;
+            if (!parts_.isRemovable(part) || !parts_.isShallow(part, reach, now)) continue;
             parts_.leaveOut(part);
             isChanged = true;
         }
@@ -69,8 +72,10 @@ void GridCells::resolveConflict(Index number, Index direction, double reach) {
         if (contact.direction == direction) behind.emplace_back(contact.count, contact.to);
     // The smallest first.
     std::sort(behind.begin(), behind.end());
+    double depth = 0;
     for (const auto& [count, part] : behind)
-        if (parts_.isRemovable(part) && parts_.depthOf(part) <= reach) return parts_.leaveOut(part);
+        if (parts_.isRemovable(part) && parts_.isShallow(part, reach, depth))
+            return parts_.leaveOut(part);
     parts_.join(behind.back().second, behind.front().second, parts_[number].joins + 1);
 }
 

@@ -3,6 +3,7 @@
 
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 
@@ -93,7 +94,9 @@ std::vector<Side> sidesOf(std::span<const Triangle> triangles) {
             const Index a = triangles[t][i], b = triangles[t][(i + 1) % 3];
             sides.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(t), b < a});
         }
+    checkCancelled();
     std::sort(sides.begin(), sides.end());
+    checkCancelled();
     return sides;
 }
 
@@ -119,6 +122,16 @@ ModelSurface::ModelSurface(const SurfaceModel& model) {
     split();
 }
 
+ModelSurface::Sizes ModelSurface::sizes() const {
+    Sizes sizes;
+    for (const Triangle& t : triangles_) {
+        sizes.area += areaOf(t, points_);
+        for (std::size_t i = 0; i < 3; ++i)
+            sizes.perimeter += length(difference(points_[t[(i + 1) % 3]], points_[t[i]]));
+    }
+    return sizes;
+}
+
 void ModelSurface::join(const SurfaceModel& model) {
     std::size_t begin = 0;
     for (std::size_t face = 0; face < model.ends.size(); ++face) {
@@ -139,7 +152,9 @@ void ModelSurface::join(const SurfaceModel& model) {
     keyed.reserve(model.points.size());
     for (std::size_t i = 0; i < model.points.size(); ++i)
         keyed.emplace_back(sum(model.points[i], {0, 0, 0}), static_cast<Index>(i));
+    checkCancelled();
     std::sort(keyed.begin(), keyed.end());
+    checkCancelled();
     std::vector<Index> numbers(model.points.size());
     for (const auto& [point, number] : keyed) {
         if (points_.empty() || points_.back() != point) points_.push_back(point);
@@ -151,7 +166,9 @@ void ModelSurface::join(const SurfaceModel& model) {
     std::vector<WoundTriangle> all;
     std::vector<Index> loop;
     begin = 0;
+    std::size_t face = 0;
     for (const std::size_t end : model.ends) {
+        checkCancelledEvery(face++, 12);
         loop.clear();
         for (const Index corner : model.corners.subspan(begin, end - begin)) {
             if (corner < 0 || corner >= std::ssize(model.points))
@@ -173,7 +190,9 @@ void ModelSurface::join(const SurfaceModel& model) {
             const auto point = static_cast<Index>(i);
             all.push_back({{point, point, point}, 0});
         }
+    checkCancelled();
     std::sort(all.begin(), all.end());
+    checkCancelled();
     all.erase(std::unique(all.begin(), all.end()), all.end());
     for (const WoundTriangle& triangle : all) {
         if (triangles_.empty() || triangles_.back() != triangle.corners) {
@@ -230,11 +249,13 @@ void ModelSurface::split() {
     std::vector<Triangle> piece;
     std::vector<int> windingsOf;
     for (std::size_t first = 0; first < proper.size(); ++first) {
+        checkCancelledEvery(first, 12);
         if (isReached[first] != 0) continue;
         members = {static_cast<Index>(first)};
         isReached[first] = 1;
         bool isOrientable = true;
         for (std::size_t i = 0; i < members.size(); ++i) {
+            checkCancelledEvery(i, 12);
             const Index t = members[i];
             for (int k = 0; k < counts[t]; ++k) {
                 const auto& [next, isOpposed] = neighbours[t][k];

@@ -55,6 +55,12 @@ public:
     /// The triangles of open pieces; and the lines and points that are in no other triangle.
     const std::vector<Triangle>& openTriangles() const { return openTriangles_; }
 
+    /// The sums over all triangles of the model.
+    struct Sizes {
+        double area = 0, perimeter = 0;
+    };
+    Sizes sizes() const;
+
 private:
     void join(const SurfaceModel& model);
     void split();

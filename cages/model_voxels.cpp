@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model_voxels.h"
 
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -102,8 +103,11 @@ void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
 
 void markTriangles(const CubeGrid& grid, std::span<const Triangle> triangles,
                    std::span<const Point3> points, std::vector<char>& marks) {
-    for (const Triangle& t : triangles)
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        checkCancelledEvery(i, 6);
+        const Triangle& t = triangles[i];
         markTriangle(grid, {points[t[0]], points[t[1]], points[t[2]]}, marks);
+    }
 }
 
 /// A ray from below passes through a triangle in a column of cubes: all centres up to `height`
@@ -185,11 +189,18 @@ bool ModelVoxels::isInner(const Point3& point) const {
 void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3> points) {
     const auto& pieces = surface.closedPieces();
     std::vector<Crossing> crossings;
-    for (std::size_t piece = 0; piece < pieces.size(); ++piece)
-        for (const Triangle& t : pieces[piece].triangles)
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+        const std::vector<Triangle>& triangles = pieces[piece].triangles;
+        for (std::size_t i = 0; i < triangles.size(); ++i) {
+            checkCancelledEvery(i, 6);
+            const Triangle& t = triangles[i];
             addCrossings(grid_, {points[t[0]], points[t[1]], points[t[2]]},
                          static_cast<Index>(piece), crossings);
+        }
+    }
+    checkCancelled();
     std::sort(crossings.begin(), crossings.end());
+    checkCancelled();
     const Index plane = grid_.counts[0] * grid_.counts[1];
     // A piece that is wound inwards is a cavity if most of it lies in pieces that are wound
     // outwards.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "point_groups.h"
 
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -99,6 +100,7 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     };
     auto begin = numbers.begin();
     for (Index cube = 0; cube < grid.cubeCount(); ++cube) {
+        checkCancelledEvery(static_cast<std::size_t>(cube), 8);
         Index& first = firstOfCube_[cube];
         const auto end = numbers.begin() + first;
         first = begin == end ? -1 : static_cast<Index>(groups_.size());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_set.h"
 
+#include <espalier/base/progress.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -123,6 +125,7 @@ VoxelSet VoxelSet::within(double radius) const {
     std::vector<Word> wide(rowSize_);
     for (Index z = 0; z < counts_[2]; ++z)
         for (Index y = 0; y < counts_[1]; ++y) {
+            if (y % 16 == 0) checkCancelled();
             if (!findBorder(y, z, wide)) continue;
             Index width = 0;
             for (const BallRow& line : ball) {
@@ -153,7 +156,8 @@ VoxelSet VoxelSet::connectedWithFirst() const {
     std::vector<std::size_t> front = {0};
     std::vector<char> isInFront(rowCount(), 0);
     const auto ny = static_cast<std::size_t>(counts_[1]);
-    while (!front.empty()) {
+    for (std::size_t step = 0; !front.empty(); ++step) {
+        checkCancelledEvery(step, 10);
         const std::size_t number = front.back();
         front.pop_back();
         isInFront[number] = 0;

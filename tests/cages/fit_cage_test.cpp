@@ -12,8 +12,14 @@
 namespace espalier::cages {
 namespace {
 
+/// Returns work without a bound.
+Work& unbounded() {
+    static Work work(kInfinity);
+    return work;
+}
+
 Lattice fitTo(Lattice start, std::span<const Point3> points, const FitOptions& options = {}) {
-    return fitCage(std::move(start), test::fitPoints(points), options);
+    return fitCage(std::move(start), test::fitPoints(points), options, unbounded());
 }
 
 using test::badCells, test::limitVolume, test::outsideLevel, test::outsideLimit;
@@ -206,7 +212,7 @@ TEST(FitCage, refusesBadArguments) {
                 ThrowsMessage<Error>(HasSubstr("maxRounds is 0")));
     EXPECT_THAT([&] { fit(small.points, {.maxAttempts = 5}); },
                 ThrowsMessage<Error>(HasSubstr("maxAttempts is 5")));
-    EXPECT_THAT([&] { fitCage(small.start, std::vector{FitPoint{.cell = 1000}}); },
+    EXPECT_THAT([&] { fitCage(small.start, {FitPoint{.cell = 1000}}, {}, unbounded()); },
                 ThrowsMessage<Error>(HasSubstr("point 0 belongs to cell 1000")));
     Lattice open = small.start;
     open.tags.boundary = far::Boundary::Open;
@@ -224,6 +230,20 @@ TEST(FitCage, refusesBadArguments) {
     short_.positions.pop_back();
     EXPECT_THAT([&] { fitTo(short_, small.points); },
                 ThrowsMessage<Error>(HasSubstr("positions for")));
+}
+
+/// Returns the work of a fit.
+double workOf(const Small& small, double limit) {
+    Work work(limit);
+    fitCage(small.start, test::fitPoints(small.points), {}, work);
+    return work.done();
+}
+
+TEST(FitCage, endsWhenItsWorkIsDone) {
+    Small small;
+    const double whole = workOf(small, kInfinity);
+    EXPECT_EQ(workOf(small, whole), whole);
+    EXPECT_THROW(workOf(small, whole / 2), WorkError);
 }
 
 TEST(FitCage, namesAPointFarOutside) {
