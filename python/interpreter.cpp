@@ -3,6 +3,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 
+#include <chrono>
 #include <exception>
 #include <new>
 #include <string>
@@ -59,6 +60,11 @@ PyObject* newObject(PyTypeObject* type, PyObject*, PyObject*) {
     }
 }
 
+using Clock = std::chrono::steady_clock;
+
+/// Time between two questions for signals. Each question waits for the GIL.
+constexpr std::chrono::milliseconds kInterval(20);
+
 /// Raises an exception. Bytes of the message that are not UTF-8, in names and texts of files, are
 /// shown as "\\xff".
 void raise(PyObject* type, std::string_view message) {
@@ -109,12 +115,18 @@ void translateErrors() {
 }
 
 InterruptScope::InterruptScope()
-    : scope_([caller = std::this_thread::get_id()](const Progress&) {
-          // Python handles signals on its main thread only, so other threads have nothing to do.
-          if (std::this_thread::get_id() != caller) return true;
-          const py::gil_scoped_acquire acquire;
-          if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-          return true;
-      }) {}
+    : scope_(
+          [caller = std::this_thread::get_id(), last = Clock::now()](const Progress&) mutable {
+              // Python handles signals on its main thread only, so other threads have nothing to
+              // do. They must not use up the interval of this thread either: with many threads, it
+              // would seldom be its turn.
+              if (std::this_thread::get_id() != caller || Clock::now() - last < kInterval)
+                  return true;
+              const py::gil_scoped_acquire acquire;
+              if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+              last = Clock::now();
+              return true;
+          },
+          std::chrono::milliseconds(0)) {}
 
 }  // namespace espalier::python
