@@ -9,10 +9,12 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <map>
 #include <numeric>
 #include <string>
 #include <utility>
 
+#include "canonical_loop.h"
 #include "valid_lattice.h"
 
 namespace espalier::far {
@@ -130,7 +132,9 @@ struct Loops {
 /// Numbers lists of vertices in the order of their first appearance. Equal lists get one number.
 ///
 /// A hash table. The bucket of a list moves by k if all its vertices move by k: in a lattice whose
-/// vertices are numbered row by row, successive searches look at memory that is near.
+/// vertices are numbered row by row, successive searches look at memory that is near. A file can
+/// choose its vertices so that all lists have one bucket; lists that a full bucket does not take
+/// are in a sorted map.
 class Numbering {
 public:
     /// \param expected the most numbers that are to be expected; more are allowed
@@ -141,12 +145,14 @@ public:
 
     /// Returns the number of a list; count() before the call if the list is new.
     /// \param isEqual called with numbers; returns true for the number of this list
-    /// \cost O(1) on average
+    /// \cost O(1) on average, O(log n) at most
     template <class IsEqual>
     Index find(std::span<const Index> vertices, IsEqual isEqual) {
         Index& latest = latest_[bucketOf(vertices)];
-        for (Index number = latest; number != kNone; number = before_[number])
+        int room = kBucketSize;
+        for (Index number = latest; number != kNone; number = before_[number], --room)
             if (isEqual(number)) return number;
+        if (room == 0) return findInMap(vertices, isEqual);
         before_.push_back(latest);
         return latest = count() - 1;
     }
@@ -162,6 +168,19 @@ public:
 private:
     static constexpr Index kNone = -1;
 
+    // A vertex of a lattice of tetrahedra has about 12 faces and a bucket of its own, so by chance
+    // hardly a bucket has five times as many.
+    static constexpr int kBucketSize = 64;
+
+    template <class IsEqual>
+    Index findInMap(std::span<const Index> vertices, IsEqual isEqual) {
+        std::vector<Index> key;
+        appendCanonicalLoop(vertices, key);
+        const auto [known, isNew] = others_.try_emplace(std::move(key), count());
+        // Only loops that repeat a vertex may have one key and be different.
+        return !isNew && isEqual(known->second) ? known->second : addSeparate();
+    }
+
     /// The bucket does not depend on the order of the vertices.
     std::size_t bucketOf(std::span<const Index> vertices) const {
         std::uint64_t low = vertices[0], sum = 0;
@@ -175,6 +194,7 @@ private:
 
     Array<Index> latest_;  ///< per bucket: the latest number in it
     Array<Index> before_;  ///< per number: the number before it in its bucket
+    std::map<std::vector<Index>, Index> others_;  ///< of full buckets, by their canonical loops
 };
 
 /// Returns +1 if two loops without repeated vertices are the same face and run in the same

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "cell_loops.h"
@@ -23,11 +24,15 @@ std::string latticeName(const MergeOptions& options, std::size_t number) {
 
 // In the templates below, Attribute is VertexAttribute or VertexIntegers.
 
+/// Attributes by their names.
 template <class Attribute>
-const Attribute* findAttribute(const std::vector<Attribute>& attributes, const std::string& name) {
-    for (const Attribute& attribute : attributes)
-        if (attribute.name == name) return &attribute;
-    return nullptr;
+using ByName = std::map<std::string_view, const Attribute*>;
+
+template <class Attribute>
+ByName<Attribute> byName(const std::vector<Attribute>& attributes) {
+    ByName<Attribute> result;
+    for (const Attribute& attribute : attributes) result.emplace(attribute.name, &attribute);
+    return result;
 }
 
 std::string kindOf(const VertexAttribute&) {
@@ -48,11 +53,12 @@ bool isSameType(const VertexIntegers& a, const VertexIntegers& b) {
 
 template <class Attribute>
 void requireAttribute(const Attribute& wanted, const std::string& owner,
-                      const std::vector<Attribute>& attributes, const std::string& name) {
-    const Attribute* found = findAttribute(attributes, wanted.name);
-    if (found == nullptr || !isSameType(*found, wanted))
+                      const ByName<Attribute>& attributes, const std::string& name) {
+    const auto at = attributes.find(wanted.name);
+    if (at == attributes.end() || !isSameType(*at->second, wanted))
         throw Error("merge: " + name + " lacks " + kindOf(wanted) + inQuotes(wanted.name) +
                     ", which " + owner + " has");
+    const Attribute* found = at->second;
     if (found->components != wanted.components)
         throw Error(concat("merge: attribute ", inQuotes(wanted.name), " has ", found->components,
                            " components in ", name, ", but ", wanted.components, " in ", owner));
@@ -62,8 +68,10 @@ void requireAttribute(const Attribute& wanted, const std::string& owner,
 template <class Attribute>
 void requireSame(const std::vector<Attribute>& ofFirst, const std::string& first,
                  const std::vector<Attribute>& others, const std::string& other) {
-    for (const Attribute& attribute : ofFirst) requireAttribute(attribute, first, others, other);
-    for (const Attribute& attribute : others) requireAttribute(attribute, other, ofFirst, first);
+    const ByName<Attribute> namesOfFirst = byName(ofFirst), names = byName(others);
+    for (const Attribute& attribute : ofFirst) requireAttribute(attribute, first, names, other);
+    for (const Attribute& attribute : others)
+        requireAttribute(attribute, other, namesOfFirst, first);
 }
 
 /// Returns the attributes without their values.
@@ -131,6 +139,14 @@ void appendValues(const Attribute& from, std::span<const Index> newVertex, Attri
         const auto first = from.values.begin() + static_cast<std::ptrdiff_t>(vertex * components);
         to.values.insert(to.values.end(), first, first + to.components);
     }
+}
+
+/// The same for all attributes. `from` has those of `to`, in any order.
+template <class Attribute>
+void appendValues(const std::vector<Attribute>& from, std::span<const Index> newVertex,
+                  std::vector<Attribute>& to) {
+    const ByName<Attribute> names = byName(from);
+    for (Attribute& attribute : to) appendValues(*names.at(attribute.name), newVertex, attribute);
 }
 
 /// A face or a cell of one of the lattices.
@@ -246,10 +262,8 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
         requireCellsKept(lattice.complex, newVertex, latticeName(options, number), distance);
         addAll(lattice.complex, newVertex, builder);
         appendMarks(lattice.marks, newVertex, result.marks);
-        for (VertexAttribute& attribute : result.attributes)
-            appendValues(*findAttribute(lattice.attributes, attribute.name), newVertex, attribute);
-        for (VertexIntegers& integers : result.integers)
-            appendValues(*findAttribute(lattice.integers, integers.name), newVertex, integers);
+        appendValues(lattice.attributes, newVertex, result.attributes);
+        appendValues(lattice.integers, newVertex, result.integers);
     }
     result.complex = buildMerged(builder, lattices, welding.newIndex, options);
     result.positions = std::move(welding.positions);

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include "support/complexes.h"
 #include "support/test.h"
@@ -368,6 +369,43 @@ TEST(ComplexBuilderRefuses, LatticeThatCannotBeOriented) {
         builder.addCell(StandardCell::Hexahedron, {a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]});
     }
     EXPECT_EQ(causeOf([&] { builder.build(); }), TopologyCause::NotOrientable);
+}
+
+/// Returns tetrahedra whose edges from a to a + d all have one bucket in the builder's hash table:
+/// it computes a + d · 0x9E3779B97F4A7C15. The first tetrahedra use all vertices.
+std::vector<std::array<Index, 4>> collidingCells(Index vertexCount) {
+    std::vector<std::array<Index, 4>> cells;
+    for (Index vertex = 0; vertex + 3 < vertexCount; vertex += 4)
+        cells.push_back({vertex, vertex + 1, vertex + 2, vertex + 3});
+    const auto mask = static_cast<std::uint64_t>(vertexCount);
+    for (Index d = 5; d < vertexCount / 2; ++d) {
+        const auto a = static_cast<Index>((777 - d * 0x9E3779B97F4A7C15) & mask);
+        if (a + d + 3 < vertexCount) cells.push_back({a, a + d, a + d + 1, a + d + 3});
+    }
+    cells.push_back({vertexCount - 4, vertexCount - 3, vertexCount - 2, vertexCount - 1});
+    return cells;
+}
+
+TEST(ComplexBuilder, CellsMayBeChosenSoThatTheyCollide) {
+    constexpr Index kVertices = 4095;
+    ComplexBuilder builder(3, kVertices);
+    std::set<std::vector<Index>> edges, faces;
+    const auto cells = collidingCells(kVertices);
+    for (const auto& cell : cells) {
+        builder.addCell(StandardCell::Tetrahedron, cell);
+        for (int i = 0; i < 4; ++i) {
+            std::vector<Index> face;
+            for (int j = 0; j < 4; ++j) {
+                if (j != i) face.push_back(cell[j]);
+                if (j < i) edges.insert({cell[j], cell[i]});
+            }
+            faces.insert(face);
+        }
+    }
+    ASSERT_GT(cells.size(), 2000u);
+    EXPECT_EQ(countsOf(builder.build()),
+              (Counts{kVertices, static_cast<Index>(edges.size()), static_cast<Index>(faces.size()),
+                      static_cast<Index>(cells.size())}));
 }
 
 TEST(ComplexBuilder, CubesThatMeetInAnEdgeOrAVertexOnlyAreAllowed) {
