@@ -42,6 +42,28 @@ def plot3d_weld(size, far=1e7):
     return text + "".join(" ".join("%.17g" % (far + (i >> axis & 1)) for i in range(8)) + "\n" for axis in range(3))
 
 
+def su2_cells(size):
+    """Tetrahedra whose edges from a to a + d have one bucket in the table of far::ComplexBuilder, for all d."""
+    cells = [(i, i + 1, i + 2, i + 3) for i in range(0, 4 * size - 1, 4) if i + 3 < 4 * size - 1]
+    points = 4 * size - 1
+    for d in range(5, points // 2):
+        a = (777 - d * 0x9E3779B97F4A7C15) % (4 * size)
+        if a + d + 3 < points:
+            cells.append((a, a + d, a + d + 1, a + d + 3))
+    cells.append((points - 4, points - 3, points - 2, points - 1))
+    return (f"NDIME= 3\nNELEM= {len(cells)}\n" + "".join("10 %d %d %d %d\n" % cell for cell in cells)
+            + f"NPOIN= {points}\n" + "".join(f"{i % 101} {i % 89} {i % 97}\n" for i in range(points)) + "NMARK= 0\n")
+
+
+def vtu_attributes(size, offset=0):
+    array = '<DataArray type="%s" Name="%s" NumberOfComponents="%d" format="ascii">%s</DataArray>'
+    return ('<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid><Piece NumberOfPoints="4" NumberOfCells="1">'
+            "<PointData>" + "".join(array % ("Float32", f"name {i}", 1, "0 0 0 0") for i in range(size)) + "</PointData><Points>"
+            + array % ("Float32", "Points", 3, f"{offset} 0 0 1 0 0 0 1 0 0 0 1") + "</Points><Cells>"
+            + array % ("Int32", "connectivity", 1, "0 1 2 3") + array % ("Int32", "offsets", 1, "4")
+            + array % ("UInt8", "types", 1, "10") + "</Cells></Piece></UnstructuredGrid></VTKFile>")
+
+
 def vtp_pieces(size):
     """Pieces on one line."""
     array = '<DataArray type="%s" Name="%s" NumberOfComponents="%d" format="ascii">%s</DataArray>'
@@ -94,12 +116,15 @@ def star(size):
                    for i, r in ((i, numbers.uniform(0.05, 1)) for i in range(size)))
 
 
-DEFORM = ["deform", "INPUT", "--rest", "rest.ovm", "--to", "rest.ovm", "-n", "1", "--outside", "keep", "--quiet"]
+DEFORM = ["deform", "INPUT", "--rest", "rest.ovm", "--to", "rest.ovm", "-n", "1", "--outside", "keep", "--quiet",
+          "--threads", "1"]
 
 # For each kind: the function that makes the input, its size, the name of the file, and the arguments of the program.
 KINDS = {
-    "gmsh tags": (gmsh_tags, 2000, "a.msh", ["info", "--model", "INPUT"]),
-    "plot3d weld": (plot3d_weld, 8, "a.xyz", ["info", "-n", "0", "INPUT"]),
+    "gmsh tags": (gmsh_tags, 2000, "a.msh", ["info", "--model", "INPUT", "--threads", "1"]),
+    "plot3d weld": (plot3d_weld, 8, "a.xyz", ["info", "-n", "0", "INPUT", "--threads", "1"]),
+    "su2 cells": (su2_cells, 2048, "a.su2", ["stencils", "INPUT", "-n", "1", "--level-tables", "-o", "out.mtx", "--threads", "1"]),
+    "vtu attributes": (vtu_attributes, 500, "a.vtu", ["shape", "merge", "INPUT", "OTHER", "-o", "out.vtu"]),
     "vtp pieces": (vtp_pieces, 200, "a.vtp", [*DEFORM[:4], "--to", "pose.ovm", *DEFORM[6:], "-o", "/dev/null"]),
     "vtp arrays": (vtp_arrays, 500, "a.vtp", [*DEFORM, "-o", "out.obj"]),
     "vtk arrays": (vtk_arrays, 500, "a.vtk", [*DEFORM, "-o", "out.obj"]),
@@ -130,9 +155,11 @@ def growth(program, kind):
                            cwd=folder, check=True, capture_output=True)
         start = instructions(program, ["--version"], folder)
         for times in (1, 2):
+            names = {"INPUT": name, "OTHER": "other" + name}
             (folder / name).write_text(make(times * size))
-            counts.append(instructions(program, [name if word == "INPUT" else word for word in arguments]
-                                       + ["--threads", "1"], folder) - start)
+            if "OTHER" in arguments:
+                (folder / names["OTHER"]).write_text(make(times * size, 2))
+            counts.append(instructions(program, [names.get(word, word) for word in arguments], folder) - start)
     return counts[1] / counts[0], counts[1]
 
 
