@@ -2,6 +2,7 @@
 #include <espalier/base/array.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/printable.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -117,6 +118,7 @@ std::string readFile(const fs::path& path) {
     bytes.reserve(before.st_size > 0 ? static_cast<std::size_t>(before.st_size) + 1 : kBlock);
     preferLargePages(bytes.data(), bytes.capacity());
     while (true) {
+        checkCancelled();
         const std::size_t size = bytes.size();
         if (size == bytes.capacity()) {
             requireMemory(2 * size, shownPath(path) + ":");  // beside the bytes read so far

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/number_text.h>
+#include <espalier/base/progress.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -40,7 +41,7 @@ private:
     template <class Part>
     void putOne(const Part& part) {
         if constexpr (std::is_arithmetic_v<Part>) {
-            if (room() < kMaxNumberText) flush();
+            if (room() < kMaxNumberText) makeRoom();
             end_ = writeNumber(end_, part);
         } else {
             putText(part);
@@ -48,7 +49,7 @@ private:
     }
 
     void putText(std::string_view text) {
-        if (text.size() > room()) flush();
+        if (text.size() > room()) makeRoom();
         if (text.size() > room())
             out_.write(text.data(), static_cast<std::streamsize>(text.size()));
         else
@@ -57,6 +58,12 @@ private:
 
     std::size_t room() const {
         return static_cast<std::size_t>(block_.data() + block_.size() - end_);
+    }
+
+    /// \throws Cancelled, unlike flush(), which the destructor calls, too
+    void makeRoom() {
+        checkCancelled();
+        flush();
     }
 
     void flush() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
@@ -58,12 +59,21 @@ void TextReader::skipSpace() {
     }
 }
 
+/// Lets the host cancel the reading of a long text.
+void TextReader::checkHost() {
+    constexpr std::size_t kBytes = 1 << 16;  // about a millisecond
+    if (position_ < nextCheck_) return;
+    nextCheck_ = position_ + kBytes;
+    checkCancelled();
+}
+
 bool TextReader::atEnd() {
     skipSpace();
     return position_ == text_.size();
 }
 
 std::string_view TextReader::token(const char* what) {
+    checkHost();
     skipSpace();
     line_ = nextLine_;
     const std::size_t begin = position_;
@@ -94,6 +104,7 @@ void TextReader::checkRoom(std::uint64_t count, std::size_t minBytes, const char
 }
 
 std::string_view TextReader::restOfLine() {
+    checkHost();
     line_ = nextLine_;
     const std::size_t begin = position_;
     std::size_t end = text_.find('\n', begin);

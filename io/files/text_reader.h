@@ -82,6 +82,7 @@ public:
 
 private:
     void skipSpace();
+    void checkHost();
     bool opensComment(char c) const { return commentMark_ && c == *commentMark_; }
 
     std::filesystem::path path_;
@@ -90,6 +91,7 @@ private:
     std::size_t position_ = 0;
     std::size_t line_;
     std::size_t nextLine_;
+    std::size_t nextCheck_ = 0;  ///< the position from which on the host may cancel again
 };
 
 /// Reads a whole token as a number. A real number that is too close to 0 for the type becomes 0 or

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/point.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/models/ply.h>
@@ -73,7 +74,10 @@ public:
             if (isVertex_) addVertices(points_.positions, element.count);
             for (PlyVectors& direction : points_.directions)
                 if (isVertex_) addVertices(direction, element.count);
-            for (row_ = 0; row_ < element.count; ++row_) readRow(element);
+            for (row_ = 0; row_ < element.count; ++row_) {
+                checkCancelledEvery(row_, 12);
+                readRow(element);
+            }
         }
         checkEnd();
         return std::move(points_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/models/stl.h>
@@ -136,6 +137,7 @@ private:
                       std::span<const DeformationGradient>) const override {
         std::string bytes = bytes_;
         for (std::size_t facet = 0; facet < facetCount(); ++facet) {
+            checkCancelledEvery(facet, 12);
             const std::span<const Point3, 3> corners(moved.data() + 3 * facet, 3);
             std::array<Point3, 3> rounded;
             for (std::size_t corner = 0; corner < 3; ++corner)
