@@ -20,6 +20,9 @@ constexpr double kPull = 1;
 /// Weight of the squared distance, in edges, by which a point sticks out.
 constexpr double kPush = 1000;
 
+/// Points that pull a face are at most this far away, in cubes of the points.
+constexpr Index kPullRings = 24;
+
 /// Faces that points push are at most this far away, in cubes of the points.
 constexpr Index kPushRings = 3;
 
@@ -159,7 +162,7 @@ void BoundaryForces::matchPulls() {
             const Point3& normal = coarseFaces_[c].normal;
             if (normal == Point3{0, 0, 0}) continue;
             const Index cell = surface_.cellOfCoarse(static_cast<Index>(c));
-            pulling_[c] = groups_.nearest(coarseFaces_[c].centre, 24,
+            pulling_[c] = groups_.nearest(coarseFaces_[c].centre, kPullRings,
                                           [&](Index group) { return suits(group, cell, normal); });
         }
     });
@@ -297,6 +300,11 @@ double BoundaryForces::workOfMatch() const {
     constexpr double kPerGroup = 1000, kPerFace = 1000, kPerCube = 1;
     return kPerGroup * static_cast<double>(groups_.groups().size()) +
            kPerFace * surface_.fineCentres().rowCount() + kPerCube * groups_.grid().cubeCount();
+}
+
+double BoundaryForces::workOfVainSearches() const {
+    constexpr double kSide = 2 * kPullRings + 1, kPerSearch = kSide * kSide * kSide;
+    return kPerSearch * static_cast<double>(std::ranges::count(pulling_, std::nullopt));
 }
 
 double BoundaryForces::workOfEnergy() const {

@@ -52,6 +52,10 @@ public:
     double workOfMatch() const;
     double workOfEnergy() const;
 
+    /// Returns the steps that the last match() took more, for faces without near points: they
+    /// search many empty cubes. Known afterwards only.
+    double workOfVainSearches() const;
+
     /// Makes room around points without proof, pushes them more, and pulls less there.
     /// \param uncovered groups at the positions that were last matched
     void strengthen(std::span<const Uncovered> uncovered);

@@ -155,6 +155,7 @@ void Fit::begin(int attempt) {
 void Fit::match() {
     work_.add(forces_.workOfMatch());
     forces_.match(positions_);
+    work_.add(forces_.workOfVainSearches());
 }
 
 void Fit::optimise(int iterations) {
