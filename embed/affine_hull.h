@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/rounded_product.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -23,7 +25,9 @@ public:
         if (inverse.allFinite()) inverse_ = inverse;
     }
 
-    void extend(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector3d(inverse_ * point)); }
+    void extend(const Eigen::Vector3d& point) {
+        box_.extend(Eigen::Vector3d(roundedProduct(inverse_, point)));
+    }
 
     /// \param margin added on each side, in lengths of the axes
     void widen(double margin) {
@@ -33,7 +37,7 @@ public:
 
     bool contains(const Eigen::Vector3d& point) const {
         // The comparisons are such that a point whose coordinates are NaN is inside.
-        const Eigen::Array3d place = inverse_ * point;
+        const Eigen::Array3d place = roundedProduct(inverse_, point);
         return !((place < box_.min().array()).any() || (place > box_.max().array()).any());
     }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/box_least_squares.h>
+#include <espalier/embed/rounded_product.h>
 
 #include <Eigen/LU>
 #include <limits>
@@ -61,7 +62,7 @@ Vector3d nearestInBox(const Matrix3d& map, const Vector3d& target, const Vector3
         // If a combination leads out of the box, it is not the solution; clamped, it is at least as
         // far from the target.
         x = x.cwiseMax(low).cwiseMin(high);
-        const double distance = (unitMap * x - unitTarget).squaredNorm();
+        const double distance = (roundedProduct(unitMap, x) - unitTarget).squaredNorm();
         if (distance < least) {
             least = distance;
             best = x;

@@ -4,6 +4,7 @@
 #include <espalier/embed/cell_solver.h>
 #include <espalier/embed/continuation.h>
 #include <espalier/embed/place_points.h>
+#include <espalier/embed/rounded_product.h>
 #include <espalier/embed/solve3.h>
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
@@ -150,7 +151,8 @@ std::optional<LocatedPoint> CellSolver::findIn(CellId cell, const Vector3d& poin
         const Matrix3d edges = tetrahedron(cell, t, centre).edges;
         const Vector3d uvw = solve3(edges, point - centre);
         if (uvw.allFinite() && uvw.minCoeff() >= -kOnFace && uvw.sum() <= 1 + kOnFace)
-            return found({cell, t, toArray(uvw), {}}, (edges * uvw - (point - centre)).norm());
+            return found({cell, t, toArray(uvw), {}},
+                         (roundedProduct(edges, uvw) - (point - centre)).norm());
     }
     return std::nullopt;
 }

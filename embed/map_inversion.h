@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/embed/box_least_squares.h>
+#include <espalier/embed/rounded_product.h>
 #include <espalier/embed/solve3.h>
 
 #include <Eigen/Core>
@@ -49,7 +50,7 @@ Eigen::Vector3d nearestToOrigin(const Map& map) {
     for (int step = 0; step < kMaxSteps; ++step) {
         // The nearest place of the linear map that is tangent to the map here.
         const auto [value, j] = map.tangent(uvw);
-        const Vector3d target = j * uvw - value;
+        const Vector3d target = roundedProduct(j, uvw) - value;
         Vector3d move = nearestInBox(j, target, Vector3d::Zero(), Vector3d::Ones()) - uvw;
         // Halve the step until the distance decreases.
         double length = 0;

@@ -2,6 +2,7 @@
 #include <espalier/embed/basis_functions.h>
 #include <espalier/embed/map_inversion.h>
 #include <espalier/embed/patch_solver.h>
+#include <espalier/embed/rounded_product.h>
 
 #include <algorithm>
 
@@ -58,17 +59,17 @@ Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
     }
     const Eigen::Map<const Solid> solid(coefficients_.front().data());
     Sheet sheet, sheetW;
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * values[2];
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheetW.data()).noalias() = solid * slopes[2];
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()) = roundedProduct(solid, values[2]);
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheetW.data()) = roundedProduct(solid, slopes[2]);
     Line line, lineV, lineW;
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * values[1];
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineV.data()).noalias() = sheet * slopes[1];
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineW.data()).noalias() = sheetW * values[1];
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()) = roundedProduct(sheet, values[1]);
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineV.data()) = roundedProduct(sheet, slopes[1]);
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineW.data()) = roundedProduct(sheetW, values[1]);
     Trilinear::Tangent tangent;
-    tangent.position.noalias() = line * values[0];
-    tangent.jacobian.col(0).noalias() = line * slopes[0];
-    tangent.jacobian.col(1).noalias() = lineV * values[0];
-    tangent.jacobian.col(2).noalias() = lineW * values[0];
+    tangent.position = roundedProduct(line, values[0]);
+    tangent.jacobian.col(0) = roundedProduct(line, slopes[0]);
+    tangent.jacobian.col(1) = roundedProduct(lineV, values[0]);
+    tangent.jacobian.col(2) = roundedProduct(lineW, values[0]);
     return tangent;
 }
 
@@ -80,10 +81,10 @@ Vector3d TricubicMap::position(const Vector3d& uvw) const {
     }
     const Eigen::Map<const Solid> solid(coefficients_.front().data());
     Sheet sheet;
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * values[2];
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()) = roundedProduct(solid, values[2]);
     Line line;
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * values[1];
-    return line * values[0];
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()) = roundedProduct(sheet, values[1]);
+    return roundedProduct(line, values[0]);
 }
 
 /// The map, moved so that a point is at the origin.
@@ -127,11 +128,12 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points, double spac
     // The derivative of a level is a mean of derivatives of the polynomial, so it is in this hull,
     // too.
     spread_.setZero();
+    const Matrix3d thrice = 3 * inverse_;
     std::size_t stride = 1;
     for (Eigen::Index axis = 0; axis < 3; ++axis, stride *= 4)
         for (std::size_t i = 0; i < 64; ++i) {
             if (i / stride % 4 == 3) continue;
-            Vector3d off = 3 * inverse_ * (bezier[i + stride] - bezier[i]);
+            Vector3d off = roundedProduct(thrice, bezier[i + stride] - bezier[i]);
             off[axis] -= 1;
             spread_.col(axis) = spread_.col(axis).cwiseMax(off.cwiseAbs());
         }
@@ -146,7 +148,7 @@ PatchSolver::Found PatchSolver::find(const Vector3d& position) const {
     if (!hull_.contains(point)) return {Answer::Outside, {}};
     const MapAround map{map_, point};
     if (inverse_.allFinite()) {
-        const Vector3d start = kCentre - inverse_ * (middle_ - point);
+        const Vector3d start = kCentre - roundedProduct(inverse_, middle_ - point);
         // The first cut of isExcluded(), which needs no evaluation of the map.
         const Vector3d reach = (spread_.rowwise().sum().array() + 1) / 2 + kOnPatchFace + rounding_;
         if (((start - kCentre).array().abs() > reach.array()).any()) return {Answer::Outside, {}};
@@ -174,8 +176,8 @@ bool PatchSolver::isExcluded(const MapAround& map) const {
     Vector3d low = Vector3d::Zero(), high = Vector3d::Ones();
     for (int cut = 0; cut < kMaxCuts; ++cut) {
         const Vector3d centre = (low + high) / 2, before = high - low;
-        const Vector3d middle = centre - inverse_ * map.position(centre);
-        const Vector3d reach = (spread_ * before / 2).array() + kSlack + rounding_;
+        const Vector3d middle = centre - roundedProduct(inverse_, map.position(centre));
+        const Vector3d reach = (roundedProduct(spread_, before) / 2).array() + kSlack + rounding_;
         low = low.cwiseMax(middle - reach);
         high = high.cwiseMin(middle + reach);
         if ((low.array() > high.array()).any()) return true;
@@ -195,7 +197,11 @@ bool PatchSolver::isOneToOne() const {
     constexpr int kSquares = 5;  // E³² tells all but spectral radii close to 1
     if (!inverse_.allFinite()) return false;
     Matrix3d power = spread_;
-    for (int square = 0; square < kSquares; ++square) power *= power.eval();
+    for (int square = 0; square < kSquares; ++square) {
+        const Matrix3d factor = power;
+        for (Eigen::Index axis = 0; axis < 3; ++axis)
+            power.col(axis) = roundedProduct(factor, factor.col(axis));
+    }
     return power.rowwise().sum().maxCoeff() < 1;
 }
 

@@ -4,6 +4,7 @@
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/place_points.h>
+#include <espalier/embed/rounded_product.h>
 #include <espalier/embed/row_bound.h>
 #include <espalier/embed/tensor_product.h>
 #include <espalier/stencils/table_builder.h>
@@ -97,7 +98,7 @@ void TensorLattice::fitAxes() {
         squares += steps.cwiseAbs2();
     });
     axes_ *= squares.cwiseInverse().asDiagonal();
-    origin_ = mean - axes_ * middle;
+    origin_ = mean - roundedProduct(axes_, middle);
 }
 
 /// Divides the axes by their lengths before inverting: the determinant of tiny or huge axes would
@@ -147,7 +148,7 @@ Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolera
                                            bool seekNearest, Row& row) const {
     const Vector3d point(position.data());
     Located<TensorPlace> result;
-    const Vector3d local = toCells_ * (point - origin_);
+    const Vector3d local = roundedProduct(toCells_, point - origin_);
     // Local coordinates of a finite point may overflow.
     if (!local.allFinite()) return result;
     Vector3d at = local.cwiseMax(low_).cwiseMin(high_);

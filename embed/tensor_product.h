@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/embed/basis_functions.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/embed/rounded_product.h>
 #include <espalier/far/box_grid.h>
 
 #include <Eigen/Core>
@@ -80,7 +81,9 @@ private:
     void invertAxes();
     void checkFit() const;
     Eigen::Vector3d nearestInRegion(const Eigen::Vector3d& point) const;
-    Eigen::Vector3d positionAt(const Eigen::Vector3d& at) const { return origin_ + axes_ * at; }
+    Eigen::Vector3d positionAt(const Eigen::Vector3d& at) const {
+        return origin_ + roundedProduct(axes_, at);
+    }
     Eigen::Vector3d restAt(Index vertex) const { return Eigen::Vector3d(rest_[vertex].data()); }
 
     far::CellComplex complex_;
