@@ -67,7 +67,7 @@ function(espalier_library name)
     target_link_libraries(${target} PUBLIC espalier::${dependency})
   endforeach()
   espalier_compile_options(${target})
-  # Results must not depend on whether a processor can fuse products. Only the kernels of osd allow it.
+  # Results must not depend on whether a processor can fuse products. The kernels of osd fuse explicitly.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
   if(name IN_LIST ESPALIER_PREBUILT)
     add_library(${target}_prebuilt STATIC IMPORTED GLOBAL)

@@ -61,7 +61,8 @@ private:
 /// Each result is within 4 ulp of Σ |w · x| for rows of up to 64 entries; for longer rows the bound
 /// grows by 1 ulp for each 32 entries. The error has two causes: terms are not added in the order
 /// of the columns, and products of factors differ slightly from the weights. A source value that is
-/// not finite may also reach rows of its group whose weight for it is 0.
+/// not finite may also reach rows of its group whose weight for it is 0. Results of two instruction
+/// sets (Simd) may differ, within this bound; the compiler and its tuning change nothing.
 ///
 /// Immutable, so threads may share it. Copies share the data.
 ///

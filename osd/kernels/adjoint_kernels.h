@@ -83,7 +83,7 @@ void addRows(const RowValues<Real>& source, Offset from, const Index* rows, Inde
             V own = weights(r);
             keepInRegister(own);
 #pragma GCC unroll 4
-            for (int d = 0; d < width; ++d) all[r * width + d] += own * values[d];
+            for (int d = 0; d < width; ++d) addProduct(all[r * width + d], own, values[d]);
         }
     }
 #pragma GCC unroll 16

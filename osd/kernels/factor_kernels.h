@@ -98,21 +98,6 @@ Numbers larger(const Numbers& a, const Numbers& b) {
     return a < b ? b : a;
 }
 
-/// Returns a product after rounding. The compiler would fuse the product with a sum otherwise, and
-/// the result would depend on the processor.
-template <class Numbers>
-Numbers rounded(Numbers product) {
-#if defined(__x86_64__)
-    asm("" : "+v"(product));
-#elif defined(__aarch64__)
-    asm("" : "+w"(product));
-#endif
-    return product;
-}
-inline long double rounded(long double product) {
-    return product;
-}
-
 /// Computes the factors of some rows, one row in each lane. Rows side by side do not wait for the
 /// additions of one row. The result of a row does not depend on the other rows.
 template <class Real>
@@ -240,8 +225,7 @@ private:
                 const Wides other = second[j] * third[k];
                 for (Index i = 0; i < n; ++i, ++weight) {
                     const Wides own = Lanes::widened(*weight);
-                    const Wides distance = Lanes::size(rounded(first[i] * other) - own);
-                    // This product of a float is exact, so it may be fused.
+                    const Wides distance = Lanes::size(first[i] * other - own);
                     excess = larger(excess, distance - kBound * Lanes::size(own));
                 }
             }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <immintrin.h>
+
 #include "kernel_sets.h"
 
 #define ESPALIER_REGISTER_BYTES 32

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#ifdef __aarch64__
+#include <arm_neon.h>
+#endif
+
 #include "kernel_sets.h"
 
 #define ESPALIER_REGISTER_BYTES 16

@@ -64,6 +64,8 @@ void forComponents(Offset length, Step step) {
     }
 }
 
+#include "fused_products.h"
+// These sum with addProduct():
 #include "adjoint_kernels.h"
 #include "factor_kernels.h"
 #include "panel_kernels.h"

@@ -77,13 +77,13 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
         for (; k + 1 < run.columnCount; k += 2) {
             const V& first = at<V>(own);
             const V& second = at<V>(own + lanes);
-            for (int c = 0; c < width; ++c) even[c] += first * points[c];
-            for (int c = 0; c < width; ++c) odd[c] += second * points[run.pointStride + c];
+            for (int c = 0; c < width; ++c) addProduct(even[c], first, points[c]);
+            for (int c = 0; c < width; ++c) addProduct(odd[c], second, points[run.pointStride + c]);
             own += 2 * lanes;
             points += 2 * run.pointStride;
         }
         if (k < run.columnCount)
-            for (int c = 0; c < width; ++c) even[c] += at<V>(own) * points[c];
+            for (int c = 0; c < width; ++c) addProduct(even[c], at<V>(own), points[c]);
         for (int c = 0; c < width; ++c)
             *reinterpret_cast<V*>(results[c] + part * registerSize) = even[c] + odd[c];
     }
@@ -97,7 +97,7 @@ void beginOrAdd(bool isFirst, const V& factor, const V (&values)[width], V (&sum
     if (isFirst)
         for (int d = 0; d < width; ++d) sum[d] = factor * values[d];
     else
-        for (int d = 0; d < width; ++d) sum[d] += factor * values[d];
+        for (int d = 0; d < width; ++d) addProduct(sum[d], factor, values[d]);
 }
 
 /// Does the same for a panel of outer products: sums along axis 0, then sums of these along axis 1,
@@ -125,7 +125,7 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
                 points += run.pointStride;
                 for (Index i = 1; i < n; ++i) {
                     const V& factor = at<V>(a + i * lanes);
-                    for (int d = 0; d < width; ++d) line[d] += factor * points[d];
+                    for (int d = 0; d < width; ++d) addProduct(line[d], factor, points[d]);
                     points += run.pointStride;
                 }
                 beginOrAdd<width>(j == 0, at<V>(b + j * lanes), line, plane);
@@ -170,7 +170,7 @@ void evaluateComponents(const Real* weights, const Real* points, Offset pointStr
         for (int i = 0; i < rowCount; ++i)
 #pragma GCC unroll 4
             for (int r = 0; r < registers; ++r)
-                sums[i * registers + r] += weights[k * kLanes<Real> + i] * own[r];
+                addProduct(sums[i * registers + r], own[r], weights[k * kLanes<Real> + i]);
     }
 #pragma GCC unroll 4
     for (int i = 0; i < rowCount; ++i)

@@ -41,10 +41,11 @@ void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<
         V even = {}, odd = {};
         Index k = 0;
         for (; k + 1 < run.length; k += 2) {
-            even += weights[k] * at<V>(points + columns[k] * run.pointStride);
-            odd += weights[k + 1] * at<V>(points + columns[k + 1] * run.pointStride);
+            addProduct(even, at<V>(points + columns[k] * run.pointStride), weights[k]);
+            addProduct(odd, at<V>(points + columns[k + 1] * run.pointStride), weights[k + 1]);
         }
-        if (k < run.length) even += weights[k] * at<V>(points + columns[k] * run.pointStride);
+        if (k < run.length)
+            addProduct(even, at<V>(points + columns[k] * run.pointStride), weights[k]);
         store(even + odd, run.rows[i]);
     }
 }
@@ -65,7 +66,7 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
         if (!isInRange(run.rows[i], to)) continue;
         V sums[2] = {};
         for (int k = 0; k < length; ++k)
-            sums[k % 2] += weights[k] * at<V>(points + columns[k] * pointStride);
+            addProduct(sums[k % 2], weights[k], at<V>(points + columns[k] * pointStride));
         store(sums[0] + sums[1], run.rows[i]);
     }
 }
