@@ -36,15 +36,23 @@ inline Point3 cross(const Point3& a, const Point3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+/// Returns a times the power of two that brings its largest component to between 1 and 2, so that
+/// products with the result do not vanish or overflow. A power of two is exact: vectors of common
+/// lengths keep their digits. Returns the zero vector for itself.
+/// \param a finite
+inline Point3 scaledNearOne(const Point3& a) {
+    const double largest = std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])});
+    if (!(largest > 0)) return a;
+    const int exponent = std::ilogb(largest);
+    return {std::scalbn(a[0], -exponent), std::scalbn(a[1], -exponent),
+            std::scalbn(a[2], -exponent)};
+}
+
 /// Returns the vector of length 1 in the direction of a. The length of a may be a denormal, or
 /// overflow.
 /// \param a not the zero vector, finite
 inline Point3 normalised(const Point3& a) {
-    // A power of two is exact, so that vectors of common lengths get the bits that they would get
-    // without it.
-    const int exponent = std::ilogb(std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}));
-    const Point3 near1 = {std::scalbn(a[0], -exponent), std::scalbn(a[1], -exponent),
-                          std::scalbn(a[2], -exponent)};
+    const Point3 near1 = scaledNearOne(a);
     return scaled(near1, 1 / length(near1));
 }
 

@@ -49,9 +49,10 @@ std::vector<Point3> boneDirections(const std::vector<ArmJoint>& joints) {
 }
 
 Frame firstFrame(const Point3& direction, const Point3& up) {
-    const Point3 across = difference(up, scaled(direction, dot(up, direction)));
+    const Point3 upNearOne = scaledNearOne(up);
+    const Point3 across = difference(upNearOne, scaled(direction, dot(upNearOne, direction)));
     // If `up` is nearer to the bone, its part across the bone is mostly rounding.
-    if (!(length(across) > 1e-6 * length(up)))
+    if (!(length(across) > 1e-6 * length(upNearOne)))
         refuseField("arm", "up", textOf(up),
                     "vectors that are not along the first bone, " + textOf(direction));
     const Point3 x = normalised(across);

@@ -11,16 +11,16 @@
 namespace espalier::shapes {
 namespace {
 
-bool isFinite(const Point3& point) {
-    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
 const char* complexName(int dimension) {
     constexpr const char* kNames[] = {"curve", "mesh", "lattice"};
     return dimension >= 1 && dimension <= 3 ? kNames[dimension - 1] : "empty complex";
 }
 
 }  // namespace
+
+bool isFinite(const Point3& point) {
+    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
 
 void refuseField(const std::string& shape, const std::string& field, const std::string& value,
                  const std::string& allowed) {

@@ -14,6 +14,8 @@
 // one line that names the function, the field, its value, and the allowed values.
 namespace espalier::shapes {
 
+bool isFinite(const Point3& point);
+
 [[noreturn]] void refuseField(const std::string& shape, const std::string& field,
                               const std::string& value, const std::string& allowed);
 

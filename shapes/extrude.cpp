@@ -151,9 +151,9 @@ std::vector<Point3> loopPositions(const Loop& loop, const std::vector<Point3>& p
 /// Returns the cosine of the angle between a vector and the area vector of a loop; 0 for a loop
 /// without area.
 double facing(const std::vector<Point3>& loop, const Point3& direction) {
-    const Point3 area = areaVector(loop);
-    const double scale = length(area) * length(direction);
-    return scale > 0 ? dot(area, direction) / scale : 0;
+    const Point3 area = scaledNearOne(areaVector(loop)), along = scaledNearOne(direction);
+    const double scale = length(area) * length(along);
+    return scale > 0 ? dot(area, along) / scale : 0;
 }
 
 /// Throws unless the first row of cells of a straight extrusion has positive volume; the other rows

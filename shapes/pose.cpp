@@ -56,11 +56,18 @@ struct Weighted {
 
     /// Returns map(position, weight) for each position with a weight above 0, and the others as
     /// they are.
+    /// \throws Error if a result is too large for a number
     template <class Map>
     std::vector<Point3> mapped(const Map& map) const {
         std::vector<Point3> result(positions.begin(), positions.end());
-        for (std::size_t i = 0; i < result.size(); ++i)
-            if (weight(i) > 0) result[i] = map(positions[i], weight(i));
+        for (std::size_t i = 0; i < result.size(); ++i) {
+            if (!(weight(i) > 0)) continue;
+            result[i] = map(positions[i], weight(i));
+            if (!isFinite(result[i]))
+                throw Error(concat(operation, ": moves position ", i, " to ", textOf(result[i]),
+                                   "; expected finite numbers: an argument or the position is too "
+                                   "large"));
+        }
         return result;
     }
 };

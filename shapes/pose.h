@@ -22,7 +22,7 @@
 /// effect is at b.
 ///
 /// All functions throw Error naming the argument that is not finite, out of range, or of the wrong
-/// length, and for a position that is not finite.
+/// length, and for a position that is not finite before or after the operation.
 ///
 /// \cite Barr 1984, Global and local deformations of solid primitives
 

@@ -33,9 +33,14 @@ std::vector<double> weightsFor(const std::string& function, std::span<const Poin
         requireFinite(function, indexed("positions", i), positions[i]);
     constexpr double kRounding = 1e-9;
     const double tolerance = kRounding * BoundingBox(positions).diagonal();
+    if (!std::isfinite(tolerance))
+        throw Error(function + ": the positions are so far apart that their distance is infinite");
     weights.reserve(positions.size());
     for (const Point3& position : positions) {
         const double outside = distance(position);
+        if (std::isnan(outside))
+            throw Error(concat(function, ": positions[", weights.size(), "] is ", textOf(position),
+                               ", so far away that its distance is not a number"));
         weights.push_back(weightAt(outside <= tolerance ? 0 : outside, falloff));
     }
     return weights;

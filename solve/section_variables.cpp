@@ -37,10 +37,11 @@ SectionVariables::SectionVariables(std::span<const Point3> positions, const Sect
     requireFinite("the center", options.center);
     if (!(length(options.axis) > 0)) throw Error("sections: the axis has no direction");
     axis_ = normalised(options.axis);
-    const Point3 across = difference(options.chord, scaled(axis_, dot(options.chord, axis_)));
+    const Point3 chord = scaledNearOne(options.chord);
+    const Point3 across = difference(chord, scaled(axis_, dot(chord, axis_)));
     // Less is the rounding of a parallel vector.
     constexpr double kRounding = 1e-9;
-    if (!(length(across) > kRounding * length(options.chord)))
+    if (!(length(across) > kRounding * length(chord)))
         throw Error("sections: the chord is parallel to the axis, or has no direction");
     chord_ = normalised(across);
     normal_ = cross(axis_, chord_);

@@ -55,6 +55,15 @@ TEST(Arm, PutsTheFirstVertexOnTheSideOfUp) {
     EXPECT_NEAR(norm(minus(at(lattice, 8), {3, 1.5, 1})), 0, kRounding);
 }
 
+// The part of `up` along the bone would be rounded to a whole denormal.
+TEST(Arm, TakesAnUpOfAnyLength) {
+    ArmOptions options = limb({{0, 0, 0}, {1, 1, 0}}, 0.5);
+    options.up = {1, 0, 0};
+    const std::vector<Point3> expected = arm(options).positions;
+    options.up = {std::numeric_limits<double>::denorm_min(), 0, 0};
+    EXPECT_EQ(arm(options).positions, expected);
+}
+
 TEST(Arm, KeepsItsThicknessAroundBends) {
     // The bends of the polyline are at most 90°. A tube of constant cross-section, cut by bisecting
     // planes, has the volume of the cross-section times the length of its axis.

@@ -73,6 +73,16 @@ TEST(Extrude, PutsLayersAtEqualDistances) {
     expectValid(lattice);
 }
 
+// The area times the length of the direction would vanish or overflow.
+TEST(Extrude, TakesDirectionsOfAnyLength) {
+    const auto square = [](double side) {
+        return mesh({{0, 0, 0}, {side, 0, 0}, {side, side, 0}, {0, side, 0}}, {{0, 1, 2, 3}});
+    };
+    EXPECT_EQ(extrude(square(1e-10), {{0, 0, 1e-310}}).positions[6],
+              (Point3{1e-10, 1e-10, 1e-310}));
+    EXPECT_EQ(extrude(square(10), {{0, 0, 1e308}}).positions[6], (Point3{10, 10, 1e308}));
+}
+
 TEST(Extrude, NumbersFacesOfACellFromBottomToTopToSides) {
     const CellComplex complex = extrude(lShape()).complex;
     const auto faces = complex.relation(3, 2)[2];

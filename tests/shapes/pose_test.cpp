@@ -281,5 +281,15 @@ TEST(Pose, RefusesArgumentsOutOfRange) {
     EXPECT_REFUSED(Error, "taper: factor is -1; allowed: 0 or more", taper(points, kZ, -1));
 }
 
+TEST(Pose, RefusesResultsThatAreNotFinite) {
+    const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 1}};
+    EXPECT_MESSAGE(
+        "scale: moves position 0 to (-inf, 0, 0); expected finite numbers: an argument or the "
+        "position is too large",
+        scale(points, {1e308, 1, 1}, {.center = Point3{1e2, 0, 0}}));
+    EXPECT_REFUSED(Error, "move: moves position 0 to (inf",
+                   move(std::vector<Point3>{{1e308, 0, 0}}, {1e308, 0, 0}));
+}
+
 }  // namespace
 }  // namespace espalier::shapes::pose

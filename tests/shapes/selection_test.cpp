@@ -87,5 +87,16 @@ TEST(Selection, RefusesArgumentsOutOfRange) {
     EXPECT_TRUE(selectBall({}, {0, 0, 0}, 1).empty());
 }
 
+// The distances overflow: the weights would be NaN, or all positions would count as selected.
+TEST(Selection, RefusesPositionsThatAreInfinitelyFarApart) {
+    const std::vector<Point3> apart = {{-1e308, 0, 0}, {1e308, 0, 0}}, far = {{-1e308, 0, 0}};
+    EXPECT_MESSAGE("selectBall: the positions are so far apart that their distance is infinite",
+                   selectBall(apart, {0, 0, 0}, 1));
+    EXPECT_MESSAGE(
+        "selectHalfSpace: positions[0] is (-1e+308, 0, 0), so far away that its distance is not a "
+        "number",
+        selectHalfSpace(far, {1e308, 0, 0}, {0, 1, 0}));
+}
+
 }  // namespace
 }  // namespace espalier::shapes
