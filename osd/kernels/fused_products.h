@@ -24,19 +24,23 @@ inline void addProduct(__m512d& sum, const __m512d& a, const __m512d& b) {
 }
 #endif
 #elif defined(__aarch64__)
-inline void addProduct(float32x4_t& sum, const float32x4_t& a, const float32x4_t& b) {
+using Float4 = Vector<float, 4>::Type;
+using Double2 = Vector<double, 2>::Type;
+using Double4 = Vector<double, 4>::Type;
+inline void addProduct(Float4& sum, const Float4& a, const Float4& b) {
     sum = vfmaq_f32(sum, a, b);
 }
-inline void addProduct(float64x2_t& sum, const float64x2_t& a, const float64x2_t& b) {
+inline void addProduct(Double2& sum, const Double2& a, const Double2& b) {
     sum = vfmaq_f64(sum, a, b);
 }
 /// Four doubles take two registers.
-inline void addProduct(Vector<double, 4>::Type& sum, const Vector<double, 4>::Type& a,
-                       const Vector<double, 4>::Type& b) {
-    float64x2_t low = __builtin_shufflevector(sum, sum, 0, 1);
-    float64x2_t high = __builtin_shufflevector(sum, sum, 2, 3);
-    addProduct(low, __builtin_shufflevector(a, a, 0, 1), __builtin_shufflevector(b, b, 0, 1));
-    addProduct(high, __builtin_shufflevector(a, a, 2, 3), __builtin_shufflevector(b, b, 2, 3));
+inline void addProduct(Double4& sum, const Double4& a, const Double4& b) {
+    Double2 low = __builtin_shufflevector(sum, sum, 0, 1);
+    Double2 high = __builtin_shufflevector(sum, sum, 2, 3);
+    addProduct(low, Double2(__builtin_shufflevector(a, a, 0, 1)),
+               Double2(__builtin_shufflevector(b, b, 0, 1)));
+    addProduct(high, Double2(__builtin_shufflevector(a, a, 2, 3)),
+               Double2(__builtin_shufflevector(b, b, 2, 3)));
     sum = __builtin_shufflevector(low, high, 0, 1, 2, 3);
 }
 #else
