@@ -653,7 +653,7 @@ ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* bin
 /// and the lattice at rest. So points that no moved vertex influences, and points that are kept in
 /// place, stay exactly where they were. If espalier_binding_rest() fails, the points are D · p',
 /// and points that are kept in place get their rest positions. For many poses an evaluator is
-/// faster.
+/// faster; its results differ by rounding, since it adds the products of a row in another order.
 ///
 /// \param vertex_count number of vertices of the lattice
 /// \param pose positions of the vertices, 3 · vertex_count numbers

@@ -263,7 +263,10 @@ pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the unit
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
 An array of float32 is evaluated in float32, with x and p rounded to float32; any other in float64.
 
-The first call compiles D (see CompiledTable); the compiled form is kept for later calls.
+The first call compiles D (see CompiledTable); the compiled form is kept for later calls. It adds the
+products of a row in another order than `espalier deform`, `espalier apply` and
+espalier_binding_apply() of C, which do not compile. So their results differ from these by rounding,
+mostly by one unit in the last place.
 )")
         .def("adjoint", &adjoint, "gradients"_a, "out"_a = py::none(), R"(
 Returns gradients with respect to the lattice vertices, given those with respect to the points:
@@ -271,7 +274,7 @@ D.T @ gradients.
 
 gradients : array (N, 3), or (P, N, 3) for P arrays at once
 out       : array (V, 3), or (P, V, 3), in C order, for the result; by default a new array
-Precision and compiling are as in deform().
+Precision, compiling and rounding are as in deform().
 )")
         .def(
             "save",
