@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points that are bound to a lattice.
 
+import { countPoints, integer } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { bytesAt, doublesAt, integersAt } from "./memory.ts";
 import { Table } from "./table.ts";
@@ -65,33 +66,29 @@ export class Binding extends Handle {
 
   /** The points for a pose of the lattice. */
   apply(pose: Float64Array, pointCount: number): Float64Array {
-    return this.library.scoped((scope) => {
-      const points = scope.allocate(24 * pointCount);
-      this.library.call(
-        "espalier_binding_apply",
-        this.address,
-        pose.length / 3,
-        scope.doubles(pose),
-        pointCount,
-        points,
-      );
-      return doublesAt(this.library.core, points, 3 * pointCount);
-    });
+    return this.forPose("apply", pose, pointCount, 3);
   }
 
   /** The deformation gradient of each point for a pose, nine numbers, row by row: for Model.write(). */
   gradients(pose: Float64Array, pointCount: number): Float64Array {
+    return this.forPose("gradients", pose, pointCount, 9);
+  }
+
+  /** Calls a C function that makes `width` numbers for each point. */
+  private forPose(name: string, pose: Float64Array, pointCount: number, width: number) {
+    const vertexCount = countPoints("pose", pose);
+    const size = width * integer("pointCount", pointCount);
     return this.library.scoped((scope) => {
-      const gradients = scope.allocate(72 * pointCount);
+      const results = scope.allocate(8 * size);
       this.library.call(
-        "espalier_binding_gradients",
+        `espalier_binding_${name}`,
         this.address,
-        pose.length / 3,
+        vertexCount,
         scope.doubles(pose),
         pointCount,
-        gradients,
+        results,
       );
-      return doublesAt(this.library.core, gradients, 9 * pointCount);
+      return doublesAt(this.library.core, results, size);
     });
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calls the C interface: what classes over it have in common.
+/// <reference lib="esnext.disposable" preserve="true" />
 
+import { callback, integer, text, typed } from "./arguments.ts";
 import { EspalierError, longAt, Scope, textAt, type CFunction, type Core } from "./memory.ts";
 
 export interface Progress {
@@ -63,6 +65,7 @@ export class CLibrary {
 
   /** Writes a file by `write`, which gets a path, and returns its bytes. */
   file(extension: string, write: (path: string) => void): Uint8Array {
+    text("extension", extension);
     const path = `/result${extension}`;
     write(path);
     const bytes = this.core.FS.readFile(path);
@@ -72,8 +75,8 @@ export class CLibrary {
 
   /** Makes a file for `read`, which gets its path. Messages of the library name the file as `name`. */
   withFile<T>(name: string, bytes: Uint8Array, read: (path: string) => T): T {
-    const path = name.replaceAll("/", "_");
-    this.core.FS.writeFile(path, bytes);
+    const path = text("name", name).replaceAll("/", "_");
+    this.core.FS.writeFile(path, typed("bytes", bytes, Uint8Array));
     try {
       return read(path);
     } finally {
@@ -83,23 +86,40 @@ export class CLibrary {
 
   /** Runs `work`, and reports its progress.
    *
-   * @param report returns false to cancel: `work` then throws an error for which isCancelled() holds
+   * @param report returns false to cancel: `work` then throws an error for which isCancelled() holds. An exception
+   *   of `report` cancels too, and withProgress() throws it
    * @param milliseconds least time between two reports
    */
-  withProgress<T>(report: (progress: Progress) => boolean, work: () => T, milliseconds = 50): T {
-    const callback = this.core.addFunction((_user, at) => {
+  withProgress<T>(
+    report: (progress: Progress) => boolean | void,
+    work: () => T,
+    milliseconds = 50,
+  ): T {
+    callback("report", report);
+    callback("work", work);
+    integer("milliseconds", milliseconds);
+    const thrown: unknown[] = [];
+    const reporter = this.core.addFunction((_user, at) => {
+      if (thrown.length > 0) return 0;
       const [stage, done, count] = [0, 8, 16].map((offset) => longAt(this.core, at + offset));
-      return report({ stage, done, count }) ? 1 : 0;
+      try {
+        return report({ stage, done, count }) === false ? 0 : 1;
+      } catch (error) {
+        // C++ frames that do not expect it would be between the error and the caller.
+        thrown.push(error);
+        return 0;
+      }
     }, "iii");
     try {
-      const scope = this.create("espalier_progress_scope_create", callback, 0, milliseconds);
+      const scope = this.create("espalier_progress_scope_create", reporter, 0, milliseconds);
       try {
         return work();
       } finally {
         this.destroy("progress_scope", scope);
       }
     } finally {
-      this.core.removeFunction(callback);
+      this.core.removeFunction(reporter);
+      if (thrown.length > 0) throw thrown[0];
     }
   }
 }
@@ -115,7 +135,7 @@ export abstract class Handle {
   constructor(
     protected readonly library: CLibrary,
     pointer: number,
-    kind: string,
+    private readonly kind: string,
     parts: [string, number][] = [],
   ) {
     this.pointer = pointer;
@@ -126,12 +146,30 @@ export abstract class Handle {
     collected.register(this, this.destroy, this);
   }
 
+  /** The address of an argument that must be an object of this kind.
+   * @internal
+   */
+  static addressOf(argument: string, value: Handle, kind: string): number {
+    if (!(value instanceof Handle) || value.kind !== kind)
+      throw new TypeError(`${argument}: expected a ${kind} of Espalier`);
+    return value.address;
+  }
+
   /** Frees the memory of the object, which must not be used afterwards. */
   free(): void {
     if (this.pointer === 0) return;
     this.pointer = 0;
     collected.unregister(this);
     this.destroy();
+    this.release();
+  }
+
+  /** Frees what it shares with other objects. */
+  protected release(): void {}
+
+  /** Frees it too, at the end of the block of `using object = …`. */
+  [Symbol.dispose](): void {
+    this.free();
   }
 
   /** The address of the object. */

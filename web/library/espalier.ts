@@ -4,7 +4,8 @@
 // until they are collected.
 
 import loadCore from "espalier-core";
-import { CLibrary } from "./c_library.ts";
+import * as check from "./arguments.ts";
+import { CLibrary, Handle } from "./c_library.ts";
 import { Lattice, type Point } from "./lattice.ts";
 import type { Core, Scope } from "./memory.ts";
 import { Model, type Polygons } from "./model.ts";
@@ -53,13 +54,10 @@ export type DiskCore = "wedges" | "polygon";
  */
 export async function load(source?: BufferSource | WebAssembly.Module): Promise<Espalier> {
   const wasm = source ?? (await fileBesideThis());
+  const module = wasm instanceof WebAssembly.Module ? wasm : await WebAssembly.compile(wasm);
   const core = await loadCore({
     instantiateWasm(imports: WebAssembly.Imports, done: (instance: WebAssembly.Instance) => void) {
-      const start = async () =>
-        wasm instanceof WebAssembly.Module
-          ? WebAssembly.instantiate(wasm, imports)
-          : (await WebAssembly.instantiate(wasm, imports)).instance;
-      start().then(done);
+      WebAssembly.instantiate(module, imports).then(done);
       return {};
     },
   });
@@ -80,6 +78,8 @@ export class Espalier extends CLibrary {
 
   /** Reads a model: .obj, .ply, .stl, .vtu, .vtp or .vtk. */
   readModel(name: string, bytes: Uint8Array): Model {
+    check.text("name", name);
+    check.typed("bytes", bytes, Uint8Array);
     return this.scoped((scope) => {
       const content = scope.bytes(bytes);
       return new Model(
@@ -106,6 +106,11 @@ export class Espalier extends CLibrary {
 
   /** Makes a lattice of cells of any shape. */
   latticeOfCells(cells: Cells, positions: Float64Array): Lattice {
+    check.options("cells", cells);
+    checkLists("cells.cellOffsets", cells.cellOffsets, "cells.cellFaces", cells.cellFaces);
+    checkLists("cells.faceOffsets", cells.faceOffsets, "cells.faceVertices", cells.faceVertices);
+    check.integer("cells.vertexCount", cells.vertexCount);
+    check.numbers("positions", positions, 3 * cells.vertexCount);
     return this.makeLattice("espalier_lattice_create", (scope) => [
       scope.struct([
         ["i32", cells.vertexCount],
@@ -122,49 +127,57 @@ export class Espalier extends CLibrary {
 
   /** Makes a box of hexahedra around points. */
   around(points: Float64Array, options: AroundOptions = {}): Lattice {
-    const cells = options.cells ?? [0, 0, 0];
+    const { cells = [0, 0, 0], cellsAlongLongest = 4 } = check.options("options", options);
+    const { oriented = false, cellSize = 0, margin = 0.05 } = options;
+    const count = check.countPoints("points", points);
+    check.integers("cells", cells, 3);
     return this.makeLattice("espalier_lattice_create_around", (scope) => [
-      BigInt(points.length / 3),
+      BigInt(count),
       scope.doubles(points),
       scope.struct([
         ["size"],
         ["i32", cells[0]],
         ["i32", cells[1]],
         ["i32", cells[2]],
-        ["i32", options.cellsAlongLongest ?? 4],
-        ["i32", options.oriented ? 1 : 0],
-        ["f64", options.cellSize ?? 0],
-        ["f64", options.margin ?? 0.05],
+        ["i32", check.integer("cellsAlongLongest", cellsAlongLongest)],
+        ["i32", check.flag("oriented", oriented)],
+        ["f64", check.real("cellSize", cellSize)],
+        ["f64", check.real("margin", margin)],
       ]),
     ]);
   }
 
   /** Makes a lattice of hexahedra that follows the shape of a model and contains all its faces. */
   cage(points: Float64Array, faces: Polygons, options: CageOptions = {}): Lattice {
+    const { vertices = 200, keepApart = false } = check.options("options", options);
+    const { cellSize = 0, margin = 0, shell = 0 } = options;
+    const count = check.countPoints("points", points);
+    const { offsets, corners } = check.options("faces", faces);
+    checkLists("faces.offsets", offsets, "faces.corners", corners);
     return this.makeLattice("espalier_lattice_create_cage", (scope) => [
-      points.length / 3,
+      count,
       scope.doubles(points),
       scope.struct([
-        ["i64", faces.offsets.length - 1],
-        ["pointer", scope.longs(faces.offsets)],
-        ["pointer", scope.integers(faces.corners)],
+        ["i64", offsets.length - 1],
+        ["pointer", scope.longs(offsets)],
+        ["pointer", scope.integers(corners)],
       ]),
       scope.struct([
         ["size"],
-        ["i32", options.vertices ?? 200],
-        ["i32", options.keepApart ? 1 : 0],
-        ["f64", options.cellSize ?? 0],
-        ["f64", options.margin ?? 0],
-        ["f64", options.shell ?? 0],
+        ["i32", check.integer("vertices", vertices)],
+        ["i32", check.flag("keepApart", keepApart)],
+        ["f64", check.real("cellSize", cellSize)],
+        ["f64", check.real("margin", margin)],
+        ["f64", check.real("shell", shell)],
       ]),
     ]);
   }
 
   box(cells: Point, min: Point, max: Point): Lattice {
     return this.makeLattice("espalier_lattice_create_box", (scope) => [
-      scope.integers(cells),
-      scope.doubles(min),
-      scope.doubles(max),
+      scope.integers(check.integers("cells", cells, 3)),
+      scope.doubles(check.numbers("min", min, 3)),
+      scope.doubles(check.numbers("max", max, 3)),
     ]);
   }
 
@@ -177,15 +190,16 @@ export class Espalier extends CLibrary {
     from?: Point;
     to?: Point;
   }): Lattice {
-    const { sectors = 8, rings = 1, layers = 1, radius = 1 } = options;
+    const { sectors = 8, rings = 1, layers = 1, radius = 1 } = check.options("options", options);
+    const { from = [0, 0, 0], to = [0, 0, 1] } = options;
     return this.makeLattice("espalier_lattice_create_cylinder", (scope) => [
-      sectors,
-      rings,
+      check.integer("sectors", sectors),
+      check.integer("rings", rings),
       numberOfCore(options.core ?? "wedges"),
-      layers,
-      radius,
-      scope.doubles(options.from ?? [0, 0, 0]),
-      scope.doubles(options.to ?? [0, 0, 1]),
+      check.integer("layers", layers),
+      check.real("radius", radius),
+      scope.doubles(check.numbers("from", from, 3)),
+      scope.doubles(check.numbers("to", to, 3)),
     ]);
   }
 
@@ -199,17 +213,18 @@ export class Espalier extends CLibrary {
     majorRadius?: number;
     minorRadius?: number;
   }): Lattice {
+    check.options("options", options);
     return this.makeLattice("espalier_lattice_create_torus", (scope) => [
       scope.struct([
         ["size"],
-        ["i32", options.segments ?? 8],
+        ["i32", check.integer("segments", options.segments ?? 8)],
         ["i32", options.sides === undefined ? 0 : 1],
-        ["i32", options.gridCells ?? 1],
-        ["i32", options.sides ?? 6],
-        ["i32", options.rings ?? 1],
+        ["i32", check.integer("gridCells", options.gridCells ?? 1)],
+        ["i32", check.integer("sides", options.sides ?? 6)],
+        ["i32", check.integer("rings", options.rings ?? 1)],
         ["i32", numberOfCore(options.core ?? "wedges")],
-        ["f64", options.majorRadius ?? 1],
-        ["f64", options.minorRadius ?? 0.4],
+        ["f64", check.real("majorRadius", options.majorRadius ?? 1)],
+        ["f64", check.real("minorRadius", options.minorRadius ?? 0.4)],
       ]),
     ]);
   }
@@ -223,16 +238,17 @@ export class Espalier extends CLibrary {
     outerRadius?: number;
     height?: number;
   }): Lattice {
+    check.options("options", options);
     return this.makeLattice("espalier_lattice_create_star", (scope) => [
       scope.struct([
         ["size"],
-        ["i32", options.points ?? 5],
-        ["i32", options.rings ?? 1],
+        ["i32", check.integer("points", options.points ?? 5)],
+        ["i32", check.integer("rings", options.rings ?? 1)],
         ["i32", numberOfCore(options.core ?? "wedges")],
-        ["i32", options.layers ?? 1],
-        ["f64", options.innerRadius ?? 0.5],
-        ["f64", options.outerRadius ?? 1],
-        ["f64", options.height ?? 0.25],
+        ["i32", check.integer("layers", options.layers ?? 1)],
+        ["f64", check.real("innerRadius", options.innerRadius ?? 0.5)],
+        ["f64", check.real("outerRadius", options.outerRadius ?? 1)],
+        ["f64", check.real("height", options.height ?? 0.25)],
       ]),
     ]);
   }
@@ -250,20 +266,21 @@ export class Espalier extends CLibrary {
     roundness?: number;
     height?: number;
   }): Lattice {
+    check.options("options", options);
     return this.makeLattice("espalier_lattice_create_barbell", (scope) => [
       scope.struct([
         ["size"],
-        ["i32", options.endSegments ?? 6],
-        ["i32", options.barSegments ?? 2],
-        ["i32", options.barAcross ?? 2],
-        ["i32", options.rings ?? 1],
+        ["i32", check.integer("endSegments", options.endSegments ?? 6)],
+        ["i32", check.integer("barSegments", options.barSegments ?? 2)],
+        ["i32", check.integer("barAcross", options.barAcross ?? 2)],
+        ["i32", check.integer("rings", options.rings ?? 1)],
         ["i32", numberOfCore(options.core ?? "wedges")],
-        ["i32", options.layers ?? 1],
-        ["f64", options.endRadius ?? 1],
-        ["f64", options.barLength ?? 2],
-        ["f64", options.barHalfWidth ?? 0.4],
-        ["f64", options.roundness ?? 1],
-        ["f64", options.height ?? 0.5],
+        ["i32", check.integer("layers", options.layers ?? 1)],
+        ["f64", check.real("endRadius", options.endRadius ?? 1)],
+        ["f64", check.real("barLength", options.barLength ?? 2)],
+        ["f64", check.real("barHalfWidth", options.barHalfWidth ?? 0.4)],
+        ["f64", check.real("roundness", options.roundness ?? 1)],
+        ["f64", check.real("height", options.height ?? 0.5)],
       ]),
     ]);
   }
@@ -277,18 +294,23 @@ export class Espalier extends CLibrary {
     core?: DiskCore;
     up?: Point;
   }): Lattice {
-    const joints = options.joints.flatMap((joint) => [
-      ...joint.position,
-      joint.radius,
-      joint.twist ?? 0,
-    ]);
-    const up = options.up ?? [0, 0, 1];
+    const { up = [0, 0, 1] } = check.options("options", options);
+    check.list("joints", options.joints);
+    check.numbers("up", up, 3);
+    const joints = Array.from(options.joints, (joint, i) => {
+      const { position, radius, twist = 0 } = check.options(`joints[${i}]`, joint);
+      return [
+        ...Array.from(check.numbers(`joints[${i}].position`, position, 3)),
+        check.real(`joints[${i}].radius`, radius),
+        check.real(`joints[${i}].twist`, twist),
+      ];
+    }).flat();
     return this.makeLattice("espalier_lattice_create_arm", (scope) => [
       scope.struct([
         ["size"],
-        ["i32", options.segments ?? 2],
-        ["i32", options.sides ?? 4],
-        ["i32", options.rings ?? 1],
+        ["i32", check.integer("segments", options.segments ?? 2)],
+        ["i32", check.integer("sides", options.sides ?? 4)],
+        ["i32", check.integer("rings", options.rings ?? 1)],
         ["i32", numberOfCore(options.core ?? "polygon")],
         ["i64", options.joints.length],
         ["pointer", scope.doubles(joints)],
@@ -300,34 +322,38 @@ export class Espalier extends CLibrary {
   }
 
   /** A single cell, which is a regular solid about the origin. */
-  regularSolid(name: keyof typeof kRegularSolids, radius = 1): Lattice {
+  regularSolid(name: (typeof kRegularSolids)[number], radius = 1): Lattice {
     return this.makeLattice("espalier_lattice_create_regular_solid", () => [
-      kRegularSolids[name],
-      radius,
+      check.choice("name", name, kRegularSolids),
+      check.real("radius", radius),
     ]);
   }
 
   /** A single cell over a regular polygon. */
   polygonalSolid(
-    name: keyof typeof kPolygonalSolids,
+    name: (typeof kPolygonalSolids)[number],
     sides: number,
     radius = 1,
     height = 1,
   ): Lattice {
     return this.makeLattice("espalier_lattice_create_polygonal_solid", () => [
-      kPolygonalSolids[name],
-      sides,
-      radius,
-      height,
+      check.choice("name", name, kPolygonalSolids),
+      check.integer("sides", sides),
+      check.real("radius", radius),
+      check.real("height", height),
     ]);
   }
 
   /** Joins lattices by welding vertices that coincide; of a single lattice, its own vertices. */
   merged(lattices: Lattice[], tolerance = 1e-6): Lattice {
+    check.list("lattices", lattices);
+    const addresses = Array.from(lattices, (lattice, i) =>
+      Handle.addressOf(`lattices[${i}]`, lattice, "lattice"),
+    );
     return this.makeLattice("espalier_lattice_create_merged", (scope) => [
-      BigInt(lattices.length),
-      scope.integers(lattices.map((lattice) => lattice.address)),
-      tolerance,
+      BigInt(addresses.length),
+      scope.integers(addresses),
+      check.real("tolerance", tolerance),
     ]);
   }
 
@@ -336,7 +362,26 @@ export class Espalier extends CLibrary {
   }
 }
 
-const kRegularSolids = { tetrahedron: 0, cube: 1, octahedron: 2, dodecahedron: 3, icosahedron: 4 };
-const kPolygonalSolids = { prism: 0, pyramid: 1, bipyramid: 2 };
-const numberOfCore = (core: DiskCore) => (core === "wedges" ? 0 : 1);
+// in the order of the C enumerations
+const kRegularSolids = [
+  "tetrahedron",
+  "cube",
+  "octahedron",
+  "dodecahedron",
+  "icosahedron",
+] as const;
+const kPolygonalSolids = ["prism", "pyramid", "bipyramid"] as const;
+const numberOfCore = (core: DiskCore) => check.choice("core", core, ["wedges", "polygon"]);
+
+/** Checks lists: list i has the members offsets[i] to offsets[i + 1] - 1. The library checks the offsets but for the
+ * last, which says how many members it reads. */
+function checkLists(
+  nameOfOffsets: string,
+  offsets: ArrayLike<number>,
+  nameOfMembers: string,
+  members: ArrayLike<number>,
+): void {
+  check.integers(nameOfOffsets, offsets);
+  check.integers(nameOfMembers, members, offsets[offsets.length - 1] ?? 0);
+}
 const extensionOf = (name: string) => name.slice(name.lastIndexOf(".")).toLowerCase();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lattices: cells, the positions of their vertices, and marks.
 
+import { choice, countPoints, integer, integers, numbers, options as object } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { doublesAt, integersAt, longAt, type Scope } from "./memory.ts";
 import { Refiner, type RefineOptions } from "./refiner.ts";
@@ -53,11 +54,12 @@ export class Lattice extends Handle {
   }
 
   setPositions(positions: Float64Array): void {
+    const count = countPoints("positions", positions);
     this.library.scoped((scope) =>
       this.library.call(
         "espalier_lattice_set_positions",
         this.address,
-        positions.length / 3,
+        count,
         scope.doubles(positions),
       ),
     );
@@ -94,6 +96,8 @@ export class Lattice extends Handle {
 
   /** Marks edges, each by its two vertices: SHARP, less for a crease, 0 for smooth. */
   markEdges(ends: ArrayLike<number>, sharpness: ArrayLike<number>): void {
+    numbers("sharpness", sharpness);
+    integers("ends", ends, 2 * sharpness.length);
     this.library.scoped((scope) =>
       this.library.call(
         "espalier_lattice_mark_edges",
@@ -106,6 +110,8 @@ export class Lattice extends Handle {
   }
 
   markVertices(vertices: ArrayLike<number>, sharpness: ArrayLike<number>): void {
+    numbers("sharpness", sharpness);
+    integers("vertices", vertices, sharpness.length);
     this.library.scoped((scope) =>
       this.library.call(
         "espalier_lattice_mark_vertices",
@@ -125,8 +131,8 @@ export class Lattice extends Handle {
   withPrism(face: number, offset: Point): Lattice {
     return Lattice.make(this.library, "espalier_lattice_create_with_prism", (scope) => [
       this.address,
-      face,
-      scope.doubles(offset),
+      integer("face", face),
+      scope.doubles(numbers("offset", offset, 3)),
     ]);
   }
 
@@ -134,13 +140,14 @@ export class Lattice extends Handle {
   withPyramid(face: number, apex: Point): Lattice {
     return Lattice.make(this.library, "espalier_lattice_create_with_pyramid", (scope) => [
       this.address,
-      face,
-      scope.doubles(apex),
+      integer("face", face),
+      scope.doubles(numbers("apex", apex, 3)),
     ]);
   }
 
   /** A lattice without some cells, and without the vertices of these cells alone. */
   withoutCells(cells: ArrayLike<number>): Lattice {
+    integers("cells", cells);
     return Lattice.make(this.library, "espalier_lattice_create_without_cells", (scope) => [
       this.address,
       cells.length,
@@ -185,12 +192,14 @@ export class Lattice extends Handle {
   }
 
   refiner(options: RefineOptions = {}): Refiner {
+    const { rules = "siggraph96", boundary = "sharp" } = object("options", options);
+    const { sharpEdges = "single-cell" } = options;
     return this.library.scoped((scope) => {
       const chosen = scope.struct([
         ["size"],
-        ["i32", ["siggraph96", "cse96", "mlca"].indexOf(options.rules ?? "siggraph96")],
-        ["i32", ["sharp", "edge-only", "open"].indexOf(options.boundary ?? "sharp")],
-        ["i32", ["single-cell", "literal"].indexOf(options.sharpEdges ?? "single-cell")],
+        ["i32", choice("rules", rules, ["siggraph96", "cse96", "mlca"])],
+        ["i32", choice("boundary", boundary, ["sharp", "edge-only", "open"])],
+        ["i32", choice("sharpEdges", sharpEdges, ["single-cell", "literal"])],
         ["i32", 0],
         ["i32", 0],
       ]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models: files with points that a lattice deforms.
 
+import { numbers, countPoints } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { doublesAt, integersAt, longAt, longsAt } from "./memory.ts";
 
@@ -54,13 +55,15 @@ export class Model extends Handle {
    * @param gradients nine numbers for each point, which carry normals and tangents
    */
   write(points: Float64Array, gradients?: Float64Array): Uint8Array {
+    const count = countPoints("points", points);
+    if (gradients !== undefined) numbers("gradients", gradients, 9 * count);
     return this.library.file(this.extension, (path) =>
       this.library.scoped((scope) =>
         this.library.call(
           "espalier_model_write",
           this.address,
           scope.text(path),
-          points.length / 3,
+          count,
           scope.doubles(points),
           gradients ? scope.doubles(gradients) : 0,
         ),

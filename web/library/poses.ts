@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Selections of vertices, and operations that move them (c/espalier_pose.h).
 
+import { choice, integers, numbers, options as object, countPoints, real } from "./arguments.ts";
 import type { CLibrary } from "./c_library.ts";
 import type { Point } from "./lattice.ts";
 import { doublesAt, type Scope } from "./memory.ts";
@@ -30,49 +31,64 @@ export class Poses {
 
   selectBox(positions: Float64Array, corner: Point, opposite: Point, falloff?: Falloff) {
     return this.select("box", positions, falloff, (scope) => [
-      scope.doubles(corner),
-      scope.doubles(opposite),
+      scope.doubles(numbers("corner", corner, 3)),
+      scope.doubles(numbers("opposite", opposite, 3)),
     ]);
   }
 
   selectBall(positions: Float64Array, center: Point, radius: number, falloff?: Falloff) {
-    return this.select("ball", positions, falloff, (scope) => [scope.doubles(center), radius]);
+    return this.select("ball", positions, falloff, (scope) => [
+      scope.doubles(numbers("center", center, 3)),
+      real("radius", radius),
+    ]);
   }
 
   selectHalfSpace(positions: Float64Array, point: Point, normal: Point, falloff?: Falloff) {
     return this.select("half_space", positions, falloff, (scope) => [
-      scope.doubles(point),
-      scope.doubles(normal),
+      scope.doubles(numbers("point", point, 3)),
+      scope.doubles(numbers("normal", normal, 3)),
     ]);
   }
 
   /** Selects the last layer of vertices along a direction. */
   selectEnd(positions: Float64Array, direction: Point, falloff?: Falloff) {
-    return this.select("end", positions, falloff, (scope) => [scope.doubles(direction)]);
-  }
-
-  selectNumbers(positions: Float64Array, numbers: ArrayLike<number>, falloff?: Falloff) {
-    return this.select("numbers", positions, falloff, (scope) => [
-      BigInt(numbers.length),
-      scope.integers(numbers),
+    return this.select("end", positions, falloff, (scope) => [
+      scope.doubles(numbers("direction", direction, 3)),
     ]);
   }
 
+  selectNumbers(positions: Float64Array, vertices: ArrayLike<number>, falloff?: Falloff) {
+    return this.select("numbers", positions, falloff, (scope) => {
+      const chosen = scope.integers(integers("vertices", vertices));
+      return [BigInt(vertices.length), chosen];
+    });
+  }
+
   move(positions: Float64Array, offset: Point, options: PoseOptions = {}) {
-    return this.pose("move", positions, options, (scope) => [scope.doubles(offset)]);
+    return this.pose("move", positions, options, (scope) => [
+      scope.doubles(numbers("offset", offset, 3)),
+    ]);
   }
 
   /** Rotates about an axis through the centre, anticlockwise seen from its tip. */
   rotate(positions: Float64Array, axis: Point, angle: number, options: PoseOptions = {}) {
-    return this.pose("rotate", positions, options, (scope) => [scope.doubles(axis), angle]);
+    return this.pose("rotate", positions, options, (scope) => [
+      scope.doubles(numbers("axis", axis, 3)),
+      real("angle", angle),
+    ]);
   }
 
   scale(positions: Float64Array, factors: Point, options: PoseOptions = {}) {
-    return this.pose("scale", positions, options, (scope) => [scope.doubles(factors)]);
+    return this.pose("scale", positions, options, (scope) => [
+      scope.doubles(numbers("factors", factors, 3)),
+    ]);
   }
 
   twist(positions: Float64Array, axis: Point, angle: number, options: PoseOptions = {}) {
-    return this.pose("twist", positions, options, (scope) => [scope.doubles(axis), angle]);
+    return this.pose("twist", positions, options, (scope) => [
+      scope.doubles(numbers("axis", axis, 3)),
+      real("angle", angle),
+    ]);
   }
 
   /** Bends an axis into an arc. @param toward direction that the end of the range bends to */
@@ -84,15 +100,18 @@ export class Poses {
     options: PoseOptions = {},
   ) {
     return this.pose("bend", positions, options, (scope) => [
-      scope.doubles(axis),
-      angle,
-      scope.doubles(toward),
+      scope.doubles(numbers("axis", axis, 3)),
+      real("angle", angle),
+      scope.doubles(numbers("toward", toward, 3)),
     ]);
   }
 
   /** Scales across an axis: by 1 at the start of the range, by the factor at its end. */
   taper(positions: Float64Array, axis: Point, factor: number, options: PoseOptions = {}) {
-    return this.pose("taper", positions, options, (scope) => [scope.doubles(axis), factor]);
+    return this.pose("taper", positions, options, (scope) => [
+      scope.doubles(numbers("axis", axis, 3)),
+      real("factor", factor),
+    ]);
   }
 
   private select(
@@ -101,13 +120,14 @@ export class Poses {
     falloff: Falloff | undefined,
     values: (scope: Scope) => (number | bigint)[],
   ): Float64Array {
-    const count = positions.length / 3;
+    const count = countPoints("positions", positions);
+    if (falloff !== undefined) object("falloff", falloff);
     return this.library.scoped((scope) => {
       const weights = scope.allocate(8 * count);
       const decrease = falloff
         ? scope.struct([
-            ["i32", falloff.profile === "linear" ? 0 : 1],
-            ["f64", falloff.radius],
+            ["i32", choice("falloff.profile", falloff.profile ?? "smooth", ["linear", "smooth"])],
+            ["f64", real("falloff.radius", falloff.radius)],
           ])
         : 0;
       const from = scope.doubles(positions);
@@ -119,21 +139,22 @@ export class Poses {
   private pose(
     kind: string,
     positions: Float64Array,
-    { weights, center, range }: PoseOptions,
+    options: PoseOptions,
     values: (scope: Scope) => (number | bigint)[],
   ): Float64Array {
-    const count = positions.length / 3;
-    if (weights && weights.length !== count)
-      throw new RangeError(`there are ${weights.length} weights for ${count} vertices`);
+    const count = countPoints("positions", positions);
+    const { weights, center, range } = object("options", options);
     return this.library.scoped((scope) => {
-      const options = scope.struct([
+      const copied = (name: string, values: ArrayLike<number> | undefined, length: number) =>
+        values === undefined ? 0 : scope.doubles(numbers(name, values, length));
+      const chosen = scope.struct([
         ["size"],
-        ["pointer", weights ? scope.doubles(weights) : 0],
-        ["pointer", center ? scope.doubles(center) : 0],
-        ["pointer", range ? scope.doubles(range) : 0],
+        ["pointer", copied("weights", weights, count)],
+        ["pointer", copied("center", center, 3)],
+        ["pointer", copied("range", range, 2)],
       ]);
       const pose = scope.doubles(positions);
-      this.library.call(`espalier_pose_${kind}`, count, pose, ...values(scope), options, pose);
+      this.library.call(`espalier_pose_${kind}`, count, pose, ...values(scope), chosen, pose);
       return doublesAt(this.library.core, pose, 3 * count);
     });
   }

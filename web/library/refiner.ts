@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The topology of a lattice and of its levels, and what is made of it.
 
+import { choice, countPoints, flag, integer, options as object, real } from "./arguments.ts";
 import { Binding, type BindOptions } from "./binding.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { bytesAt, integersAt, longsAt } from "./memory.ts";
@@ -29,13 +30,13 @@ export class Refiner extends Handle {
   }
 
   refine(level: number): void {
-    this.library.call("espalier_refiner_refine", this.address, level);
+    this.library.call("espalier_refiner_refine", this.address, integer("level", level));
   }
 
   counts(level: number): [number, number, number, number] {
     return this.library.scoped((scope) => {
       const out = scope.allocate(16);
-      this.library.call("espalier_refiner_counts", this.address, level, out);
+      this.library.call("espalier_refiner_counts", this.address, integer("level", level), out);
       return [...integersAt(this.library.core, out, 4)] as [number, number, number, number];
     });
   }
@@ -44,7 +45,7 @@ export class Refiner extends Handle {
     const { core } = this.library;
     return this.library.scoped((scope) => {
       const out = scope.allocate(28);
-      this.library.call("espalier_refiner_cells", this.address, level, out);
+      this.library.call("espalier_refiner_cells", this.address, integer("level", level), out);
       const [vertexCount, faceCount, cellCount, cells, faces, loops, vertices] = integersAt(
         core,
         out,
@@ -68,7 +69,7 @@ export class Refiner extends Handle {
     const count = this.cells(level).cellFaces.length;
     return this.library.scoped((scope) => {
       const out = scope.allocate(4);
-      this.library.call("espalier_refiner_face_signs", this.address, level, out);
+      this.library.call("espalier_refiner_face_signs", this.address, integer("level", level), out);
       const signs = core.HEAP32[out / 4];
       return core.HEAP8.slice(signs, signs + count);
     });
@@ -78,7 +79,7 @@ export class Refiner extends Handle {
   edges(level: number): Int32Array {
     return this.library.scoped((scope) => {
       const out = scope.allocate(8);
-      this.library.call("espalier_refiner_edges", this.address, level, out, out + 4);
+      this.library.call("espalier_refiner_edges", this.address, integer("level", level), out, out + 4);
       const [count, ends] = integersAt(this.library.core, out, 2);
       return integersAt(this.library.core, ends, 2 * count);
     });
@@ -88,7 +89,14 @@ export class Refiner extends Handle {
   strata(level: number, dimension: 0 | 1 | 2 | 3): Uint8Array {
     return this.library.scoped((scope) => {
       const out = scope.allocate(8);
-      this.library.call("espalier_refiner_strata", this.address, level, dimension, out, out + 4);
+      this.library.call(
+        "espalier_refiner_strata",
+        this.address,
+        integer("level", level),
+        integer("dimension", dimension),
+        out,
+        out + 4,
+      );
       const [count, strata] = integersAt(this.library.core, out, 2);
       return bytesAt(this.library.core, strata, count);
     });
@@ -98,7 +106,7 @@ export class Refiner extends Handle {
   stencils(level: number): Table {
     return new Table(
       this.library,
-      this.library.create("espalier_table_create_stencils", this.address, level),
+      this.library.create("espalier_table_create_stencils", this.address, integer("level", level)),
     );
   }
 
@@ -106,26 +114,30 @@ export class Refiner extends Handle {
   limits(level: number): Table {
     return new Table(
       this.library,
-      this.library.create("espalier_table_create_limits", this.address, level),
+      this.library.create("espalier_table_create_limits", this.address, integer("level", level)),
     );
   }
 
   bind(positions: Float64Array, points: Float64Array, options: BindOptions = {}): Binding {
+    const { level = 3, outside = "keep", tolerance = 1e-6 } = object("options", options);
+    const { limitTolerance = 0, gradients = false } = options;
+    const vertexCount = countPoints("positions", positions);
+    const pointCount = countPoints("points", points);
     return this.library.scoped((scope) => {
       const binding = this.library.create(
         "espalier_binding_create",
         this.address,
-        positions.length / 3,
+        vertexCount,
         scope.doubles(positions),
-        points.length / 3,
+        pointCount,
         scope.doubles(points),
         scope.struct([
           ["size"],
-          ["i32", options.level ?? 3],
-          ["i32", ["keep", "nearest", "refuse"].indexOf(options.outside ?? "keep")],
-          ["f64", options.tolerance ?? 1e-6],
-          ["f64", options.limitTolerance ?? 0],
-          ["i32", options.gradients ? 1 : 0],
+          ["i32", integer("level", level)],
+          ["i32", choice("outside", outside, ["keep", "nearest", "refuse"])],
+          ["f64", real("tolerance", tolerance)],
+          ["f64", real("limitTolerance", limitTolerance)],
+          ["i32", flag("gradients", gradients)],
         ]),
       );
       return new Binding(this.library, binding);
@@ -134,13 +146,14 @@ export class Refiner extends Handle {
 
   /** Prepares checks of poses for cells that are inside out. */
   validity(positions: Float64Array, level = 3): Validity {
+    const vertexCount = countPoints("positions", positions);
     return this.library.scoped((scope) => {
       const validity = this.library.create(
         "espalier_validity_create",
         this.address,
-        positions.length / 3,
+        vertexCount,
         scope.doubles(positions),
-        scope.struct([["size"], ["i32", level], ["i32", 0]]),
+        scope.struct([["size"], ["i32", integer("level", level)], ["i32", 0]]),
       );
       return new Validity(this.library, validity);
     });

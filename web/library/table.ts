@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sparse matrices, and their products with positions.
 
+import { choice, integers, numbers, options as object, real } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { Evaluator } from "./evaluator.ts";
 import type { Lattice } from "./lattice.ts";
@@ -76,24 +77,27 @@ export class Table extends Handle {
     misses: ArrayLike<number>,
     options: FitOptions = {},
   ): Fit {
+    integers("rows", rows);
+    const latticeAt = Handle.addressOf("lattice", lattice, "lattice");
     const { core } = this.library;
     const vertexCount = lattice.counts()[0];
-    const frozen = options.frozen ?? [];
+    const { smoothing = "none", strength = 1e-3, frozen = [] } = object("options", options);
+    integers("frozen", frozen);
     return this.library.scoped((scope) => {
       const displacements = scope.allocate(24 * vertexCount);
       const quality = scope.allocate(24);
       this.library.call(
         "espalier_lattice_fit",
         this.address,
-        lattice.address,
+        latticeAt,
         rows.length,
         scope.integers(rows),
-        scope.doubles(misses),
+        scope.doubles(numbers("misses", misses, 3 * rows.length)),
         scope.struct([
           ["size"],
-          ["i32", ["none", "tikhonov", "laplacian"].indexOf(options.smoothing ?? "none")],
+          ["i32", choice("smoothing", smoothing, ["none", "tikhonov", "laplacian"])],
           ["i32", 0],
-          ["f64", options.strength ?? 1e-3],
+          ["f64", real("strength", strength)],
           ["i64", frozen.length],
           ["pointer", scope.integers(frozen)],
         ]),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cells that poses turn inside out.
 
+import { integer, countPoints } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 
 /** Finds out where poses turn the volume of a lattice inside out. */
@@ -18,12 +19,13 @@ export class Validity extends Handle {
 
   /** The cells of the level that a pose turns inside out: at most 0 times the volume at rest. */
   invertedCells(pose: Float64Array): number[] {
+    const vertexCount = countPoints("pose", pose);
     return this.library.scoped((scope) => {
       const ratios = scope.allocate(8 * this.cellCount);
       this.library.call(
         "espalier_validity_check",
         this.address,
-        pose.length / 3,
+        vertexCount,
         scope.doubles(pose),
         this.cellCount,
         ratios,
@@ -40,7 +42,7 @@ export class Validity extends Handle {
   baseCell(cell: number): number {
     return this.library.scoped((scope) => {
       const out = scope.allocate(4);
-      this.library.call("espalier_validity_base_cell", this.address, cell, out);
+      this.library.call("espalier_validity_base_cell", this.address, integer("cell", cell), out);
       return this.library.core.HEAP32[out / 4];
     });
   }
