@@ -71,10 +71,14 @@ def test_points_outside(rest, points, pose):
     np.testing.assert_array_equal(kept.deform(pose)[3], (0, 0, 10))
     np.testing.assert_array_equal(kept.deform(np.stack([pose, pose]))[1, 3], (0, 0, 10))
     np.testing.assert_array_equal(kept.deform(pose.astype(np.float32))[3], (0, 0, 10))
+    # Weights at this distance would sum to more than 8.
+    far = espalier.bind(rest, points, level=2, outside="nearest")
+    assert far.kept.tolist() == [3] and far.statuses[3] == status.OUTSIDE
+    points[3] = rest.positions.max(axis=0) + (0, 0, 0.1)
     nearest = espalier.bind(rest, points, level=2, outside="nearest")
     assert len(nearest.kept) == 0 and nearest.statuses[3] == status.OUTSIDE
-    np.testing.assert_allclose(nearest.deform(rest.positions + (1, 0, 0))[3], (1, 0, 10),
-                               atol=1e-12)
+    np.testing.assert_allclose(nearest.deform(rest.positions + (1, 0, 0))[3],
+                               points[3] + (1, 0, 0), atol=1e-12)
     wide = espalier.bind(rest, points, level=2, tolerance=0.99)
     assert nearest.largest_residual < 1e-9 <= wide.largest_residual or len(wide.kept) == 1
 
