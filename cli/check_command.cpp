@@ -259,6 +259,7 @@ void addCheckCommand(CLI::App& program) {
     command
         .add_option("--list", options.listed,
                     "How many cells to name of those that are flat, folded or inverted")
+        ->check(inRange(0, kMaxIndex, true))
         ->capture_default_str();
     addOutputOption(command, options.output,
                     "Write the pose at level N (level 0 with --limit) with two vertex attributes: "

@@ -38,7 +38,7 @@ std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::
 
 /// Refuses two inputs that are the same pipe or device: reading the second one would wait for ever.
 /// Refuses "-" unless a file has this name, since the extension of a name tells the format.
-/// \throws FileError naming the file and the arguments
+/// \throws FileError naming the file and the arguments; CLI::ValidationError for an empty name
 void checkInputs(const std::vector<Input>& inputs);
 
 /// Refuses an output that is also an input, whose folder does not exist, or that must not be

@@ -98,10 +98,10 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
     const auto& box = *hold.box;
     for (std::size_t c = 0; c < 3; ++c)
         if (!(box[c] <= box[c + 3]))
-            throw Error(
-                fmt::format("--hold: the box runs from {} down to {}; expected the lower corner "
-                            "first",
-                            box[c], box[c + 3]));
+            throw CLI::ValidationError(
+                "--hold", fmt::format("the box runs from {} down to {}; expected the lower corner "
+                                      "first",
+                                      box[c], box[c + 3]));
     HeldPart part;
     for (std::size_t i = 0; i < points.size(); ++i)
         if (isIn(box, points[i])) part.points.push_back(static_cast<Index>(i));
@@ -190,10 +190,11 @@ void addPulls(const FitCommandOptions& options, std::span<const Point3> points, 
         const auto distance = [&](const Point3& point) { return length(difference(point, place)); };
         const auto nearest = std::ranges::min_element(points, {}, distance);
         const auto number = static_cast<Index>(nearest - points.begin());
-        // From farther away, rounding makes all points equally near.
+        // From farther away, rounding makes all points equally near. If all points are at one
+        // place, they are equally near from anywhere, and the first is pulled.
         constexpr double kFarthest = 1e8;
         if (const double size = BoundingBox(points).diagonal();
-            distance(*nearest) > kFarthest * size)
+            size > 0 && distance(*nearest) > kFarthest * size)
             throw Error(fmt::format(
                 "--pull {} {} {}: the place is more than 1e8 times the size of the "
                 "model ({:.4g}) away from it, so that all points are equally near; give "
@@ -471,7 +472,8 @@ void addFitCommand(CLI::App& program) {
                                 "none, but tikhonov with --pull");
     command
         .add_option("--strength", options.fit.strength,
-                    "Weight of the smoothing against the targets, 0.0001 to 10000")
+                    "Weight of the smoothing against the targets")
+        ->check(inRange(0.0001, 10000))
         ->capture_default_str();
     command
         .add_option("--freeze", options.fit.frozen,

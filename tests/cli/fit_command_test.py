@@ -65,6 +65,16 @@ class Fit(CliTest):
         self.assertEqual(report["targets"], 2)
         self.assertIsNotNone(report["condition"])
 
+    def test_a_pull_from_far_away_is_refused(self):
+        # From 1e16 sizes away, the distances of all points are equal: the difference is rounded away.
+        for place in (1e16, 1e308):
+            self.assertIn("--pull", self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--pull", place,
+                                                  0, 0, 0.1, 0, 0, "-o", "p.ovm"))
+        # The points of this model are equally near from everywhere, so there is nothing to choose.
+        self.put("one.obj", "v 0.5 0.5 0.5\n")
+        self.assertIn("point 0 at 0.5 0.5 0.5", self.run_program(
+            "fit", "one.obj", "--rest", "rest.ovm", "--pull", 0.9, 0, 0, 0.1, 0, 0, "-o", "p.ovm").stdout)
+
     def test_two_pulls_of_one_point_are_refused(self):
         pull = ["--pull", 0.9, 0.5, 0.5, 0.1, 0, 0]
         self.assertRegex(
@@ -246,10 +256,12 @@ class Fit(CliTest):
             self.assertRegex(self.error_of_fit("t.txt", *options),
                              rf"{who} all \d+ vertices of rest.ovm: no vertex is left to move")
         self.assertIn("--hold: the box runs from 1 down to 0",
-                      self.error_of_fit("t.txt", "--hold", 0, 1, 0, 1, 0, 1))
+                      self.error_of_fit("t.txt", "--hold", 0, 1, 0, 1, 0, 1, code=2))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--continuity", "c1", code=2))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--hold", 0, 1, 0, code=2))
-        self.assertIn("strength", self.error_of_fit("t.txt", "--strength", "0"))
+        for strength in (0, 1e-5, 1e308):
+            self.assertEqual(self.error_of_fit("t.txt", "--strength", strength, code=2),
+                             f"espalier: --strength: expected 0.0001 to 10000, got {strength}\n")
         self.write_model(self.points[:-1], "fewer.obj")
         self.assertIn("fewer.obj: has 399 points, but the model model.obj has 400",
                       self.error_of_fit("fewer.obj"))
