@@ -304,7 +304,8 @@ double BoundaryForces::workOfMatch() const {
 
 double BoundaryForces::workOfVainSearches() const {
     constexpr double kSide = 2 * kPullRings + 1, kPerSearch = kSide * kSide * kSide;
-    return kPerSearch * static_cast<double>(std::ranges::count(pulling_, std::nullopt));
+    return kPerSearch * static_cast<double>(std::ranges::count_if(
+                            pulling_, [](const auto& group) { return !group.has_value(); }));
 }
 
 double BoundaryForces::workOfEnergy() const {
