@@ -45,6 +45,13 @@ using Solid = Eigen::Matrix<double, 48, 4>;
 using Sheet = Eigen::Matrix<double, 12, 4>;
 using Line = Eigen::Matrix<double, 3, 4>;
 
+Eigen::Map<const Sheet> asSheet(const Eigen::Matrix<double, 48, 1>& points) {
+    return Eigen::Map<const Sheet>(points.data());
+}
+Eigen::Map<const Line> asLine(const Eigen::Matrix<double, 12, 1>& points) {
+    return Eigen::Map<const Line>(points.data());
+}
+
 }  // namespace
 
 TricubicMap::TricubicMap(const TricubicPatch::ControlPoints& points, double spacing)
@@ -58,18 +65,15 @@ Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
         slopes[axis] = {outer.lowSlope, 0, 1, outer.highSlope};
     }
     const Eigen::Map<const Solid> solid(coefficients_.front().data());
-    Sheet sheet, sheetW;
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()) = roundedProduct(solid, values[2]);
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheetW.data()) = roundedProduct(solid, slopes[2]);
-    Line line, lineV, lineW;
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()) = roundedProduct(sheet, values[1]);
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineV.data()) = roundedProduct(sheet, slopes[1]);
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineW.data()) = roundedProduct(sheetW, values[1]);
+    const auto sheet = roundedProduct(solid, values[2]), sheetW = roundedProduct(solid, slopes[2]);
+    const auto line = roundedProduct(asSheet(sheet), values[1]);
+    const auto lineV = roundedProduct(asSheet(sheet), slopes[1]);
+    const auto lineW = roundedProduct(asSheet(sheetW), values[1]);
     Trilinear::Tangent tangent;
-    tangent.position = roundedProduct(line, values[0]);
-    tangent.jacobian.col(0) = roundedProduct(line, slopes[0]);
-    tangent.jacobian.col(1) = roundedProduct(lineV, values[0]);
-    tangent.jacobian.col(2) = roundedProduct(lineW, values[0]);
+    tangent.position = roundedProduct(asLine(line), values[0]);
+    tangent.jacobian.col(0) = roundedProduct(asLine(line), slopes[0]);
+    tangent.jacobian.col(1) = roundedProduct(asLine(lineV), values[0]);
+    tangent.jacobian.col(2) = roundedProduct(asLine(lineW), values[0]);
     return tangent;
 }
 
@@ -80,11 +84,9 @@ Vector3d TricubicMap::position(const Vector3d& uvw) const {
         values[axis] = {outer.low, 1, uvw[axis], outer.high};
     }
     const Eigen::Map<const Solid> solid(coefficients_.front().data());
-    Sheet sheet;
-    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()) = roundedProduct(solid, values[2]);
-    Line line;
-    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()) = roundedProduct(sheet, values[1]);
-    return roundedProduct(line, values[0]);
+    const auto sheet = roundedProduct(solid, values[2]);
+    const auto line = roundedProduct(asSheet(sheet), values[1]);
+    return roundedProduct(asLine(line), values[0]);
 }
 
 /// The map, moved so that a point is at the origin.

@@ -5,21 +5,25 @@
 
 namespace espalier::embed {
 
-/// Returns matrix · vector, for 3 or 4 columns: an expression, which refers to the matrix. Each
-/// product is rounded, and the columns are added in their order.
+/// Returns matrix · vector, for 3 or 4 columns. Each product is rounded, and the columns are added
+/// in their order.
 ///
 /// Eigen's operator * fuses products with sums on ARM, and on x86-64 if a compiler's flag allows
 /// FMA. Places of points, and so weights, would depend on the processor and on flags.
 template <class Matrix, class Vector>
-auto roundedProduct(const Eigen::MatrixBase<Matrix>& matrix,
-                    const Eigen::MatrixBase<Vector>& vector) {
-    static_assert(Vector::RowsAtCompileTime == 3 || Vector::RowsAtCompileTime == 4);
-    const auto three =
-        matrix.col(0) * vector[0] + matrix.col(1) * vector[1] + matrix.col(2) * vector[2];
-    if constexpr (Vector::RowsAtCompileTime == 4)
-        return three + matrix.col(3) * vector[3];
-    else
-        return three;
+Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> roundedProduct(
+    const Eigen::MatrixBase<Matrix>& matrix, const Eigen::MatrixBase<Vector>& vector) {
+    constexpr int kColumns = Vector::RowsAtCompileTime;
+    static_assert(kColumns == 3 || kColumns == 4);
+    const Eigen::Matrix<double, kColumns, 1> factors = vector;
+    Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> result;
+    for (Eigen::Index row = 0; row < Matrix::RowsAtCompileTime; ++row) {
+        double sum =
+            matrix(row, 0) * factors[0] + matrix(row, 1) * factors[1] + matrix(row, 2) * factors[2];
+        if constexpr (kColumns == 4) sum += matrix(row, 3) * factors[3];
+        result[row] = sum;
+    }
+    return result;
 }
 
 }  // namespace espalier::embed
