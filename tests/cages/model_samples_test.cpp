@@ -14,7 +14,7 @@ namespace {
 
 using test::FaceModel;
 
-constexpr double kCellSize = 0.8, kSpacing = kCellSize / 8;
+constexpr double kCellSize = 0.8, kSampleSpacing = kCellSize / 8;
 
 /// `count` copies of a square, each turned a little about its middle.
 FaceModel turnedSquares(int count) {
@@ -32,10 +32,11 @@ FaceModel turnedSquares(int count) {
 
 std::vector<FitPoint> samplesOf(const FaceModel& model, std::size_t most, double maxWork = 1e18) {
     const ModelSurface surface(model);
-    const ModelVoxels voxels(surface, surface.points(), {.size = kSpacing, .gap = kCellSize / 2});
+    const ModelVoxels voxels(surface, surface.points(),
+                             {.size = kSampleSpacing, .gap = kCellSize / 2});
     const GridCells cells(voxels, {.voxelsPerEdge = 8, .joinDistance = 6});
     Work work(maxWork);
-    return sampleModel(surface, voxels, cells, {.spacing = kSpacing, .most = most}, work);
+    return sampleModel(surface, voxels, cells, {.spacing = kSampleSpacing, .most = most}, work);
 }
 
 double distanceTo(std::span<const FitPoint> samples, const Point3& point) {
@@ -56,7 +57,7 @@ TEST(SampleModel, leavesOutSamplesNearOthersIfThereWouldBeTooMany) {
         for (const Point3& point : model.points) ASSERT_EQ(distanceTo(few, point), 0) << most;
         // A sample that is left out is in one voxel, as wide as the spacing, with one that remains.
         for (std::size_t i = 0; i < all.size(); i += 97)
-            ASSERT_LE(distanceTo(few, all[i].position), std::sqrt(3) * kSpacing) << most;
+            ASSERT_LE(distanceTo(few, all[i].position), std::sqrt(3) * kSampleSpacing) << most;
     }
     // Samples are not changed where they are few enough.
     EXPECT_EQ(samplesOf(model, all.size()), all);
