@@ -264,9 +264,10 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
 
 [[noreturn]] void refuseTarget(const FitCommandOptions& options, const io::Target& target,
                                embed::PointStatus status) {
-    throwOfTarget(options, target.line,
-                  fmt::format("point {} {}; the lattice cannot carry it to its target",
-                              target.point, whyNotCarried(options, status)));
+    const std::string cause = fmt::format("point {} {}; the lattice cannot carry it to its target",
+                                          target.point, whyNotCarried(options, status));
+    throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
+                          : io::FileError(options.model, cause);
 }
 
 /// Returns the rows of the targets whose points move with the lattice. A point that does not move

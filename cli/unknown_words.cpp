@@ -12,6 +12,12 @@
 namespace espalier::cli {
 namespace {
 
+/// Returns whether a word is a number, finite or not.
+bool isNumber(const std::string& word) {
+    double number = 0;
+    return CLI::detail::lexical_cast(word, number);
+}
+
 /// Returns the smallest number of changes that make b of a: insert, delete or replace a character,
 /// or exchange two neighbours.
 std::size_t editDistance(std::string_view a, std::string_view b) {
@@ -76,6 +82,7 @@ const CLI::Option& findOption(const CLI::App& command, const std::string& word) 
             if (each == name) return *option;
             all.push_back(each);
         }
+    if (isNumber(word)) throw CLI::ValidationError(word, "expected a finite number");
     refuse(command, "option", word.substr(0, word.find('=')), all);
 }
 
@@ -104,9 +111,16 @@ std::size_t lastRequired(const CLI::Option& option, std::span<const std::string>
 
 /// Returns whether a word is numbers with a delimiter between: "1,2,3", or "--cells=1,2,3".
 bool isNumbers(const std::string& word, char delimiter) {
-    const std::string numbers = isOption(word) ? word.substr(word.find('=') + 1) : word;
-    return std::ranges::all_of(CLI::detail::split(numbers, delimiter),
-                               [](const std::string& part) { return numberOf(part).has_value(); });
+    const std::string numbers =
+        isOption(word) && !isNumber(word) ? word.substr(word.find('=') + 1) : word;
+    return std::ranges::all_of(CLI::detail::split(numbers, delimiter), isNumber);
+}
+
+/// Refuses -inf and -nan as values: the parser would take them for groups of options, and count
+/// only the numbers before them.
+void refuseInfinite(const CLI::Option& option, const std::string& word) {
+    if (word.starts_with('-') && isNumber(word) && !numberOf(word))
+        throw CLI::ValidationError(option.get_name(), "expected a finite number, got " + word);
 }
 
 }  // namespace
@@ -130,16 +144,11 @@ void endNumbers(const CLI::App& command, std::vector<std::string>& words) {
         const CLI::Option& option = findOption(command, words[i]);
         const std::size_t first = i;
         i = lastRequired(option, words, i);
-        // The parser would take -inf for a group of options, and count the numbers before it only.
-        for (std::size_t k = first + 1; k <= i; ++k)
-            if (words[k].starts_with('-'))
-                if (double number = 0;
-                    CLI::detail::lexical_cast(words[k], number) && !std::isfinite(number))
-                    throw CLI::ValidationError(option.get_name(),
-                                               "expected a finite number, got " + words[k]);
+        for (std::size_t k = first + 1; k <= i; ++k) refuseInfinite(option, words[k]);
         const char delimiter = option.get_delimiter();
         if (delimiter == '\0' || !option.get_allow_extra_args()) continue;
-        while (i + 1 < words.size() && isNumbers(words[i + 1], delimiter)) ++i;
+        while (i + 1 < words.size() && isNumbers(words[i + 1], delimiter))
+            refuseInfinite(option, words[++i]);
         if (i + 1 < words.size() && !isOption(words[i + 1]))
             words.insert(words.begin() + static_cast<std::ptrdiff_t>(++i), "--");
     }

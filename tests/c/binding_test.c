@@ -352,6 +352,14 @@ static void test_points_outside(void) {
     const int32_t* kept = NULL;
     const double* positions = NULL;
     OK(espalier_binding_kept(nearest, &count, &kept, &positions));
+    /* The weights of the point would sum to more than 8: it stays. */
+    CHECK(count == 1 && kept[0] == OUTSIDE);
+    espalier_binding_destroy(nearest);
+    double near[3 * POINTS];
+    memcpy(near, points, sizeof near);
+    for (int axis = 0; axis < 3; ++axis) near[3 * OUTSIDE + axis] = axis == 2 ? 1.2 : 0.5;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, near, &options, &nearest));
+    OK(espalier_binding_kept(nearest, &count, &kept, &positions));
     CHECK(count == 0);
     espalier_binding_destroy(nearest);
 

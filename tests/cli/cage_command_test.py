@@ -108,7 +108,7 @@ class Cage(CliTest):
                 (["--size", 0], "--size", 2),
                 (["--margin", -0.5], "--margin", 2),
                 (["--shell", 0], "--shell", 2),
-                (["--size", 1e-9], "tube.obj: cage: cellSize is 1e-09; expected at least", 1)]:
+                (["--size", 1e-9], "--size is 1e-09; expected at least", 2)]:
             self.assertIn(message, self.error_of("shape", "cage", "tube.obj", *options, "-o",
                                                  "x.ovm", code=code))
             self.assertFalse((self.path / "x.ovm").exists())
@@ -118,7 +118,7 @@ class Cage(CliTest):
         self.assertIn("points.obj: has no faces",
                       self.error_of("shape", "cage", "points.obj", "-o", "x.ovm"))
         self.write("point.obj", [(1, 2, 3)] * 3, [(0, 1, 2)])
-        self.assertIn("point.obj: cage: all points of the model are at one place",
+        self.assertIn("point.obj: all points of the model are at one place",
                       self.error_of("shape", "cage", "point.obj", "-o", "x.ovm"))
 
     def test_the_cells_of_a_volume_have_a_boundary(self):

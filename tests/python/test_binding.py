@@ -79,6 +79,7 @@ def test_points_outside(rest, points, pose):
     assert len(nearest.kept) == 0 and nearest.statuses[3] == status.OUTSIDE
     np.testing.assert_allclose(nearest.deform(rest.positions + (1, 0, 0))[3],
                                points[3] + (1, 0, 0), atol=1e-12)
+    points[3] = (0, 0, 10)
     wide = espalier.bind(rest, points, level=2, tolerance=0.99)
     assert nearest.largest_residual < 1e-9 <= wide.largest_residual or len(wide.kept) == 1
 
