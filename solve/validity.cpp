@@ -254,6 +254,12 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxL
 }
 
 std::vector<Index> cellsBadAtRest(const far::TopologyRefiner& base, std::span<const Point3> rest) {
+    // Without boundary control, refinement may leave no cell, and so no bad one.
+    const far::Level& level0 = base.level(0);
+    bool isLeft = false;
+    for (Index vertex = 0; vertex < level0.complex.count(0); ++vertex)
+        isLeft = isLeft || !level0.strata.isOpen({0, vertex});
+    if (!isLeft) return {};
     far::TopologyRefiner refiner(base);
     refiner.refineUniform(1);
     // In units of the lattice: cubes of very large coordinates would overflow.

@@ -156,6 +156,7 @@ private:
 /// Returns the cells of a lattice that are bad at rest after one refinement, ascending: base cells
 /// with a cell of level 1 in ValidityCheck::badAtRest(). There the place of a point is not unique,
 /// and a pose of the lattice moves near points in opposite directions.
+/// Empty if refinement leaves no cell, as it may under far::Boundary::Open.
 /// \param base a lattice that has not been refined
 /// \throws Error if `rest` does not fit or is not finite, and as TopologyRefiner::refineUniform()
 /// \cost O(cells), in parallel: about 8 µs per hexahedron

@@ -484,6 +484,14 @@ TEST(CellsBadAtRest, FindFoldsOfAnySize) {
                 IsEmpty());
 }
 
+TEST(CellsBadAtRest, AreNoneWhereRefinementLeavesNoCell) {
+    const Lattice thin = shapes::box({.cells = {1, 3, 3}});
+    EXPECT_THAT(
+        cellsBadAtRest(far::TopologyRefiner(thin.complex, {.boundary = far::Boundary::Open}),
+                       thin.positions),
+        IsEmpty());
+}
+
 // No shape that the program makes has a fold.
 TEST(CellsBadAtRest, AreNoneInTheZoo) {
     for (const auto& [name, lattice] : zoo())
