@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <optional>
 
@@ -157,14 +158,18 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
 /// Finds the nearest points of each face of level 2.
 void BoundaryForces::matchPulls() {
     pulling_.assign(coarseFaces_.size(), std::nullopt);
+    visits_ = 0;
     parallelFor(std::ssize(pulling_), 64, [&](Offset first, Offset last) {
+        Offset visits = 0;
         for (Offset c = first; c < last; ++c) {
             const Point3& normal = coarseFaces_[c].normal;
             if (normal == Point3{0, 0, 0}) continue;
             const Index cell = surface_.cellOfCoarse(static_cast<Index>(c));
-            pulling_[c] = groups_.nearest(coarseFaces_[c].centre, kPullRings,
-                                          [&](Index group) { return suits(group, cell, normal); });
+            pulling_[c] = groups_.nearest(
+                coarseFaces_[c].centre, kPullRings,
+                [&](Index group) { return suits(group, cell, normal); }, visits);
         }
+        std::atomic_ref(visits_) += visits;
     });
 }
 
@@ -302,10 +307,9 @@ double BoundaryForces::workOfMatch() const {
            kPerFace * surface_.fineCentres().rowCount() + kPerCube * groups_.grid().cubeCount();
 }
 
-double BoundaryForces::workOfVainSearches() const {
-    constexpr double kSide = 2 * kPullRings + 1, kPerSearch = kSide * kSide * kSide;
-    return kPerSearch * static_cast<double>(std::ranges::count_if(
-                            pulling_, [](const auto& group) { return !group.has_value(); }));
+double BoundaryForces::workOfPulls() const {
+    constexpr double kPerVisit = 12;
+    return kPerVisit * static_cast<double>(visits_);
 }
 
 double BoundaryForces::workOfEnergy() const {

@@ -48,13 +48,14 @@ public:
     void addEnergy(std::span<const Point3> positions, double& energy,
                    std::span<Point3> gradient) const;
 
-    /// Return the steps of match() and of addEnergy(), as Work counts them.
+    /// Return the steps of match(), without its searches for pulls, and of addEnergy(), as Work
+    /// counts them.
     double workOfMatch() const;
     double workOfEnergy() const;
 
-    /// Returns the steps that the last match() took more, for faces without near points: they
-    /// search many empty cubes. Known afterwards only.
-    double workOfVainSearches() const;
+    /// Returns the steps of the searches for pulls of the last match(). They are known afterwards
+    /// only: a face may be far from the points that it may be fitted to.
+    double workOfPulls() const;
 
     /// Makes room around points without proof, pushes them more, and pulls less there.
     /// \param uncovered groups at the positions that were last matched
@@ -87,6 +88,7 @@ private:
     std::vector<std::vector<Index>> apart_;      ///< of each cell, ascending
     std::vector<Face> fineFaces_, coarseFaces_;  ///< of level 3 and of level 2
     std::vector<std::optional<Index>> pulling_;  ///< group nearest to each face of level 2
+    Offset visits_ = 0;                          ///< of the searches for pulling_
 
     // The next seven arrays have one entry for each group of points.
     std::vector<double> clearance_;            ///< least distance of the hulls of the boundary

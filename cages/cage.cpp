@@ -74,10 +74,11 @@ constexpr double kMaxVoxels = 2.5e7;
 /// Rounds of a fit with a margin: the start is further away.
 constexpr int kRoundsWithMargin = 14;
 
-/// Returns the limit of the work, in steps (work.h). The cages of docs/cages.md at 200 vertices
-/// that were measured took 1e9 to 6e9 steps, of 9e9.
+/// Returns the limit of the work, in steps (work.h). Of the cages of docs/cages.md and of other
+/// options, 200 vertices took at most 5.8e9 steps of 6.2e9 (random triangles), and 2,000 vertices
+/// 3.0e10 of 4.4e10 (a hollow body).
 double mostWork(std::size_t triangles, Index vertices) {
-    return 4e9 + 2.5e7 * vertices + 5e4 * static_cast<double>(triangles);
+    return 2e9 + 2.1e7 * vertices + std::min(2.5e5 * static_cast<double>(triangles), 1.5e10);
 }
 
 /// Returns the number of samples above which samples that are near others are left out.
@@ -254,8 +255,9 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
 }
 
 GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) {
-    constexpr double kPerVoxel = 8;
-    work_.add(kPerVoxel * voxels.grid().cubeCount());
+    constexpr double kPerVoxel = 4, kPerUsedVoxel = 60;
+    work_.add(kPerVoxel * voxels.grid().cubeCount() +
+              kPerUsedVoxel * static_cast<double>(voxels.usedCount()));
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);
     std::array<Index, 3> offset;
     for (int axis = 0; axis < 3; ++axis) offset[axis] = candidate.offset[axis] * k / 2;

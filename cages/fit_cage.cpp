@@ -155,7 +155,7 @@ void Fit::begin(int attempt) {
 void Fit::match() {
     work_.add(forces_.workOfMatch());
     forces_.match(positions_);
-    work_.add(forces_.workOfVainSearches());
+    work_.add(forces_.workOfPulls());
 }
 
 void Fit::optimise(int iterations) {

@@ -3,6 +3,8 @@
 
 #include <espalier/base/point.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -39,6 +41,7 @@ public:
 
     /// For each cube of the grid, whether it belongs to the model or its surroundings.
     std::span<const char> isUsed() const { return isUsed_; }
+    std::size_t usedCount() const { return std::ranges::count(isUsed_, 1); }
 
     /// Returns true if a point is in the solid, two voxels or more away from its boundary.
     bool isInner(const Point3& point) const;

@@ -27,6 +27,12 @@ CubeGrid::CubeGrid(const Point3& low, const Point3& high, double wanted) : size(
     }
 }
 
+Point3 CubeGrid::end() const {
+    Point3 end;
+    for (int axis = 0; axis < 3; ++axis) end[axis] = origin[axis] + counts[axis] * size;
+    return end;
+}
+
 std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     std::array<Index, 3> result;
     for (int axis = 0; axis < 3; ++axis) {
@@ -36,7 +42,8 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     return result;
 }
 
-PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid) : grid_(grid) {
+PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
+    : grid_(grid), blocks_(grid.origin, grid.end(), kCubesPerBlock * grid.size) {
     // Numbers are sorted instead of the points, which take twelve times the memory: first by cubes.
     // Until all groups are made, firstOfCube_ holds the end of the numbers of each cube.
     std::vector<std::uint32_t> numbers(points.size());
@@ -108,6 +115,13 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
         for (; begin != end; ++begin) add(cube, points[*begin]);
     }
     endGroup();
+
+    firstOfBlock_.assign(blocks_.cubeCount(), -1);
+    nextInBlock_.resize(groups_.size());
+    for (auto group = static_cast<Index>(groups_.size()); group-- > 0;) {
+        Index& first = firstOfBlock_[blocks_.cubeOf(groups_[group].centre)];
+        nextInBlock_[group] = std::exchange(first, group);
+    }
 }
 
 const Point3& PointGroups::farthest(const Group& group, const Point3& direction) const {

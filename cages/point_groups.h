@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <span>
@@ -27,10 +28,18 @@ struct CubeGrid {
     /// have the edge `size`, or a longer one if there would be more than 30 million of them.
     CubeGrid(const Point3& low, const Point3& high, double size);
 
+    /// Returns the corner opposite to `origin`.
+    Point3 end() const;
+
     Index cubeCount() const { return counts[0] * counts[1] * counts[2]; }
 
     /// Returns the coordinates of the cube of a point; of the nearest cube for a point outside.
     std::array<Index, 3> coordinatesOf(const Point3& point) const;
+
+    std::array<Index, 3> coordinatesOf(Index cube) const {
+        const Index row = cube / counts[0];
+        return {cube % counts[0], row % counts[1], row / counts[1]};
+    }
 
     Index cubeAt(const std::array<Index, 3>& coordinates) const {
         return (coordinates[2] * counts[1] + coordinates[1]) * counts[0] + coordinates[0];
@@ -179,18 +188,46 @@ public:
 
     /// Returns the group whose centre is nearest to a point, among the groups with accept(group);
     /// none if there is none within `rings` rings of cubes.
+    /// \param visits is increased by the number of groups and blocks of cubes that are visited
     template <class Accept>
-    std::optional<Index> nearest(const Point3& point, Index rings, Accept accept) const {
-        return grid_.nearest(
-            point, rings, [&](Index cube, auto visit) { forEachInCube(cube, visit); },
-            [&](Index group) -> const Point3& { return groups_[group].centre; }, accept);
+    std::optional<Index> nearest(const Point3& point, Index rings, Accept accept,
+                                 Offset& visits) const {
+        const auto centre = grid_.coordinatesOf(point);
+        // A point outside the grid may be in a block beyond the block of its nearest cube.
+        const Index ringsOfBlocks = rings / kCubesPerBlock + 2;
+        return blocks_.nearest(
+            point, ringsOfBlocks,
+            [&](Index block, auto visit) {
+                ++visits;
+                for (Index group = firstOfBlock_[block]; group >= 0; group = nextInBlock_[group]) {
+                    ++visits;
+                    visit(group);
+                }
+            },
+            [&](Index group) -> const Point3& { return groups_[group].centre; },
+            [&](Index group) { return ringOf(group, centre) <= rings && accept(group); });
     }
 
 private:
+    /// Returns the ring around `centre` in which the cube of a group is.
+    Index ringOf(Index group, const std::array<Index, 3>& centre) const {
+        const auto cube = grid_.coordinatesOf(groups_[group].cube);
+        Index ring = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            ring = std::max(ring, std::abs(cube[axis] - centre[axis]));
+        return ring;
+    }
+
     CubeGrid grid_;
     std::vector<Point3> points_;
     std::vector<Group> groups_;
     std::vector<Index> firstOfCube_;  ///< the first group; −1 for an empty cube
+
+    // Lists of the groups in each block of cubes. Groups that nearest() may return can be far away,
+    // behind many empty cubes and many groups that it may not return.
+    static constexpr Index kCubesPerBlock = 4;  ///< along each axis
+    CubeGrid blocks_;
+    std::vector<Index> firstOfBlock_, nextInBlock_;  ///< −1: none
 };
 
 }  // namespace espalier::cages

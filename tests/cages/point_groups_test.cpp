@@ -60,13 +60,48 @@ TEST(PointGroups, findsTheNearestGroup) {
         double least = 1e9;
         for (const auto& group : groups.groups())
             least = std::min(least, length(difference(group.centre, place)));
-        const auto found = groups.nearest(place, 30, [](Index) { return true; });
+        Offset visits = 0;
+        const auto found = groups.nearest(
+            place, 30, [](Index) { return true; }, visits);
         ASSERT_TRUE(found);
         EXPECT_EQ(length(difference(groups.groups()[*found].centre, place)), least);
     }
     const std::vector<Point3> one = {{-0.95, -0.95, -0.95}};
     const PointGroups far(test::fitPoints(one), CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
-    EXPECT_EQ(far.nearest({0.95, 0.95, 0.95}, 3, [](Index) { return true; }), std::nullopt);
+    Offset visits = 0;
+    EXPECT_EQ(far.nearest(
+                  {0.95, 0.95, 0.95}, 3, [](Index) { return true; }, visits),
+              std::nullopt);
+}
+
+// Few points in a flat grid: most cubes have no point within the rings. The search visits blocks of
+// cubes, and may neither lose a group because of it, nor find one beyond the rings.
+TEST(PointGroups, findsTheNearestGroupThatIsAcceptedWithinSomeRings) {
+    const CubeGrid grid({-1, -1, -1}, {1, 1, -0.6}, 0.1);
+    std::vector<Point3> points = randomPoints(5);
+    for (Point3& point : points) point[2] = -0.8 + 0.2 * point[2];
+    const PointGroups groups(test::fitPoints(points), grid);
+    const auto isOdd = [](Index group) { return group % 2 == 1; };
+    for (const Index rings : {0, 1, 4, 40})
+        for (const Point3& query : randomPoints(200)) {
+            const Point3 place = {1.2 * query[0], 1.2 * query[1], -0.8 + 0.5 * query[2]};
+            std::optional<Index> expected;
+            double least = 1e9;
+            for (Index group = 1; group < std::ssize(groups.groups()); group += 2) {
+                const Point3& centre = groups.groups()[group].centre;
+                const auto a = grid.coordinatesOf(centre), b = grid.coordinatesOf(place);
+                Index ring = 0;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    ring = std::max(ring, std::abs(a[axis] - b[axis]));
+                const double distance = length(difference(centre, place));
+                if (ring > rings || distance >= least) continue;
+                expected = group;
+                least = distance;
+            }
+            Offset visits = 0;
+            EXPECT_EQ(groups.nearest(place, rings, isOdd, visits), expected);
+            EXPECT_LE(visits, groups.groups().size() + 1100);  // 11 * 11 * 9 blocks, with edges
+        }
 }
 
 TEST(PointGroups, findsTheFarthestPoint) {
