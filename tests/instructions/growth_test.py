@@ -123,7 +123,7 @@ DEFORM = ["deform", "INPUT", "--rest", "rest.ovm", "--to", "rest.ovm", "-n", "1"
 KINDS = {
     "gmsh tags": (gmsh_tags, 2000, "a.msh", ["info", "--model", "INPUT", "--threads", "1"]),
     "plot3d weld": (plot3d_weld, 8, "a.xyz", ["info", "-n", "0", "INPUT", "--threads", "1"]),
-    "su2 cells": (su2_cells, 2048, "a.su2", ["pose", "INPUT", "--move", "0", "0", "1", "-o", "out.ovm", "--threads", "1"]),
+    "su2 cells": (su2_cells, 1024, "a.su2", ["pose", "INPUT", "--move", "0", "0", "1", "-o", "out.ovm", "--threads", "1"]),
     "vtu attributes": (vtu_attributes, 500, "a.vtu", ["shape", "merge", "INPUT", "OTHER", "-o", "out.vtu"]),
     "vtp pieces": (vtp_pieces, 200, "a.vtp", [*DEFORM[:4], "--to", "pose.ovm", *DEFORM[6:], "-o", "/dev/null"]),
     "vtp arrays": (vtp_arrays, 500, "a.vtp", [*DEFORM, "-o", "out.obj"]),
@@ -131,7 +131,7 @@ KINDS = {
     "ply properties": (ply_properties, 500, "a.ply", [*DEFORM, "-o", "out.obj"]),
     "comb": (comb, 2000, "a.obj", [*DEFORM, "-o", "out.stl"]),
     "spiral": (spiral, 500, "a.obj", [*DEFORM, "-o", "out.stl"]),
-    "star": (star, 2000, "a.obj", [*DEFORM, "-o", "out.stl"]),
+    "star": (star, 1000, "a.obj", [*DEFORM, "-o", "out.stl"]),
 }
 
 
