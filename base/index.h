@@ -15,7 +15,7 @@
 // Its types are Index and Offset (this header), Error (error.h), Array (array.h), parallelFor()
 // (parallel.h), ExecutorScope (executor.h), ProgressScope (progress.h), MemoryLimit (memory.h).
 //
-// Read this header first, then error.h and parallel.h; read the others when a file includes them.
+// Read this header first, then error.h, argument_error.h and parallel.h; read the others as needed.
 namespace espalier {
 
 /// Number of an entity among the entities of its dimension, counted from 0.
