@@ -18,9 +18,10 @@
 /// These rules hold for all functions:
 ///
 /// Errors. A function that can fail returns a status: ESPALIER_OK, or an error, for which
-/// espalier_last_error() gives the message of the C++ library. After an error the function has
-/// written nothing, unless its documentation says otherwise. A null pointer where an object or an
-/// array is needed is an error, and never a crash. No function throws, prints or aborts.
+/// espalier_last_error() gives the message of the C++ library, with the names of C. After an error
+/// the function has written nothing, unless its documentation says otherwise. A null pointer where
+/// an object or an array is needed is an error, and never a crash. No function throws, prints or
+/// aborts.
 ///
 /// Ownership. A function named ..._create, ..._read, ..._load or ..._table makes an object. The
 /// caller destroys it with the destroy function of its type; destroying null does nothing. Objects

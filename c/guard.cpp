@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard.h"
 
-#include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
@@ -57,10 +56,20 @@ LastErrorTexts lastTexts;
 /// its start (see loopContext()).
 [[gnu::tls_model("initial-exec")]] thread_local constinit const char* lastError = "";
 
-espalier_status report(espalier_status status, const char* text) noexcept {
+/// Returns the message of an error, with the names of C: minor_radius for minorRadius. The module
+/// for JavaScript, which has the names of C++, keeps these.
+std::string messageOf(const std::exception& error) {
+#ifndef __EMSCRIPTEN__
+    if (const auto* const argument = dynamic_cast<const ArgumentError*>(&error))
+        return argument->message([](const std::string& name) { return separated(name, '_'); });
+#endif
+    return error.what();
+}
+
+espalier_status report(espalier_status status, const std::exception& error) noexcept {
     try {
         std::string& own = lastTexts.text();
-        own = text;
+        own = messageOf(error);
         lastError = own.c_str();
     } catch (...) {
         lastError = kNoMemoryForMessage;
@@ -79,22 +88,23 @@ espalier_status statusOfException() noexcept {
     try {
         throw;
     } catch (const io::FileError& error) {
-        return report(ESPALIER_ERROR_FILE, error.what());
+        return report(ESPALIER_ERROR_FILE, error);
     } catch (const MemoryError& error) {
-        return report(ESPALIER_ERROR_MEMORY, error.what());
+        return report(ESPALIER_ERROR_MEMORY, error);
     } catch (const Error& error) {
-        return report(ESPALIER_ERROR_INPUT, error.what());
+        return report(ESPALIER_ERROR_INPUT, error);
     } catch (const Cancelled& cancelled) {
-        return report(ESPALIER_CANCELLED, cancelled.what());
+        return report(ESPALIER_CANCELLED, cancelled);
     } catch (const std::bad_alloc&) {
         return reportNoMemory();
     } catch (const std::length_error&) {
         // A container was asked to hold more than memory could.
         return reportNoMemory();
     } catch (const std::exception& error) {
-        return report(ESPALIER_ERROR_INTERNAL, error.what());
+        return report(ESPALIER_ERROR_INTERNAL, error);
     } catch (...) {
-        return report(ESPALIER_ERROR_INTERNAL, "an exception of unknown type");
+        lastError = "an exception of unknown type";
+        return ESPALIER_ERROR_INTERNAL;
     }
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/point.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -85,6 +87,19 @@ inline std::vector<Point3> positions(const double* values, std::int64_t count, c
     return result;
 }
 
+/// Copies an array of positions, which must be finite.
+/// \throws Error that names the first position that is not: "pose[3]"
+inline std::vector<Point3> finitePositions(const double* values, std::int64_t count,
+                                           const char* name) {
+    std::vector<Point3> result = positions(values, count, name);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        for (const double coordinate : result[i])
+            if (!std::isfinite(coordinate))
+                throw Error(
+                    concat(name, "[", i, "] is ", textOf(result[i]), "; expected finite numbers"));
+    return result;
+}
+
 /// Returns positions as an array for C; null if there are none.
 inline const double* numbers(const std::vector<Point3>& positions) {
     return positions.empty() ? nullptr : positions.front().data();
@@ -101,8 +116,8 @@ inline void checkCount(std::int64_t got, std::int64_t expected, const char* what
 template <class Enum>
 Enum choice(std::int32_t value, Enum last, const char* name) {
     if (value < 0 || value > static_cast<std::int32_t>(last))
-        throw Error(
-            concat(name, " is ", value, "; expected 0 to ", static_cast<std::int32_t>(last)));
+        throw ArgumentError("", name, std::to_string(value),
+                            concat("0 to ", static_cast<std::int32_t>(last)));
     return static_cast<Enum>(value);
 }
 

@@ -5,7 +5,6 @@
 #include <espalier/embed/embedding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/binding_file.h>
-#include <espalier/shapes/field_names.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -64,19 +63,6 @@ inline Point3 point(const double* values, const char* name) {
     return {given[0], given[1], given[2]};
 }
 
-/// Calls a function of shapes/.
-/// \throws Error with the names of C (minor_radius)
-template <class Call>
-auto withNamesOfC(const Call& call) {
-    try {
-        return call();
-    } catch (const MemoryError&) {
-        throw;
-    } catch (const Error& error) {
-        throw Error(shapes::withUnderscores(error.what()));
-    }
-}
-
 /// Returns the given options, or the defaults.
 /// \throws Error if the struct has a wrong size
 inline espalier_bind_options bindOptions(const espalier_bind_options* options) {
@@ -91,10 +77,11 @@ inline espalier_bind_options levelBindOptions(const espalier_bind_options* optio
                                               const char* reason) {
     const espalier_bind_options chosen = bindOptions(options);
     if (chosen.limit_tolerance != 0)
-        throw Error(
-            concat("limit_tolerance is ", chosen.limit_tolerance, "; expected 0, since ", reason));
+        throw ArgumentError("", "limit_tolerance", textOf(chosen.limit_tolerance),
+                            concat("0, since ", reason));
     if (chosen.gradients != 0)
-        throw Error(concat("gradients is ", chosen.gradients, "; expected 0, since ", reason));
+        throw ArgumentError("", "gradients", std::to_string(chosen.gradients),
+                            concat("0, since ", reason));
     return chosen;
 }
 

@@ -76,7 +76,7 @@ espalier_status espalier_progress_scope_create(espalier_progress_callback callba
     return c::result(scope, "scope", [&] {
         if (callback == nullptr) throw Error("callback is null");
         if (milliseconds < 0)
-            throw Error(concat("milliseconds is ", milliseconds, "; expected 0 or more"));
+            throw ArgumentError("", "milliseconds", std::to_string(milliseconds), "0 or more");
         const auto report = [callback, user](const Progress& progress) {
             const espalier_progress given = {progress.stage, progress.done, progress.count};
             return callback(user, &given) != 0;
@@ -101,7 +101,7 @@ void espalier_executor_scope_destroy(espalier_executor_scope* scope) {
 
 espalier_status espalier_thread_limit_create(int32_t threads, espalier_thread_limit** limit) {
     return c::result(limit, "limit", [&] {
-        if (threads < 1) throw Error(concat("threads is ", threads, "; expected 1 or more"));
+        if (threads < 1) throw ArgumentError("", "threads", std::to_string(threads), "1 or more");
         return new espalier_thread_limit{ThreadLimit(threads)};
     });
 }
@@ -112,7 +112,7 @@ void espalier_thread_limit_destroy(espalier_thread_limit* limit) {
 
 espalier_status espalier_memory_limit_create(int64_t bytes, espalier_memory_limit** limit) {
     return c::result(limit, "limit", [&] {
-        if (bytes < 1) throw Error(concat("bytes is ", bytes, "; expected 1 or more"));
+        if (bytes < 1) throw ArgumentError("", "bytes", std::to_string(bytes), "1 or more");
         return new espalier_memory_limit(static_cast<std::uint64_t>(bytes));
     });
 }

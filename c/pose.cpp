@@ -29,7 +29,7 @@ espalier_status select(std::int32_t count, const double* given, const espalier_f
         const auto from = positions(given, count, "positions");
         const auto to = array(weights, count, "weights");
         const shapes::Falloff decrease = falloffOf(falloff);
-        std::ranges::copy(withNamesOfC([&] { return select(from, decrease); }), to.begin());
+        std::ranges::copy(select(from, decrease), to.begin());
     });
 }
 
@@ -56,7 +56,7 @@ espalier_status operate(std::int32_t count, const double* given,
         const auto from = positions(given, count, "positions");
         const auto to = array(pose, count, "pose", 3);
         const shapes::pose::Place place = placeOf(count, options);
-        write(withNamesOfC([&] { return operate(from, place); }), to);
+        write(operate(from, place), to);
     });
 }
 

@@ -73,7 +73,7 @@ void espalier_refiner_destroy(espalier_refiner* refiner) {
 espalier_status espalier_refiner_refine(espalier_refiner* refiner, int32_t level) {
     return c::guarded([&] {
         auto& own = c::deref(refiner, "refiner").refiner;
-        if (level < 0) throw Error(concat("level is ", level, "; expected 0 or more"));
+        if (level < 0) throw ArgumentError("", "level", std::to_string(level), "0 or more");
         own.refineUniform(level);
     });
 }
@@ -149,7 +149,7 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
             return own.refiner.level(each).complex.count(0);
         };
         if (components < 1)
-            throw Error(concat("components is ", components, "; expected 1 or more"));
+            throw ArgumentError("", "components", std::to_string(components), "1 or more");
         c::checkCount(size, countOf(0) * components, "numbers on the vertices of the lattice");
         c::checkCount(result_size, countOf(level) * components,
                       "numbers in the array for the result");

@@ -26,10 +26,9 @@ shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
 }
 
 /// Makes a lattice of the inventory.
-/// \throws Error with the field names of C
 template <class Options>
 espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
-    return new espalier_lattice{withNamesOfC([&] { return shape(options); })};
+    return new espalier_lattice{shape(options)};
 }
 
 using RegularSolid = Lattice (*)(const shapes::RegularSolidOptions&);
@@ -59,14 +58,12 @@ espalier_status espalier_lattice_create_around(int64_t point_count, const double
         const auto places = c::positions(points, point_count, "points");
         const auto chosen = c::optionsOrDefaults(options, espalier_default_around_options(),
                                                  "espalier_default_around_options");
-        return new espalier_lattice{c::withNamesOfC([&] {
-            return shapes::around(places,
-                                  {.cells = {chosen.cells[0], chosen.cells[1], chosen.cells[2]},
-                                   .cellSize = chosen.cell_size,
-                                   .cellsAlongLongest = chosen.cells_along_longest,
-                                   .margin = chosen.margin,
-                                   .oriented = chosen.oriented != 0});
-        })};
+        return new espalier_lattice{
+            shapes::around(places, {.cells = {chosen.cells[0], chosen.cells[1], chosen.cells[2]},
+                                    .cellSize = chosen.cell_size,
+                                    .cellsAlongLongest = chosen.cells_along_longest,
+                                    .margin = chosen.margin,
+                                    .oriented = chosen.oriented != 0})};
     });
 }
 
@@ -82,13 +79,12 @@ espalier_status espalier_lattice_create_cage(int32_t point_count, const double* 
         const auto chosen = c::optionsOrDefaults(options, espalier_default_cage_options(),
                                                  "espalier_default_cage_options");
         const std::vector<std::size_t> ends(offsets.begin() + 1, offsets.end());
-        return new espalier_lattice{c::withNamesOfC([&] {
-            return cages::cage({places, corners, ends}, {.vertices = chosen.vertices,
-                                                         .cellSize = chosen.cell_size,
-                                                         .margin = chosen.margin,
-                                                         .shell = chosen.shell,
-                                                         .keepApart = chosen.keep_apart != 0});
-        })};
+        return new espalier_lattice{
+            cages::cage({places, corners, ends}, {.vertices = chosen.vertices,
+                                                  .cellSize = chosen.cell_size,
+                                                  .margin = chosen.margin,
+                                                  .shell = chosen.shell,
+                                                  .keepApart = chosen.keep_apart != 0})};
     });
 }
 

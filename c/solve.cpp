@@ -75,7 +75,7 @@ espalier_validity* newValidity(const espalier_refiner& refiner, const double* po
                                std::int32_t count, const espalier_validity_options& chosen) {
     const bool isLimit = choice(chosen.of_limit, 1, "of_limit") != 0;
     if (!isLimit && chosen.level < 1)
-        throw Error(concat("level is ", chosen.level, "; expected 1 or more"));
+        throw ArgumentError("", "level", std::to_string(chosen.level), "1 or more");
     far::TopologyRefiner levels = baseOf(refiner.refiner);
     const int level = isLimit ? 0 : chosen.level;
     // Checks the number of positions before anything is refined.

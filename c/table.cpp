@@ -71,7 +71,7 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
         const auto chosen = c::optionsOrDefaults(options, espalier_default_limit_stencil_options(),
                                                  "espalier_default_limit_stencil_options");
         if (chosen.derivatives < 0 || chosen.derivatives > 2)
-            throw Error(concat("derivatives is ", chosen.derivatives, "; expected 0 to 2"));
+            throw ArgumentError("", "derivatives", std::to_string(chosen.derivatives), "0 to 2");
         c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
                       "tables in the array for the result");
         const auto out = c::array(tables, table_count, "tables");

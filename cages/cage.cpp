@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/argument_error.h>
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
@@ -159,27 +160,27 @@ private:
 
 void requireNumber(double value, const char* name, double max) {
     if (!(value >= 0 && value <= max))
-        throw Error(concat("cage: ", name, " is ", textOf(value), "; expected 0 to ", textOf(max)));
+        throw ArgumentError("cage", name, textOf(value), "0 to " + textOf(max));
 }
 
 CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     : surface_(model), options_(options) {
     if (options.vertices < 8 || options.vertices > kMaxVertices)
-        throw Error(
-            concat("cage: vertices is ", options.vertices, "; expected 8 to ", kMaxVertices));
+        throw ArgumentError("cage", "vertices", std::to_string(options.vertices),
+                            concat("8 to ", kMaxVertices));
     requireNumber(options.cellSize, "cellSize", 1e90);
     requireNumber(options.margin, "margin", 1);
     const std::span<const Point3> points(surface_.points().data(), surface_.modelPointCount());
     diagonal_ = BoundingBox(points).diagonal();
-    if (diagonal_ == 0) throw Error("cage: all points of the model are at one place");
+    if (diagonal_ == 0) throw Error("all points of the model are at one place");
     if (diagonal_ < kMinDiagonal || diagonal_ > kMaxDiagonal)
-        throw Error(concat("cage: the diagonal of the model is ", textOf(diagonal_), "; expected ",
+        throw Error(concat("the diagonal of the model is ", textOf(diagonal_), "; expected ",
                            textOf(kMinDiagonal), " to ", textOf(kMaxDiagonal),
                            "; scale the model"));
     for (const Point3& point : points)
         for (const double coordinate : point)
             if (std::abs(coordinate) > kMaxDistance * diagonal_)
-                throw Error(concat("cage: a coordinate of the model is ", textOf(coordinate),
+                throw Error(concat("a coordinate of the model is ", textOf(coordinate),
                                    ", too large for its diagonal of ", textOf(diagonal_),
                                    "; move the model to the origin"));
     requireNumber(options.shell, "shell", 2 * diagonal_);
@@ -188,8 +189,8 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     work_ = Work(mostWork(surface_.triangles().size(), vertexEstimate()));
     choose(kWays.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
-        throw Error(concat("cage: cellSize is ", textOf(options.cellSize), "; expected at least ",
-                           textOf(smallestSize_), " for this model"));
+        throw ArgumentError("cage", "cellSize", textOf(options.cellSize),
+                            concat("at least ", smallestSize_, " for this model"));
 }
 
 void CageMaker::addFrames() {
@@ -417,7 +418,7 @@ Lattice CageMaker::make() {
     const std::string wanted = options_.cellSize > 0
                                    ? concat("with cells of the size ", textOf(options_.cellSize))
                                    : concat("of about ", options_.vertices, " vertices");
-    throw Error(concat("cage: found no lattice ", wanted, " that follows the model",
+    throw Error(concat("found no lattice ", wanted, " that follows the model",
                        failure.empty() ? "" : "; the last one that was tried: ", failure, end,
                        loosePointText(surface_),
                        options_.cellSize > 0 ? "; try smaller cells" : "; try more vertices",

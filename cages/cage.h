@@ -66,11 +66,12 @@ struct CageOptions {
 /// are wound the same way, with faces that start at another corner, or with all faces turned
 /// around.
 ///
-/// \throws Error if there are no faces, a face names a point that does not exist, a point is not
-///         finite or beyond ±1e90, the diagonal of the model is not between 1e-40 and 1e40, or a
-///         coordinate is beyond 1e8 diagonals; for an option out of range; if no lattice of about
-///         this size can be fitted, which happens for tangled models and few vertices; if none is
-///         proved within a limit on the work, which is counted and does not depend on the machine
+/// \throws ArgumentError for an option out of range; Error if there are no faces, a face names a
+///         point that does not exist, a point is not finite or beyond ±1e90, the diagonal of the
+///         model is not between 1e-40 and 1e40, or a coordinate is beyond 1e8 diagonals; if no
+///         lattice of about this size can be fitted, which happens for tangled models and few
+///         vertices; if none is proved within a limit on the work, which is counted and does not
+///         depend on the machine
 /// \cost on one thread about 4 s for 100,000 triangles and 500 vertices, 19 s and 1.04 GB for 1.7
 ///       million triangles. Grows with the number of vertices; docs/cages.md has times
 ESPALIER_API Lattice cage(const SurfaceModel& model, const CageOptions& options = {});

@@ -188,7 +188,7 @@ void Sampler::addIfFar(const Point3& point, const Normal& normal) {
 void Sampler::leaveOut() {
     if (parts_ == 1)
         throw Error(
-            concat("cage: the faces of the model fill so many cells that they need more "
+            concat("the faces of the model fill so many cells that they need more "
                    "than ",
                    options_.most, " samples; ask for fewer vertices or larger cells"));
     parts_ /= 2;

@@ -136,17 +136,17 @@ void ModelSurface::join(const SurfaceModel& model) {
     std::size_t begin = 0;
     for (std::size_t face = 0; face < model.ends.size(); ++face) {
         if (model.ends[face] < begin || model.ends[face] > model.corners.size())
-            throw Error(concat("cage: face ", face, " ends at corner ", model.ends[face],
-                               "; expected ", begin, " to ", model.corners.size()));
+            throw Error(concat("face ", face, " ends at corner ", model.ends[face], "; expected ",
+                               begin, " to ", model.corners.size()));
         begin = model.ends[face];
     }
     for (std::size_t i = 0; i < model.points.size(); ++i)
         for (const double coordinate : model.points[i])
             if (!(std::abs(coordinate) <= 1e90))
                 throw Error(concat(
-                    "cage: point ", i,
+                    "point ", i,
                     std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
-    if (model.ends.empty()) throw Error("cage: the model has no faces");
+    if (model.ends.empty()) throw Error("the model has no faces");
     // Points at one place get one number. Adding 0 turns −0 into 0.
     std::vector<std::pair<Point3, Index>> keyed;
     keyed.reserve(model.points.size());
@@ -172,7 +172,7 @@ void ModelSurface::join(const SurfaceModel& model) {
         loop.clear();
         for (const Index corner : model.corners.subspan(begin, end - begin)) {
             if (corner < 0 || corner >= std::ssize(model.points))
-                throw Error(concat("cage: a face names point ", corner, "; expected 0 to ",
+                throw Error(concat("a face names point ", corner, "; expected 0 to ",
                                    std::ssize(model.points) - 1));
             loop.push_back(numbers[corner]);
             isUsed[numbers[corner]] = 1;

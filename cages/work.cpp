@@ -7,7 +7,7 @@ namespace espalier::cages {
 
 void Work::add(double steps) {
     checkCancelled();
-    if (done_ + steps > limit_) throw WorkError("cage: the bound on the work is reached");
+    if (done_ + steps > limit_) throw WorkError("the bound on the work is reached");
     done_ += steps;
 }
 

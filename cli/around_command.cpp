@@ -29,7 +29,6 @@ struct AroundCommandOptions {
     std::vector<double> part;  ///< two corners of a box; empty for whole models
     shapes::AroundOptions shape;
     std::string output;
-    const CLI::App* command = nullptr;
 };
 
 /// Reads the points of all models that are in the part.
@@ -86,7 +85,8 @@ Index countOutside(const Lattice& lattice, std::span<const Point3> points) {
 shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
     shapes::AroundOptions shape = options.shape;
     for (const int count : options.cells)
-        if (count < 1) throw CLI::ValidationError("--cells", "expected 1 or more");
+        if (count < 1)
+            throw CLI::ValidationError("--cells", fmt::format("expected 1 or more, got {}", count));
     if (options.cells.size() == 2)
         throw CLI::ValidationError("--cells", "expected one number or three, got two");
     if (options.cells.size() == 1) shape.cellsAlongLongest = options.cells.front();
@@ -108,10 +108,7 @@ void runAround(const AroundCommandOptions& options) {
     constexpr int kMaxRounds = 10;
     for (int round = 0;; ++round) {
         const Lattice lattice = stages.run("building", [&] {
-            return ofFile(options.models.front(), [&] {
-                return withNamesOfOptions(*options.command,
-                                          [&] { return shapes::around(points, shape); });
-            });
+            return ofFile(options.models.front(), [&] { return shapes::around(points, shape); });
         });
         const Index outside = stages.run("checking", [&] { return countOutside(lattice, points); });
         if (outside > 0 && round < kMaxRounds) {
@@ -141,7 +138,6 @@ void runAround(const AroundCommandOptions& options) {
 void addAroundCommand(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "around", "A box of hexahedra around the points of one or more models", runAround);
-    options.command = &command;
     command.add_option("MODEL", options.models, "The models: " + kModelFiles)
         ->required()
         ->expected(1, 1000);

@@ -19,7 +19,6 @@ struct CageCommandOptions {
     std::vector<std::string> models;
     cages::CageOptions cage;
     std::string output;
-    const CLI::App* command = nullptr;
 };
 
 void runCage(const CageCommandOptions& options) {
@@ -45,9 +44,7 @@ void runCage(const CageCommandOptions& options) {
     }
     const Lattice lattice = stages.run("building", [&] {
         return ofFile(options.models.front(), [&] {
-            return withNamesOfOptions(*options.command, [&] {
-                return cages::cage({points, faces.corners, faces.ends}, options.cage);
-            });
+            return cages::cage({points, faces.corners, faces.ends}, options.cage);
         });
     });
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
@@ -62,7 +59,6 @@ void addCageCommand(CLI::App& shape) {
     const auto [command, options] =
         addCommand(shape, "cage",
                    "A lattice of hexahedra that follows the shape of one or more models", runCage);
-    options.command = &command;
     command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
         ->required()
         ->expected(1, 1000);

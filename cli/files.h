@@ -38,7 +38,7 @@ std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::
 
 /// Refuses two inputs that are the same pipe or device: reading the second one would wait for ever.
 /// Refuses "-" unless a file has this name, since the extension of a name tells the format.
-/// \throws FileError naming the file and the arguments; CLI::ValidationError for an empty name
+/// \throws FileError naming the file and the arguments
 void checkInputs(const std::vector<Input>& inputs);
 
 /// Refuses an output that is also an input, whose folder does not exist, or that must not be
@@ -62,12 +62,14 @@ Lattice readLattice(const std::filesystem::path& path, Stages& stages,
 std::pair<Lattice, far::TopologyRefiner> readAndRefine(const LatticeOptions& options, FileKind kind,
                                                        Stages& stages);
 
-/// Runs `work`, and adds the name of the file to its errors.
+/// Runs `work`, and adds the name of the file to its errors, except those that are about an option.
 template <class Work>
 auto ofFile(const std::filesystem::path& path, const Work& work) {
     try {
         return work();
     } catch (const io::FileError&) {
+        throw;
+    } catch (const ArgumentError&) {
         throw;
     } catch (const MemoryError& error) {
         throw MemoryError(io::shownPath(path) + ": " + error.what());

@@ -94,14 +94,29 @@ struct MemoryOption {
     }
 };
 
+/// Returns the number of bytes that a size such as 4GB means; nothing for another text, and for 0.
+std::optional<std::string> bytesOf(std::string size) {
+    std::uint64_t number = 0;
+    try {
+        // CLI::AsSizeValue would read -1 as the largest number.
+        if (!size.starts_with('-') && CLI::AsSizeValue(true)(size).empty() &&
+            CLI::detail::lexical_cast(size, number) && number > 0)
+            return size;
+    } catch (const CLI::ValidationError&) {
+        // It throws where it does not know the unit.
+    }
+    return std::nullopt;
+}
+
 /// Adds --max-memory to a command and its subcommands.
 void addTo(CLI::App& command, MemoryOption& setting) {
     const CLI::Validator asSize(
         [](std::string& text) {
-            // CLI::AsSizeValue would read -1 as the largest number.
-            const std::string error =
-                text.starts_with('-') ? "expected more than 0" : CLI::AsSizeValue(true)(text);
-            return error.empty() && text == "0" ? "expected more than 0" : error;
+            if (const auto bytes = bytesOf(text)) {
+                text = *bytes;
+                return std::string();
+            }
+            return "expected a size above 0, such as 500MB or 4GB, got " + cli::shown(text);
         },
         "");
     command
@@ -152,8 +167,8 @@ int run(int argumentCount, char** arguments) {
         std::string("espalier help COMMAND lists the options of a command.\nExit codes: ") +
         kExitCodes);
     const auto memory = std::make_shared<MemoryOption>();
+    checkValues(program);
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
-    checkNumbers(program);
     program.parse_complete_callback([memory] { memory->apply(); });
 #ifdef ESPALIER_WITH_TBB
     const SignalsToMainThread signals;
@@ -164,22 +179,28 @@ int run(int argumentCount, char** arguments) {
         words.erase(words.begin());
         words.push_back("--help");
     }
+    const CLI::App* command = &program;
     try {
-        const CLI::App& command = findCommand(program, words);
-        if (!command.get_subcommands({}).empty() &&
-            (words.empty() || words.back() == command.get_name())) {
-            const bool isProgram = &command == &program;
-            fmt::print("{}", command.help(isProgram ? "" : program.get_name()));
+        command = &findCommand(program, words);
+        if (!command->get_subcommands({}).empty() &&
+            (words.empty() || words.back() == command->get_name())) {
+            const bool isProgram = command == &program;
+            fmt::print("{}", command->help(isProgram ? "" : program.get_name()));
             printError("expected a command, as listed above");
             return kUsage;
         }
-        endNumbers(command, words);
+        endNumbers(*command, words);
         std::ranges::reverse(words);  // as the parser takes them
         program.parse(std::move(words));
     } catch (const CLI::Success& helpOrVersion) {
         program.exit(helpOrVersion);
     } catch (const CLI::ParseError& error) {
         printError(error.what());
+        return kUsage;
+    } catch (const ArgumentError& error) {
+        const auto message = messageOnOption(*command, error);
+        if (!message) throw;
+        printError(message->c_str());
         return kUsage;
     }
     return kSuccess;

@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <string_view>
 #include <vector>
 
 namespace espalier::cli {
@@ -97,6 +95,10 @@ CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::st
     return command.add_option(name, path, help)->check(isNotDash);
 }
 
+std::string shown(const std::string& word) {
+    return word.empty() ? "nothing" : word;
+}
+
 std::optional<double> numberOf(const std::string& word) {
     double number = 0;
     if (!CLI::detail::lexical_cast(word, number) || !std::isfinite(number)) return std::nullopt;
@@ -116,72 +118,36 @@ CLI::Validator isNumberOf(const std::string& words) {
         [words](std::string& text) {
             return numberOf(text) ? std::string()
                                   : "expected " + words + ", with spaces or commas between, got " +
-                                        (text.empty() ? "nothing" : text);
+                                        shown(text);
         },
         "");
 }
 
 namespace {
 
-bool isLetter(char c) {
-    return std::isalpha(static_cast<unsigned char>(c)) != 0;
-}
-bool isCapital(char c) {
-    return std::isupper(static_cast<unsigned char>(c)) != 0;
-}
-
-/// Returns the option of a command that sets a field of a C++ struct: "--minor-radius" for
-/// "minorRadius". The option may have some of the words only: "--grid" for "gridCells", "--size"
-/// for "cellSize", "--joint" for "joints". Empty if there is no such option.
-std::string optionOfField(const CLI::App& command, std::string_view field) {
-    std::vector<std::string> words(1);
-    for (const char c : field) {
-        if (isCapital(c)) words.emplace_back();
-        words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
-    const auto option = [&](std::size_t begin, std::size_t end) {
-        std::string name = "-";
-        for (std::size_t i = begin; i < end; ++i) name += "-" + words[i];
-        if (command.get_option_no_throw(name) != nullptr) return name;
-        if (name.back() == 's') name.pop_back();
-        return command.get_option_no_throw(name) != nullptr ? name : std::string();
-    };
-    for (std::size_t end = words.size(); end > 0; --end)
-        if (std::string name = option(0, end); !name.empty()) return name;
-    for (std::size_t begin = 1; begin < words.size(); ++begin)
-        if (std::string name = option(begin, words.size()); !name.empty()) return name;
-    return {};
+/// Returns the option that sets a field: "--minor-radius" for "minorRadius".
+std::string optionOf(const std::string& field) {
+    // The options that have other words than the field.
+    static const std::map<std::string, std::string> kOthers = {
+        {"cellSize", "size"}, {"cellsAlongLongest", "cells"},
+        {"frozen", "freeze"}, {"gridCells", "grid"},
+        {"joints", "joint"},  {"limitTolerance", "tolerance"}};
+    const auto other = kOthers.find(field);
+    return "--" + (other != kOthers.end() ? other->second : separated(field, '-'));
 }
 
 }  // namespace
 
-std::string withoutFunction(const std::string& message) {
-    const std::size_t end = message.find(": ");
-    const bool isFunction =
-        end != std::string::npos && std::all_of(message.begin(), message.begin() + end, isLetter);
-    return isFunction ? message.substr(end + 2) : message;
-}
-
-void throwWithNamesOfOptions(const CLI::App& command, const Error& error) {
-    const std::string message = withoutFunction(error.what());
-    std::string text;
-    for (std::size_t at = 0; at < message.size();) {
-        const std::size_t begin = at;
-        while (at < message.size() && isLetter(message[at])) ++at;
-        const std::string word = message.substr(begin, at - begin);
-        // "minorRadius is 3": the first word is a field, unless it begins the name of a file
-        // ("output.vtu lacks ..."). Elsewhere, fields have capitals or an index.
-        const std::string_view after = std::string_view(message).substr(at);
-        const bool isField = after.starts_with('[') ||
-                             (begin == 0 ? after.starts_with(" is ")
-                                         : std::any_of(word.begin(), word.end(), isCapital));
-        const std::string option =
-            isField && !word.empty() ? optionOfField(command, word) : std::string();
-        text += option.empty() ? word : option;
-        if (at < message.size()) text += message[at++];
-    }
-    if (text.starts_with("--")) throw CLI::ValidationError(text, CLI::ExitCodes::ValidationError);
-    throw Error(message);
+std::optional<std::string> messageOnOption(const CLI::App& command, const ArgumentError& error) {
+    const auto endOfName = [](const std::string& field) {
+        return std::min(field.find_first_of("[."), field.size());  // "joints[1].radius"
+    };
+    const std::string& field = error.field();
+    if (command.get_option_no_throw(optionOf(field.substr(0, endOfName(field)))) == nullptr)
+        return std::nullopt;
+    return error.messageOfField([&](const std::string& name) {
+        return optionOf(name.substr(0, endOfName(name))) + name.substr(endOfName(name));
+    });
 }
 
 namespace {
@@ -194,14 +160,28 @@ CLI::Validator numberCheck(const std::string& expected, const std::string& nameI
     return CLI::Validator(
         [expected, isAllowed](std::string& text) {
             const auto number = numberOf(text);
-            return number && isAllowed(*number)
-                       ? std::string()
-                       : "expected " + expected + ", got " + (text.empty() ? "nothing" : text);
+            return number && isAllowed(*number) ? std::string()
+                                                : "expected " + expected + ", got " + shown(text);
         },
         nameInHelp);
 }
 
 }  // namespace
+
+CLI::Validator isWholeNumber(double least, double most) {
+    return CLI::Validator(
+        [least, most](std::string& text) {
+            // The parser converts the same words; 1e3 is none.
+            std::int64_t number = 0;
+            const bool isWhole = numberOf(text) && CLI::detail::lexical_cast(text, number);
+            return isWhole && static_cast<double>(number) >= least &&
+                           static_cast<double>(number) <= most
+                       ? std::string()
+                       : fmt::format("expected a whole number, {} to {}, got {}", least, most,
+                                     shown(text));
+        },
+        "");
+}
 
 CLI::Validator aboveZero(double most) {
     const bool isAny = most == std::numeric_limits<double>::max();
@@ -212,21 +192,27 @@ CLI::Validator aboveZero(double most) {
 
 CLI::Validator inRange(double least, double most, bool whole) {
     const std::string ends = fmt::format("{} to {}", least, most);
-    return numberCheck((whole ? "a whole number, " : "") + ends, ends, [=](double number) {
-        return number >= least && number <= most && (!whole || number == std::floor(number));
-    });
+    if (whole) return isWholeNumber(least, most).description(ends);
+    return numberCheck(ends, ends,
+                       [=](double number) { return number >= least && number <= most; });
 }
 
-void checkNumbers(CLI::App& command) {
-    const auto isWhole = [](double number) { return number == std::floor(number); };
+void checkValues(CLI::App& command) {
+    const CLI::Validator isName(
+        [](std::string& text) {
+            return std::string(text.empty() ? "expected the name of a file, got nothing" : "");
+        },
+        "");
     for (CLI::Option* option : command.get_options()) {
         const std::string type = option->get_type_name();
         if (type.find("FLOAT") != std::string::npos)
             option->check(numberCheck("a finite number", "", [](double) { return true; }));
         else if (type.find("INT") != std::string::npos)
-            option->check(numberCheck("a whole number", "", isWhole));
+            option->check(isWholeNumber());
+        else if (type.find("TEXT") != std::string::npos)
+            option->check(isName);
     }
-    for (CLI::App* inner : command.get_subcommands({})) checkNumbers(*inner);
+    for (CLI::App* inner : command.get_subcommands({})) checkValues(*inner);
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {

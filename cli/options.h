@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/word.h>
 #include <espalier/embed/embedding.h>
@@ -26,6 +26,9 @@ inline const std::string kModelFiles =
     ".obj, .ply, .stl, .vtu, .vtp or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, "
     ".cgns, an OpenFOAM case)";
 
+/// Returns a word as messages show it: "nothing" for an empty word.
+std::string shown(const std::string& word);
+
 /// Adds an option that takes one of a few words. The help shows the words and the default.
 ///
 /// \param value a Choice, or a std::optional of one, with the default
@@ -43,7 +46,8 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, Value& value,
     for (const auto& [word, choice] : choices) names += (names.empty() ? "" : "|") + word;
     const CLI::Validator isWord(
         [choices, names](std::string& text) {
-            return choices.contains(text) ? std::string() : "expected " + names + ", got " + text;
+            return choices.contains(text) ? std::string()
+                                          : "expected " + names + ", got " + shown(text);
         },
         "");
     return command
@@ -109,6 +113,10 @@ std::optional<double> numberOf(const std::string& word);
 /// \param words all words of the option, for the message: "the numbers X Y Z", "AXIS DEGREES"
 CLI::Validator isNumberOf(const std::string& words);
 
+/// Accepts whole numbers from `least` to `most`; by default, those that fit into an int.
+CLI::Validator isWholeNumber(double least = std::numeric_limits<int>::min(),
+                             double most = std::numeric_limits<int>::max());
+
 /// Lets an option take several numbers, with spaces or commas between them.
 /// \param names the numbers in the help: "X Y Z"
 CLI::Option* takeNumbers(CLI::Option* option, const std::string& names);
@@ -120,30 +128,15 @@ CLI::Option* takeNumbers(CLI::Option* option, const std::string& names);
 template <class Value>
 CLI::Option* addNumbers(CLI::App& command, const std::string& name, Value& value,
                         const std::string& names, const std::string& help) {
-    return takeNumbers(command.add_option(name, value, help), names);
+    CLI::Option* const option = takeNumbers(command.add_option(name, value, help), names);
+    if constexpr (requires { requires std::is_same_v<typename Value::value_type, int>; })
+        option->check(isWholeNumber());
+    return option;
 }
 
-/// Throws the exception that withNamesOfOptions() throws in place of `error`.
-[[noreturn]] void throwWithNamesOfOptions(const CLI::App& command, const Error& error);
-
-/// Returns the message of a library without the name of the function at its start: "angle is nan"
-/// for "twist: angle is nan".
-std::string withoutFunction(const std::string& message);
-
-/// Calls a function of a library whose arguments are the options of a command.
-/// \throws CLI::ValidationError in place of an Error that names such an argument, with the names of
-///         the options: "torus: minorRadius is 3" becomes "--minor-radius is 3"; Error in place of
-///         another Error, with the same message but without the name of the function
-template <class Call>
-auto withNamesOfOptions(const CLI::App& command, const Call& call) {
-    try {
-        return call();
-    } catch (const MemoryError&) {
-        throw;
-    } catch (const Error& error) {
-        throwWithNamesOfOptions(command, error);
-    }
-}
+/// Returns the message of an error with the names of the options of a command, "--minor-radius:
+/// expected a number below --major-radius (1), got 3"; nothing if no option sets the field.
+std::optional<std::string> messageOnOption(const CLI::App& command, const ArgumentError& error);
 
 /// Accepts finite numbers above 0, up to `most`. (CLI::PositiveNumber accepts infinity, and its
 /// message has a number of 309 digits.)
@@ -153,9 +146,10 @@ CLI::Validator aboveZero(double most = std::numeric_limits<double>::max());
 /// \param whole only whole numbers
 CLI::Validator inRange(double least, double most, bool whole = false);
 
-/// Lets all options of a command and its subcommands that take a number refuse words that are no
-/// finite number, or no whole number where they take one. Call this when all options are there.
-void checkNumbers(CLI::App& command);
+/// Lets all options of a command and its subcommands refuse words that are no finite number where
+/// they take a number, that are no whole number where they take one, and that are empty where they
+/// take the name of a file. Call this when all options are there.
+void checkValues(CLI::App& command);
 
 /// Adds -n to a command.
 void addLevelOption(CLI::App& command, int& level, int least);

@@ -63,9 +63,9 @@ std::optional<Point3> directionOf(std::string_view word) {
 CLI::Validator isDirection() {
     return CLI::Validator(
         [](std::string& word) {
-            return directionOf(word) ? std::string()
-                                     : "expected an axis x, y or z, or with a sign: +x, -z; got " +
-                                           (word.empty() ? "nothing" : word);
+            return directionOf(word)
+                       ? std::string()
+                       : "expected an axis x, y or z, or with a sign (+x, -z), got " + shown(word);
         },
         "");
 }
@@ -215,7 +215,9 @@ public:
 
     void setFalloff(const shapes::Falloff& falloff) {
         constexpr const char* kOption = "--falloff";
-        if (!(falloff.radius > 0)) throw CLI::ValidationError(kOption, "expected a radius above 0");
+        if (!(falloff.radius > 0))
+            throw CLI::ValidationError(
+                kOption, fmt::format("expected a radius above 0, got {}", falloff.radius));
         if (!selection_)
             throw CLI::ValidationError(
                 kOption, "the whole lattice is selected; give --select before --falloff");
@@ -305,8 +307,10 @@ void runPose(const PoseOptions& options) {
                 step.run(posing);
             } catch (const MemoryError&) {
                 throw;
+            } catch (const ArgumentError& error) {
+                throw CLI::ValidationError(step.option, error.messageOfField(std::identity()));
             } catch (const Error& error) {
-                throw CLI::ValidationError(step.option, withoutFunction(error.what()));
+                throw CLI::ValidationError(step.option, error.what());
             }
         }
     });
@@ -440,7 +444,8 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
     using WordAndNumber = std::array<std::string, 2>;
     const CLI::Validator isProfile(
         [](std::string& word) {
-            return falloffOf(word) ? std::string() : "expected linear or smooth, got " + word;
+            return falloffOf(word) ? std::string()
+                                   : "expected linear or smooth, got " + shown(word);
         },
         "");
     addStep<WordAndNumber>(command, steps, "--falloff",

@@ -35,13 +35,11 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
     addOptions(command, state->shape);
     addOutputOption(command, state->output, "The lattice: .ovm, .vtu or .vtk")->required();
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
-    command.callback([state, make, &command] {
+    command.callback([state, make] {
         checkOutput(state->output, {});
         io::checkLatticeTarget(state->output);
         Stages stages(state->common.quiet);
-        const Lattice lattice = stages.run("building", [&] {
-            return withNamesOfOptions(command, [&] { return make(state->shape); });
-        });
+        const Lattice lattice = stages.run("building", [&] { return make(state->shape); });
         stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
         if (!state->common.quiet)
             fmt::print("{}: {} vertices, {} cells\n", printable(state->output),
@@ -198,7 +196,6 @@ struct MergeCommandOptions {
     shapes::MergeOptions merge;
     bool allowSeparate = false;
     std::string output;
-    const CLI::App* command = nullptr;
 };
 
 /// Throws if a lattice shares no face with the first one, directly or through other lattices:
@@ -227,9 +224,7 @@ void runMerge(const MergeCommandOptions& options) {
         lattices.push_back(readLattice(path, stages));
         merge.names.push_back(io::shownPath(path));
     }
-    const Lattice merged = stages.run("building", [&] {
-        return withNamesOfOptions(*options.command, [&] { return shapes::merge(lattices, merge); });
-    });
+    const Lattice merged = stages.run("building", [&] { return shapes::merge(lattices, merge); });
     const shapes::MergeJoints joints = shapes::findJoints(lattices, merged);
     const auto countOf = [](Index count, const char* one, const char* several) {
         return fmt::format("{} {}", count, count == 1 ? one : several);
@@ -246,7 +241,6 @@ void runMerge(const MergeCommandOptions& options) {
 void addMerge(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "merge", "Merge lattices into one: vertices at the same place are joined", runMerge);
-    options.command = &command;
     command.add_option("LATTICE", options.lattices, "Two or more lattices: " + kLatticeFiles)
         ->required()
         ->expected(2, 1000);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/space_curve.h>
 
@@ -33,12 +33,9 @@ void checkRest(const RestLattice& lattice, int level) {
             "points can be bound only with a refiner that has not been refined; this one has been "
             "refined to level " +
             std::to_string(base.maxLevel()));
-    if (level < 1)
-        throw Error("points can be bound to level 1 or above, not to level " +
-                    std::to_string(level));
-    if (level > kMaxLevelOfPoints)
-        throw Error("points can be bound to level " + std::to_string(kMaxLevelOfPoints) +
-                    " at most, not to level " + std::to_string(level));
+    if (level < 1 || level > kMaxLevelOfPoints)
+        throw ArgumentError("", "level", std::to_string(level),
+                            concat("1 to ", kMaxLevelOfPoints, " to bind points"));
     const far::Level& level0 = base.level(0);
     checkPositions(level0.complex, lattice.positions);
     // Under Boundary::Open there may be no next level: refineUniform() throws and says why.
@@ -50,7 +47,7 @@ void checkRest(const RestLattice& lattice, int level) {
 
 double checkedTolerance(double tolerance) {
     if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
-    throw Error(concat("the tolerance is ", tolerance, "; expected 0 or more"));
+    throw ArgumentError("", "tolerance", textOf(tolerance), "a finite number of 0 or more");
 }
 
 std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers) {

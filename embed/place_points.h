@@ -22,13 +22,13 @@ inline std::array<double, 3> toArray(const Eigen::Vector3d& v) {
 void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions);
 
 /// Checks that points can be bound to a level of a lattice.
-/// \throws Error if the base is not a lattice or has been refined, or the level is not 1 to
-///         kMaxLevelOfPoints; as checkPositions(); and as refineUniform() if refinement would leave
-///         no cells
+/// \throws ArgumentError if the level is not 1 to kMaxLevelOfPoints; Error if the base is not a
+///         lattice or has been refined; as checkPositions(); and as refineUniform() if refinement
+///         would leave no cells
 void checkRest(const RestLattice& lattice, int level);
 
 /// Returns the tolerance, checked.
-/// \throws Error if it is negative or not finite
+/// \throws ArgumentError if it is negative or not finite
 double checkedTolerance(double tolerance);
 
 /// \throws Error if there are more points than an Index can count

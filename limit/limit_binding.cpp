@@ -265,7 +265,7 @@ private:
 embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                              std::span<const Point3> points,
                                              const LimitOptions& options) {
-    checkLimitTolerance(options.tolerance);
+    checkLimitTolerance(options.tolerance, "limitTolerance");
     checkLimitRules(lattice.base.rules());
     embed::checkRest(lattice, 1);
     checkSides(lattice.base.level(0).complex);

@@ -34,7 +34,8 @@ struct LimitOptions {
     /// Largest size of a blended cell, as a fraction of the size of the base. Cells at irregular
     /// features are refined until their corners are at most this far apart in any pose; then the
     /// exact limits of their corners are blended. A point within this distance of the limit of an
-    /// irregular edge gets a place on the edge. 1e-14 to 1e-1.
+    /// irregular edge gets a place on the edge. 1e-14 to 1e-1. Errors call it `limitTolerance`,
+    /// since `embedding` has a tolerance as well.
     double tolerance = kLimitTolerance;
 
     /// Makes LimitTable::gradients. Points are then placed with a tolerance of at most 1e-12,
@@ -85,8 +86,8 @@ struct LimitTable {
 /// as inside; the gap is narrower than the tolerance.
 ///
 /// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
-///         around which the levels would take all memory; for a tolerance that is out of range; and
-///         under Rules::Rats
+///         around which the levels would take all memory; and under Rules::Rats; ArgumentError
+///         for a tolerance that is out of range
 /// \cost O(points · entries of D per point); on an irregular edge 20 µs per point, and beside it or
 ///       near an irregular vertex times the logarithm of the distance to it, about 0.8 ms per
 ///       level. In parallel; the result does not depend on the number of threads. A few points at a

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_parts.h>
@@ -54,8 +54,8 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
     if (level < 1 || level > kMaxLevelOfParts)
-        throw Error("the level that irregular features are refined to is " + std::to_string(level) +
-                    "; expected 1 to " + std::to_string(kMaxLevelOfParts));
+        throw ArgumentError("", "level", std::to_string(level),
+                            concat("1 to ", kMaxLevelOfParts, " to refine irregular features"));
     auto refined = std::make_shared<Refined>(
         Refined{stencils::Levels(far::TopologyRefiner(base.level(0), base.options()))});
     stencils::Levels& levels = refined->levels;

@@ -54,7 +54,7 @@ public:
     /// \param base a lattice; its level 0 is refined anew, locally
     /// \param level level to which irregular features are refined, 1 to kMaxLevelOfParts. Each
     ///        level halves the width of the blended region around a feature
-    /// \throws Error if `base` is not a lattice or `level` is out of range;
+    /// \throws Error if `base` is not a lattice; ArgumentError if `level` is out of range;
     ///         TopologyError and MemoryError as TopologyRefiner::refineUniform()
     /// \cost O(parts). Each level multiplies the number of parts at a feature: by 4 at a surface,
     ///       such as an open boundary, by 2 at an edge, by 1 at a vertex

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "limit_place.h"
 
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 namespace espalier::limit {
 namespace {
@@ -136,11 +136,9 @@ std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const In
     return result;
 }
 
-void checkLimitTolerance(double tolerance) {
-    if (tolerance >= 1e-14 && tolerance <= 0.1) return;
-    std::ostringstream text;
-    text << "the tolerance of the limit is " << tolerance << "; expected 1e-14 to 0.1";
-    throw Error(text.str());
+void checkLimitTolerance(double tolerance, const std::string& name) {
+    if (!(tolerance >= 1e-14 && tolerance <= 0.1))
+        throw ArgumentError("", name, textOf(tolerance), "1e-14 to 0.1");
 }
 
 int levelsToShrink(double size, double tolerance) {

@@ -9,6 +9,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -64,8 +65,9 @@ stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int l
 /// \cost the cost of the rows of S around the cells, on all levels
 std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const Index> cells);
 
-/// \throws Error unless the tolerance is 1e-14 to 0.1
-void checkLimitTolerance(double tolerance);
+/// \param name of the tolerance, for the error
+/// \throws ArgumentError unless the tolerance is 1e-14 to 0.1
+void checkLimitTolerance(double tolerance, const std::string& name);
 
 /// Returns the least number of levels, 1 or more, after which a cell of a given size may be as
 /// small as the tolerance. A level cannot make a cell much smaller than half its size.

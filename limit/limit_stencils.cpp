@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/regular_cells.h>
@@ -11,10 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <limits>
 #include <numeric>
-#include <sstream>
 #include <string>
 
 #include "limit_place.h"
@@ -176,10 +173,9 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
 }
 
 void checkOptions(const LimitStencilOptions& options) {
-    checkLimitTolerance(options.tolerance);
+    checkLimitTolerance(options.tolerance, "tolerance");
     if (options.derivatives < 0 || options.derivatives > 2)
-        throw Error("limits do not have derivatives of order " +
-                    std::to_string(options.derivatives) + "; expected 0, 1 or 2");
+        throw ArgumentError("", "derivatives", std::to_string(options.derivatives), "0 to 2");
 }
 
 Walker walkerAt(const far::CellComplex& complex, std::size_t location, const LimitLocation& at) {
@@ -193,10 +189,7 @@ Walker walkerAt(const far::CellComplex& complex, std::size_t location, const Lim
     for (std::size_t axis = 0; axis < 3; ++axis) {
         uvw[axis] = std::clamp(at.uvw[axis], 0.0, 1.0);
         if (std::abs(at.uvw[axis] - uvw[axis]) <= kRounding) continue;
-        std::ostringstream text;
-        text << std::setprecision(std::numeric_limits<double>::max_digits10) << name << " is at "
-             << at.uvw[axis] << "; expected 0 to 1";
-        throw Error(text.str());
+        throw Error(concat(name, " is at ", at.uvw[axis], "; expected 0 to 1"));
     }
     const auto frame = embed::frameOf(complex, at.cell);
     if (!frame)

@@ -45,9 +45,9 @@ struct LimitStencils {
 /// Builds the rows of places in the limit.
 /// \param refiner with the whole of level `level`
 /// \param locations places in this level
-/// \throws Error for a level or cell that does not exist, a cell that is not a hexahedron, a place
-///         outside [0, 1]³ or in a region that shrinks away under Boundary::Open, options out of
-///         range
+/// \throws ArgumentError for options out of range; Error for a level or cell that does not exist, a
+///         cell that is not a hexahedron, a place outside [0, 1]³ or in a region that shrinks away
+///         under Boundary::Open
 /// \cost O(entries); near irregular features also about 0.2 ms for each further level. In parallel
 /// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 5; Joy, bicubic refinement
 ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,

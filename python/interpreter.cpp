@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The module and the interpreter: errors, signals, and protection of classes.
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/memory.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
+#include <map>
 #include <new>
 #include <string>
 #include <string_view>
@@ -65,6 +67,26 @@ using Clock = std::chrono::steady_clock;
 /// Time between two questions for signals. Each question waits for the GIL.
 constexpr std::chrono::milliseconds kInterval(20);
 
+/// Returns the name of an argument of Python, "minor_radius", for a field of the library,
+/// "minorRadius"; or the name of a function.
+std::string nameInPython(const std::string& name) {
+    // The names that differ by more than underscores. (`from` is a keyword of Python.)
+    static const std::map<std::string, std::string> kOthers = {{"from", "start"},
+                                                               {"to", "end"},
+                                                               {"cellsAlongLongest", "cells"},
+                                                               {"falloff.radius", "falloff_radius"},
+                                                               {"limitTolerance", "tolerance"},
+                                                               {"maxStep", "most"}};
+    if (const auto other = kOthers.find(name); other != kOthers.end()) return other->second;
+    // A joint is a row of an array: "joints[1, 3]" for "joints[1].radius".
+    static const std::map<std::string, std::string> kColumns = {
+        {"].position", ":3"}, {"].radius", "3"}, {"].twist", "4"}};
+    const std::size_t end = std::min(name.find(']'), name.size());
+    if (const auto column = kColumns.find(name.substr(end)); column != kColumns.end())
+        return name.substr(0, end) + ", " + column->second + "]";
+    return separated(name, '_');
+}
+
 /// Raises an exception. Bytes of the message that are not UTF-8, in names and texts of files, are
 /// shown as "\\xff".
 void raise(PyObject* type, std::string_view message) {
@@ -104,6 +126,9 @@ void translateErrors() {
             std::rethrow_exception(thrown);
         } catch (const MemoryError& error) {
             raise(PyExc_MemoryError, error.what());
+        } catch (const ArgumentError& error) {
+            raise(PyExc_ValueError,
+                  error.message([](const std::string& name) { return nameInPython(name); }));
         } catch (const Error& error) {
             raise(PyExc_ValueError, error.what());
         } catch (const py::cast_error& error) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/memory.h>
-#include <espalier/shapes/field_names.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
 #include <pybind11/stl.h>
@@ -31,7 +30,7 @@ Point3 vectorOf(const Axis& axis, const char* name) {
     const bool hasSign = !word.empty() && (word[0] == '+' || word[0] == '-');
     const std::string letter = word.substr(hasSign ? 1 : 0);
     if (letter.size() != 1 || letter[0] < 'x' || letter[0] > 'z')
-        throw Error(std::string(name) + " is '" + word + "'; expected x, y or z, or a vector");
+        throw ArgumentError("", name, inQuotes(word), "x, y or z, or a vector");
     Point3 vector = {0, 0, 0};
     vector[static_cast<std::size_t>(letter[0] - 'x')] = word[0] == '-' ? -1 : 1;
     return vector;
@@ -55,17 +54,9 @@ struct Arguments {
 };
 
 /// Calls a function of selection.h.
-/// \throws Error with the name of the function in Python
 template <class Select>
 py::array select(const py::handle& points, const Select& make) {
-    const auto positions = toPoints(points, "positions");
-    try {
-        return toArray(make(positions));
-    } catch (const MemoryError&) {
-        throw;
-    } catch (const Error& error) {
-        throw Error(shapes::withUnderscores(error.what()));
-    }
+    return toArray(make(toPoints(points, "positions")));
 }
 
 shapes::Falloff falloffOf(const std::string& profile, double radius) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/memory.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/printable.h>
 #include <espalier/cages/cage.h>
 #include <espalier/io/model.h>
 #include <espalier/shapes/around.h>
-#include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>
@@ -15,7 +14,6 @@
 #include <optional>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -32,40 +30,10 @@ shapes::DiskPattern patternOf(int rings, const std::string& core) {
     return {rings, chosen(shapes::kCoreWords, "core", core)};
 }
 
-/// A message of the library about options, about the arguments that they are of: minorRadius is
-/// minor_radius here, and what a joint has is a column of joints.
-std::string aboutArguments(const std::string& message) {
-    std::string text = shapes::withUnderscores(message);
-    const std::pair<std::string, std::string> others[] = {
-        {": from is ", ": start is "},   {": to is ", ": end is "}, {"`from`", "start"},
-        {"].position", ", :3]"},         {"].radius", ", 3]"},      {"].twist", ", 4]"},
-        {"cells_along_longest", "cells"}};
-    for (const auto& [option, argument] : others)
-        if (const auto at = text.find(option); at != text.npos)
-            text.replace(at, option.size(), argument);
-    return text;
-}
-
-/// Calls a function that makes a lattice.
-/// \throws Error that names arguments
-template <class Make>
-std::shared_ptr<Lattice> makeBy(const Make& makeLattice) {
-    return sharedWithoutGil([&] {
-        try {
-            return makeLattice();
-        } catch (const MemoryError&) {
-            throw;
-        } catch (const Error& error) {
-            throw Error(aboutArguments(error.what()));
-        }
-    });
-}
-
 /// Makes a lattice of the inventory.
-/// \throws Error that names arguments
 template <class Options>
 std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
-    return makeBy([&] { return shape(options); });
+    return sharedWithoutGil([&] { return shape(options); });
 }
 
 std::vector<shapes::ArmJoint> jointsOf(const ArrayLike& rows) {
@@ -219,8 +187,8 @@ void addAround(py::module_& module) {
             if (cells && cells->index() == 1) options.cells = std::get<1>(*cells);
             // Zeros would stand for the default.
             if (cells && cells->index() == 1 && options.cells == std::array<int, 3>{})
-                throw Error("around: cells is (0, 0, 0); allowed: 1 or more each");
-            return makeBy([&] { return shapes::around(places, options); });
+                throw ArgumentError("around", "cells", "(0, 0, 0)", "1 or more each");
+            return sharedWithoutGil([&] { return shapes::around(places, options); });
         },
         "points"_a, py::kw_only(), "cells"_a = py::none(), "cell_size"_a = 0.0,
         "margin"_a = shapes::AroundOptions().margin, "oriented"_a = false, R"(
@@ -250,7 +218,7 @@ void append(const ModelFile& file, PointsAndFaces& all) {
     // The mesh of a volume may have cells only.
     if (faces.count() == 0) faces = io::boundaryFaces(file.model->readVolume().mesh);
     if (faces.count() == 0)
-        throw Error(concat("cage: ", printable(file.name),
+        throw Error(concat(printable(file.name),
                            " has no faces; shapes.around() makes a box around points"));
     const auto points = file.model->positions();
     all.faces.append(faces, static_cast<Index>(all.points.size()));
@@ -303,7 +271,7 @@ void addCage(py::module_& module) {
         [](const py::object& model, const py::object& faces, Index vertices, double cellSize,
            double margin, double shell, bool keepApart) {
             const PointsAndFaces all = pointsAndFacesOf(model, faces);
-            return makeBy([&] {
+            return sharedWithoutGil([&] {
                 return cages::cage({all.points, all.faces.corners, all.faces.ends},
                                    {.vertices = vertices,
                                     .cellSize = cellSize,

@@ -27,16 +27,18 @@ void check(const ArmOptions& options) {
     requireAtLeast("arm", "rings", options.pattern.rings, 1);
     requireFinite("arm", "up", options.up);
     if (options.joints.size() < 2)
-        refuseField("arm", "the number of joints", std::to_string(options.joints.size()),
-                    "2 or more");
+        throw ArgumentError("arm", "joints", std::to_string(options.joints.size()), "2 or more");
     for (std::size_t i = 0; i < options.joints.size(); ++i) {
         const ArmJoint& joint = options.joints[i];
         requireFinite("arm", indexed("joints", i) + ".position", joint.position);
         requirePositive("arm", indexed("joints", i) + ".radius", joint.radius);
         requireFinite("arm", indexed("joints", i) + ".twist", joint.twist);
+        if (i > 0 && !isFinite(difference(joint.position, options.joints[i - 1].position)))
+            throw ArgumentError("arm", indexed("joints", i) + ".position", textOf(joint.position),
+                                "a place at a finite distance from the joint before");
         if (i > 0 && joint.position == options.joints[i - 1].position)
-            refuseField("arm", indexed("joints", i) + ".position", textOf(joint.position),
-                        "a position other than the one of the joint before");
+            throw ArgumentError("arm", indexed("joints", i) + ".position", textOf(joint.position),
+                                "a place other than the one of the joint before");
     }
 }
 
@@ -53,8 +55,8 @@ Frame firstFrame(const Point3& direction, const Point3& up) {
     const Point3 across = difference(upNearOne, scaled(direction, dot(upNearOne, direction)));
     // If `up` is nearer to the bone, its part across the bone is mostly rounding.
     if (!(length(across) > 1e-6 * length(upNearOne)))
-        refuseField("arm", "up", textOf(up),
-                    "vectors that are not along the first bone, " + textOf(direction));
+        throw ArgumentError("arm", "up", textOf(up),
+                            "a vector that is not along the first bone " + textOf(direction));
     const Point3 x = normalised(across);
     return {x, cross(direction, x)};
 }
@@ -82,9 +84,9 @@ std::vector<Frame> jointFrames(const ArmOptions& options) {
     for (std::size_t i = 1; i < bones.size(); ++i) {
         // -0.99984 is cos 179°. Beyond it, the plane of the bend is lost in rounding.
         if (dot(bones[i - 1], bones[i]) < -0.99984)
-            refuseField("arm", indexed("joints", i) + ".position",
-                        textOf(options.joints[i].position),
-                        "points at which the limb bends by less than 179 degrees");
+            throw ArgumentError("arm", indexed("joints", i) + ".position",
+                                textOf(options.joints[i].position),
+                                "a place at which the limb bends by less than 179 degrees");
         frames.push_back(bisectingFrame(carried, bones[i - 1], bones[i]));
         const Affine turn = rotationBetween(bones[i - 1], bones[i]);
         carried = {turn(carried.x), turn(carried.y)};

@@ -15,19 +15,18 @@ namespace espalier::shapes {
 namespace {
 
 void check(std::span<const Point3> points, const AroundOptions& options) {
-    if (points.empty()) throw Error("around: there are no points");
-    for (std::size_t i = 0; i < points.size(); ++i)
-        requireFinite("around", indexed("points", i), points[i]);
+    if (points.empty()) throw Error("there are no points");
+    requireFinite("points", points);
     if (options.cells != std::array<int, 3>{})
         for (std::size_t axis = 0; axis < 3; ++axis)
             requireAtLeast("around", indexed("cells", axis), options.cells[axis], 1);
     requireFinite("around", "cellSize", options.cellSize);
     if (options.cellSize < 0)
-        refuseField("around", "cellSize", textOf(options.cellSize), "a length above 0");
+        throw ArgumentError("around", "cellSize", textOf(options.cellSize), "a length above 0");
     requireAtLeast("around", "cellsAlongLongest", options.cellsAlongLongest, 1);
     requireFinite("around", "margin", options.margin);
     if (options.margin < 0)
-        refuseField("around", "margin", textOf(options.margin), "a fraction of 0 or more");
+        throw ArgumentError("around", "margin", textOf(options.margin), "a fraction of 0 or more");
 }
 
 /// Returns the numbers of cells of a box whose sides have the lengths `size`.
@@ -42,8 +41,8 @@ std::array<int, 3> countsOf(const Point3& size, const AroundOptions& options) {
                                  ? std::ceil(size[axis] / options.cellSize * (1 - kRounding))
                                  : std::round(size[axis] / longest * options.cellsAlongLongest);
         if (count > std::numeric_limits<int>::max())
-            refuseField("around", "cellSize", textOf(options.cellSize),
-                        "lengths for which the number of cells fits into 31 bits");
+            throw ArgumentError("around", "cellSize", textOf(options.cellSize),
+                                "a length for which the number of cells fits into 31 bits");
         counts[axis] = std::max(1, static_cast<int>(count));
     }
     return counts;
@@ -57,9 +56,9 @@ Lattice around(std::span<const Point3> points, const AroundOptions& options) {
     BoundingBox bounds = boxAlong(axes, points);
     const double diagonal = bounds.diagonal();
     if (!std::isfinite(diagonal))
-        throw Error("around: the points are so far apart that the size of their box is infinite");
+        throw Error("the points are so far apart that the size of their box is infinite");
     if (!(diagonal > 0))
-        throw Error("around: all points are at " + textOf(points.front()) +
+        throw Error("all points are at " + textOf(points.front()) +
                     "; a box needs points at different places");
     if (options.oriented) {
         axes = smallestBox(points, 2 * options.margin * diagonal);
@@ -70,12 +69,12 @@ Lattice around(std::span<const Point3> points, const AroundOptions& options) {
         bounds.min[axis] -= margin;
         bounds.max[axis] += margin;
         if (!std::isfinite(bounds.size()[axis]))
-            refuseField("around", "margin", textOf(options.margin),
-                        "fractions for which the box is finite");
+            throw ArgumentError("around", "margin", textOf(options.margin),
+                                "a fraction for which the box is finite");
         if (!(bounds.size()[axis] > 0))
-            throw Error(
-                "around: the points lie in a plane, so that the box would be flat; give a margin "
-                "above 0");
+            throw ArgumentError("around", "margin", textOf(options.margin),
+                                "a number above 0, since the points lie in a plane and the box "
+                                "would be flat");
     }
     const Lattice result = box({countsOf(bounds.size(), options), bounds.min, bounds.max});
     if (!options.oriented) return result;

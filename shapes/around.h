@@ -43,9 +43,9 @@ struct AroundOptions {
 /// Under the default rules, the limit and all levels of a box lattice fill the same box, so that
 /// they contain every point.
 ///
-/// \throws Error naming the option that is out of range; if there are no points; if a point is not
-///         finite; if all points are at one place; or if they lie in a plane and `margin` is 0;
-///         far::TopologyError if there would be too many cells for an Index
+/// \throws ArgumentError for an option that is out of range, also for a margin of 0 around points
+///         in a plane; Error if there are no points, a point is not finite, or all points are at
+///         one place; far::TopologyError if there would be too many cells for an Index
 /// \cost O(points); O(points · log points) if `oriented`
 ESPALIER_API Lattice around(std::span<const Point3> points, const AroundOptions& options = {});
 

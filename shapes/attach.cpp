@@ -49,8 +49,8 @@ void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
         requireFinite("attach", "the position of a new vertex", vertex.position);
         for (const Index from : vertex.attributesFrom)
             if (from < 0 || from >= count)
-                refuseField("attach", "attributesFrom", std::to_string(from),
-                            concat("vertices 0 to ", count - 1));
+                throw ArgumentError("attach", "attributesFrom", std::to_string(from),
+                                    concat("vertex 0 to ", count - 1));
     }
 }
 
@@ -63,8 +63,8 @@ struct Site {
         requireConsistent(who, "the lattice", lattice, 3);
         const far::CellComplex& complex = lattice.complex;
         if (face.value < 0 || face.value >= complex.count(2))
-            refuseField(who, "face", std::to_string(face.value),
-                        concat("faces 0 to ", complex.count(2) - 1));
+            throw ArgumentError(who, "face", std::to_string(face.value),
+                                concat("face 0 to ", complex.count(2) - 1));
         const auto cells = complex.relation(2, 3)[face.value];
         if (cells.size() != 1)
             throw Error(concat(who, ": face ", face.value, " is between cells ", cells[0], " and ",
@@ -80,10 +80,10 @@ struct Site {
                         const Point3& value) const {
         requireFinite(who, field, value);
         if (!(dot(areaVector(positions), vector) > 0))
-            refuseField(
+            throw ArgumentError(
                 who, field, textOf(value),
-                "vectors that point outwards from the face; the cell would have no volume, or a "
-                "negative one");
+                "a vector that points outwards from the face, so that the cell has a volume "
+                "above 0");
     }
 
     Loop reversed() const { return Loop(loop.rbegin(), loop.rend()); }
@@ -137,8 +137,8 @@ Lattice attachCell(const Lattice& lattice, std::span<const std::vector<Index>> l
 Lattice attachCell(const Lattice& lattice, far::StandardCell cell, std::span<const Index> vertices,
                    std::span<const NewVertex> newVertices) {
     if (vertices.size() != static_cast<std::size_t>(far::vertexCount(cell)))
-        refuseField("attach", "the number of vertices", std::to_string(vertices.size()),
-                    std::to_string(far::vertexCount(cell)));
+        throw ArgumentError("attach", "vertices", std::to_string(vertices.size()),
+                            std::to_string(far::vertexCount(cell)));
     std::vector<Loop> loops = far::faceLoops(cell);
     for (Loop& loop : loops)
         for (Index& vertex : loop) vertex = vertices[vertex];

@@ -25,16 +25,18 @@ void check(const BarbellOptions& options) {
     requirePositive("barbell", "barHalfWidth", options.barHalfWidth);
     requirePositive("barbell", "height", options.height);
     if (!(options.roundness >= 0 && options.roundness <= 1))
-        refuseField("barbell", "roundness", textOf(options.roundness), "numbers from 0 to 1");
+        throw ArgumentError("barbell", "roundness", textOf(options.roundness), "0 to 1");
     // If a round end were only as wide as the bar, its centre would lie on the end of the bar.
     const bool fits = options.roundness < 1 ? options.barHalfWidth <= options.endRadius
                                             : options.barHalfWidth < options.endRadius;
     if (!fits)
-        refuseField(
+        throw ArgumentError(
             "barbell", "barHalfWidth", textOf(options.barHalfWidth),
-            (options.roundness < 1 ? "numbers up to endRadius, which is "
-                                   : "with roundness 1, numbers below endRadius, which is ") +
-                textOf(options.endRadius));
+            options.roundness < 1 ? "a number up to" : "with roundness 1, a number below",
+            {"endRadius", textOf(options.endRadius)});
+    if (!std::isfinite(options.endRadius * options.endRadius))
+        throw ArgumentError("barbell", "endRadius", textOf(options.endRadius),
+                            "a radius whose square is finite");
     const Offset sides = options.endSegments + Offset{options.barAcross};
     requireCountable("barbell", {sides, options.pattern.rings, options.layers, 12});
     requireCountable("barbell", {options.barSegments, options.barAcross, options.layers, 24});

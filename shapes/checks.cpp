@@ -22,32 +22,36 @@ bool isFinite(const Point3& point) {
     return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
 }
 
-void refuseField(const std::string& shape, const std::string& field, const std::string& value,
-                 const std::string& allowed) {
-    throw Error(shape + ": " + field + " is " + value + "; allowed: " + allowed);
-}
-
 void requireAtLeast(const std::string& shape, const std::string& field, int value, int least) {
-    if (value < least) refuseField(shape, field, std::to_string(value), concat(least, " or more"));
+    if (value < least)
+        throw ArgumentError(shape, field, std::to_string(value), concat(least, " or more"));
 }
 
 void requireFinite(const std::string& shape, const std::string& field, double value) {
-    if (!std::isfinite(value)) refuseField(shape, field, textOf(value), "finite numbers");
+    if (!std::isfinite(value)) throw ArgumentError(shape, field, textOf(value), "a finite number");
 }
 
 void requireFinite(const std::string& shape, const std::string& field, const Point3& value) {
-    if (!isFinite(value)) refuseField(shape, field, textOf(value), "finite numbers");
+    if (!isFinite(value)) throw ArgumentError(shape, field, textOf(value), "finite numbers");
 }
 
 void requirePositive(const std::string& shape, const std::string& field, double value) {
     if (!(value > 0) || !std::isfinite(value))
-        refuseField(shape, field, textOf(value), "finite numbers above 0");
+        throw ArgumentError(shape, field, textOf(value), "a finite number above 0");
 }
 
 Point3 unitVector(const std::string& shape, const std::string& field, const Point3& vector) {
     requireFinite(shape, field, vector);
-    if (!(length(vector) > 0)) refuseField(shape, field, textOf(vector), "non-zero vectors");
+    if (!(length(vector) > 0))
+        throw ArgumentError(shape, field, textOf(vector), "a vector other than 0");
     return normalised(vector);
+}
+
+void requireFinite(const std::string& name, std::span<const Point3> positions) {
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        if (!isFinite(positions[i]))
+            throw Error(indexed(name, i) + " is " + textOf(positions[i]) +
+                        "; expected finite numbers");
 }
 
 std::string indexed(const std::string& field, std::size_t index) {
@@ -63,8 +67,8 @@ void requireInterval(const std::string& shape, const std::string& minField, doub
     requireFinite(shape, minField, min);
     requireFinite(shape, maxField, max);
     if (!(max > min))
-        refuseField(shape, maxField, textOf(max),
-                    "numbers above " + minField + ", which is " + textOf(min));
+        throw ArgumentError(shape, maxField, textOf(max), "a number above",
+                            {minField, textOf(min)});
 }
 
 void requireCountable(const std::string& shape, std::initializer_list<Offset> factors) {

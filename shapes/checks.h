@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/argument_error.h>
 #include <espalier/base/index.h>
 #include <espalier/base/number_text.h>
 #include <espalier/base/point.h>
@@ -8,16 +9,14 @@
 #include <espalier/shapes/lattice.h>
 
 #include <initializer_list>
+#include <span>
 #include <string>
 
-// Checks of the arguments of this folder's functions; not installed. Each check throws an Error of
-// one line that names the function, the field, its value, and the allowed values.
+// Checks of the arguments of this folder's functions; not installed. Each check throws an
+// ArgumentError, unless it says otherwise.
 namespace espalier::shapes {
 
 bool isFinite(const Point3& point);
-
-[[noreturn]] void refuseField(const std::string& shape, const std::string& field,
-                              const std::string& value, const std::string& allowed);
 
 void requireAtLeast(const std::string& shape, const std::string& field, int value, int least);
 void requireFinite(const std::string& shape, const std::string& field, double value);
@@ -25,8 +24,12 @@ void requireFinite(const std::string& shape, const std::string& field, const Poi
 void requirePositive(const std::string& shape, const std::string& field, double value);
 
 /// Returns the unit vector of a direction.
-/// \throws Error unless the vector is finite and not zero
+/// \throws ArgumentError unless the vector is finite and not zero
 Point3 unitVector(const std::string& shape, const std::string& field, const Point3& vector);
+
+/// Throws an Error that names the first position that is not finite, "positions[3]".
+/// \param name of the positions: "positions"
+void requireFinite(const std::string& name, std::span<const Point3> positions);
 
 /// Returns "field[index]", the name of a list entry in messages.
 std::string indexed(const std::string& field, std::size_t index);

@@ -181,16 +181,14 @@ Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers, 
     requireManifold("sweep", mesh.complex);
     const std::size_t least = ends == SweepEnds::Closed ? 3 : 2;
     if (layers.size() < least)
-        refuseField("sweep", "the number of layers", std::to_string(layers.size()),
-                    concat(least, " or more"));
+        throw ArgumentError("sweep", "layers", std::to_string(layers.size()),
+                            concat(least, " or more"));
     for (std::size_t layer = 0; layer < layers.size(); ++layer) {
         if (layers[layer].size() != mesh.positions.size())
             throw Error(concat("sweep: layer ", layer, " has ", layers[layer].size(),
                                " positions; expected ", mesh.positions.size(),
                                ", one for each vertex of the mesh"));
-        for (std::size_t vertex = 0; vertex < layers[layer].size(); ++vertex)
-            requireFinite("sweep", concat("vertex ", vertex, " of layer ", layer),
-                          layers[layer][vertex]);
+        requireFinite(indexed("layers", layer), layers[layer]);
     }
     requireCountableRows("sweep", mesh.complex, layers.size());
     const std::vector<bool> reversed(mesh.complex.count(2), false);
@@ -215,7 +213,8 @@ Lattice extrude(const Lattice& mesh, const ExtrudeOptions& options) {
     requireAtLeast("extrude", "layers", options.layers, 1);
     requireFinite("extrude", "direction", options.direction);
     if (!(length(options.direction) > 0))
-        refuseField("extrude", "direction", textOf(options.direction), "non-zero vectors");
+        throw ArgumentError("extrude", "direction", textOf(options.direction),
+                            "a vector other than 0");
     const auto layerCount = static_cast<std::size_t>(options.layers) + 1;
     requireCountableRows("extrude", mesh.complex, layerCount);
 

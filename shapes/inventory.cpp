@@ -31,8 +31,12 @@ Lattice cylinder(const CylinderOptions& options) {
     requireFinite("cylinder", "from", options.from);
     requireFinite("cylinder", "to", options.to);
     const Point3 axis = difference(options.to, options.from);
+    if (!isFinite(axis))
+        throw ArgumentError("cylinder", "to", textOf(options.to),
+                            "a point at a finite distance from", {"from", ""});
     if (!(length(axis) > 0))
-        refuseField("cylinder", "to", textOf(options.to), "points other than `from`");
+        throw ArgumentError("cylinder", "to", textOf(options.to), "a point other than",
+                            {"from", ""});
 
     requireCountable("cylinder", {options.sectors, options.pattern.rings, options.layers, 6});
     const Lattice disk =
@@ -52,8 +56,8 @@ Lattice torus(const TorusOptions& options) {
     requirePositive("torus", "minorRadius", options.minorRadius);
     const double radius = options.minorRadius;
     if (!(radius < options.majorRadius))
-        refuseField("torus", "minorRadius", textOf(radius),
-                    "numbers below majorRadius, which is " + textOf(options.majorRadius));
+        throw ArgumentError("torus", "minorRadius", textOf(radius), "a number below",
+                            {"majorRadius", textOf(options.majorRadius)});
 
     const bool isGrid = options.section == TorusSection::Grid;
     requireCountable("torus", {options.segments, isGrid ? options.gridCells : options.sides,

@@ -18,8 +18,8 @@
 /// depends only on the integer and enum fields: two sets of options that differ only in lengths and
 /// positions give two poses of one lattice.
 ///
-/// Every function throws Error naming the first field out of range, its value and the allowed
-/// values, and far::TopologyError if there would be too many entities for an Index.
+/// Every function throws ArgumentError for the first field out of range, and far::TopologyError if
+/// there would be too many entities for an Index.
 namespace espalier::shapes {
 
 /// A box of hexahedra (figure 1, left). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] + 1)

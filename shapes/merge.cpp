@@ -56,11 +56,11 @@ void requireAttribute(const Attribute& wanted, const std::string& owner,
                       const ByName<Attribute>& attributes, const std::string& name) {
     const auto at = attributes.find(wanted.name);
     if (at == attributes.end() || !isSameType(*at->second, wanted))
-        throw Error("merge: " + name + " lacks " + kindOf(wanted) + inQuotes(wanted.name) +
-                    ", which " + owner + " has");
+        throw Error(name + " lacks " + kindOf(wanted) + inQuotes(wanted.name) + ", which " + owner +
+                    " has");
     const Attribute* found = at->second;
     if (found->components != wanted.components)
-        throw Error(concat("merge: attribute ", inQuotes(wanted.name), " has ", found->components,
+        throw Error(concat("attribute ", inQuotes(wanted.name), " has ", found->components,
                            " components in ", name, ", but ", wanted.components, " in ", owner));
 }
 
@@ -82,13 +82,13 @@ std::vector<Attribute> withoutValues(std::vector<Attribute> attributes) {
 }
 
 void check(std::span<const Lattice> lattices, const MergeOptions& options) {
-    if (lattices.empty()) throw Error("merge: there is no lattice; expected 1 or more");
+    if (lattices.empty()) throw Error("there is no lattice; expected 1 or more");
     if (!(options.tolerance >= 0 && options.tolerance < 1))
-        refuseField("merge", "tolerance", textOf(options.tolerance),
-                    "numbers from 0 to below 1, a fraction of the whole size");
+        throw ArgumentError("merge", "tolerance", textOf(options.tolerance),
+                            "a number from 0 to below 1, a fraction of the whole size");
     if (!options.names.empty() && options.names.size() != lattices.size())
-        throw Error(concat("merge: got ", options.names.size(), " names for ", lattices.size(),
-                           " lattices"));
+        throw Error(
+            concat("got ", options.names.size(), " names for ", lattices.size(), " lattices"));
     const std::string first = latticeName(options, 0);
     for (std::size_t number = 0; number < lattices.size(); ++number) {
         const std::string name = latticeName(options, number);
@@ -112,12 +112,11 @@ void requireCellsKept(const far::CellComplex& complex, std::span<const Index> ne
             std::adjacent_find(welded.begin(), welded.end(),
                                [](const auto& a, const auto& b) { return a.first == b.first; });
         if (twice == welded.end()) continue;
-        throw far::TopologyError(
-            far::TopologyCause::RepeatedVertex, {dimension, cell},
-            concat("merge: vertices ", twice->second, " and ", (twice + 1)->second, " of ",
-                   dimensionName(dimension), " ", cell, " of ", name,
-                   " would become one; they are within the distance of ", textOf(distance),
-                   " that the tolerance allows"));
+        throw far::TopologyError(far::TopologyCause::RepeatedVertex, {dimension, cell},
+                                 concat("vertices ", twice->second, " and ", (twice + 1)->second,
+                                        " of ", dimensionName(dimension), " ", cell, " of ", name,
+                                        " would become one; they are within the distance of ",
+                                        textOf(distance), " that the tolerance allows"));
     }
 }
 
@@ -227,12 +226,12 @@ far::CellComplex buildMerged(const far::ComplexBuilder& builder, std::span<const
             origins = crowdedFace(lattices, newIndex);
         if (origins.empty())
             throw far::TopologyError(error.cause(), error.entity(),
-                                     "merge: in the merged lattice, " + std::string(error.what()));
+                                     "in the merged lattice, " + std::string(error.what()));
         std::string names;
         for (const Origin& origin : origins)
             names += (names.empty() ? "" : ", ") + nameOf(origin, options);
         throw far::TopologyError(error.cause(), origins.back().entity,
-                                 "merge: " + names + " would become one " +
+                                 names + " would become one " +
                                      (isCell ? "cell; each cell may be in one lattice only"
                                              : "face of more than two cells"));
     }

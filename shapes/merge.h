@@ -39,11 +39,11 @@ struct MergeOptions {
 /// that coincide there, but no faces.
 ///
 /// \param lattices at least one, all of one dimension and with the same attributes
-/// \throws Error for no lattice, a tolerance out of range, a wrong number of names, or an attribute
-///         that one lattice lacks, or that has different numbers of components or different integer
-///         types in two lattices; far::TopologyError for a cell that would lose a vertex, a cell
-///         that is in two lattices, or a face of three cells. These messages name the lattices, and
-///         number cells and faces as in their own lattice
+/// \throws ArgumentError for a tolerance out of range; Error for no lattice, a wrong number of
+///         names, or an attribute that one lattice lacks, or that has different numbers of
+///         components or different integer types in two lattices; far::TopologyError for a cell
+///         that would lose a vertex, a cell that is in two lattices, or a face of three cells.
+///         These messages name the lattices, and number cells and faces as in their own lattice
 /// \cost O(n log n) in the number of entries of all lattices
 /// \cite MacCracken & Joy 1996, section 5
 ESPALIER_API Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options = {});

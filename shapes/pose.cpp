@@ -23,14 +23,13 @@ struct Weighted {
              std::span<const double> weightsOrNone)
         : operation(name), positions(points), weights(weightsOrNone) {
         if (!weights.empty() && weights.size() != positions.size())
-            throw Error(concat(operation, ": weights has ", weights.size(),
+            throw Error(concat("weights has ", weights.size(),
                                " numbers; expected one for each of the ", positions.size(),
                                " positions"));
-        for (std::size_t i = 0; i < positions.size(); ++i)
-            requireFinite(operation, indexed("positions", i), positions[i]);
+        requireFinite("positions", positions);
         for (std::size_t i = 0; i < weights.size(); ++i)
             if (!(weights[i] >= 0 && weights[i] <= 1))
-                refuseField(operation, indexed("weights", i), textOf(weights[i]), "0 to 1");
+                throw Error(concat(indexed("weights", i), " is ", weights[i], "; expected 0 to 1"));
     }
 
     double weight(std::size_t i) const { return weights.empty() ? 1 : weights[i]; }
@@ -40,7 +39,7 @@ struct Weighted {
         std::vector<Point3> moved;
         for (std::size_t i = 0; i < positions.size(); ++i)
             if (weight(i) > 0) moved.push_back(positions[i]);
-        if (moved.empty()) throw Error(operation + ": no position has a weight above 0");
+        if (moved.empty()) throw Error("no position has a weight above 0");
         return boxAlong(axes, moved);
     }
 
@@ -64,7 +63,7 @@ struct Weighted {
             if (!(weight(i) > 0)) continue;
             result[i] = map(positions[i], weight(i));
             if (!isFinite(result[i]))
-                throw Error(concat(operation, ": moves position ", i, " to ", textOf(result[i]),
+                throw Error(concat("position ", i, " moves to ", textOf(result[i]),
                                    "; expected finite numbers: an argument or the position is too "
                                    "large"));
         }
@@ -102,8 +101,9 @@ Along along(const Weighted& moved, const Point3& axis, const Place& place) {
     constexpr double kRounding = 1e-12;
     const double size = std::max(std::abs(result.low), std::abs(result.high));
     if (!(result.high - result.low > kRounding * size))
-        throw Error(moved.operation +
-                    ": the selected positions are all at one place along the axis; give a range");
+        throw ArgumentError(
+            moved.operation, "range", "none",
+            "two numbers, since the selected positions are all at one place along the axis");
     return result;
 }
 
@@ -172,7 +172,8 @@ std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, 
     // Less is the rounding of a parallel vector.
     constexpr double kRounding = 1e-9;
     if (!(length(across) > kRounding))
-        refuseField("bend", "toward", textOf(toward), "vectors that are not parallel to the axis");
+        throw ArgumentError("bend", "toward", textOf(toward),
+                            "a vector that is not parallel to the axis");
     const Point3 normal = normalised(across);
     return moved.mapped([&](const Point3& p, double w) {
         const double s = dot(p, line.axis), r = dot(difference(p, line.center), normal);
@@ -195,7 +196,7 @@ std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis,
     const Weighted moved("taper", positions, place.weights);
     const Along line = along(moved, axis, place);
     requireFinite("taper", "factor", factor);
-    if (factor < 0) refuseField("taper", "factor", textOf(factor), "0 or more");
+    if (factor < 0) throw ArgumentError("taper", "factor", textOf(factor), "0 or more");
     return moved.mapped([&](const Point3& p, double w) {
         const double change = w * (factor - 1) * line.fraction(dot(p, line.axis));
         return sum(p, scaled(difference(p, line.foot(p)), change));

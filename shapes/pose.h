@@ -21,8 +21,9 @@
 /// t = (s − a) / (b − a), but 0 below the range and 1 above it. So the end at a stays, and the full
 /// effect is at b.
 ///
-/// All functions throw Error naming the argument that is not finite, out of range, or of the wrong
-/// length, and for a position that is not finite before or after the operation.
+/// All functions throw ArgumentError for a number that is not finite or out of range, and Error for
+/// a weight that is out of range, a wrong number of weights, and a position that is not finite
+/// before or after the operation.
 ///
 /// \cite Barr 1984, Global and local deformations of solid primitives
 

@@ -52,8 +52,8 @@ Lattice removeCells(const Lattice& lattice, std::span<const Index> cells) {
     std::vector<bool> isRemoved(complex.count(3));
     for (const Index cell : cells) {
         if (cell < 0 || cell >= complex.count(3))
-            refuseField("removeCells", "cells", std::to_string(cell),
-                        concat("cells 0 to ", complex.count(3) - 1));
+            throw ArgumentError("removeCells", "cells", std::to_string(cell),
+                                concat("0 to ", complex.count(3) - 1));
         isRemoved[cell] = true;
     }
 
@@ -64,7 +64,7 @@ Lattice removeCells(const Lattice& lattice, std::span<const Index> cells) {
         builder.addCell(far::outwardLoops(complex, CellId(cell)));
         isEmpty = false;
     }
-    if (isEmpty) throw Error("removeCells: no cell would remain; a lattice has one cell or more");
+    if (isEmpty) throw Error("no cell would remain; a lattice has one cell or more");
 
     std::vector<Index> newVertex(complex.count(0));
     for (const Index vertex : builder.dropUnusedVertices()) newVertex[vertex] = kMaxIndex;

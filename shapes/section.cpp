@@ -15,8 +15,8 @@ namespace espalier::shapes {
 Lattice diskMesh(std::span<const Point3> outline, const Point3& centre,
                  const DiskPattern& pattern) {
     if (outline.size() < 3)
-        refuseField("disk", "the number of vertices of the outline", std::to_string(outline.size()),
-                    "3 or more");
+        throw ArgumentError("disk", "outline", std::to_string(outline.size()),
+                            "3 or more vertices");
     requireAtLeast("disk", "rings", pattern.rings, 1);
     requireCountable("disk", {static_cast<Offset>(outline.size()), pattern.rings, 4});
     const auto n = static_cast<Index>(outline.size());

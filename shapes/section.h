@@ -37,7 +37,7 @@ struct DiskPattern {
 /// outline itself. The faces are: the core, then ring by ring, face s between vertices s and s + 1.
 ///
 /// \param outline at least 3 vertices, anticlockwise, each visible from the centre
-/// \throws Error naming a field out of range
+/// \throws ArgumentError for a field out of range
 ESPALIER_API Lattice diskMesh(std::span<const Point3> outline, const Point3& centre,
                               const DiskPattern& pattern = {});
 
@@ -55,7 +55,7 @@ struct GridOptions {
 
 /// Makes a rectangle that is divided into rectangles. Vertices and faces are ordered in rows along
 /// x, from the smallest y to the largest.
-/// \throws Error naming a field out of range
+/// \throws ArgumentError for a field out of range
 ESPALIER_API Lattice gridMesh(const GridOptions& options = {});
 
 }  // namespace espalier::shapes

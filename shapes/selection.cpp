@@ -26,20 +26,20 @@ template <class Distance>
 std::vector<double> weightsFor(const std::string& function, std::span<const Point3> positions,
                                const Falloff& falloff, const Distance& distance) {
     if (!(falloff.radius >= 0) || !std::isfinite(falloff.radius))
-        refuseField(function, "the radius of the falloff", textOf(falloff.radius), "0 or more");
+        throw ArgumentError(function, "falloff.radius", textOf(falloff.radius),
+                            "a finite number of 0 or more");
     std::vector<double> weights;
     if (positions.empty()) return weights;
-    for (std::size_t i = 0; i < positions.size(); ++i)
-        requireFinite(function, indexed("positions", i), positions[i]);
+    requireFinite("positions", positions);
     constexpr double kRounding = 1e-9;
     const double tolerance = kRounding * BoundingBox(positions).diagonal();
     if (!std::isfinite(tolerance))
-        throw Error(function + ": the positions are so far apart that their distance is infinite");
+        throw Error("the positions are so far apart that their distance is infinite");
     weights.reserve(positions.size());
     for (const Point3& position : positions) {
         const double outside = distance(position);
         if (std::isnan(outside))
-            throw Error(concat(function, ": positions[", weights.size(), "] is ", textOf(position),
+            throw Error(concat("positions[", weights.size(), "] is ", textOf(position),
                                ", so far away that its distance is not a number"));
         weights.push_back(weightAt(outside <= tolerance ? 0 : outside, falloff));
     }
@@ -66,7 +66,7 @@ std::vector<double> selectBall(std::span<const Point3> positions, const Point3& 
                                double radius, const Falloff& falloff) {
     requireFinite("selectBall", "center", center);
     if (!(radius >= 0) || !std::isfinite(radius))
-        refuseField("selectBall", "radius", textOf(radius), "0 or more");
+        throw ArgumentError("selectBall", "radius", textOf(radius), "a finite number of 0 or more");
     return weightsFor("selectBall", positions, falloff, [&](const Point3& position) {
         return length(difference(position, center)) - radius;
     });
@@ -84,7 +84,7 @@ std::vector<double> selectHalfSpace(std::span<const Point3> positions, const Poi
 std::vector<double> selectEnd(std::span<const Point3> positions, const Point3& direction,
                               const Falloff& falloff) {
     const Point3 outwards = unitVector("selectEnd", "direction", direction);
-    if (positions.empty()) throw Error("selectEnd: there are no positions");
+    if (positions.empty()) throw Error("there are no positions");
     constexpr double kPart = 0.01;
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Point3& position : positions) {
@@ -101,8 +101,8 @@ std::vector<double> selectNumbers(std::span<const Point3> positions, std::span<c
     std::vector<char> isSelected(positions.size(), 0);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         if (numbers[i] < 0 || numbers[i] >= std::ssize(positions))
-            refuseField("selectNumbers", indexed("numbers", i), std::to_string(numbers[i]),
-                        concat("0 to ", std::ssize(positions) - 1));
+            throw ArgumentError("selectNumbers", indexed("numbers", i), std::to_string(numbers[i]),
+                                concat("0 to ", std::ssize(positions) - 1));
         isSelected[numbers[i]] = 1;
     }
     return weightsFor("selectNumbers", positions, falloff, [&](const Point3& position) {

@@ -15,8 +15,8 @@
 /// from the region. Positions count as inside the region if rounding alone puts them outside:
 /// within 1e-9 of the diagonal of the box around all positions.
 ///
-/// All functions throw Error naming the argument that is not finite or out of range, and if a
-/// distance overflows.
+/// All functions throw ArgumentError for a number that is not finite or out of range, and Error for
+/// a position that is not finite, and if a distance overflows.
 
 namespace espalier::shapes {
 

@@ -9,7 +9,7 @@
 /// bipyramids. Refinement turns a vertex where n edges of its cell meet into a type-n cell
 /// (MacCracken & Joy 1996, section 2.2).
 ///
-/// Every function throws Error naming the first field out of range.
+/// Every function throws ArgumentError for the first field out of range.
 namespace espalier::shapes {
 
 struct RegularSolidOptions {

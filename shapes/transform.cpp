@@ -98,12 +98,12 @@ Affine rotationBetween(const Point3& from, const Point3& to) {
 
 Lattice transformed(const Lattice& lattice, const Affine& map) {
     requireConsistent("transformed", "the lattice", lattice, lattice.complex.dimension());
-    for (const auto& row : map.linear) requireFinite("transformed", "a row of the map", row);
-    requireFinite("transformed", "the translation", map.translation);
+    for (const auto& row : map.linear) requireFinite("transformed", "linear", row);
+    requireFinite("transformed", "translation", map.translation);
     const double determinant = map.determinant();
     if (determinant == 0 || !std::isfinite(determinant))
-        refuseField("transformed", "the determinant of the map", textOf(determinant),
-                    "finite numbers other than 0");
+        throw ArgumentError("transformed", "the determinant of the map", textOf(determinant),
+                            "a finite number other than 0");
     Lattice result = lattice;
     for (Point3& position : result.positions) position = map(position);
     if (determinant < 0 && lattice.complex.dimension() == 3)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/progress.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/stencils/sparse_matrix.h>
@@ -51,13 +51,13 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
         if (deformation.columns(static_cast<Index>(i)).empty())
             throw Error(concat("point ", i, " has a target, but lies outside the lattice"));
     }
-    for (const Index vertex : options.frozen)
-        if (vertex < 0 || vertex >= base.count(0))
-            throw Error(
-                concat("vertex ", vertex, " cannot be frozen; the lattice has ", base.count(0)));
+    for (std::size_t i = 0; i < options.frozen.size(); ++i)
+        if (const Index vertex = options.frozen[i]; vertex < 0 || vertex >= base.count(0))
+            throw ArgumentError("", concat("frozen[", i, "]"), std::to_string(vertex),
+                                concat("a vertex, 0 to ", base.count(0) - 1));
     constexpr double kLeast = 1e-4, kMax = 1e4;
     if (!(options.strength >= kLeast && options.strength <= kMax))
-        throw Error(concat("the strength is ", options.strength, "; expected 0.0001 to 10000"));
+        throw ArgumentError("", "strength", textOf(options.strength), "0.0001 to 10000");
 }
 
 /// Throws an error that names the target farthest from its point.

@@ -87,12 +87,12 @@ private:
 /// \param deformation D: a row for each point that has a target (stencils::selectRows())
 /// \param misses m: for each of these points its target minus its position at rest
 /// \param base the lattice
-/// \throws Error naming the offender: sizes that do not match, no points, weights that are not
-///         finite, a frozen vertex that does not exist, all vertices frozen, a point whose row is
-///         empty (it is outside), a strength out of range; and under Undetermined::Refuse
-///         undetermined displacements, naming a vertex. TargetError for a miss that is not finite,
-///         and for targets so far away that a double cannot hold the squares of the misses, naming
-///         the farthest
+/// \throws ArgumentError for a strength out of range and a frozen vertex that does not exist; Error
+///         naming the offender: sizes that do not match, no points, weights that are not finite,
+///         all vertices frozen, a point whose row is empty (it is outside); and under
+///         Undetermined::Refuse undetermined displacements, naming a vertex. TargetError for a miss
+///         that is not finite, and for targets so far away that a double cannot hold the squares of
+///         the misses, naming the farthest
 /// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
 ESPALIER_API LatticeFit fitLattice(const stencils::StencilTable<double>& deformation,

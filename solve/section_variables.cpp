@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/vector3.h>
 #include <espalier/solve/section_variables.h>
 
@@ -12,10 +13,13 @@
 namespace espalier::solve {
 namespace {
 
-void requireFinite(const char* name, const Point3& vector) {
+[[noreturn]] void refuseVector(const char* field, const Point3& vector, const char* expected) {
+    throw ArgumentError("", field, textOf(vector), expected);
+}
+
+void requireFinite(const char* field, const Point3& vector) {
     for (const double coordinate : vector)
-        if (!std::isfinite(coordinate))
-            throw Error(concat("sections: ", name, " is not finite: ", coordinate));
+        if (!std::isfinite(coordinate)) refuseVector(field, vector, "finite numbers");
 }
 
 /// Returns the values of a vertex: those of the sections below and above it, in parts.
@@ -32,29 +36,30 @@ SectionValues<double> valuesAt(std::span<const double> values, Index section, do
 
 SectionVariables::SectionVariables(std::span<const Point3> positions, const SectionOptions& options)
     : stations_(options.stations) {
-    requireFinite("the axis", options.axis);
-    requireFinite("the chord", options.chord);
-    requireFinite("the center", options.center);
-    if (!(length(options.axis) > 0)) throw Error("sections: the axis has no direction");
+    requireFinite("axis", options.axis);
+    requireFinite("chord", options.chord);
+    requireFinite("center", options.center);
+    if (!(length(options.axis) > 0)) refuseVector("axis", options.axis, "a vector other than 0");
     axis_ = normalised(options.axis);
     const Point3 chord = scaledNearOne(options.chord);
     const Point3 across = difference(chord, scaled(axis_, dot(chord, axis_)));
     // Less is the rounding of a parallel vector.
     constexpr double kRounding = 1e-9;
     if (!(length(across) > kRounding * length(chord)))
-        throw Error("sections: the chord is parallel to the axis, or has no direction");
+        refuseVector("chord", options.chord,
+                     "a vector other than 0 that is not parallel to the axis");
     chord_ = normalised(across);
     normal_ = cross(axis_, chord_);
-    if (stations_.empty()) throw Error("sections: there are no stations");
+    if (stations_.empty()) throw ArgumentError("", "stations", "none", "one or more");
     for (std::size_t i = 0; i < stations_.size(); ++i)
         if (!std::isfinite(stations_[i]) || (i > 0 && !(stations_[i] > stations_[i - 1])))
-            throw Error(concat("sections: station ", i, " is ", stations_[i],
-                               "; expected finite numbers in ascending order"));
+            throw ArgumentError("", concat("stations[", i, "]"), textOf(stations_[i]),
+                                "finite numbers in ascending order");
     vertices_.reserve(positions.size());
     for (std::size_t v = 0; v < positions.size(); ++v) {
         for (const double coordinate : positions[v])
             if (!std::isfinite(coordinate))
-                throw Error(concat("sections: position ", v, " is not finite"));
+                throw Error(concat("the position of vertex ", v, " is not finite"));
         const Point3 arm = difference(positions[v], options.center);
         const double s = dot(positions[v], axis_);
         Vertex vertex;
@@ -80,10 +85,11 @@ std::vector<double> SectionVariables::atRest() const {
 
 void SectionVariables::check(std::span<const double> values) const {
     if (std::ssize(values) != count())
-        throw Error(concat("sections: there are ", values.size(), " values; expected ", count(),
+        throw Error(concat("there are ", values.size(), " values; expected ", count(),
                            ", five for each section"));
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isfinite(values[i])) throw Error(concat("sections: value ", i, " is not finite"));
+        if (!std::isfinite(values[i]))
+            throw Error(concat("values[", i, "] is ", values[i], "; expected a finite number"));
 }
 
 std::vector<Point3> SectionVariables::positions(std::span<const double> values) const {

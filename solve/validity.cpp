@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/length_unit.h>
@@ -125,24 +125,24 @@ double leastRatio(const CheckedVolume& volume, Index part, int orientation,
 
 /// Returns the size of a piece at the end of the way, which may be beyond the pose.
 ///
-/// \param end size at rest + maxLength (pose − rest)
-PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double maxLength) {
+/// \param end size at rest + maxStep (pose − rest)
+PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double maxStep) {
     // The uncertainty includes the uncertainties of rest and pose, multiplied by the length of the
-    // way: maxLength (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) /
-    // maxLength.
-    end.uncertainty = 2 * (end.uncertainty + (1 + maxLength) * rest.uncertainty);
+    // way: maxStep (|rest| + |pose|), where |pose| is at most |rest| + (|rest| + |end|) /
+    // maxStep.
+    end.uncertainty = 2 * (end.uncertainty + (1 + maxStep) * rest.uncertainty);
     return end;
 }
 
 /// Shortens a step to the length for which a part is proved valid.
 void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int orientation,
-             const LimitPositions& rest, const LimitPositions& end, double maxLength) {
+             const LimitPositions& rest, const LimitPositions& end, double maxStep) {
     volume.forEachPiece(
         part,
         [&](const auto& before, const auto& after) {
             if (!(step.length > 0)) return;
             const auto polynomial = determinant(before.derivatives, after.derivatives);
-            const PieceSize atEnd = sizeAtEnd(after.size, before.size, maxLength);
+            const PieceSize atEnd = sizeAtEnd(after.size, before.size, maxStep);
             if (isAbove(polynomial, orientation, largestFloor(before.size, atEnd))) return;
             const ProvedTime proved = positiveUpTo(
                 aboveFloor(polynomial, orientation, determinantFloor(before.size, atEnd)),
@@ -223,11 +223,10 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
     return result;
 }
 
-LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxLength) const {
+LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxStep) const {
     constexpr double kMaxAsked = 1e6;
-    if (!(maxLength > 0 && maxLength <= kMaxAsked))
-        throw Error(concat("the largest step to look for is ", maxLength,
-                           "; expected a number above 0, up to a million"));
+    if (!(maxStep > 0 && maxStep <= kMaxAsked))
+        throw ArgumentError("", "maxStep", textOf(maxStep), "a number above 0, up to a million");
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.vertexCount(), pose, "pose");
     const auto& rest = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
@@ -235,21 +234,21 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double maxL
     std::vector<Point3> ends(rest.begin(), rest.begin() + volume.vertexCount());
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
-            ends[vertex][c] += maxLength * (pose[vertex][c] - ends[vertex][c]);
+            ends[vertex][c] += maxStep * (pose[vertex][c] - ends[vertex][c]);
     const LimitPositions end = volume.place(ends);
     // Each range of parts has its own step, because the last digits of a result depend on how far
-    // earlier parts have shortened the step. Lengths are fractions of `maxLength` here.
+    // earlier parts have shortened the step. Lengths are fractions of `maxStep` here.
     std::vector<LargestStep> ofRanges((volume.partCount() + volume.grain() - 1) / volume.grain(),
                                       {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {
         const int orientation = orientation_[volume.cellOf(part)];
         if (orientation != 0)
-            shorten(ofRanges[range], volume, part, orientation, rest_, end, maxLength);
+            shorten(ofRanges[range], volume, part, orientation, rest_, end, maxStep);
     });
     LargestStep result{1, {}, true};
     for (const LargestStep& step : ofRanges)
         if (step.length < result.length) result = step;
-    result.length *= maxLength;
+    result.length *= maxStep;
     return result;
 }
 

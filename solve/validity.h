@@ -134,15 +134,15 @@ public:
     ///       the limit 0.1 to 0.5 ms per patch; at most 25 ms
     PoseValidity check(std::span<const Point3> pose) const;
 
-    /// Finds the largest t up to `maxLength` such that no cell is inverted at rest + s (pose −
+    /// Finds the largest t up to `maxStep` such that no cell is inverted at rest + s (pose −
     /// rest), for all s from 0 to t. Refinement is linear, so the same step of the base lattice has
     /// this effect.
     ///
-    /// \param maxLength above 0, up to a million
-    /// \throws Error as the constructor; if `maxLength` is out of range
+    /// \param maxStep above 0, up to a million
+    /// \throws Error as the constructor; ArgumentError if `maxStep` is out of range
     /// \cost O(cells), in parallel: 1 to 3 µs per cell; at most 4 ms for an extremely twisted one.
     ///       In the limit 0.15 ms per patch; at most 50 ms
-    LargestStep largestStep(std::span<const Point3> pose, double maxLength = 1) const;
+    LargestStep largestStep(std::span<const Point3> pose, double maxStep = 1) const;
 
 private:
     ValidityCheck(CheckedVolume volume, std::span<const Point3> rest);

@@ -312,25 +312,26 @@ static void test_bad_options(void) {
     bind = espalier_default_bind_options();
     bind.outside = 3;
     INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-            "outside is 3");
+            "outside: expected 0 to 2, got 3");
     bind = espalier_default_bind_options();
     bind.level = 0;
     INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-            "level 0");
+            "level: expected 1 to 20 to bind points, got 0");
     bind = espalier_default_bind_options();
     bind.tolerance = NAN;
     INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-            "tolerance");
+            "tolerance: expected a finite number of 0 or more, got nan");
     bind = espalier_default_bind_options();
     bind.limit_tolerance = -1;
     INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-            "tolerance of the limit");
+            "limit_tolerance: expected 1e-14 to 0.1, got -1");
     espalier_progress_scope* progress = NULL;
-    INVALID(espalier_progress_scope_create(keep_going, NULL, -1, &progress), "milliseconds is -1");
+    INVALID(espalier_progress_scope_create(keep_going, NULL, -1, &progress),
+            "milliseconds: expected 0 or more, got -1");
     espalier_thread_limit* limit = NULL;
-    INVALID(espalier_thread_limit_create(0, &limit), "threads is 0");
+    INVALID(espalier_thread_limit_create(0, &limit), "threads: expected 1 or more, got 0");
     espalier_memory_limit* memory = NULL;
-    INVALID(espalier_memory_limit_create(0, &memory), "bytes is 0");
+    INVALID(espalier_memory_limit_create(0, &memory), "bytes: expected 1 or more, got 0");
     CHECK(b == NULL && limit == NULL && progress == NULL);
 }
 
@@ -351,16 +352,16 @@ static void test_bad_sizes(void) {
                                                     3, xyz, 0, 1, NULL),
             "expected a multiple of the 2 of the addend");
     INVALID(espalier_lattice_set_positions(lattice, 26, positions), "expected 27");
-    INVALID(espalier_refiner_refine(refiner, -1), "level is -1");
+    INVALID(espalier_refiner_refine(refiner, -1), "level: expected 0 or more, got -1");
     INVALID(espalier_refiner_counts(refiner, 1, counts), "level 1");
     INVALID(espalier_table_create_stencils(refiner, 1, &t), "level 1");
     INVALID(espalier_table_create_level(refiner, 0, &t), "level 0");
     INVALID(espalier_refiner_carry_values(refiner, 0, 3, positions, 80, values, 81), "80");
     INVALID(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, 80), "80");
     INVALID(espalier_refiner_carry_values(refiner, 0, 0, positions, 0, values, 0),
-            "components is 0");
+            "components: expected 1 or more, got 0");
     INVALID(espalier_refiner_carry_values(refiner, 0, -1, positions, 0, values, 0),
-            "components is -1");
+            "components: expected 1 or more, got -1");
     INVALID(espalier_binding_create(refiner, 26, positions, 1, point, NULL, &b), "26");
     INVALID(espalier_binding_apply(binding, 26, positions, 1, values), "26");
     INVALID(espalier_binding_apply(binding, BOX_VERTICES, positions, 2, values), "got 2");

@@ -112,7 +112,8 @@ static void test_editing(void) {
     CHECK(entity_count == 27);
     for (int32_t v = 0; v < entity_count; ++v) ++of_stratum[strata[v]];
     CHECK(of_stratum[0] == 8 && of_stratum[1] == 12 && of_stratum[2] == 6 && of_stratum[3] == 1);
-    INVALID(espalier_refiner_strata(refiner, 1, 4, &entity_count, &strata), "dimension is 4");
+    INVALID(espalier_refiner_strata(refiner, 1, 4, &entity_count, &strata),
+            "dimension: expected 0 to 3, got 4");
     INVALID(espalier_refiner_edges(refiner, 2, &edge_count, &ends), "2");
 
     OK(espalier_lattice_create_with_prism(cube, upper, up, &two));

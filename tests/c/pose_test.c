@@ -49,25 +49,29 @@ static void test_bad_selections(void) {
     const double odd[3] = {0, NAN, 0};
     espalier_falloff falloff = {2, 1};
     INVALID(espalier_select_box(N, rest, odd, zero, NULL, weights),
-            "select_box: corner is (0, nan");
+            "select_box: corner: expected finite numbers, got (0, nan");
     INVALID(espalier_select_box(N, rest, NULL, zero, NULL, weights), "corner is null");
     INVALID(espalier_select_box(N, rest, zero, NULL, NULL, weights), "opposite is null");
     INVALID(espalier_select_box(N, NULL, zero, zero, NULL, weights), "positions is null");
     INVALID(espalier_select_box(N, rest, zero, zero, NULL, NULL), "weights is null");
     INVALID(espalier_select_box(-1, rest, zero, zero, NULL, weights), "the count is -1");
-    INVALID(espalier_select_box(N, rest, zero, zero, &falloff, weights), "profile is 2");
+    INVALID(espalier_select_box(N, rest, zero, zero, &falloff, weights),
+            "profile: expected 0 to 1, got 2");
     falloff.profile = ESPALIER_FALLOFF_SMOOTH;
     falloff.radius = -1;
     INVALID(espalier_select_ball(N, rest, zero, 1, &falloff, weights),
-            "radius of the falloff is -1");
-    INVALID(espalier_select_ball(N, rest, zero, -1, NULL, weights), "select_ball: radius is -1");
+            "falloff.radius: expected a finite number of 0 or more, got -1");
+    INVALID(espalier_select_ball(N, rest, zero, -1, NULL, weights),
+            "select_ball: radius: expected a finite number of 0 or more, got -1");
     INVALID(espalier_select_ball(N, rest, NULL, 1, NULL, weights), "center is null");
-    INVALID(espalier_select_half_space(N, rest, zero, zero, NULL, weights), "normal is (0, 0, 0)");
+    INVALID(espalier_select_half_space(N, rest, zero, zero, NULL, weights),
+            "normal: expected a vector other than 0");
     INVALID(espalier_select_half_space(N, rest, NULL, x_axis, NULL, weights), "point is null");
     INVALID(espalier_select_half_space(N, rest, zero, NULL, NULL, weights), "normal is null");
     INVALID(espalier_select_end(N, rest, zero, NULL, weights), "select_end: direction");
     INVALID(espalier_select_end(0, rest, x_axis, NULL, weights), "there are no positions");
-    INVALID(espalier_select_numbers(N, rest, 1, &beyond, NULL, weights), "numbers[0] is 27");
+    INVALID(espalier_select_numbers(N, rest, 1, &beyond, NULL, weights),
+            "numbers[0]: expected 0 to 26, got 27");
     INVALID(espalier_select_numbers(N, rest, 1, NULL, NULL, weights), "numbers is null");
     for (int v = 0; v < N; ++v) CHECK(weights[v] == -7);
 }
@@ -138,24 +142,29 @@ static void test_bad_operations(void) {
     for (int i = 0; i < 3 * N; ++i) pose[i] = -7;
     const double odd[3] = {0, INFINITY, 0}, one[3] = {1, 1, 1}, backwards[2] = {1, 0};
     espalier_pose_options options = espalier_default_pose_options();
-    INVALID(espalier_pose_move(N, rest, odd, NULL, pose), "move: offset is (0, inf, 0)");
+    INVALID(espalier_pose_move(N, rest, odd, NULL, pose),
+            "move: offset: expected finite numbers, got (0, inf, 0)");
     INVALID(espalier_pose_move(N, rest, NULL, NULL, pose), "offset is null");
     INVALID(espalier_pose_move(N, NULL, one, NULL, pose), "positions is null");
     INVALID(espalier_pose_move(N, rest, one, NULL, NULL), "pose is null");
     INVALID(espalier_pose_move(-1, rest, one, NULL, pose), "the count is -1");
-    INVALID(espalier_pose_rotate(N, rest, zero, 1, NULL, pose), "rotate: axis is (0, 0, 0)");
-    INVALID(espalier_pose_rotate(N, rest, z_axis, NAN, NULL, pose), "rotate: angle is nan");
+    INVALID(espalier_pose_rotate(N, rest, zero, 1, NULL, pose),
+            "rotate: axis: expected a vector other than 0");
+    INVALID(espalier_pose_rotate(N, rest, z_axis, NAN, NULL, pose),
+            "rotate: angle: expected a finite number, got nan");
     INVALID(espalier_pose_rotate(N, rest, NULL, 1, NULL, pose), "axis is null");
     INVALID(espalier_pose_scale(N, rest, odd, NULL, pose), "scale: factors");
     INVALID(espalier_pose_scale(N, rest, NULL, NULL, pose), "factors is null");
     INVALID(espalier_pose_twist(N, rest, NULL, 1, NULL, pose), "axis is null");
-    INVALID(espalier_pose_taper(N, rest, z_axis, -1, NULL, pose), "taper: factor is -1");
+    INVALID(espalier_pose_taper(N, rest, z_axis, -1, NULL, pose),
+            "taper: factor: expected 0 or more, got -1");
     INVALID(espalier_pose_taper(N, rest, NULL, 1, NULL, pose), "axis is null");
     INVALID(espalier_pose_bend(N, rest, z_axis, 1, z_axis, NULL, pose), "bend: toward");
     INVALID(espalier_pose_bend(N, rest, z_axis, 1, NULL, NULL, pose), "toward is null");
     INVALID(espalier_pose_bend(N, rest, NULL, 1, x_axis, NULL, pose), "axis is null");
     options.range = backwards;
-    INVALID(espalier_pose_twist(N, rest, z_axis, 1, &options, pose), "range[1] is 0");
+    INVALID(espalier_pose_twist(N, rest, z_axis, 1, &options, pose),
+            "range[1]: expected a number above range[0]");
     options = espalier_default_pose_options();
     options.weights = weights;
     INVALID(espalier_pose_twist(N, rest, z_axis, 1, &options, pose),

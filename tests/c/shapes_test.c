@@ -47,13 +47,13 @@ static void test_torus(void) {
     check_counts(&l, 8 * 16, 8 * 9);
     options.minor_radius = 3;
     REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT,
-            "torus: minor_radius is 3; allowed: numbers below major_radius, which is 2");
+            "torus: minor_radius: expected a number below major_radius (2), got 3");
     options = espalier_default_torus_options();
     options.section = 2;
-    INVALID(espalier_lattice_create_torus(&options, &l), "section is 2");
+    INVALID(espalier_lattice_create_torus(&options, &l), "section: expected 0 to 1, got 2");
     options = espalier_default_torus_options();
     options.core = -1;
-    INVALID(espalier_lattice_create_torus(&options, &l), "core is -1");
+    INVALID(espalier_lattice_create_torus(&options, &l), "core: expected 0 to 1, got -1");
     options.size = 4;
     INVALID(espalier_lattice_create_torus(&options, &l), "espalier_default_torus_options()");
     INVALID(espalier_lattice_create_torus(NULL, NULL), "lattice is null");
@@ -76,7 +76,8 @@ static void test_star(void) {
     CHECK(fabs(largest(l, 0) - 3) < 1e-12 && fabs(largest(l, 2) - 1) < 1e-12);
     check_counts(&l, 5 * 12, 4 * 7);
     options.inner_radius = 0;
-    INVALID(espalier_lattice_create_star(&options, &l), "inner_radius is ");
+    INVALID(espalier_lattice_create_star(&options, &l),
+            "star: inner_radius: expected a finite number above 0, got 0");
     options.size = 0;
     INVALID(espalier_lattice_create_star(&options, &l), "espalier_default_star_options()");
     INVALID(espalier_lattice_create_star(NULL, NULL), "lattice is null");
@@ -124,7 +125,7 @@ static void test_barbell(void) {
     options = espalier_default_barbell_options();
     options.end_segments = 2;
     REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT,
-            "barbell: end_segments is 2; allowed: ");
+            "barbell: end_segments: expected 3 or more, got 2");
     options.size = 0;
     INVALID(espalier_lattice_create_barbell(&options, &l), "espalier_default_barbell_options()");
     INVALID(espalier_lattice_create_barbell(NULL, NULL), "lattice is null");
@@ -235,10 +236,12 @@ static void test_cage(void) {
     l = NULL;
 
     options.cell_size = -1;
-    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l), "cell_size is -1");
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
+            "cell_size: expected 0 to 1e+90, got -1");
     options = espalier_default_cage_options();
     options.vertices = 7;
-    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l), "vertices is 7");
+    INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
+            "vertices: expected 8 to 100000, got 7");
     options.size = 0;
     INVALID(espalier_lattice_create_cage(8, points, &faces, &options, &l),
             "espalier_default_cage_options()");
@@ -271,10 +274,11 @@ static void test_solids(void) {
         CHECK(fabs(largest(l, 0) - 2) < 1e-12 && fabs(largest(l, 2) - 1.5) < 1e-12);
         check_counts(&l, over_pentagon[solid], 1);
     }
-    INVALID(espalier_lattice_create_regular_solid(5, 1, &l), "solid is 5");
+    INVALID(espalier_lattice_create_regular_solid(5, 1, &l), "solid: expected 0 to 4, got 5");
     INVALID(espalier_lattice_create_regular_solid(0, 0, &l), "radius");
     INVALID(espalier_lattice_create_regular_solid(0, 1, NULL), "lattice is null");
-    INVALID(espalier_lattice_create_polygonal_solid(3, 3, 1, 1, &l), "solid is 3");
+    INVALID(espalier_lattice_create_polygonal_solid(3, 3, 1, 1, &l),
+            "solid: expected 0 to 2, got 3");
     INVALID(espalier_lattice_create_polygonal_solid(0, 2, 1, 1, &l), "sides");
     INVALID(espalier_lattice_create_polygonal_solid(0, 3, 1, 1, NULL), "lattice is null");
     CHECK(l == NULL);

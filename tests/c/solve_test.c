@@ -124,7 +124,7 @@ static void test_hold(void) {
     INVALID(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, &count), "face");
     side[0] = 0;
     INVALID(espalier_hold_faces(refiner, 4, side, 3, BOX_VERTICES, held, &count),
-            "continuity is 3");
+            "continuity: expected 0 to 2, got 3");
     INVALID(espalier_hold_faces(NULL, 4, side, 0, BOX_VERTICES, held, &count), "refiner is null");
     INVALID(espalier_hold_faces(refiner, 4, NULL, 0, BOX_VERTICES, held, &count), "faces is null");
     INVALID(espalier_hold_faces(refiner, 4, side, 0, 26, held, &count), "got 26");
@@ -246,12 +246,12 @@ static void test_validity(void) {
     espalier_validity_destroy(NULL);
     options.level = 0;
     INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
-            "level is 0");
+            "level: expected 1 or more, got 0");
     options.of_limit = 1;
     INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity), "0");
     options.of_limit = 2;
     INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
-            "of_limit is 2");
+            "of_limit: expected 0 to 1, got 2");
     options.size = 4;
     INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
             "espalier_default_validity_options()");
@@ -443,7 +443,7 @@ static void test_limit_stencils(void) {
     options.derivatives = 3;
     INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
                                                  tables),
-            "derivatives is 3");
+            "derivatives: expected 0 to 2, got 3");
     options.size = 0;
     INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
                                                  tables),
@@ -492,7 +492,8 @@ static void test_tensor(void) {
     espalier_bind_options options = espalier_default_bind_options();
     options.limit_tolerance = 1e-6;
     INVALID(espalier_binding_create_tensor(lattice, 0, 1, middle, &options, &b), "limit_tolerance");
-    INVALID(espalier_binding_create_tensor(lattice, 2, 1, middle, NULL, &b), "basis is 2");
+    INVALID(espalier_binding_create_tensor(lattice, 2, 1, middle, NULL, &b),
+            "basis: expected 0 to 1, got 2");
     INVALID(espalier_binding_create_tensor(NULL, 0, 1, middle, NULL, &b), "lattice is null");
     INVALID(espalier_binding_create_tensor(lattice, 0, 1, NULL, NULL, &b), "points is null");
     INVALID(espalier_binding_create_tensor(lattice, 0, 1, middle, NULL, NULL), "binding is null");

@@ -68,8 +68,9 @@ class Around(CliTest):
     def test_points_in_a_plane(self):
         self.write_model([(0, 0, 5), (1, 0, 5), (1, 1, 5), (0, 1, 5)])
         self.assertIn("all 4 points inside", self.around("model.obj"))
-        self.assertIn("model.obj: the points lie in a plane",
-                      self.error_of("shape", "around", "model.obj", "--margin", 0, "-o", "x.ovm"))
+        self.assertEqual(self.error_of("shape", "around", "model.obj", "--margin", 0, "-o", "x.ovm", code=2),
+                         "espalier: --margin: expected a number above 0, since the points lie in a plane and the "
+                         "box would be flat, got 0\n")
 
     def test_the_oriented_box_of_a_turned_box_is_smaller(self):
         c, s = math.cos(0.5), math.sin(0.5)
@@ -100,12 +101,13 @@ class Around(CliTest):
     def test_wrong_options_name_themselves(self):
         self.write_corners((0, 0, 0), (1, 1, 1))
         for options, message in [
-                (["--cells", 0], "--cells: expected 1 or more"),
+                (["--cells", 0], "--cells: expected 1 or more, got 0\n"),
                 (["--cells", 1, 2], "--cells: expected one number or three, got two"),
                 (["--size", -1], "--size"),
                 (["--size", 1, "--cells", 2], "--cells"),
-                (["--margin", -0.5], "espalier: --margin is -0.5; allowed: a fraction of 0 or more"),
-                (["--size", 1e-300], "espalier: --size is 1e-300; allowed: lengths for which")]:
+                (["--margin", -0.5], "espalier: --margin: expected a fraction of 0 or more, got -0.5"),
+                (["--size", 1e-300], "espalier: --size: expected a length for which the number of cells fits "
+                                     "into 31 bits, got 1e-300\n")]:
             self.assertIn(message, self.error_of("shape", "around", "model.obj", *options,
                                                  "-o", "x.ovm", code=2))
             self.assertFalse((self.path / "x.ovm").exists())

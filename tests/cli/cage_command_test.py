@@ -108,7 +108,7 @@ class Cage(CliTest):
                 (["--size", 0], "--size", 2),
                 (["--margin", -0.5], "--margin", 2),
                 (["--shell", 0], "--shell", 2),
-                (["--size", 1e-9], "--size is 1e-09; expected at least", 2)]:
+                (["--size", 1e-9], "--size: expected at least", 2)]:
             self.assertIn(message, self.error_of("shape", "cage", "tube.obj", *options, "-o",
                                                  "x.ovm", code=code))
             self.assertFalse((self.path / "x.ovm").exists())

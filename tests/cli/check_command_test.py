@@ -180,7 +180,7 @@ class Check(CliTest):
         self.assertEqual(self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "--list", -1, code=2),
                          "espalier: --list: expected a whole number, 0 to 2147483647, got -1\n")
         self.assertEqual(self.error_of("check", "pose.ovm", "--rest", "", code=2),
-                         "espalier: --rest: expected the name of a file, got an empty text\n")
+                         "espalier: --rest: expected the name of a file, got nothing\n")
         self.pose(lambda x, y, z: (1e95 * x, y, z), name="far.ovm")
         self.assertIn("far.ovm: the pose of vertex",
                       self.error_of("check", "far.ovm", "--rest", "rest.ovm"))

@@ -222,8 +222,8 @@ class Export(CliTest):
         self.assertIn("d.dy.npz", self.error_of("stencils", "c.ovm", "--points", "model.obj",
                                                 "--limit", "--gradients", "-o", "d.npz"))
         (self.path / "d.dy.npz").rmdir()
-        self.assertIn("level 1", self.error_of("stencils", "c.ovm", "-n", 0, "--points",
-                                               "model.obj", "-o", "d.npz"))
+        self.assertIn("--level: expected 1 to 20 to bind points, got 0",
+                      self.error_of("stencils", "c.ovm", "-n", 0, "--points", "model.obj", "-o", "d.npz", code=2))
         self.assertFalse(list(self.path.glob("*.npz")))
 
 

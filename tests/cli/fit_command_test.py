@@ -245,7 +245,8 @@ class Fit(CliTest):
             self.assertIn(why, self.error_of_fit("t.txt"))
         self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
-        self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
+        self.assertIn("--freeze[1]: expected a vertex, 0 to 11, got 999",
+                      self.error_of_fit("t.txt", "--freeze", "0,999", code=2))
         self.assertIn("--hold: the box contains no point of model.obj and no boundary face of rest.ovm",
                       self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
         every = ",".join(str(v) for v in range(len(self.read_ovm_positions("rest.ovm"))))

@@ -50,9 +50,11 @@ class MemoryTest(CliTest):
         self.lattice()
         for size in ("500MB", "1GiB", "2000000000", "1g"):
             self.run_program("info", "box.ovm", "--max-memory", size)
-        for size in ("0", "-1", "ten", "1XB"):
-            self.assertIn("--max-memory", self.error_of("info", "box.ovm", "--max-memory", size,
-                                                        code=2))
+        # 2^64 bytes are 16 EiB.
+        for size in ("0", "-1", "ten", "1XB", "nan", "inf", "1e308", "1e-310", "0.5", "16EiB", ""):
+            self.assertEqual(self.error_of("info", "box.ovm", "--max-memory", size, code=2),
+                             "espalier: --max-memory: expected a size above 0, such as 500MB or 4GB, "
+                             f"got {size or 'nothing'}\n")
         for command in (["info"], ["shape", "box"], ["shape", "merge"], ["shape", "around"], ["pose"],
                         ["refine"], ["stencils"],
                         ["bind"], ["apply"], ["deform"], ["bench"], ["fit"], ["check"], ["page"],

@@ -161,8 +161,8 @@ class Pose(CliTest):
 
     def test_wrong_options_name_themselves(self):
         for options, message in [
-                (["--twist", "w", 90], "--twist: expected an axis x, y or z, or with a sign: +x, -z; "
-                                       "got w"),
+                (["--twist", "w", 90], "--twist: expected an axis x, y or z, or with a sign (+x, -z), "
+                                       "got w\n"),
                 (["--twist", "z", "much"], "--twist: expected AXIS DEGREES, with spaces or commas "
                                            "between, got much"),
                 (["--twist", "z"], "--twist: expected AXIS DEGREES"),
@@ -172,25 +172,26 @@ class Pose(CliTest):
                                           "between, got two"),
                 (["--move", 1, 2], "--move: expected the numbers X Y Z"),
                 (["--scale", 1, 2], "--scale: expected one factor or three, got two"),
-                (["--taper", "z", -1], "espalier: --taper: factor is -1; allowed: 0 or more"),
+                (["--taper", "z", -1], "espalier: --taper: factor: expected 0 or more, got -1"),
                 (["--range", 1, 0, "--twist", "z", 9],
-                 "espalier: --twist: range[1] is 0; allowed: numbers above range[0], which is 1"),
+                 "espalier: --twist: range[1]: expected a number above range[0] (1), got 0"),
                 (["--select", "corner"], "--select: corner: expected box X0 Y0 Z0 X1 Y1 Z1; ball"),
                 (["--select", "box", 1, 2, 3], "--select: box 1 2 3: expected box X0 Y0 Z0"),
                 (["--select", "vertices", 45],
                  "--select: vertices 45: expected numbers of vertices, 0 to 44"),
                 (["--select", "vertices", 1.5],
                  "--select: vertices 1.5: expected numbers of vertices, 0 to 44"),
-                (["--select", "ball", 0, 0, 0, -1], "espalier: --select: radius is -1; allowed: 0"),
+                (["--select", "ball", 0, 0, 0, -1],
+                 "espalier: --select: radius: expected a finite number of 0 or more, got -1\n"),
                 (["--select", "ball", 9, 9, 9, 1],
                  "--select: ball 9 9 9 1: expected at least one vertex there; the lattice has none"),
                 (["--falloff", "linear", 1], "give --select before --falloff"),
                 (["--select", "end", "+z", "--falloff", "steep", 1],
                  "--falloff: expected linear or smooth, got steep"),
                 (["--select", "end", "+z", "--falloff", "linear", 0],
-                 "--falloff: expected a radius above 0"),
+                 "--falloff: expected a radius above 0, got 0\n"),
                 (["--bend", "z", 30, "--toward", "z", "--bend", "z", 30],
-                 "espalier: --bend: toward is")]:
+                 "espalier: --bend: toward: expected a vector that is not parallel to the axis, got (0, 0, 1)\n")]:
             with self.subTest(options):
                 self.assertIn(message, self.error_of("pose", "rest.ovm", *options, "--move", 0, 0, 0,
                                                      "-o", "x.ovm", code=2))

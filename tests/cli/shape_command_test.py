@@ -35,15 +35,23 @@ class Shapes(CliTest):
         self.assertEqual(report["bounds"], [[-1, -1, -1], [1, 1, 1]])
         self.assertEqual(report["levels"][0]["counts"]["cells"], 8)
         for options, message in [
-                (["box", "--cells", 0, 1, 1], "--cells[0] is 0; allowed: 1 or more"),
+                (["box", "--cells", 0, 1, 1], "--cells[0]: expected 1 or more, got 0"),
                 (["box", "--min", 1, 1, 1, "--max", 0, 0, 0],
-                 "--max[0] is 0; allowed: numbers above --min[0], which is 1"),
+                 "--max[0]: expected a number above --min[0] (1), got 0"),
                 (["torus", "--minor-radius", 3],
-                 "--minor-radius is 3; allowed: numbers below --major-radius, which is 1"),
-                (["torus", "--grid", 0], "--grid is 0; allowed: 1 or more"),
+                 "--minor-radius: expected a number below --major-radius (1), got 3"),
+                (["torus", "--grid", 0], "--grid: expected 1 or more, got 0"),
                 (["arm", "--joint", 0, 0, 0, 1, "--joint", 0, 0, 0, 1],
-                 "--joint[1].position is (0, 0, 0); allowed: a position other than the one of the "
-                 "joint before")]:
+                 "--joint[1].position: expected a place other than the one of the joint before, "
+                 "got (0, 0, 0)"),
+                (["arm", "--joint", 0, 0, 0, 1], "--joint: expected 2 or more, got 1"),
+                (["barbell", "--end-radius", 1e308],
+                 "--end-radius: expected a radius whose square is finite, got 1e+308"),
+                (["cylinder", "--to", 0, 0, 0],
+                 "--to: expected a point other than --from, got (0, 0, 0)"),
+                (["merge", "b.ovm", "b.ovm", "--tolerance", 1],
+                 "--tolerance: expected a number from 0 to below 1, a fraction of the whole size, "
+                 "got 1")]:
             self.assertEqual(self.error_of("shape", *options, "-o", "c.ovm", code=2),
                              f"espalier: {message}\n")
         self.assertFalse((self.path / "c.ovm").exists())

@@ -365,7 +365,8 @@ TEST(Continuity, RefusesInvalidFacesAndPoints) {
     held.part.clear();
     EXPECT_REFUSED(Error, "there are no points to hold", held.freeze(Continuity::C1));
     held.part = {{1, 1, 1}};
-    EXPECT_REFUSED(Error, "level 1 or above", held.freeze(Continuity::C1, 0));
+    EXPECT_REFUSED(Error, "level: expected 1 to 20 to bind points, got 0",
+                   held.freeze(Continuity::C1, 0));
     for (const auto continuity : {Continuity::C0, Continuity::C1}) {
         held.part = {{1, 1, 1}, {2, 2, 2}, {1, 9, 1}};
         EXPECT_REFUSED(Error, "point 2 at (1, 9, 1) is outside the lattice",

@@ -406,8 +406,8 @@ TEST(LocalBinding, RefusesInvalidInput) {
                        bindPoints({refiner, rest}, points,
                                   {.level = level, .embedding = {.outside = outside}}));
     };
-    expectRefused("level 0", base, lattice.positions, 0);
-    expectRefused("level 20 at most, not to level 21", base, lattice.positions, 21);
+    expectRefused("level: expected 1 to 20 to bind points, got 0", base, lattice.positions, 0);
+    expectRefused("level: expected 1 to 20 to bind points, got 21", base, lattice.positions, 21);
     expectRefused("positions", base, std::span(lattice.positions).first(7), 1);
     expectRefused("point 1", base, lattice.positions, 1, OutsidePolicy::Error);
     auto bad = lattice.positions;

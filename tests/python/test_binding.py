@@ -112,7 +112,7 @@ def test_the_limit_is_the_spline():
     assert abs(limit - spline).max() < 1e-13  # places are found to about 1e-15
     with pytest.raises(ValueError, match='^limit: expected False with the basis "bezier"'):
         espalier.bind(box, points, basis="bezier", limit=True)
-    with pytest.raises(ValueError, match="tolerance of the limit"):
+    with pytest.raises(ValueError, match="^tolerance: expected 1e-14 to 0.1, got 0.5$"):
         espalier.bind(box, points, limit=True, tolerance=0.5)
 
 

@@ -182,23 +182,22 @@ def test_names_of_attributes_that_files_need(rest):
 
 @pytest.mark.parametrize("name, arguments, text", [
     ("cylinder", {"start": (1, 2, 3), "end": (1, 2, 3)},
-     "cylinder: end is (1, 2, 3); allowed: points other than start"),
+     "cylinder: end: expected a point other than start, got (1, 2, 3)"),
     ("cylinder", {"start": (np.inf, 0, 0)},
-     "cylinder: start is (inf, 0, 0); allowed: finite numbers"),
+     "cylinder: start: expected finite numbers, got (inf, 0, 0)"),
     ("torus", {"minor_radius": 2},
-     "torus: minor_radius is 2; allowed: numbers below major_radius, which is 1"),
-    ("torus", {"grid_cells": 0}, "torus: grid_cells is 0; allowed: 1 or more"),
-    ("star", {"inner_radius": 0}, "star: inner_radius is 0; allowed: finite numbers above 0"),
-    ("barbell", {"end_segments": 2}, "barbell: end_segments is 2; allowed: 3 or more"),
+     "torus: minor_radius: expected a number below major_radius (1), got 2"),
+    ("torus", {"grid_cells": 0}, "torus: grid_cells: expected 1 or more, got 0"),
+    ("star", {"inner_radius": 0}, "star: inner_radius: expected a finite number above 0, got 0"),
+    ("barbell", {"end_segments": 2}, "barbell: end_segments: expected 3 or more, got 2"),
     ("barbell", {"bar_half_width": 1},
-     "barbell: bar_half_width is 1; allowed: with roundness 1, numbers below end_radius, "
-     "which is 1"),
-    ("barbell", {"roundness": 2}, "barbell: roundness is 2; allowed: numbers from 0 to 1"),
+     "barbell: bar_half_width: expected with roundness 1, a number below end_radius (1), got 1"),
+    ("barbell", {"roundness": 2}, "barbell: roundness: expected 0 to 1, got 2"),
     ("arm", {"joints": [[0, 0, 0, 1], [1, 0, 0, 0]]},
-     "arm: joints[1, 3] is 0; allowed: finite numbers above 0"),
+     "arm: joints[1, 3]: expected a finite number above 0, got 0"),
     ("arm", {"joints": [[0, 0, 0, 1], [0, 0, 0, 1]]},
-     "arm: joints[1, :3] is (0, 0, 0); allowed: a position other than the one of the joint before"),
-    ("prism", {"sides": 2}, "prism: sides is 2; allowed: 3 or more"),
+     "arm: joints[1, :3]: expected a place other than the one of the joint before, got (0, 0, 0)"),
+    ("prism", {"sides": 2}, "prism: sides: expected 3 or more, got 2"),
 ])
 def test_shapes_name_their_arguments(name, arguments, text):
     with pytest.raises(ValueError) as error:

@@ -295,8 +295,8 @@ def test_a_box_around_points():
         binding = espalier.bind(rest, points, outside="error")
         np.testing.assert_allclose(binding.deform(rest), points, atol=1e-12)
     for options, message in [
-            ({"cells": 0}, "cells is 0"), ({"cells": (0, 0, 0)}, "cells"),
-            ({"cells": (1, -1, 1)}, r"cells\[1\] is -1"), ({"cell_size": -1}, "cell_size"),
+            ({"cells": 0}, "cells: expected 1 or more, got 0"), ({"cells": (0, 0, 0)}, "cells: expected 1 or more"),
+            ({"cells": (1, -1, 1)}, r"cells\[1\]: expected 1 or more, got -1"), ({"cell_size": -1}, "cell_size"),
             ({"margin": -1}, "margin")]:
         with pytest.raises(ValueError, match="^around: " + message):
             around(corners, **options)
@@ -333,15 +333,15 @@ def test_a_cage_names_what_is_wrong(tmp_path):
     (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\n")
     points = espalier.read_model(tmp_path / "points.obj")
     for arguments, options, message in [
-            ([points], {}, r"cage: points.obj has no faces; shapes.around\(\) makes a box"),
+            ([points], {}, r"points.obj has no faces; shapes.around\(\) makes a box"),
             ([box.positions], {}, "model: expected a Model or a list of Model, got ndarray; points need the argument `fa"),
             ([[box.positions]], {}, "model: expected a list of Model, got one with ndarray"),
             ([box.positions, 3], {}, "faces: expected an array or a list of loops, got int"),
-            ([box.positions, [[0, 1, 8]]], {}, "cage: .*point 8"),
-            ([box.positions, []], {}, "cage: the model has no faces"),
-            ([box.positions, box.faces], {"vertices": 7}, "cage: vertices is 7; expected 8 to 100000"),
-            ([box.positions, box.faces], {"cell_size": -1}, "cage: cell_size is -1"),
-            ([box.positions, box.faces], {"shell": np.nan}, "cage: shell is nan")]:
+            ([box.positions, [[0, 1, 8]]], {}, "a face names point 8"),
+            ([box.positions, []], {}, "the model has no faces"),
+            ([box.positions, box.faces], {"vertices": 7}, "cage: vertices: expected 8 to 100000, got 7"),
+            ([box.positions, box.faces], {"cell_size": -1}, "cage: cell_size: expected 0 to 1e.90, got -1"),
+            ([box.positions, box.faces], {"shell": np.nan}, "cage: shell: expected 0 to .*, got nan")]:
         with pytest.raises(ValueError, match=message):
             cage(*arguments, **options)
 

@@ -52,15 +52,15 @@ def test_selections_are_weights():
 
 
 @pytest.mark.parametrize("call, message", [
-    (lambda: pose.move(BOX, (1, np.nan, 0)), "move: offset is"),
+    (lambda: pose.move(BOX, (1, np.nan, 0)), r"move: offset: expected finite numbers, got \("),
     (lambda: pose.move(BOX, (1, 0, 0), weights=[1]), "weights has shape"),
-    (lambda: pose.move(BOX, (1, 0, 0), weights=2 * TOP), r"weights\[\d+\] is 2; allowed: 0 to 1"),
+    (lambda: pose.move(BOX, (1, 0, 0), weights=2 * TOP), r"weights\[\d+\] is 2; expected 0 to 1"),
     (lambda: pose.move(BOX[:, :2], (1, 0, 0)), "positions"),
-    (lambda: pose.rotate(BOX, "w", 1), "axis is 'w'; expected x, y or z, or a vector"),
-    (lambda: pose.bend(BOX, "z", 1, "z"), "toward is"),
-    (lambda: pose.select_ball(BOX, (0, 0, 0), -1), "select_ball: radius is -1"),
+    (lambda: pose.rotate(BOX, "w", 1), "axis: expected x, y or z, or a vector, got 'w'"),
+    (lambda: pose.bend(BOX, "z", 1, "z"), "toward: expected a vector that is not parallel to the axis"),
+    (lambda: pose.select_ball(BOX, (0, 0, 0), -1), "select_ball: radius: expected a finite number of 0 or more, got -1"),
     (lambda: pose.select_end(BOX, "+z", falloff="steep"), "falloff"),
-    (lambda: pose.select_numbers(BOX, [99]), r"select_numbers: numbers\[0\] is 99; allowed: 0 to 44"),
+    (lambda: pose.select_numbers(BOX, [99]), r"select_numbers: numbers\[0\]: expected 0 to 44, got 99"),
 ])
 def test_wrong_arguments_name_themselves(call, message):
     with pytest.raises(ValueError, match=message):

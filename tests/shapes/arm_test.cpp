@@ -140,16 +140,16 @@ TEST(Arm, HasTheTopologyOfItsPose) {
 
 TEST(Arm, RefusesInvalidJoints) {
     EXPECT_MESSAGE(
-        "arm: joints[2].position is (1, 0, 0); allowed: a position other than the one of the joint "
-        "before",
+        "arm: joints[2].position: expected a place other than the one of the joint "
+        "before, got (1, 0, 0)",
         arm(limb({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}})));
     EXPECT_MESSAGE(
-        "arm: joints[1].position is (1, 0, 0); allowed: points at which the limb bends by less "
-        "than 179 degrees",
+        "arm: joints[1].position: expected a place at which the limb bends by less "
+        "than 179 degrees, got (1, 0, 0)",
         arm(limb({{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}})));
-    EXPECT_MESSAGE("arm: the number of joints is 1; allowed: 2 or more", arm(limb({{0, 0, 0}})));
+    EXPECT_MESSAGE("arm: joints: expected 2 or more, got 1", arm(limb({{0, 0, 0}})));
     EXPECT_MESSAGE(
-        "arm: up is (0, 0, 1); allowed: vectors that are not along the first bone, (0, 0, 1)",
+        "arm: up: expected a vector that is not along the first bone (0, 0, 1), got (0, 0, 1)",
         arm(limb({{0, 0, 0}, {0, 0, 2}})));
 }
 

@@ -156,15 +156,15 @@ TEST(Attach, RefusesCellsThatDoNotFit) {
     EXPECT_MESSAGE("attachPrism: face " + std::to_string(inner) +
                        " is between cells 0 and 1; expected a boundary face",
                    attachPrism(two, FaceId(inner), {0, 0, 1}));
-    EXPECT_MESSAGE("attachPrism: face is 11; allowed: faces 0 to 10",
+    EXPECT_MESSAGE("attachPrism: face: expected face 0 to 10, got 11",
                    attachPrism(two, FaceId(11), {0, 0, 1}));
     const FaceId bottom = two.complex.faces(CellId(0))[0];
     for (const Point3& offset : {Point3{0, 0, 1}, Point3{1, 0, 0}})
-        EXPECT_EQ(messageOf([&] { attachPrism(two, bottom, offset); }).substr(0, 25),
-                  "attachPrism: offset is (" + std::to_string(int(offset[0])));
+        EXPECT_EQ(messageOf([&] { attachPrism(two, bottom, offset); }).substr(0, 29),
+                  "attachPrism: offset: expected");
     EXPECT_MESSAGE(
-        "attachPyramid: apex is (0.5, 0.5, 1); allowed: vectors that point outwards from the face; "
-        "the cell would have no volume, or a negative one",
+        "attachPyramid: apex: expected a vector that points outwards from the face, so that the "
+        "cell has a volume above 0, got (0.5, 0.5, 1)",
         attachPyramid(two, bottom, {0.5, 0.5, 1}));
     EXPECT_MESSAGE("attachPrism: the lattice is a mesh; expected a lattice",
                    attachPrism(gridMesh(), FaceId(0), {0, 0, 1}));
@@ -176,9 +176,9 @@ TEST(Attach, RefusesCellsThatDoNotFit) {
               far::TopologyCause::UnusedEntity);
     const NewVertex lost[] = {{{9, 9, 9}, {12}}};
     EXPECT_MESSAGE(
-        "attach: attributesFrom is 12; allowed: vertices 0 to 11",
+        "attach: attributesFrom: expected vertex 0 to 11, got 12",
         attachCell(two, far::StandardCell::Tetrahedron, std::array<Index, 4>{0, 1, 3, 12}, lost));
-    EXPECT_MESSAGE("attach: the number of vertices is 4; allowed: 6",
+    EXPECT_MESSAGE("attach: vertices: expected 6, got 4",
                    attachCell(two, far::StandardCell::Wedge, std::array<Index, 4>{0, 1, 3, 6}, {}));
 }
 

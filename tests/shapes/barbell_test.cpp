@@ -97,12 +97,12 @@ TEST(Barbell, RefusesABarAsWideAsARoundEnd) {
     BarbellOptions options;
     options.barHalfWidth = options.endRadius;
     EXPECT_MESSAGE(
-        "barbell: barHalfWidth is 1; allowed: with roundness 1, numbers below endRadius, "
-        "which is 1",
+        "barbell: barHalfWidth: expected with roundness 1, a number below endRadius (1), "
+        "got 1",
         barbell(options));
     options.roundness = 0.5;
     options.barHalfWidth = 1.25;
-    EXPECT_MESSAGE("barbell: barHalfWidth is 1.25; allowed: numbers up to endRadius, which is 1",
+    EXPECT_MESSAGE("barbell: barHalfWidth: expected a number up to endRadius (1), got 1.25",
                    barbell(options));
 }
 

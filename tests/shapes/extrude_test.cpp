@@ -238,16 +238,15 @@ TEST(Sweep, WrapsAClosedSurfaceInAShell) {
 TEST(Sweep, RefusesLayersThatDoNotFit) {
     const Lattice flat = gridMesh();
     std::vector<std::vector<Point3>> layers(2, flat.positions);
-    EXPECT_MESSAGE("sweep: the number of layers is 2; allowed: 3 or more",
+    EXPECT_MESSAGE("sweep: layers: expected 3 or more, got 2",
                    sweep(flat, layers, SweepEnds::Closed));
-    EXPECT_MESSAGE("sweep: the number of layers is 1; allowed: 2 or more",
+    EXPECT_MESSAGE("sweep: layers: expected 2 or more, got 1",
                    sweep(flat, std::span(layers).first(1)));
     layers[1].pop_back();
     EXPECT_MESSAGE("sweep: layer 1 has 3 positions; expected 4, one for each vertex of the mesh",
                    sweep(flat, layers));
     layers[1].push_back({0, kNan, 0});
-    EXPECT_MESSAGE("sweep: vertex 3 of layer 1 is (0, nan, 0); allowed: finite numbers",
-                   sweep(flat, layers));
+    EXPECT_MESSAGE("layers[1][3] is (0, nan, 0); expected finite numbers", sweep(flat, layers));
 }
 
 TEST(Sweep, RefusesAMoebiusBand) {

@@ -74,8 +74,8 @@ TEST(Merge, ObeysTheTolerance) {
     EXPECT_EQ(merge(left, right, {1e-6}).complex.count(0), 18);
     EXPECT_EQ(merge(left, boxFrom(1, 1, 1), {0}).complex.count(0), 18);
     EXPECT_MESSAGE(
-        "merge: tolerance is -1; allowed: numbers from 0 to below 1, a fraction of the whole "
-        "size",
+        "merge: tolerance: expected a number from 0 to below 1, a fraction of the whole "
+        "size, got -1",
         merge(left, right, {-1}));
 }
 
@@ -137,21 +137,21 @@ TEST(Merge, JoinsMeshes) {
 
 TEST(Merge, RefusesACellThatWouldCollapse) {
     const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
-    EXPECT_EQ(messageOf([&] { merge(box(), thin, {1e-6}); }).substr(0, 63),
-              "merge: vertices 0 and 4 of cell 0 of lattice 1 would become one");
+    EXPECT_EQ(messageOf([&] { merge(box(), thin, {1e-6}); }).substr(0, 56),
+              "vertices 0 and 4 of cell 0 of lattice 1 would become one");
     EXPECT_EQ(causeOf([&] { merge(box(), thin, {1e-6}); }), far::TopologyCause::RepeatedVertex);
 }
 
 TEST(Merge, RefusesDuplicateCellsAndFacesOfThreeCells) {
     EXPECT_EQ(causeOf([] { merge(box(), box()); }), far::TopologyCause::RepeatedCell);
     EXPECT_MESSAGE(
-        "merge: cell 0 of lattice 0, cell 0 of lattice 1 would become one cell; each cell may "
+        "cell 0 of lattice 0, cell 0 of lattice 1 would become one cell; each cell may "
         "be in one lattice only",
         merge(box(), box()));
     // The cell is number 1 of its lattice, and number 2 of the result.
     const Lattice again[] = {boxFrom(5, 1, 1), merge(boxFrom(10, 1, 1), box()), box()};
     EXPECT_MESSAGE(
-        "merge: cell 2 of lattice 1, cell 0 of lattice 2 would become one cell; each cell may "
+        "cell 2 of lattice 1, cell 0 of lattice 2 would become one cell; each cell may "
         "be in one lattice only",
         merge(again));
     // A third cell at the face x = 1. It is like the first box, but shorter.
@@ -170,13 +170,13 @@ TEST(Merge, RefusesDuplicateCellsAndFacesOfThreeCells) {
         }
         return std::string("none");
     };
-    EXPECT_MESSAGE("merge: " + faceAtOne(0) + ", " + faceAtOne(1) + ", " + faceAtOne(2) +
+    EXPECT_MESSAGE(faceAtOne(0) + ", " + faceAtOne(1) + ", " + faceAtOne(2) +
                        " would become one face of more than two cells",
                    merge(all));
     EXPECT_THAT(messageOf([&] {
                     merge(all, {.names = {"a.vtu", "b.vtu", "c.vtu"}});
                 }),
-                testing::MatchesRegex("merge: face . of a.vtu, face . of b.vtu, face . of c.vtu "
+                testing::MatchesRegex("face . of a.vtu, face . of b.vtu, face . of c.vtu "
                                       "would become one face of more than two cells"));
 }
 
@@ -208,34 +208,31 @@ TEST(Merge, ErrorsSayWhichNumbersBelongToTheResult) {
         mirrored.positions.push_back(positions[v]);
     EXPECT_EQ(causeOf([&] { merge(open, mirrored); }), far::TopologyCause::NotOrientable);
     EXPECT_THAT(messageOf([&] { merge(open, mirrored); }),
-                StartsWith("merge: in the merged lattice, face "));
+                StartsWith("in the merged lattice, face "));
 }
 
 TEST(Merge, ErrorsNameTheLattices) {
     const MergeOptions named = {.tolerance = 1e-6, .names = {"a.vtu", "b.vtu"}};
     const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
     EXPECT_THAT(messageOf([&] { merge(box(), thin, named); }),
-                StartsWith("merge: vertices 0 and 4 of cell 0 of b.vtu would become one"));
+                StartsWith("vertices 0 and 4 of cell 0 of b.vtu would become one"));
     EXPECT_MESSAGE(
-        "merge: cell 0 of a.vtu, cell 0 of b.vtu would become one cell; each cell may be in "
+        "cell 0 of a.vtu, cell 0 of b.vtu would become one cell; each cell may be in "
         "one lattice only",
         merge(box(), box(), named));
     Lattice lacking = boxFrom(1, 1, 1), left = boxFrom(0, 1, 1);
     left.attributes.push_back({"heat", 1, std::vector<double>(12)});
-    EXPECT_MESSAGE("merge: b.vtu lacks attribute 'heat', which a.vtu has",
-                   merge(left, lacking, named));
-    EXPECT_MESSAGE("merge: a.vtu lacks attribute 'heat', which b.vtu has",
-                   merge(lacking, left, named));
+    EXPECT_MESSAGE("b.vtu lacks attribute 'heat', which a.vtu has", merge(left, lacking, named));
+    EXPECT_MESSAGE("a.vtu lacks attribute 'heat', which b.vtu has", merge(lacking, left, named));
     lacking.attributes.push_back({"heat", 2, std::vector<double>(24)});
-    EXPECT_MESSAGE("merge: attribute 'heat' has 2 components in b.vtu, but 1 in a.vtu",
+    EXPECT_MESSAGE("attribute 'heat' has 2 components in b.vtu, but 1 in a.vtu",
                    merge(left, lacking, named));
     EXPECT_MESSAGE("merge: b.vtu is a mesh; expected a lattice", merge(box(), gridMesh(), named));
-    EXPECT_MESSAGE("merge: got 1 names for 2 lattices", merge(left, lacking, {.names = {"a.vtu"}}));
+    EXPECT_MESSAGE("got 1 names for 2 lattices", merge(left, lacking, {.names = {"a.vtu"}}));
 }
 
 TEST(Merge, RefusesEmptyListsAndMixedDimensions) {
-    EXPECT_MESSAGE("merge: there is no lattice; expected 1 or more",
-                   merge(std::span<const Lattice>{}));
+    EXPECT_MESSAGE("there is no lattice; expected 1 or more", merge(std::span<const Lattice>{}));
     EXPECT_MESSAGE("merge: lattice 1 is a mesh; expected a lattice", merge(box(), gridMesh()));
 }
 
@@ -288,12 +285,10 @@ TEST(Merge, RefusesAttributesThatDoNotMatch) {
     Lattice left = boxFrom(0, 1, 1);
     Lattice right = boxFrom(1, 1, 1);
     addAttribute(left, 0);
-    EXPECT_MESSAGE("merge: lattice 1 lacks attribute 'uv', which lattice 0 has",
-                   merge(left, right));
-    EXPECT_MESSAGE("merge: lattice 0 lacks attribute 'uv', which lattice 1 has",
-                   merge(right, left));
+    EXPECT_MESSAGE("lattice 1 lacks attribute 'uv', which lattice 0 has", merge(left, right));
+    EXPECT_MESSAGE("lattice 0 lacks attribute 'uv', which lattice 1 has", merge(right, left));
     right.attributes.push_back({"uv", 1, std::vector<double>(12)});
-    EXPECT_MESSAGE("merge: attribute 'uv' has 1 components in lattice 1, but 2 in lattice 0",
+    EXPECT_MESSAGE("attribute 'uv' has 1 components in lattice 1, but 2 in lattice 0",
                    merge(left, right));
 }
 

@@ -262,32 +262,42 @@ TEST(Pose, AxesMayHaveAnyLength) {
 TEST(Pose, RefusesArgumentsOutOfRange) {
     const auto points = cloud();
     const std::vector<double> few(3, 1), nothing(points.size(), 0), large(points.size(), 1.5);
-    EXPECT_REFUSED(Error, "move: offset is", move(points, {kNan, 0, 0}));
-    EXPECT_REFUSED(Error, "move: weights has 3 numbers; expected one for each of the 208 positions",
+    EXPECT_REFUSED(Error, "move: offset: expected finite numbers, got (nan, 0, 0)",
+                   move(points, {kNan, 0, 0}));
+    EXPECT_REFUSED(Error, "weights has 3 numbers; expected one for each of the 208 positions",
                    move(points, kX, few));
-    EXPECT_REFUSED(Error, "weights[0] is 1.5; allowed: 0 to 1", move(points, kX, large));
+    EXPECT_REFUSED(Error, "weights[0] is 1.5; expected 0 to 1", move(points, kX, large));
     EXPECT_REFUSED(Error, "positions[1]",
                    move(std::vector<Point3>{{0, 0, 0}, {0, kInfinity, 0}}, kX));
-    EXPECT_REFUSED(Error, "rotate: axis is (0, 0, 0)", rotate(points, {0, 0, 0}, 1));
-    EXPECT_REFUSED(Error, "rotate: angle is", rotate(points, kX, kInfinity));
-    EXPECT_REFUSED(Error, "rotate: no position has a weight above 0",
+    EXPECT_REFUSED(Error, "rotate: axis: expected a vector other than 0, got (0, 0, 0)",
+                   rotate(points, {0, 0, 0}, 1));
+    EXPECT_REFUSED(Error, "rotate: angle: expected a finite number, got inf",
+                   rotate(points, kX, kInfinity));
+    EXPECT_REFUSED(Error, "no position has a weight above 0",
                    rotate(points, kX, 1, {.weights = nothing}));
-    EXPECT_REFUSED(Error, "scale: factors is", scale(points, {1, 1, kNan}));
-    EXPECT_REFUSED(Error, "scale: center is", scale(points, kX, {.center = Point3{kNan, 0, 0}}));
-    EXPECT_REFUSED(Error, "twist: the selected positions are all at one place along the axis",
-                   twist(std::vector<Point3>{{0, 0, 5}, {1, 0, 5}}, kZ, 1));
-    EXPECT_REFUSED(Error, "range[1] is 1", twist(points, kZ, 1, {.range = std::array{1.0, 1.0}}));
-    EXPECT_REFUSED(Error, "bend: toward is (0, 0, 2)", bend(points, kZ, 1, {0, 0, 2}));
-    EXPECT_REFUSED(Error, "taper: factor is -1; allowed: 0 or more", taper(points, kZ, -1));
+    EXPECT_REFUSED(Error, "scale: factors: expected finite numbers, got (1, 1, nan)",
+                   scale(points, {1, 1, kNan}));
+    EXPECT_REFUSED(Error, "scale: center: expected finite numbers, got (nan, 0, 0)",
+                   scale(points, kX, {.center = Point3{kNan, 0, 0}}));
+    EXPECT_REFUSED(
+        Error,
+        "twist: range: expected two numbers, since the selected positions are all at one place",
+        twist(std::vector<Point3>{{0, 0, 5}, {1, 0, 5}}, kZ, 1));
+    EXPECT_REFUSED(Error, "range[1]: expected a number above range[0] (1), got 1",
+                   twist(points, kZ, 1, {.range = std::array{1.0, 1.0}}));
+    EXPECT_REFUSED(
+        Error, "bend: toward: expected a vector that is not parallel to the axis, got (0, 0, 2)",
+        bend(points, kZ, 1, {0, 0, 2}));
+    EXPECT_REFUSED(Error, "taper: factor: expected 0 or more, got -1", taper(points, kZ, -1));
 }
 
 TEST(Pose, RefusesResultsThatAreNotFinite) {
     const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 1}};
     EXPECT_MESSAGE(
-        "scale: moves position 0 to (-inf, 0, 0); expected finite numbers: an argument or the "
+        "position 0 moves to (-inf, 0, 0); expected finite numbers: an argument or the "
         "position is too large",
         scale(points, {1e308, 1, 1}, {.center = Point3{1e2, 0, 0}}));
-    EXPECT_REFUSED(Error, "move: moves position 0 to (inf",
+    EXPECT_REFUSED(Error, "position 0 moves to (inf",
                    move(std::vector<Point3>{{1e308, 0, 0}}, {1e308, 0, 0}));
 }
 

@@ -68,11 +68,9 @@ TEST(RemoveCells, RefusesWrongCells) {
     const Lattice lattice = row();
     const std::vector<Index> none = {}, high = {2, 4}, low = {-1}, all = {0, 1, 2, 3};
     EXPECT_EQ(countsOf(removeCells(lattice, none).complex), countsOf(lattice.complex));
-    EXPECT_REFUSED(Error, "removeCells: cells is 4; allowed: cells 0 to 3",
-                   removeCells(lattice, high));
-    EXPECT_REFUSED(Error, "removeCells: cells is -1; allowed: cells 0 to 3",
-                   removeCells(lattice, low));
-    EXPECT_REFUSED(Error, "removeCells: no cell would remain", removeCells(lattice, all));
+    EXPECT_REFUSED(Error, "removeCells: cells: expected 0 to 3, got 4", removeCells(lattice, high));
+    EXPECT_REFUSED(Error, "removeCells: cells: expected 0 to 3, got -1", removeCells(lattice, low));
+    EXPECT_REFUSED(Error, "no cell would remain", removeCells(lattice, all));
 }
 
 }  // namespace

@@ -71,16 +71,19 @@ TEST(Selection, TheEndOfABoxIsItsLastLayer) {
 
 TEST(Selection, RefusesArgumentsOutOfRange) {
     const auto points = ruler();
-    EXPECT_REFUSED(Error, "selectBox: corner is", selectBox(points, {kNan, 0, 0}, {1, 1, 1}));
-    EXPECT_REFUSED(Error, "selectBall: radius is -1; allowed: 0 or more",
+    EXPECT_REFUSED(Error, "selectBox: corner: expected finite numbers, got (nan, 0, 0)",
+                   selectBox(points, {kNan, 0, 0}, {1, 1, 1}));
+    EXPECT_REFUSED(Error, "selectBall: radius: expected a finite number of 0 or more, got -1",
                    selectBall(points, {0, 0, 0}, -1));
-    EXPECT_REFUSED(Error, "selectHalfSpace: normal is (0, 0, 0)",
+    EXPECT_REFUSED(Error, "selectHalfSpace: normal: expected a vector other than 0, got (0, 0, 0)",
                    selectHalfSpace(points, {0, 0, 0}, {0, 0, 0}));
-    EXPECT_REFUSED(Error, "selectEnd: there are no positions", selectEnd({}, {1, 0, 0}));
-    EXPECT_REFUSED(Error, "selectNumbers: numbers[1] is 11; allowed: 0 to 10",
+    EXPECT_REFUSED(Error, "there are no positions", selectEnd({}, {1, 0, 0}));
+    EXPECT_REFUSED(Error, "selectNumbers: numbers[1]: expected 0 to 10, got 11",
                    selectNumbers(points, std::vector<Index>{0, 11}));
-    EXPECT_REFUSED(Error, "numbers[0] is -1", selectNumbers(points, std::vector<Index>{-1}));
-    EXPECT_REFUSED(Error, "the radius of the falloff is -2",
+    EXPECT_REFUSED(Error, "numbers[0]: expected 0 to 10, got -1",
+                   selectNumbers(points, std::vector<Index>{-1}));
+    EXPECT_REFUSED(Error,
+                   "selectBall: falloff.radius: expected a finite number of 0 or more, got -2",
                    selectBall(points, {0, 0, 0}, 1, {Falloff::Profile::Linear, -2}));
     EXPECT_REFUSED(Error, "positions[0]",
                    selectBall(std::vector<Point3>{{kInfinity, 0, 0}}, {0, 0, 0}, 1));
@@ -90,10 +93,10 @@ TEST(Selection, RefusesArgumentsOutOfRange) {
 // The distances overflow: the weights would be NaN, or all positions would count as selected.
 TEST(Selection, RefusesPositionsThatAreInfinitelyFarApart) {
     const std::vector<Point3> apart = {{-1e308, 0, 0}, {1e308, 0, 0}}, far = {{-1e308, 0, 0}};
-    EXPECT_MESSAGE("selectBall: the positions are so far apart that their distance is infinite",
+    EXPECT_MESSAGE("the positions are so far apart that their distance is infinite",
                    selectBall(apart, {0, 0, 0}, 1));
     EXPECT_MESSAGE(
-        "selectHalfSpace: positions[0] is (-1e+308, 0, 0), so far away that its distance is not a "
+        "positions[0] is (-1e+308, 0, 0), so far away that its distance is not a "
         "number",
         selectHalfSpace(far, {1e308, 0, 0}, {0, 1, 0}));
 }

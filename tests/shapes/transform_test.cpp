@@ -49,9 +49,9 @@ TEST(Affine, TurnsOneDirectionIntoAnother) {
 }
 
 TEST(Affine, RefusesDirectionsWithoutLength) {
-    EXPECT_MESSAGE("rotation: axis is (0, 0, 0); allowed: non-zero vectors",
+    EXPECT_MESSAGE("rotation: axis: expected a vector other than 0, got (0, 0, 0)",
                    rotation({0, 0, 0}, 1));
-    EXPECT_MESSAGE("rotation: to is (0, 0, 0); allowed: non-zero vectors",
+    EXPECT_MESSAGE("rotation: to: expected a vector other than 0, got (0, 0, 0)",
                    rotationBetween({1, 0, 0}, {0, 0, 0}));
 }
 
@@ -74,7 +74,7 @@ TEST(Transformed, KeepsVolumesPositiveInAMirror) {
 
 TEST(Transformed, RefusesASingularMap) {
     EXPECT_MESSAGE(
-        "transformed: the determinant of the map is 0; allowed: finite numbers other than 0",
+        "transformed: the determinant of the map: expected a finite number other than 0, got 0",
         transformed(box(), scaling({1, 0, 1})));
 }
 

@@ -171,7 +171,8 @@ TEST(LatticeFit, RefusesBadInputByName) {
     auto bad = misses;
     bad[1][2] = kNan;
     EXPECT_REFUSED(Error, "the target of point 1 is not finite", model.fit(bad));
-    EXPECT_REFUSED(Error, "vertex 8 cannot be frozen", model.fit(misses, {.frozen = {8}}));
+    EXPECT_REFUSED(Error, "frozen[0]: expected a vertex, 0 to 7, got 8",
+                   model.fit(misses, {.frozen = {8}}));
     EXPECT_REFUSED(Error, "all vertices are frozen",
                    model.fit(misses, {.frozen = {0, 1, 2, 3, 4, 5, 6, 7}}));
     EXPECT_THAT([&] { model.fit(bad); }, Throws<TargetError>(Property(&TargetError::row, 1)));
@@ -186,7 +187,8 @@ TEST(LatticeFit, RefusesBadInputByName) {
     EXPECT_REFUSED(Error, "point 0 has a weight that is not finite",
                    fitLattice(broken, std::vector<Point3>(1), model.lattice.complex));
     for (const double strength : {0.0, -1.0, 1e-5, 1e5, kNan})
-        EXPECT_REFUSED(Error, "the strength is", model.fit(misses, {.strength = strength}));
+        EXPECT_REFUSED(Error, "strength: expected 0.0001 to 10000, got ",
+                       model.fit(misses, {.strength = strength}));
 }
 
 }  // namespace

@@ -154,17 +154,24 @@ TEST(SectionVariables, RefuseOptionsAndValuesOutOfRange) {
     const auto refusal = [&](const SectionOptions& options) {
         return test::messageOf<Error>([&] { SectionVariables(rest, options); });
     };
-    EXPECT_THAT(refusal({}), testing::HasSubstr("there are no stations"));
-    EXPECT_THAT(refusal({.stations = {1, 1}}), testing::HasSubstr("station 1 is 1"));
-    EXPECT_THAT(refusal({.stations = {kNan}}), testing::HasSubstr("station 0"));
-    EXPECT_THAT(refusal({.axis = {0, 0, 0}, .stations = {1}}), testing::HasSubstr("the axis"));
-    EXPECT_THAT(refusal({.chord = {0, 0, 2}, .stations = {1}}), testing::HasSubstr("the chord"));
+    EXPECT_THAT(refusal({}), testing::HasSubstr("stations: expected one or more, got none"));
+    EXPECT_THAT(
+        refusal({.stations = {1, 1}}),
+        testing::HasSubstr("stations[1]: expected finite numbers in ascending order, got 1"));
+    EXPECT_THAT(
+        refusal({.stations = {kNan}}),
+        testing::HasSubstr("stations[0]: expected finite numbers in ascending order, got nan"));
+    EXPECT_THAT(refusal({.axis = {0, 0, 0}, .stations = {1}}),
+                testing::HasSubstr("axis: expected a vector other than 0, got (0, 0, 0)"));
+    EXPECT_THAT(refusal({.chord = {0, 0, 2}, .stations = {1}}),
+                testing::HasSubstr(
+                    "chord: expected a vector other than 0 that is not parallel to the axis, got"));
     EXPECT_THAT(refusal({.center = {kInfinity, 0, 0}, .stations = {1}}),
-                testing::HasSubstr("the center"));
+                testing::HasSubstr("center: expected finite numbers, got (inf, 0, 0)"));
     const SectionVariables sections(rest, kThreeSections);
     EXPECT_REFUSED(Error, "there are 3 values; expected 15",
                    sections.positions(std::vector<double>(3)));
-    EXPECT_REFUSED(Error, "value 0 is not finite", sections.matrix(std::vector<double>(15, kNan)));
+    EXPECT_REFUSED(Error, "values[0] is nan; expected a finite number", sections.matrix(std::vector<double>(15, kNan)));
 }
 
 }  // namespace

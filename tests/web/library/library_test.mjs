@@ -185,6 +185,7 @@ test("errors have the library's messages, and work can be cancelled", () => {
   refused("b.obj:1: 'x' is not a number", () => espalier.readModel("b.obj", bytesOf("v 1 x 2\n")));
   refused("e.obj", () => espalier.readModel("e.obj", bytesOf("")));
   refused("t.vtu", () => espalier.readLattice("t.vtu", bytesOf("<VTKFile")));
+  refused("barbell: endRadius: expected a finite number above 0, got -1", () => espalier.barbell({ endRadius: -1 }));
   refused("cells[0]", () => espalier.around(new Float64Array(6).map((_, i) => i), { cells: [-1, 1, 1] }));
   const cube = espalier.regularSolid("cube");
   refused("level", () => cube.refiner().bind(cube.positions(), new Float64Array(3), { level: 99 }));
