@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_tree.h"
+#include "options.h"
 
 namespace espalier::cli {
 namespace {
@@ -111,7 +112,7 @@ std::string completionScript(const CLI::App& program, const std::string& shell) 
                "fi\n"
                "}\n"
                "_espalier \"$@\"";
-    throw CLI::ValidationError("--completion", "expected bash or zsh, got " + shell);
+    throw CLI::ValidationError("--completion", "expected bash or zsh, got " + shown(shell));
 }
 
 }  // namespace espalier::cli

@@ -85,10 +85,6 @@ std::filesystem::path behindLinks(std::filesystem::path path) {
 }  // namespace
 
 void checkInputs(const std::vector<Input>& inputs) {
-    for (const Input& input : inputs)
-        if (input.path.empty())
-            throw CLI::ValidationError(input.argument,
-                                       "expected the name of a file, got an empty text");
     refuseDash(inputs);
     std::vector<std::pair<const Input*, struct ::stat>> special;
     for (const Input& input : inputs) {

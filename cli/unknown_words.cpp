@@ -115,11 +115,16 @@ bool isNumbers(const std::string& word, char delimiter) {
     return std::ranges::all_of(CLI::detail::split(numbers, delimiter), isNumber);
 }
 
-/// Refuses -inf and -nan as values: the parser would take them for groups of options, and count
-/// only the numbers before them.
-void refuseInfinite(const CLI::Option& option, const std::string& word) {
+/// Refuses values that the parser would not take for values: -inf and -nan are groups of options to
+/// it, and an empty word ends a group of words.
+void refuseNoValue(const CLI::Option& option, const std::string& word) {
     if (word.starts_with('-') && isNumber(word) && !numberOf(word))
         throw CLI::ValidationError(option.get_name(), "expected a finite number, got " + word);
+    const std::string type = option.get_type_name();
+    if (word.empty() && option.get_delimiter() != '\0')
+        throw CLI::ValidationError(
+            option.get_name(),
+            "expected " + (type == "INT" ? "whole numbers" : type) + ", got " + shown(word));
 }
 
 }  // namespace
@@ -143,11 +148,11 @@ void endNumbers(const CLI::App& command, std::vector<std::string>& words) {
         const CLI::Option& option = findOption(command, words[i]);
         const std::size_t first = i;
         i = lastRequired(option, words, i);
-        for (std::size_t k = first + 1; k <= i; ++k) refuseInfinite(option, words[k]);
+        for (std::size_t k = first + 1; k <= i; ++k) refuseNoValue(option, words[k]);
         const char delimiter = option.get_delimiter();
         if (delimiter == '\0' || !option.get_allow_extra_args()) continue;
-        while (i + 1 < words.size() && isNumbers(words[i + 1], delimiter))
-            refuseInfinite(option, words[++i]);
+        while (i + 1 < words.size() && (words[i + 1].empty() || isNumbers(words[i + 1], delimiter)))
+            refuseNoValue(option, words[++i]);
         if (i + 1 < words.size() && !isOption(words[i + 1]))
             words.insert(words.begin() + static_cast<std::ptrdiff_t>(++i), "--");
     }

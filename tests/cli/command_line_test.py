@@ -33,7 +33,15 @@ class Help(CliTest):
             self.assertEqual(result.stderr, "espalier: expected a command, as listed above\n")
 
 
-class Numbers(CliTest):
+class EveryCommand(CliTest):
+    def commands(self):
+        """The words of each command: ["deform"], ["shape", "box"]."""
+        programs = commands_in(self.run_program("--help").stdout)
+        return [[name] for name in programs if name != "shape"] + [
+            ["shape", name] for name in commands_in(self.run_program("shape", "--help").stdout)]
+
+
+class Numbers(EveryCommand):
     """Every number that an option takes, of every command: by the help, which the program makes from its own
     options."""
     WORDS = {"AXIS": "x", "linear|smooth": "linear"}  # of options with words before their numbers
@@ -52,13 +60,10 @@ class Numbers(CliTest):
 
     def test_those_that_are_not_finite_are_refused(self):
         tried = set()
-        programs = commands_in(self.run_program("--help").stdout)
-        commands = [[name] for name in programs if name != "shape"] + [
-            ["shape", name] for name in commands_in(self.run_program("shape", "--help").stdout)]
-        for command in commands:
+        for command in self.commands():
             for name, words, numbers in self.numeric_options(*command):
                 for i in numbers:
-                    for bad in ("nan", "inf", "-inf", "1e999") + ("",) * (len(words) == 1):
+                    for bad in ("nan", "inf", "-inf", "1e999", ""):
                         values = words[:i] + [bad] + words[i + 1:]
                         with self.subTest(command=command, option=[name, *values]):
                             # A number that is not required could be the missing file otherwise.
@@ -77,12 +82,56 @@ class Numbers(CliTest):
                       "shape merge --tolerance", "shape torus --minor-radius", "fit --freeze", "check --list"):
             self.assertIn(known, tried)
 
+    def test_those_that_are_not_whole_or_too_large_are_refused(self):
+        tried = set()
+        for command in self.commands():
+            text = self.run_program(*command, "--help").stdout
+            for name, form in re.findall(r"^  (?:-\w,)?(--[\w-]+) (U?INT|I J K|N\|I J K)\b", text, re.MULTILINE):
+                for bad in ("1.5", "1e3", "99999999999", "-99999999999"):
+                    values = [bad] + ["1", "1"] * ("J" in form)
+                    file = ["x.obj"] if command == ["shape", "around"] else []
+                    with self.subTest(command=command, option=[name, *values]):
+                        self.assertRegex(self.error_of(*command, *file, name, *values, code=2),
+                                         f"^espalier: {name}: expected a whole number, -?\\d+ to \\d+, got {bad}\n$")
+                tried.add(" ".join([*command, name]))
+        for known in ("shape box --cells", "shape around --cells", "shape star --rings", "shape cage --vertices",
+                      "deform --level", "check --list", "fit --freeze", "info --threads"):
+            self.assertIn(known, tried)
+
     def test_selections_of_pose_take_finite_numbers(self):
         for words in (["ball", "nan", 0, 0, 1], ["ball", 0, 0, 0, "inf"], ["box", 0, 0, 0, 1, 1, "inf"],
                       ["half-space", 0, 0, 0, "nan", 0, 1], ["vertices", "nan"]):
             with self.subTest(words):
                 self.assertIn("--select", self.error_of("pose", "x.vtu", "--select", *words, "--move", 1, 0, 0,
                                                         "-o", "y.vtu", code=2))
+
+
+class Names(EveryCommand):
+    def test_empty_ones_are_refused(self):
+        """Every option and every argument that names a file, of every command."""
+        tried = set()
+        for command in self.commands():
+            text = self.run_program(*command, "--help").stdout
+            for name in re.findall(r"^  (?:-\w,)?(--[\w-]+|[A-Z|]+) TEXT", text, re.MULTILINE):
+                with self.subTest(command=command, name=name):
+                    words = [name, ""] if name.startswith("-") else [""]
+                    self.assertEqual(self.error_of(*command, *words, code=2),
+                                     f"espalier: {name}: expected the name of a file, got nothing\n")
+                tried.add(" ".join([*command, name]))
+        for known in ("stencils --points", "page --page", "page --rest", "fit --targets", "deform --to", "deform MODEL",
+                      "shape box --output", "shape merge LATTICE", "compare --html", "compare FILE",
+                      "refine LATTICE|MESH|CURVE"):
+            self.assertIn(known, tried)
+
+    def test_empty_words_are_refused(self):
+        for words, expected in [(["deform", "--outside", ""], "--outside: expected error|keep|nearest"),
+                                (["pose", "x.vtu", "--toward", ""], "--toward: expected an axis x, y or z, or with a "
+                                                                    "sign (+x, -z)"),
+                                (["pose", "x.vtu", "--falloff", "", 1], "--falloff: expected linear|smooth RADIUS"),
+                                (["pose", "x.vtu", "--select", ""], "--select: expected KIND ..."),
+                                (["shape", "arm", "--joint", "", 1, 1, 1], "--joint: expected X Y Z RADIUS [TWIST]"),
+                                (["--completion", ""], "--completion: expected bash or zsh")]:
+            self.assertEqual(self.error_of(*words, code=2), f"espalier: {expected}, got nothing\n")
 
 
 class MisspeltWords(CliTest):
