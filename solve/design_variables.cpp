@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/embed/box_tree.h>
 #include <espalier/solve/design_variables.h>
 #include <espalier/stencils/table_builder.h>
@@ -12,8 +12,17 @@
 namespace espalier::solve {
 namespace {
 
+[[noreturn]] void refuseNumber(const char* argument, double got, const char* expected) {
+    throw ArgumentError("", argument, textOf(got), expected);
+}
+
+void requireScale(const char* argument, double factor) {
+    if (!std::isfinite(factor) || factor == 0)
+        refuseNumber(argument, factor, "a finite number other than 0");
+}
+
 void checkAxis(int axis) {
-    if (axis < 0 || axis > 2) throw Error(concat("there is no axis ", axis, "; expected 0 to 2"));
+    if (axis < 0 || axis > 2) throw ArgumentError("", "axis", std::to_string(axis), "0 to 2");
 }
 
 /// Finds the mirror image of each point among the points.
@@ -91,6 +100,7 @@ void DesignVariables::freeze(Index vertex) {
 }
 
 void DesignVariables::scale(Index vertex, int axis, double unit) {
+    requireScale("unit", unit);
     const Link root = rootOf(coordinate(vertex, axis));
     const double ofRoot = unit / root.factor;
     if (!std::isnormal(ofRoot))
@@ -136,9 +146,7 @@ void DesignVariables::join(Index coordinate, Index to, double factor) {
 }
 
 void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& factors) {
-    for (const double factor : factors)
-        if (!std::isfinite(factor) || factor == 0)
-            throw Error(concat("vertex ", vertex, " cannot be linked by the factor ", factor));
+    for (const double factor : factors) requireScale("factors", factor);
     for (int axis = 0; axis < 3; ++axis)
         joinedFactor(coordinate(vertex, axis), coordinate(to, axis), factors[axis]);
     for (int axis = 0; axis < 3; ++axis)
@@ -148,6 +156,9 @@ void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& 
 void DesignVariables::mirror(std::span<const Point3> positions, int axis, double at,
                              double tolerance) {
     checkAxis(axis);
+    if (!std::isfinite(at)) refuseNumber("at", at, "a finite number");
+    if (!(tolerance >= 0) || !std::isfinite(tolerance))
+        refuseNumber("tolerance", tolerance, "a finite number of 0 or more");
     if (3 * positions.size() != links_.size())
         throw Error(
             concat("got ", positions.size(), " positions for ", links_.size() / 3, " vertices"));

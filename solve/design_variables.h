@@ -22,7 +22,7 @@ public:
     explicit DesignVariables(Index vertexCount);
 
     /// Keeps a vertex, or one coordinate of it, in place, and everything that is linked to it.
-    /// \throws Error for a vertex that does not exist, or an axis that is not 0 to 2
+    /// \throws Error for a vertex that does not exist; ArgumentError for an axis that is not 0 to 2
     void freeze(Index vertex);
     void freeze(Index vertex, int axis);
 
@@ -31,8 +31,9 @@ public:
     /// vertices that are linked to either one share a variable. A coordinate that can satisfy all
     /// links only by staying in place, such as one that is its own mirror image, is frozen.
     ///
-    /// \throws Error for a vertex that does not exist; for factors that are 0 or not finite, also
-    ///         in products with factors of other links. The links are then unchanged
+    /// \throws ArgumentError for factors that are 0 or not finite; Error if products with factors
+    /// of
+    ///         other links are, and for a vertex that does not exist. The links are then unchanged
     void link(Index vertex, Index to, const std::array<double, 3>& factors = {1, 1, 1});
 
     /// Links each vertex with its mirror image at a plane across an axis.
@@ -41,9 +42,10 @@ public:
     /// \param axis 0 to 2
     /// \param at coordinate of the plane on that axis
     /// \param tolerance largest distance of a vertex from the image of another one
-    /// \throws Error naming the first vertex without an image, or with several, in which case
-    ///         nothing is linked; if the number of positions is not the number of vertices, or a
-    ///         position is not finite
+    /// \throws ArgumentError for a number that is not finite, and a tolerance below 0; Error naming
+    ///         the first vertex without an image, or with several, in which case nothing is linked;
+    ///         if the number of positions is not the number of vertices, or a position is not
+    ///         finite
     /// \cost O(vertices · log vertices)
     void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
 
@@ -52,8 +54,9 @@ public:
     /// variable: the last call decides for all of them, each by its own factor. A link made later
     /// keeps the unit of the lower-numbered coordinate.
     ///
-    /// \throws Error for a vertex that does not exist, or an axis that is not 0 to 2; for a unit
-    ///         that is 0 or not finite, also as a quotient with the factor of a link
+    /// \throws ArgumentError for an axis that is not 0 to 2, and a unit that is 0 or not finite;
+    ///         Error if its quotient with the factor of a link is, and for a vertex that does not
+    ///         exist
     void scale(Index vertex, double unit);
     void scale(Index vertex, int axis, double unit);
 

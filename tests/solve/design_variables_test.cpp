@@ -62,7 +62,8 @@ TEST(DesignVariables, AreScaled) {
     EXPECT_EQ(design.matrix(), StencilTable<double>(3, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 0, 1, 2},
                                                     {0.5, 3, 0.5, 1, 6, 1}));
     for (const double unit : {0.0, kInfinity})
-        EXPECT_REFUSED(Error, "vertex 1 cannot be scaled by", design.scale(1, unit));
+        EXPECT_REFUSED(Error, "unit: expected a finite number other than 0, got ",
+                       design.scale(1, unit));
     EXPECT_REFUSED(Error, "no vertex 2", design.scale(2, 1));
 }
 
@@ -133,10 +134,10 @@ TEST(DesignVariables, MirroredVerticesMoveAsImages) {
 TEST(DesignVariables, RefusesUnknownVerticesAndAxes) {
     solve::DesignVariables design(2);
     EXPECT_REFUSED(Error, "there is no vertex 2; the lattice has 2", design.freeze(2));
-    EXPECT_REFUSED(Error, "no axis 3", design.freeze(0, 3));
+    EXPECT_REFUSED(Error, "axis: expected 0 to 2, got 3", design.freeze(0, 3));
     EXPECT_REFUSED(Error, "no vertex -1", design.link(0, -1));
     for (const double factor : {0.0, kNan})
-        EXPECT_REFUSED(Error, "vertex 0 cannot be linked by the factor",
+        EXPECT_REFUSED(Error, "factors: expected a finite number other than 0, got ",
                        design.link(0, 1, {1, factor, 1}));
     const std::vector<Point3> apart = {{0, 0, 0}, {2, 0, 0}};
     EXPECT_REFUSED(Error, "vertex 0 has no mirror image within 0.1",
@@ -147,6 +148,10 @@ TEST(DesignVariables, RefusesUnknownVerticesAndAxes) {
     EXPECT_REFUSED(Error, "the position of vertex 1 is not finite",
                    design.mirror(nowhere, 0, 0.5, 0.1));
     EXPECT_REFUSED(Error, "positions", design.mirror({}, 0, 1, 5));
+    EXPECT_MESSAGE("at: expected a finite number, got nan", design.mirror(apart, 0, kNan, 5));
+    for (const double tolerance : {-1.0, kInfinity})
+        EXPECT_REFUSED(Error, "tolerance: expected a finite number of 0 or more, got ",
+                       design.mirror(apart, 0, 1, tolerance));
     EXPECT_REFUSED(Error, "of 6 coordinates; expected three for each of 3",
                    solve::buildJacobian(StencilTable<double>(3, {0}, {}, {}), design.matrix()));
 }
