@@ -218,7 +218,7 @@ espalier_status espalier_binding_apply(const espalier_binding* binding, int32_t 
         const auto& own = c::dataOf(binding);
         const auto& table = own.model.binding.table;
         c::checkCount(vertex_count, table.columnCount(), "positions of vertices");
-        const auto from = c::positions(pose, vertex_count, "pose");
+        const auto from = c::finitePositions(pose, vertex_count, "pose");
         c::checkCount(point_count, table.rowCount(), "points in the array for the result");
         c::array(points, point_count, "points", 3);
         const auto moved =
@@ -239,7 +239,7 @@ espalier_status espalier_binding_gradients(const espalier_binding* binding, int3
                 "the binding has no gradients; make it with limit_tolerance and gradients of "
                 "espalier_bind_options");
         c::checkCount(vertex_count, own.binding.table.columnCount(), "positions of vertices");
-        const auto from = c::positions(pose, vertex_count, "pose");
+        const auto from = c::finitePositions(pose, vertex_count, "pose");
         c::checkCount(point_count, own.binding.table.rowCount(), "points in the array");
         c::array(gradients, point_count, "gradients", 9);
         const auto found = osd::evaluateGradients(own.gradients->tables, own.rest, from);

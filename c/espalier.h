@@ -188,8 +188,8 @@ typedef struct espalier_lattice espalier_lattice;
 ///
 /// \param cells checked completely; cell_faces may be null and means 0, 1, 2, ... then
 /// \param positions 3 · cells->vertex_count numbers
-/// \retval ESPALIER_ERROR_INPUT the cells do not form a lattice (far/cell_complex.h); the message
-///         names the first invalid entity
+/// \retval ESPALIER_ERROR_INPUT the cells do not form a lattice (far/cell_complex.h), or a position
+///         is not finite; the message names the first invalid entity
 /// \cost O(n log n) in the length of the arrays.
 ESPALIER_C_API espalier_status espalier_lattice_create(const espalier_cells* cells,
                                                        const double* positions,
@@ -231,6 +231,7 @@ ESPALIER_C_API espalier_status espalier_lattice_positions(const espalier_lattice
 
 /// Replaces the positions of all vertices.
 /// \param vertex_count number of vertices of the lattice
+/// \retval ESPALIER_ERROR_INPUT a position is not finite; no position is replaced
 ESPALIER_C_API espalier_status espalier_lattice_set_positions(espalier_lattice* lattice,
                                                               int32_t vertex_count,
                                                               const double* positions);
@@ -660,6 +661,7 @@ ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* bin
 /// \param pose positions of the vertices, 3 · vertex_count numbers
 /// \param point_count number of points of the binding
 /// \param points receives 3 · point_count numbers
+/// \retval ESPALIER_ERROR_INPUT sizes do not match, or a position is not finite
 /// \cost O(entries of D).
 ESPALIER_C_API espalier_status espalier_binding_apply(const espalier_binding* binding,
                                                       int32_t vertex_count, const double* pose,
@@ -675,7 +677,8 @@ ESPALIER_C_API espalier_status espalier_binding_apply(const espalier_binding* bi
 /// \param point_count number of points of the binding
 /// \param gradients receives 9 · point_count numbers
 /// \retval ESPALIER_ERROR_INPUT the binding has no gradients: it was made without
-///         espalier_bind_options.gradients, or loaded from a file without them
+///         espalier_bind_options.gradients, or loaded from a file without them; a position is not
+///         finite
 /// \cost O(entries of D), three times that of espalier_binding_apply()
 ESPALIER_C_API espalier_status espalier_binding_gradients(const espalier_binding* binding,
                                                           int32_t vertex_count, const double* pose,

@@ -91,7 +91,7 @@ espalier_status espalier_lattice_create(const espalier_cells* cells, const doubl
     return c::result(lattice, "lattice", [&] {
         const auto& given = c::deref(cells, "cells");
         auto complex = c::buildCells(given);
-        auto points = c::positions(positions, given.vertex_count, "positions");
+        auto points = c::finitePositions(positions, given.vertex_count, "positions");
         return new espalier_lattice{{std::move(complex), std::move(points), {}, {}}};
     });
 }
@@ -102,7 +102,7 @@ espalier_status espalier_lattice_create_hexahedra(int32_t vertex_count, const do
     return c::result(lattice, "lattice", [&] {
         const auto corners = c::array(vertices, cell_count, "vertices", 8);
         c::checkVertexCount(vertex_count, std::ssize(corners));
-        auto points = c::positions(positions, vertex_count, "positions");
+        auto points = c::finitePositions(positions, vertex_count, "positions");
         return new espalier_lattice{
             {c::buildHexahedra(vertex_count, corners), std::move(points), {}, {}}};
     });
@@ -147,7 +147,7 @@ espalier_status espalier_lattice_set_positions(espalier_lattice* lattice, int32_
         auto& own = c::deref(lattice, "lattice").lattice.positions;
         c::checkCount(vertex_count, std::ssize(own), "positions of vertices");
         // Assigns in place, so that pointers that the caller has stay valid.
-        const auto given = c::positions(positions, vertex_count, "positions");
+        const auto given = c::finitePositions(positions, vertex_count, "positions");
         std::copy(given.begin(), given.end(), own.begin());
     });
 }

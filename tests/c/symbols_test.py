@@ -49,6 +49,18 @@ class Symbols(unittest.TestCase):
             if re.search(f"{number}|{struct}", parameters):
                 self.assertTrue(f"{name}(" in test, f"corners_test.c does not try {name}")
 
+    def test_numbers(self):
+        """Functions that take real numbers are in numbers_test.c, which says of each what is not finite there."""
+        text = without_comments()
+        test = (HERE / "numbers_test.c").read_text(encoding="utf-8")
+        structs = re.findall(r"typedef struct \w+ \{([^}]*)\} (\w+);", text)
+        real = ["double", "float"] + [name for fields, name in structs if re.search(r"\b(double|float)\b", fields)]
+        # Results are written through pointers without const; a pointer to a pointer is a result as well.
+        given = r"\b({0}) \w+\b|const ({0})\*(?!\*)".format("|".join(real))
+        for name, parameters in re.findall(r"ESPALIER_C_API [^(;]*?\b(espalier_\w+)\(([^)]*)\)", text):
+            if re.search(given, parameters):
+                self.assertTrue(f"{name}(" in test, f"numbers_test.c does not try {name}")
+
 
 if __name__ == "__main__":
     HEADERS = sorted(pathlib.Path(sys.argv.pop()).glob("espalier*.h"))
