@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <exception>
@@ -99,6 +100,16 @@ ESPALIER_API void checkCancelled();
 /// Calls checkCancelled() in the first of every 2^`bits` steps of a loop.
 inline void checkCancelledEvery(std::size_t step, int bits) {
     if ((step & ((std::size_t{1} << bits) - 1)) == 0) checkCancelled();
+}
+
+/// Calls visit(first, last) for ranges of `size` items that cover [0, count), one after the other,
+/// and checkCancelled() before each. For loops whose steps take less than a nanosecond or two.
+template <class Visit>
+void forEachBlock(std::size_t count, std::size_t size, Visit visit) {
+    for (std::size_t first = 0; first < count; first += size) {
+        checkCancelled();
+        visit(first, std::min(first + size, count));
+    }
 }
 
 }  // namespace espalier
