@@ -365,6 +365,7 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
             findBoxes(g, nearBoxes);
             const Index end = nearBoxes.empty() ? group.first + 1 : group.last;
             for (Index i = group.first; i < end; ++i) {
+                checkCancelledEvery(static_cast<std::size_t>(i), 8);
                 const Point3& point = points.points()[i];
                 double depth = -1;
                 std::optional<Index> deepest;

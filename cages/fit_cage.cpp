@@ -4,6 +4,7 @@
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/solve/validity.h>
@@ -111,7 +112,10 @@ private:
     static CubeGrid gridAround(const Lattice& lattice, std::span<const FitPoint> points,
                                double size) {
         BoundingBox bounds(lattice.positions);
-        for (const FitPoint& point : points) bounds.include(point.position);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            checkCancelledEvery(i, 16);
+            bounds.include(points[i].position);
+        }
         return {bounds.min, bounds.max, size};
     }
 
@@ -370,6 +374,7 @@ Lattice fitCage(Lattice start, std::vector<FitPoint> points, const FitOptions& o
     if (refinerOptions(start).boundary == far::Boundary::Open)
         throw Error("fitting a cage: the start has an open boundary, which shrinks away");
     for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 16);
         checkFinite(points[i].position, "point", i);
         const auto cell = points[i].cell;
         if (cell && (*cell < 0 || *cell >= start.complex.count(3)))

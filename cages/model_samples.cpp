@@ -3,6 +3,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/hash.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -162,6 +163,7 @@ std::vector<FitPoint> Sampler::few() {
     std::vector<char> isAdded(surface_.points().size(), 0);
     forEachFace([&](const Triangle& face, const Normal& normal) {
         for (const Index corner : face) {
+            checkCancelledEvery(samples_.size(), 10);
             if (isAdded[corner] != 0) continue;
             isAdded[corner] = 1;
             add(surface_.points()[corner], normal);
@@ -170,7 +172,10 @@ std::vector<FitPoint> Sampler::few() {
     });
     modelPoints_ = samples_.size();
     taken_ = NumberSet(modelPoints_ + options_.most);
-    for (const FitPoint& sample : samples_) taken_.insert(placeOf(sample.position, sample.normal));
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+        checkCancelledEvery(i, 12);
+        taken_.insert(placeOf(samples_[i].position, samples_[i].normal));
+    }
     forEachFace([&](const Triangle& face, const Normal& normal) {
         forEachSampleOf(face, [&](const Point3& point) { addIfFar(point, normal); });
         return true;
@@ -194,9 +199,11 @@ void Sampler::leaveOut() {
     parts_ /= 2;
     taken_.clear();
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < samples_.size(); ++i)
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+        checkCancelledEvery(i, 12);
         if (taken_.insert(placeOf(samples_[i].position, samples_[i].normal)) || i < modelPoints_)
             samples_[kept++] = samples_[i];
+    }
     samples_.resize(kept);
     work_.add(static_cast<double>(taken_.size()) * kPerVisit);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model_surface.h"
 
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
@@ -89,21 +90,23 @@ struct Side {
 std::vector<Side> sidesOf(std::span<const Triangle> triangles) {
     std::vector<Side> sides;
     sides.reserve(3 * triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        checkCancelledEvery(t, 16);
         for (std::size_t i = 0; i < 3; ++i) {
             const Index a = triangles[t][i], b = triangles[t][(i + 1) % 3];
             sides.push_back({{std::min(a, b), std::max(a, b)}, static_cast<Index>(t), b < a});
         }
-    checkCancelled();
-    std::sort(sides.begin(), sides.end());
-    checkCancelled();
+    }
+    sortCancellably(sides.begin(), sides.end());
     return sides;
 }
 
 /// Calls visit(sides) for the sides of each edge.
 template <class Visit>
 void forEachEdge(std::span<const Side> sides, Visit visit) {
+    std::size_t edge = 0;
     for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+        checkCancelledEvery(edge++, 12);
         while (last < sides.size() && sides[last].ends == sides[first].ends) ++last;
         visit(sides.subspan(first, last - first));
     }
@@ -152,9 +155,7 @@ void ModelSurface::join(const SurfaceModel& model) {
     keyed.reserve(model.points.size());
     for (std::size_t i = 0; i < model.points.size(); ++i)
         keyed.emplace_back(sum(model.points[i], {0, 0, 0}), static_cast<Index>(i));
-    checkCancelled();
-    std::sort(keyed.begin(), keyed.end());
-    checkCancelled();
+    sortCancellably(keyed.begin(), keyed.end());
     std::vector<Index> numbers(model.points.size());
     for (const auto& [point, number] : keyed) {
         if (points_.empty() || points_.back() != point) points_.push_back(point);
@@ -190,9 +191,7 @@ void ModelSurface::join(const SurfaceModel& model) {
             const auto point = static_cast<Index>(i);
             all.push_back({{point, point, point}, 0});
         }
-    checkCancelled();
-    std::sort(all.begin(), all.end());
-    checkCancelled();
+    sortCancellably(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     for (const WoundTriangle& triangle : all) {
         if (triangles_.empty() || triangles_.back() != triangle.corners) {
@@ -269,7 +268,7 @@ void ModelSurface::split() {
                 }
             }
         }
-        std::sort(members.begin(), members.end());
+        sortCancellably(members.begin(), members.end());
         piece.clear();
         windingsOf.clear();
         for (const Index t : members) {

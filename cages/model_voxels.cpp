@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model_voxels.h"
 
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
@@ -198,9 +199,7 @@ void ModelVoxels::markClosed(const ModelSurface& surface, std::span<const Point3
                          static_cast<Index>(piece), crossings);
         }
     }
-    checkCancelled();
-    std::sort(crossings.begin(), crossings.end());
-    checkCancelled();
+    sortCancellably(crossings.begin(), crossings.end());
     const Index plane = grid_.counts[0] * grid_.counts[1];
     // A piece that is wound inwards is a cavity if most of it lies in pieces that are wound
     // outwards.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "point_groups.h"
 
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
@@ -48,10 +49,15 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     // Until all groups are made, firstOfCube_ holds the end of the numbers of each cube.
     std::vector<std::uint32_t> numbers(points.size());
     firstOfCube_.assign(static_cast<std::size_t>(grid.cubeCount()) + 1, 0);
-    for (const FitPoint& point : points) ++firstOfCube_[grid.cubeOf(point.position) + 1];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 16);
+        ++firstOfCube_[grid.cubeOf(points[i].position) + 1];
+    }
     std::partial_sum(firstOfCube_.begin(), firstOfCube_.end(), firstOfCube_.begin());
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 16);
         numbers[firstOfCube_[grid.cubeOf(points[i].position)]++] = static_cast<std::uint32_t>(i);
+    }
     firstOfCube_.pop_back();
 
     Index normalCount = 0;
@@ -111,7 +117,7 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
         Index& first = firstOfCube_[cube];
         const auto end = numbers.begin() + first;
         first = begin == end ? -1 : static_cast<Index>(groups_.size());
-        std::sort(begin, end, isBefore);
+        sortCancellably(begin, end, isBefore);
         for (; begin != end; ++begin) add(cube, points[*begin]);
     }
     endGroup();

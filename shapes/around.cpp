@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/number_text.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/far/topology_error.h>
 
@@ -48,10 +49,12 @@ Point3 unitVector(const std::string& shape, const std::string& field, const Poin
 }
 
 void requireFinite(const std::string& name, std::span<const Point3> positions) {
-    for (std::size_t i = 0; i < positions.size(); ++i)
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        checkCancelledEvery(i, 14);
         if (!isFinite(positions[i]))
             throw Error(indexed(name, i) + " is " + textOf(positions[i]) +
                         "; expected finite numbers");
+    }
 }
 
 std::string indexed(const std::string& field, std::size_t index) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "smallest_box.h"
 
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 
@@ -33,13 +34,15 @@ double turn(const Point2& a, const Point2& b, const Point2& c) {
 
 /// Returns the corners of the convex hull, anticlockwise (Andrew's monotone chain).
 std::vector<Point2> convexHull(std::vector<Point2> points) {
-    std::ranges::sort(points);
+    sortCancellably(points.begin(), points.end());
     points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     std::vector<Point2> hull;
     const auto addChain = [&hull](const auto& chain) {
         const std::size_t start = hull.size();
-        for (const Point2& point : chain) {
+        for (std::size_t i = 0; i < chain.size(); ++i) {
+            checkCancelledEvery(i, 16);
+            const Point2& point = chain[i];
             while (hull.size() >= start + 2 &&
                    turn(hull[hull.size() - 2], hull[hull.size() - 1], point) <= 0)
                 hull.pop_back();
@@ -113,7 +116,6 @@ struct Search {
         constexpr int kMaxTurns = 60;
         int withoutGain = 0;
         for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
-            checkCancelled();
             turnAbout(current, static_cast<std::size_t>(turns % 3));
             const double next = paddedVolume(boxAlong(current, points), padding);
             withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
@@ -137,7 +139,10 @@ private:
         const Point3 u = current[(axis + 1) % 3], v = current[(axis + 2) % 3];
         std::vector<Point2> projected;
         projected.reserve(points.size());
-        for (const Point3& point : points) projected.push_back({dot(point, u), dot(point, v)});
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            checkCancelledEvery(i, 16);
+            projected.push_back({dot(points[i], u), dot(points[i], v)});
+        }
         Point2 side = smallestRectangle(convexHull(std::move(projected)), padding);
         // The sides have four directions. The one nearest to u becomes the new u, so that the axes
         // keep their numbers and the search turns the box about each axis in turn.
@@ -209,8 +214,11 @@ Axes axesAlong(const Point3& direction) {
 
 BoundingBox boxAlong(const Axes& axes, std::span<const Point3> points) {
     BoundingBox box;
-    for (const Point3& point : points)
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 16);
+        const Point3& point = points[i];
         box.include({dot(point, axes[0]), dot(point, axes[1]), dot(point, axes[2])});
+    }
     return box;
 }
 

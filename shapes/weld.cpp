@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ public:
         : distance_(distance), boxSize_(4 * distance) {
         boxes_.reserve(points.size());
         for (const Point3& point : points) boxes_.push_back(boxOf(point));
-        std::sort(boxes_.begin(), boxes_.end());
+        sortCancellably(boxes_.begin(), boxes_.end());
         boxes_.erase(std::unique(boxes_.begin(), boxes_.end()), boxes_.end());
         first_.assign(boxes_.size(), -1);
     }
@@ -105,6 +106,7 @@ Welding weld(std::span<const Point3> points, double distance) {
     PointGrid grid(points, distance);
     Index count = 0;
     for (const Point3& point : points) {
+        checkCancelledEvery(welding.newIndex.size(), 12);
         const std::optional<Index> same = grid.nearest(point);
         if (!same) grid.add(point);
         welding.newIndex.push_back(same ? *same : count++);
