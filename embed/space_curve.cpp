@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/embed/space_curve.h>
 
 #include <algorithm>
@@ -46,6 +47,7 @@ void sortAlongCurve(Array<CurveItem>& places, int bits) {
     // time: each pass would then write to more memory pages at once than the TLB holds.
     constexpr int kDigitBits = 8;
     constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+    constexpr std::size_t kBlock = 1 << 17;  // a millisecond or two
     Array<CurveItem> sorted(places.size());
     const int low = MortonCurve::kBits - bits;
     for (int shift = low; shift < MortonCurve::kBits; shift += kDigitBits) {
@@ -53,10 +55,14 @@ void sortAlongCurve(Array<CurveItem>& places, int bits) {
             return static_cast<std::size_t>(place.key >> shift) % kDigits;
         };
         std::array<std::size_t, kDigits> next = {};
-        for (const CurveItem& place : places) ++next[digit(place)];
+        forEachBlock(places.size(), kBlock, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) ++next[digit(places[i])];
+        });
         std::size_t begin = 0;
         for (std::size_t& count : next) begin += std::exchange(count, begin);
-        for (const CurveItem& place : places) sorted[next[digit(place)]++] = place;
+        forEachBlock(places.size(), kBlock, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) sorted[next[digit(places[i])]++] = places[i];
+        });
         places.swap(sorted);
     }
 }

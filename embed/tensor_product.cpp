@@ -238,7 +238,8 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
                                         }
                                     });
     // Weights of the bases are between 0 and 1 in the region.
-    return isCarried ? boundRows(std::move(table)) : table;
+    if (isCarried) return boundRows(std::move(table));
+    return table;
 }
 
 Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,

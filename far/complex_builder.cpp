@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/hash.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
@@ -18,12 +19,20 @@
 #include "valid_lattice.h"
 
 namespace espalier::far {
+namespace {
+
+/// The host may cancel once in 2^12 cells or loops, which take about a millisecond.
+constexpr int kBitsBetweenPolls = 12;
+
+}  // namespace
 
 ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
     : dimension_(dimension), vertexCount_(vertexCount) {}
 
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
+    // Before anything is added, so that the builder is unchanged.
+    checkCancelledEvery(static_cast<std::size_t>(entity.index), kBitsBetweenPolls);
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
         throw TopologyError(cause, entity,
                             concat(dimensionName(entity.dimension), " ", entity.index, ": loop (",
@@ -271,8 +280,9 @@ struct Edges {
         // costs nothing, while a growing array is copied, and exists twice meanwhile.
         edgeEnds.reserve(stepCount);
         Numbering edges(vertexCount, stepCount / 2);
-        for (const Index face : faces) {
-            const auto loop = loops[face];
+        for (std::size_t number = 0; number < faces.size(); ++number) {
+            checkCancelledEvery(number, kBitsBetweenPolls);
+            const auto loop = loops[faces[number]];
             const std::vector<bool> areSeparate = separateSteps(loop);
             for (std::size_t i = 0; i < loop.size(); ++i) {
                 const Index tail = loop[i], head = loop[i + 1 < loop.size() ? i + 1 : 0];
@@ -312,18 +322,22 @@ struct Tie {
 /// validate(), which names them. Returns −1 for each loop to reverse, +1 for the others.
 std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
     std::vector<std::vector<Tie>> tiesOf(loopCount);
-    for (const auto& [a, b, sameTurn] : ties) {
+    for (std::size_t tie = 0; tie < ties.size(); ++tie) {
+        checkCancelledEvery(tie, kBitsBetweenPolls);
+        const auto& [a, b, sameTurn] = ties[tie];
         tiesOf[a].push_back({a, b, sameTurn});
         tiesOf[b].push_back({b, a, sameTurn});
     }
     std::vector<int> turn(loopCount, 0);
     std::vector<Index> piece;
+    std::size_t reached = 0;
     for (Index start = 0; start < loopCount; ++start) {
         if (turn[start] != 0) continue;
         turn[start] = 1;
         piece.assign(1, start);
         int sum = 0;
         for (std::size_t next = 0; next < piece.size(); ++next) {
+            checkCancelledEvery(reached++, kBitsBetweenPolls);
             sum += turn[piece[next]];
             for (const auto& [loop, other, sameTurn] : tiesOf[piece[next]]) {
                 if (turn[other] != 0) continue;
@@ -351,6 +365,7 @@ std::vector<Tie> allTies(const CellComplex& lattice) {
     const SignedIncidence& faces = lattice.boundary(3);
     const SignedIncidence& edges = lattice.boundary(2);
     for (Index cell = 0; cell < lattice.count(3); ++cell) {
+        checkCancelledEvery(static_cast<std::size_t>(cell), kBitsBetweenPolls);
         sides.clear();
         auto loop = static_cast<std::uint64_t>(faces.unsignedRows().offset(cell));
         for (std::size_t f = 0; f < faces[cell].size(); ++f, ++loop) {
@@ -402,6 +417,7 @@ CellComplex latticeOf(Index vertexCount, const Loops& loops, const RowStarts& ce
         firstLoops.reserve(loops.count());
         Numbering faces(vertexCount, loops.count());
         for (Index loop = 0; loop < loops.count(); ++loop) {
+            checkCancelledEvery(static_cast<std::size_t>(loop), kBitsBetweenPolls);
             int direction = 1;
             const Index face = faces.find(loops[loop], [&](Index known) {
                 direction = relativeDirection(loops[loop], loops[firstLoops[known]]);
@@ -430,6 +446,7 @@ CellComplex meshOf(Index vertexCount, const Loops& loops) {
 CellComplex curveOf(Index vertexCount, const Loops& loops) {
     SignedArrays ends;
     for (Index edge = 0; edge < loops.count(); ++edge) {
+        checkCancelledEvery(static_cast<std::size_t>(edge), kBitsBetweenPolls);
         ends.add(loops[edge][0], -1);
         ends.add(loops[edge][1], +1);
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/far/incidence.h>
 
 #include <algorithm>
@@ -42,14 +43,20 @@ Incidence Incidence::uniform(Index length, Array<Index> values) {
 Incidence Incidence::transposed(Index columnCount) const {
     Rows<Index> result;
     result.offsets.assign(static_cast<std::size_t>(columnCount) + 1, 0);
-    for (const Index column : values_) ++result.offsets[column + 1];
+    constexpr std::size_t kBlock = 1 << 16;  // about a millisecond, if memory is far apart
+    forEachBlock(values_.size(), kBlock, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) ++result.offsets[values_[i] + 1];
+    });
     for (std::size_t column = 1; column < result.offsets.size(); ++column)
         result.offsets[column] += result.offsets[column - 1];
 
     result.values.resize(values_.size());
     std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
-    for (Index row = 0; row < rowCount(); ++row)
-        for (const Index column : (*this)[row]) result.values[next[column]++] = row;
+    forEachBlock(
+        static_cast<std::size_t>(rowCount()), kBlock / 8, [&](std::size_t first, std::size_t last) {
+            for (auto row = static_cast<Index>(first); row < static_cast<Index>(last); ++row)
+                for (const Index column : (*this)[row]) result.values[next[column]++] = row;
+        });
     return Incidence(std::move(result));
 }
 

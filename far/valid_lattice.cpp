@@ -3,6 +3,7 @@
 
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/hash.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 
 #include <algorithm>
@@ -60,9 +61,11 @@ bool namesAll(const SignedIncidence& relation, Index count) {
     const auto isSign = [](std::int8_t sign) { return sign == 1 || sign == -1; };
     if (!std::all_of(relation.signs().begin(), relation.signs().end(), isSign)) return false;
     std::vector<bool> isNamed(count, false);
-    for (const Index index : relation.unsignedRows().values()) {
-        if (index < 0 || index >= count) return false;
-        isNamed[index] = true;
+    const auto values = relation.unsignedRows().values();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        checkCancelledEvery(i, 16);
+        if (values[i] < 0 || values[i] >= count) return false;
+        isNamed[values[i]] = true;
     }
     return std::find(isNamed.begin(), isNamed.end(), false) == isNamed.end();
 }
@@ -174,6 +177,7 @@ bool areCellsApart(const SignedIncidence& faces, Index faceCount) {
     Array<std::uint32_t> firstSides(faceCount);
     std::fill(firstSides.begin(), firstSides.end(), kNoCell);
     for (Index cell = 0; cell < faces.unsignedRows().rowCount(); ++cell) {
+        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
         const auto row = faces[cell];
         const auto signs = faces.signs(cell);
         if (const std::uint32_t first = firstSides[row[0]]; first < kTwoCells) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/far/volume_mesh.h>
 
@@ -244,6 +245,7 @@ std::vector<Index> matesOf(const std::vector<HalfFace>& halves, const CellLoops&
     std::vector<Offset> ends(static_cast<std::size_t>(pointCount) + 1, 0);
     std::vector<Index> loop;
     for (std::size_t half = 0; half < halves.size(); ++half) {
+        checkCancelledEvery(half, 14);
         mates[half] = static_cast<Index>(half);
         loops.read(halves[half], loop);
         const std::size_t n = loop.size();
@@ -263,8 +265,10 @@ std::vector<Index> matesOf(const std::vector<HalfFace>& halves, const CellLoops&
     for (std::size_t point = 0; point + 1 < ends.size(); ++point) ends[point + 1] += ends[point];
     std::vector<LoopKey> grouped(halves.size());
     std::vector<Offset> next(ends.begin(), ends.end() - 1);
-    for (std::size_t half = 0; half < halves.size(); ++half)
+    for (std::size_t half = 0; half < halves.size(); ++half) {
+        checkCancelledEvery(half, 16);
         grouped[next[smallest[half]]++] = keys[half];
+    }
 
     struct Polygon {
         std::vector<Index> loop;
@@ -273,6 +277,7 @@ std::vector<Index> matesOf(const std::vector<HalfFace>& halves, const CellLoops&
     };
     std::vector<Polygon> polygons;
     for (std::size_t point = 0; point + 1 < ends.size(); ++point) {
+        checkCancelledEvery(point, 12);
         const std::span group(grouped.data() + ends[point], grouped.data() + ends[point + 1]);
         std::sort(group.begin(), group.end());
         joinPairs(
@@ -308,6 +313,7 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
     auto data = std::make_shared<Data>();
     data->pointCount = pointCount;
     for (Index face = 0; face < faceCount; ++face) {
+        checkCancelledEvery(static_cast<std::size_t>(face), 14);
         const auto loop = rowOf(faces, face);
         if (loop.size() < 3)
             throw TopologyError(TopologyCause::TooFewVertices, {2, face},
@@ -336,11 +342,13 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
     ofCells.offsets.assign(ends.begin(), ends.end());
     ofCells.values.resize(ends.back());
     for (Index face = 0; face < faceCount; ++face) {
+        checkCancelledEvery(static_cast<std::size_t>(face), 16);
         ofCells.values[ends[owners[face]]++] = face;
         if (static_cast<std::size_t>(face) < neighbours.size())
             ofCells.values[ends[neighbours[face]]++] = face;
     }
     for (Index cell = 0; cell < cellCount; ++cell) {
+        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
         CornerFinder finder;
         for (const Index face : rowOf(ofCells, cell))
             finder.add(rowOf(faces, face), owners[face] == cell);
@@ -402,6 +410,7 @@ void VolumeMeshBuilder::checkPoints(std::span<const Index> points, Index cell) c
 
 Index VolumeMeshBuilder::addCell(StandardCell kind, std::span<const Index> points) {
     const Index cell = cellCount();
+    checkCancelledEvery(static_cast<std::size_t>(cell), 12);
     if (std::ssize(points) != vertexCount(kind))
         throw TopologyError(
             TopologyCause::TooFewVertices, {3, cell},
@@ -414,6 +423,7 @@ Index VolumeMeshBuilder::addCell(StandardCell kind, std::span<const Index> point
 
 Index VolumeMeshBuilder::addCell(std::span<const std::vector<Index>> loops) {
     const Index cell = cellCount();
+    checkCancelledEvery(static_cast<std::size_t>(cell), 12);
     std::vector<Index> rows;
     for (const std::vector<Index>& loop : loops) {
         if (loop.size() < 3)
@@ -433,9 +443,11 @@ Index VolumeMeshBuilder::addCell(std::span<const std::vector<Index>> loops) {
 VolumeMesh VolumeMeshBuilder::build() {
     const CellLoops loops{corners_, loops_, loopsOfCells_};
     std::vector<HalfFace> halves;
-    for (Index cell = 0; cell < cellCount(); ++cell)
+    for (Index cell = 0; cell < cellCount(); ++cell) {
+        checkCancelledEvery(static_cast<std::size_t>(cell), 14);
         for (std::size_t i = 0; i < loops.count(cell); ++i)
             halves.push_back({cell, static_cast<Index>(i)});
+    }
     const Index halfCount = checkedCount(halves.size(), "faces of cells");
     const std::vector<Index> mates = matesOf(halves, loops, pointCount_);
 
@@ -446,6 +458,7 @@ VolumeMesh VolumeMeshBuilder::build() {
     std::vector<Index> loop;
     for (const bool internal : {true, false})
         for (Index half = 0; half < halfCount; ++half) {
+            checkCancelledEvery(static_cast<std::size_t>(half), 14);
             const Index mate = mates[half];
             if ((mate != half) != internal || mate < half) continue;
             loops.read(halves[half], loop);
@@ -459,6 +472,7 @@ VolumeMesh VolumeMeshBuilder::build() {
     Rows<Index>& ofCells = data->facesOfCells;
     ofCells.offsets.reserve(corners_.offsets.size());
     for (Index half = 0, cell = 0; cell < cellCount(); ++cell) {
+        checkCancelledEvery(static_cast<std::size_t>(cell), 14);
         for (; half < halfCount && halves[half].cell == cell; ++half)
             ofCells.values.push_back(faceOfHalf[half]);
         ofCells.offsets.push_back(static_cast<Offset>(ofCells.values.size()));

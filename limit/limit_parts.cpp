@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/argument_error.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_parts.h>
@@ -66,6 +67,7 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
         const far::Level& here = levels.finestLevel();
         std::vector<LimitPart> irregular;
         for (const LimitPart& part : left) {
+            checkCancelledEvery(static_cast<std::size_t>(part.cell), 8);
             if (!embed::remainsInLimit(here, part.cell)) continue;
             if (embed::isRegularCell(here, part.cell)) {
                 refined->parts.push_back(part);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/argument_error.h>
 #include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/length_unit.h>
 #include <espalier/solve/validity.h>
@@ -159,7 +160,10 @@ template <class Visit>
 void forEachPart(const CheckedVolume& volume, Visit visit) {
     const Offset grain = volume.grain();
     parallelFor(volume.partCount(), grain, [&](Offset first, Offset last) {
-        for (auto part = static_cast<Index>(first); part < last; ++part) visit(first / grain, part);
+        for (auto part = static_cast<Index>(first); part < last; ++part) {
+            checkCancelledEvery(static_cast<std::size_t>(part), 4);
+            visit(first / grain, part);
+        }
     });
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
 #include <espalier/stencils/surroundings.h>
 
 #include <algorithm>
@@ -35,6 +36,7 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
         sets;  // for each set of rows, its position in representatives_
     Surroundings surroundings(refiner.level(0));
     for (std::size_t row = 0; row < vertices.size(); ++row) {
+        checkCancelledEvery(row, 14);
         const Index vertex = vertices[row];
         const Index base = origin.of(parents(vertex));
         std::optional<Inside>& inside = insides_[base];
@@ -64,6 +66,7 @@ template <class Real>
 Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& distinctRows) const {
     Array<Index> places(distinctRows.columns().size());
     for (Index row = 0; row < distinctRows.rowCount(); ++row) {
+        checkCancelledEvery(static_cast<std::size_t>(row), 14);
         const Index* const around = verticesAround(baseEntities_[row]);
         Offset entry = distinctRows.offsets()[row];
         Index place = 0;
