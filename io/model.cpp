@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/printable.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/meshes/gmsh.h>
@@ -116,10 +117,12 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
     if (values.size() != pointCount)
         throw Error(
             concat("got ", values.size(), " ", plural, " for a model of ", pointCount, " points"));
-    for (std::size_t point = 0; point < values.size(); ++point)
+    for (std::size_t point = 0; point < values.size(); ++point) {
+        checkCancelledEvery(point, 16);
         for (const double number : values[point])
             if (!std::isfinite(number))
                 throw Error(concat("the ", singular, " of point ", point, " is not finite"));
+    }
 }
 
 }  // namespace

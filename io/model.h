@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/base/progress.h>
 #include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
 
@@ -33,7 +34,11 @@ struct ModelFaces {
     }
 
     /// Ends a face, whose corners have been added.
-    void endFace() { ends.push_back(corners.size()); }
+    /// \throws as checkCancelled(), which it calls once in 4096 faces, for all who make faces
+    void endFace() {
+        checkCancelledEvery(ends.size(), 12);
+        ends.push_back(corners.size());
+    }
 
     /// Appends the faces of another model, whose points follow `firstPoint` other points.
     void append(const ModelFaces& others, Index firstPoint) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/animations/animation_file.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -55,13 +56,15 @@ std::vector<float> floatsOf(std::span<const Point3> points, std::size_t expected
             concat("frame ", frame, " has ", points.size(), " points; the model has ", expected));
     std::vector<float> floats;
     floats.reserve(3 * points.size());
-    for (std::size_t point = 0; point < points.size(); ++point)
+    for (std::size_t point = 0; point < points.size(); ++point) {
+        checkCancelledEvery(point, 16);
         for (const double coordinate : points[point]) {
             if (!fitsFloat(coordinate))
                 throw Error(concat("in frame ", frame, ", point ", point, " has the coordinate ",
                                    formatNumber(coordinate), ", which a float cannot hold"));
             floats.push_back(static_cast<float>(coordinate));
         }
+    }
     return floats;
 }
 

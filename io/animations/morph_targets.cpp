@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
@@ -26,6 +27,7 @@ std::vector<std::uint32_t> trianglesOf(const ModelFaces& faces, std::span<const 
     std::vector<std::uint32_t> corners;
     std::vector<Point3> polygon;
     for (std::size_t face = 0; face < faces.count(); ++face) {
+        checkCancelledEvery(face, 10);
         const auto loop = faces[face];
         polygon.clear();
         for (const Index point : loop) polygon.push_back(rest[point]);
@@ -121,6 +123,7 @@ void writeMorphTargets(const std::filesystem::path& path, const Model& model,
     for (std::size_t frame = 0; frame < frameCount; ++frame) {
         std::vector<float> moves = floatsOf(animation.frame(frame), pointCount, frame);
         for (std::size_t i = 0; i < moves.size(); ++i) {
+            checkCancelledEvery(i, 16);
             moves[i] -= rest[i];
             if (!std::isfinite(moves[i]))
                 throw Error(concat("in frame ", frame, ", point ", i / 3, " moves from ",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/io/files/base64.h>
 
 #include <cstddef>
@@ -18,6 +19,7 @@ void appendBase64(std::string& text, std::string_view bytes) {
         return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0;
     };
     for (std::size_t at = 0; at < bytes.size(); at += 3) {
+        checkCancelledEvery(at / 3, 16);
         const std::uint32_t group = byteAt(at) << 16 | byteAt(at + 1) << 8 | byteAt(at + 2);
         for (std::size_t i = 0; i < 4; ++i)
             text += at + i > bytes.size() ? kBase64Padding

@@ -4,6 +4,7 @@
 #include <espalier/base/array.h>
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 
 #include <zlib.h>
@@ -85,10 +86,15 @@ public:
         const std::string_view stored = bytes(count * sizeof(Stored));
         Array<Number> numbers(count);
         if (std::is_same_v<Stored, Number> && order_ == std::endian::native) {
-            if (count > 0) std::memcpy(numbers.data(), stored.data(), stored.size());
+            constexpr std::size_t kAtOnce = 1 << 22;  // a few milliseconds
+            forEachBlock(stored.size(), kAtOnce, [&](std::size_t first, std::size_t last) {
+                std::memcpy(reinterpret_cast<char*>(numbers.data()) + first, stored.data() + first,
+                            last - first);
+            });
             return numbers;
         }
         for (std::size_t i = 0; i < numbers.size(); ++i) {
+            checkCancelledEvery(i, 16);
             const auto number = loadNumber<Stored>(stored.data() + i * sizeof(Stored), order_);
             if (!fitsInto<Number>(number))
                 throw CodingError(concat("number ", i, " is ", number, ", which is out of range"));
@@ -192,10 +198,13 @@ private:
 /// Returns the CRC-32 of bytes that follow other bytes.
 /// \param before CRC-32 of the other bytes; 0 if there are none
 inline std::uint32_t crc32Of(std::string_view bytes, std::uint32_t before = 0) {
-    // zlib takes a null pointer for the start of a new checksum.
-    if (bytes.empty()) return before;
-    return static_cast<std::uint32_t>(
-        crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+    // zlib takes a null pointer for the start of a new checksum, so it gets no empty parts.
+    constexpr std::size_t kAtOnce = 1 << 20;  // less than a millisecond
+    forEachBlock(bytes.size(), kAtOnce, [&](std::size_t first, std::size_t last) {
+        before = static_cast<std::uint32_t>(
+            crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data() + first), last - first));
+    });
+    return before;
 }
 
 /// A ByteOutput that computes the CRC-32 of all bytes written.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/base64.h>
 
 #include <zlib.h>
@@ -63,7 +64,10 @@ std::string Base64Reader::read(std::size_t count) {
         throw CodingError(concat("the base64 data ends too early: ", count,
                                  " bytes are claimed, at most ", maxLeft(), " are there"));
     left_.reserve(count + 3);
-    while (left_.size() < count) readQuad();
+    for (std::size_t quad = 0; left_.size() < count; ++quad) {
+        checkCancelledEvery(quad, 16);
+        readQuad();
+    }
     std::string result = left_.substr(0, count);
     left_.erase(0, count);
     return result;
@@ -71,10 +75,10 @@ std::string Base64Reader::read(std::size_t count) {
 
 namespace {
 
-/// Removes the next part from a size and returns it. zlib's counters have 32 bits, so large data is
-/// passed in parts.
+/// Removes the next part from a size and returns it. zlib's counters have 32 bits, and the host may
+/// cancel between two parts, which take a few milliseconds.
 uInt takePart(std::size_t& left) {
-    const std::size_t part = std::min<std::size_t>(left, std::numeric_limits<uInt>::max());
+    const std::size_t part = std::min<std::size_t>(left, 1 << 20);
     left -= part;
     return static_cast<uInt>(part);
 }
@@ -99,6 +103,7 @@ public:
         std::size_t inLeft = stream.size(), outLeft = size;
         int status = Z_OK;
         while (status == Z_OK) {
+            checkCancelled();
             if (state_.avail_in == 0) state_.avail_in = takePart(inLeft);
             if (state_.avail_out == 0) state_.avail_out = takePart(outLeft);
             // zlib reports an error if it has neither input nor room for output.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "descriptor.h"
+
+#include <espalier/base/progress.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -51,10 +53,17 @@ DescriptorBuffer::DescriptorBuffer(int descriptor) : descriptor_(descriptor), bu
 }
 
 bool DescriptorBuffer::write(const char* from, std::size_t count) {
-    if (count == 0) return error_ == 0;
-    const WithoutWriteSignals quiet;
-    while (count > 0 && error_ == 0) {
-        const ssize_t written = uninterrupted([&] { return ::write(descriptor_, from, count); });
+    constexpr std::size_t kAtOnce = 1 << 20;  // about a millisecond
+    while (count > 0 && error_ == 0 && !cancelled_) {
+        try {
+            checkCancelled();
+        } catch (...) {
+            cancelled_ = std::current_exception();
+            break;
+        }
+        const WithoutWriteSignals quiet;
+        const ssize_t written =
+            uninterrupted([&] { return ::write(descriptor_, from, std::min(count, kAtOnce)); });
         if (written < 0) {
             error_ = errno;
             quiet.drop(error_);
@@ -63,7 +72,7 @@ bool DescriptorBuffer::write(const char* from, std::size_t count) {
         from += written;
         count -= written;
     }
-    return error_ == 0;
+    return error_ == 0 && !cancelled_;
 }
 
 int DescriptorBuffer::sync() {

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <exception>
 #include <ios>
 #include <streambuf>
 #include <string>
@@ -51,14 +52,21 @@ inline std::string systemMessage(int error) {
 
 /// A stream buffer that writes to an open file. Unlike std::filebuf it tells why a write failed,
 /// and the signals of a pipe without readers or of a file size limit do not end the program.
+/// The host may cancel between two blocks of a megabyte (checkCancelled()). A stream swallows what
+/// its buffer throws, so rethrowCancelled() throws it.
 class DescriptorBuffer final : public std::streambuf {
 public:
     /// \param descriptor must stay open while the buffer is used
     explicit DescriptorBuffer(int descriptor);
 
     /// Returns the error of the first write that failed; 0 if none has failed. Nothing is written
-    /// after an error.
+    /// after an error, or after the host has cancelled.
     int error() const { return error_; }
+
+    /// \throws Cancelled, or the exception of the callback, if the host has cancelled a write
+    void rethrowCancelled() const {
+        if (cancelled_) std::rethrow_exception(cancelled_);
+    }
 
 protected:
     int_type overflow(int_type character) override;
@@ -70,6 +78,7 @@ private:
 
     int descriptor_;
     int error_ = 0;
+    std::exception_ptr cancelled_;
     std::vector<char> buffer_;
 };
 

@@ -54,6 +54,7 @@ void writeTo(int descriptor, const FileToWrite& toWrite) {
     std::ostream out(&buffer);
     toWrite.write(out);
     out.flush();
+    buffer.rethrowCancelled();
     if (buffer.error() != 0) fail(toWrite.path, "cannot write", buffer.error());
     if (!out) throw FileError(toWrite.path, "cannot write: the stream has failed");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 
 #include <algorithm>
 #include <iterator>
@@ -136,8 +137,10 @@ std::vector<Value> decodeNumbers(std::string_view bytes, NumberType type, std::e
         std::vector<Value> values;
         if constexpr (kFits<Value, Stored>) {
             values.reserve(bytes.size() / sizeof zero);
-            for (std::size_t at = 0; at + sizeof zero <= bytes.size(); at += sizeof zero)
+            for (std::size_t at = 0; at + sizeof zero <= bytes.size(); at += sizeof zero) {
+                checkCancelledEvery(values.size(), 16);
                 values.push_back(static_cast<Value>(loadNumber<Stored>(bytes.data() + at, order)));
+            }
         }
         return values;
     });
@@ -150,8 +153,10 @@ std::string encodeNumbers(std::span<const Value> values, NumberType type, std::e
         std::string bytes;
         if constexpr (kFits<Stored, Value>) {
             bytes.resize(values.size() * sizeof zero);
-            for (std::size_t i = 0; i < values.size(); ++i)
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                checkCancelledEvery(i, 16);
                 storeNumber(bytes.data() + i * sizeof zero, toStored<Stored>(values[i]), order);
+            }
         }
         return bytes;
     });

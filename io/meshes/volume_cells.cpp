@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/far/topology_error.h>
 
@@ -112,6 +113,7 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
     std::array<std::ptrdiff_t, 4> balance{};  ///< positive minus negative cells of each kind
     std::vector<Loop> loops;
     for (std::size_t number = 0; number < cells_.size(); ++number) {
+        checkCancelledEvery(number, 10);
         const Cell& cell = cells_[number];
         if (!cell.isStandard) {
             for (std::size_t i = cell.begin; i < cell.end; ++i) check(loops_[i], number);

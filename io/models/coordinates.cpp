@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/io/files/file.h>
@@ -135,8 +136,10 @@ void writeChanged(std::ostream& out, std::string_view text, std::span<const Vect
     TextPatch patch(out, text);
     const auto apply = [&](std::span<const VectorChange> together) {
         const TextChanges points(text, together);
-        for (std::size_t point = 0; point < together.front().places.size(); ++point)
+        for (std::size_t point = 0; point < together.front().places.size(); ++point) {
+            checkCancelledEvery(point, 14);
             points.apply(patch, point);
+        }
     };
     if (order == VectorOrder::PointAfterPoint)
         apply(changes);
@@ -152,11 +155,14 @@ void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const Vect
         bool operator<(const Number& other) const { return place < other.place; }
     };
     std::vector<Number> numbers;
-    for (std::size_t point = 0; point < change.places.size(); ++point)
+    for (std::size_t point = 0; point < change.places.size(); ++point) {
+        checkCancelledEvery(point, 14);
         for (std::size_t axis = 0; axis < dimension; ++axis)
             if (change.at(point, axis))
                 numbers.push_back({change.places[point][axis], point, axis});
-    if (!std::is_sorted(numbers.begin(), numbers.end())) std::sort(numbers.begin(), numbers.end());
+    }
+    if (!std::is_sorted(numbers.begin(), numbers.end()))
+        sortCancellably(numbers.begin(), numbers.end());
     TextPatch patch(out, text);
     for (const auto& [place, point, axis] : numbers)
         patch.replace(numberAt(text, place), *change.at(point, axis));
@@ -166,11 +172,13 @@ void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const Vect
 void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
                         std::endian order, std::size_t dimension) {
     for (const VectorChange& change : changes)
-        for (std::size_t point = 0; point < change.places.size(); ++point)
+        for (std::size_t point = 0; point < change.places.size(); ++point) {
+            checkCancelledEvery(point, 14);
             for (std::size_t axis = 0; axis < dimension; ++axis)
                 if (const auto value = change.at(point, axis))
                     storeCoordinate(bytes, change.places[point][axis], *value,
                                     change.precisions[axis], order);
+        }
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
@@ -186,9 +194,11 @@ std::vector<Point3> carried(std::span<const Point3> directions,
                             std::span<const DeformationGradient> gradients, Carry carry,
                             Precision precision) {
     std::vector<Point3> result(directions.begin(), directions.end());
-    for (std::size_t point = 0; point < result.size(); ++point)
+    for (std::size_t point = 0; point < result.size(); ++point) {
+        checkCancelledEvery(point, 14);
         if (isDirection(result[point], precision))
             result[point] = carry(gradients[point], result[point]);
+    }
     return result;
 }
 

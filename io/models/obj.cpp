@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/array.h>
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/vector3.h>
 #include <espalier/io/directions.h>
@@ -227,7 +228,7 @@ private:
     void placeAdditions() {
         order_.resize(additions_.size());
         std::iota(order_.begin(), order_.end(), std::size_t{0});
-        std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+        stableSortCancellably(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
             return additions_[a].anchor < additions_[b].anchor;
         });
         additionsBefore_.assign(normals_.size() + 1, 0);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
@@ -98,7 +99,7 @@ private:
     ModelFaces weldedFacets() const {
         std::vector<std::size_t> order(positions_.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
-        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        sortCancellably(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
             return std::tie(positions_[a], a) < std::tie(positions_[b], b);
         });
         ModelFaces faces;
@@ -118,11 +119,13 @@ public:
     BinaryStl(const std::filesystem::path& path, std::string bytes) : StlModel(std::move(bytes)) {
         const std::size_t pointCount = 3 * ((bytes_.size() - kFirstFacet) / kFacetSize);
         positions_.resize(pointCount);
-        for (std::size_t point = 0; point < pointCount; ++point)
+        for (std::size_t point = 0; point < pointCount; ++point) {
+            checkCancelledEvery(point, 14);
             for (std::size_t axis = 0; axis < 3; ++axis)
                 positions_[point][axis] =
                     loadCoordinate(bytes_, placeOf(point, axis), Precision::Float,
                                    std::endian::little, axis, point, path);
+        }
     }
 
     CoordinateStorage storage() const override { return CoordinateStorage::Float; }
@@ -270,6 +273,7 @@ void writeStlSurface(std::ostream& out, const SurfaceView& surface) {
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     bytes.assign(kFacetSize, '\0');
     for (std::size_t facet = 0; facet < surface.faces.count(); ++facet) {
+        checkCancelledEvery(facet, 12);
         std::array<Point3, 3> corners;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const Index point = surface.faces[facet][corner];

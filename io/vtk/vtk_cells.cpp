@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
@@ -212,6 +213,7 @@ VtkCells vtkCells(const far::CellComplex& complex) {
     cells.offsets.reserve(count);
     cells.connectivity.reserve(8 * count);
     for (Index cell = 0; cell < complex.count(3); ++cell) {
+        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
         if (const auto standard = far::asStandardCell(complex, CellId(cell))) {
             cells.types.push_back(typeOf(standard->kind));
             cells.connectivity.insert(cells.connectivity.end(), standard->vertices.begin(),
