@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "level_search.h"
 
+#include <espalier/base/progress.h>
 #include <espalier/embed/place_points.h>
 
 #include <algorithm>
@@ -70,6 +71,7 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, std::optio
         });
     }
     for (const Index i : part.points) {
+        checkCancelledEvery(part.embedding.points.size(), 4);
         const Vector3d point(points[i].data());
         const auto near = found ? cells.of(i) : std::span<const Index>();
         auto located = CellSolver::resultIfUnreachable(point, vertex_, scale_.size);
@@ -96,6 +98,7 @@ LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points, Desc
     const auto cells =
         found.candidates.cellsOfPoints(points.size(), [](Index, Index) { return true; });
     for (const Index i : part.points) {
+        checkCancelledEvery(part.embedding.points.size(), 4);
         const Vector3d point(points[i].data());
         std::pair nearest(std::numeric_limits<double>::infinity(), kMaxIndex);
         for (const Index cell : cells.of(i))

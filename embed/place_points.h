@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
 #include <espalier/embed/embedding.h>
 
 #include <Eigen/Core>
@@ -76,8 +77,10 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
             near[i] = points[numbers[i]];
         }
         Locate own = locate;
-        for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t i = 0; i < count; ++i) {
+            checkCancelledEvery(i, 4);
             placed.points[numbers[i]] = own(near[i], outside == OutsidePolicy::Nearest);
+        }
         if (progress) progress(done += last - first);
     });
     if (outside == OutsidePolicy::Error) {

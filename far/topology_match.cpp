@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/far/topology_match.h>
 
 #include <algorithm>
@@ -59,7 +60,7 @@ SortedCells sortedCells(const CellComplex& complex) {
     };
     // The cells of many lattices are sorted as they are.
     if (!std::is_sorted(cells.order.begin(), cells.order.end(), isBefore))
-        std::sort(cells.order.begin(), cells.order.end(), isBefore);
+        sortCancellably(cells.order.begin(), cells.order.end(), isBefore);
     return cells;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
@@ -88,7 +89,7 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& mes
     known.reserve(lattice.count());
     for (std::size_t face = 0; face < lattice.count(); ++face)
         known.push_back(canonical(lattice[face]));
-    std::ranges::sort(known);
+    sortCancellably(known.begin(), known.end());
     for (std::size_t face = 0; face < mesh.count(); ++face) {
         const LoopView loop = mesh[face];
         if (loop.empty())

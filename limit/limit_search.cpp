@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "limit_search.h"
 
+#include <espalier/base/progress.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/continuation.h>
 #include <espalier/embed/patch_solver.h>
@@ -292,6 +293,7 @@ void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point
     const CellSolver solver(descent.levels.finestLevel().complex, descent.levels.finestPositions(),
                             scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {
+        checkCancelledEvery(p, 4);
         auto& cells = cellsOf[p];
         if (cells.size() <= maxCells) continue;
         for (auto& [distance, cell] : cells)
@@ -354,6 +356,7 @@ FoundPoints LimitSearch::findBeside(std::span<const Point3> points,
     FoundPoints result = findNearest(points, gap());
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
+        checkCancelledEvery(p, 4);
         if (!located.place || !(located.distance <= gap())) {
             located.place.reset();
             outside.push_back(static_cast<Index>(p));
@@ -370,6 +373,7 @@ FoundPoints LimitSearch::carry(std::span<const Point3> points) const {
     constexpr double kAnyDistance = std::numeric_limits<double>::infinity();
     FoundPoints result = findNearest(points, kAnyDistance);
     for (std::size_t p = 0; p < points.size(); ++p) {
+        checkCancelledEvery(p, 4);
         LocatedInLimit& located = result.points[p];
         if (!located.place) continue;
         const Continued there = continued(*located.place, result.descent.levels,

@@ -119,6 +119,7 @@ std::string_view TextReader::restOfLine() {
 }
 
 std::string_view TextReader::bytes(std::size_t count, const char* what) {
+    checkHost();
     line_ = nextLine_;
     if (text_.size() - position_ < count)
         fail(concat("the file ends; expected ", what, " (", count, " bytes, got ",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
@@ -74,6 +75,7 @@ void FoamFile::skipSpace() {
 }
 
 std::string_view FoamFile::word(const char* what) {
+    checkCancelledEvery(items_++, 12);
     skipSpace();
     if (position_ == bytes_.size()) fail(concat("the file ends; expected ", what));
     const std::size_t begin = position_;
@@ -108,6 +110,7 @@ std::size_t FoamFile::count(const char* what, std::size_t minBytes) {
 Index FoamFile::label(const char* what, Index least) {
     std::int64_t number = 0;
     if (isBinary_) {
+        checkCancelledEvery(items_++, 12);
         if (bytes_.size() - position_ < labelBytes_) fail(concat("the file ends; expected ", what));
         number = labelBytes_ == 4 ? loadNumber<std::int32_t>(bytes_.data() + position_, order_)
                                   : loadNumber<std::int64_t>(bytes_.data() + position_, order_);
@@ -127,6 +130,7 @@ double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& place)
         place = static_cast<std::size_t>(text.data() - bytes_.data());
         return parseCoordinate(text, axis, Precision::Double, path_, line_);
     }
+    checkCancelledEvery(items_++, 12);
     if (bytes_.size() - position_ < scalarBytes_) fail("the file ends; expected a coordinate");
     place = position_;
     position_ += scalarBytes_;

@@ -57,6 +57,7 @@ private:
     std::string_view bytes_;
     std::size_t position_ = 0;
     std::size_t line_ = 1;
+    std::size_t items_ = 0;  ///< number of words and numbers read, for checkCancelledEvery()
     std::string className_;
     bool isBinary_ = false;
     std::endian order_ = std::endian::little;

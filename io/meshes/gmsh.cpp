@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -262,7 +263,7 @@ private:
     /// slow for tags that all fall into one bucket.
     void sortTags() {
         if (isDense_) return;
-        std::sort(tags_.begin(), tags_.end());
+        sortCancellably(tags_.begin(), tags_.end());
         const auto twice =
             std::adjacent_find(tags_.begin(), tags_.end(),
                                [](const auto& a, const auto& b) { return a.first == b.first; });

@@ -92,11 +92,13 @@ void makeCoherent(std::span<Loop> loops) {
 }  // namespace
 
 void VolumeCells::cell(far::StandardCell kind, std::span<const Index> points) {
+    checkCancelledEvery(cells_.size(), 12);
     cells_.push_back({true, kind, points_.size(), points_.size() + points.size()});
     points_.insert(points_.end(), points.begin(), points.end());
 }
 
 void VolumeCells::polyhedron(std::span<const Loop> loops) {
+    checkCancelledEvery(cells_.size(), 12);
     cells_.push_back({false, {}, loops_.size(), loops_.size() + loops.size()});
     loops_.insert(loops_.end(), loops.begin(), loops.end());
 }
@@ -128,6 +130,7 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
         balance[static_cast<std::size_t>(cell.kind)] += volume > 0 ? 1 : volume < 0 ? -1 : 0;
     }
     far::VolumeMeshBuilder builder(pointCount);
+    std::size_t polyhedra = 0;
     for (const Cell& cell : cells_) {
         if (cell.isStandard) {
             const std::span<Index> points(points_.data() + cell.begin, cell.end - cell.begin);
@@ -135,6 +138,7 @@ ModelVolume VolumeCells::finish(std::span<const Point3> positions) {
             builder.addCell(cell.kind, points);
         } else {
             const std::span<Loop> ofCell(loops_.data() + cell.begin, cell.end - cell.begin);
+            checkCancelledEvery(polyhedra++, 6);  // maps and lists for each
             makeCoherent(ofCell);
             if (volumeOf(ofCell, positions) < 0)
                 for (Loop& loop : ofCell) std::reverse(loop.begin(), loop.end());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "table_compiler.h"
 
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/parallel.h>
 
 #include <algorithm>
@@ -105,7 +106,7 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
     candidates.reserve(rows.size());
     for (const Index row : rows)
         candidates.push_back({table.columns(row).size(), hashOf(table.weights(row)), row});
-    std::sort(candidates.begin(), candidates.end());
+    sortCancellably(candidates.begin(), candidates.end());
     compiled.rows.reserve(rows.size());
     RunList<Real> runs(table, compiled);
     std::vector<Index> same, others;
