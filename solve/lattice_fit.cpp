@@ -4,13 +4,14 @@
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/stencils/sparse_matrix.h>
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
+
+#include "cancellable_ldlt.h"
 
 namespace espalier::solve {
 namespace {
@@ -165,7 +166,6 @@ public:
         if (!(largest_ > 0)) throw Error("no target depends on a vertex that may move");
         Matrix identity(square_.rows(), square_.cols());
         identity.setIdentity();
-        checkCancelled();
         factor_.compute(evaluated(square_ + kOpen * largest_ * identity));
         if (factor_.info() != Eigen::Success)
             throw Error("the normal equations of the fit cannot be factored");
@@ -230,7 +230,7 @@ private:
     Matrix matrix_, smooth_;  ///< D, and R times the strength
     Matrix square_;           ///< matrix_ᵀ matrix_ + smooth_ᵀ smooth_
     double largest_ = 0;
-    Eigen::SimplicialLDLT<Matrix> factor_;
+    CancellableLdlt factor_;
 };
 
 }  // namespace
