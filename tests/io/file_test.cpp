@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <ostream>
 #include <thread>
@@ -50,6 +52,28 @@ TEST(WriteFile, FailureLeavesTheOldFileAndNothingElse) {
                  FileError);
     EXPECT_EQ(readFile(path), "old");
     EXPECT_EQ(fileCount(folder.path()), 1u);
+}
+
+// A stream catches what its buffer throws, and would go on without a word.
+TEST(WriteFile, CanBeCancelledWithinALargeBlock) {
+    const TemporaryFolder folder;
+    const fs::path path = folder / "a.txt";
+    writeFile(path, [](std::ostream& out) { out << "old"; });
+    const std::string block(8 << 20, 'x');
+    int calls = 0;
+    const auto write = [&](int allowed) {
+        calls = 0;
+        const ProgressScope scope([&](const Progress&) { return calls++ < allowed; },
+                                  std::chrono::milliseconds(0));
+        writeFile(path, [&](std::ostream& out) { out << block; });
+    };
+    EXPECT_THROW(write(3), Cancelled);
+    EXPECT_EQ(calls, 4);
+    EXPECT_EQ(readFile(path), "old");
+    EXPECT_EQ(fileCount(folder.path()), 1u);
+    write(100);
+    EXPECT_GE(calls, 8);  // megabytes
+    EXPECT_EQ(readFile(path).size(), block.size());
 }
 
 TEST(WriteFile, KeepsLinksAndModes) {
