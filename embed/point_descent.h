@@ -3,6 +3,7 @@
 
 #include <espalier/base/function_ref.h>
 #include <espalier/base/point.h>
+#include <espalier/base/progress.h>
 #include <espalier/embed/box_tree.h>
 #include <espalier/embed/cell_bounds.h>
 #include <espalier/embed/cell_solver.h>
@@ -61,9 +62,12 @@ struct Candidates {
     template <class Keep>
     void filter(Keep keep) {
         Candidates kept;
+        std::size_t pairs = 0;
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            for (const Index point : pointsOf(i))
+            for (const Index point : pointsOf(i)) {
+                checkCancelledEvery(pairs++, 6);  // The place of a point may take milliseconds.
                 if (keep(i, point)) kept.points.push_back(point);
+            }
             kept.endCell(cells[i], bounds[i]);
         }
         *this = std::move(kept);
