@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/pose.h>
 
@@ -60,6 +61,7 @@ struct Weighted {
     std::vector<Point3> mapped(const Map& map) const {
         std::vector<Point3> result(positions.begin(), positions.end());
         for (std::size_t i = 0; i < result.size(); ++i) {
+            checkCancelledEvery(i, 14);
             if (!(weight(i) > 0)) continue;
             result[i] = map(positions[i], weight(i));
             if (!isFinite(result[i]))

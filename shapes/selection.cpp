@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/selection.h>
 
@@ -37,6 +38,7 @@ std::vector<double> weightsFor(const std::string& function, std::span<const Poin
         throw Error("the positions are so far apart that their distance is infinite");
     weights.reserve(positions.size());
     for (const Point3& position : positions) {
+        checkCancelledEvery(weights.size(), 14);
         const double outside = distance(position);
         if (std::isnan(outside))
             throw Error(concat("positions[", weights.size(), "] is ", textOf(position),
