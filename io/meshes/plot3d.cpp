@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/progress.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -66,6 +67,7 @@ private:
 
     /// Returns the next word; empty at the end.
     std::string_view word() {
+        checkCancelledEvery(words_++, 12);
         while (position_ < bytes_.size() && isSeparator(bytes_[position_])) {
             if (bytes_[position_] == '\n') ++line_;
             ++position_;
@@ -155,6 +157,7 @@ private:
     std::string_view bytes_;
     std::size_t numbers_ = 0;
     std::size_t position_ = 0, line_ = 1;
+    std::size_t words_ = 0;      ///< number of words read, for checkCancelledEvery()
     std::size_t headerEnd_ = 0;  ///< of the variant that was tried last
 };
 
@@ -237,10 +240,12 @@ private:
             if (variant.hasBlank) position_ += count * sizeof(std::int32_t);
             if (!marker(count * perPoint)) return std::nullopt;
         }
-        for (std::size_t i = 0; i < points.places.size(); ++i)
+        for (std::size_t i = 0; i < points.places.size(); ++i) {
+            checkCancelledEvery(i, 14);
             for (std::size_t axis = 0; axis < variant.dimension; ++axis)
                 points.positions[i][axis] = loadCoordinate(bytes_, points.places[i][axis],
                                                            precision, order_, axis, i, path_);
+        }
         return grid;
     }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtk_legacy.h>
 
@@ -99,6 +100,7 @@ private:
         std::size_t vertex = 0;
         std::size_t face = 0;
         for (std::size_t cell = 0; cell < cells.types.size(); ++cell) {
+            checkCancelledEvery(cell, 14);
             const auto take = [](const std::vector<Index>& list, std::size_t& begin,
                                  std::int64_t endOffset) {
                 const std::size_t end = endOffset;

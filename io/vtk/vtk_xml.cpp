@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/number_text.h>
+#include <espalier/base/progress.h>
 #include <espalier/base/utf8.h>
 #include <espalier/io/files/file.h>
 
@@ -260,8 +261,10 @@ std::vector<Point3> pointsOf(std::span<const double> coordinates) {
 std::vector<double> coordinatesOf(std::span<const Point3> points) {
     std::vector<double> coordinates;
     coordinates.reserve(3 * points.size());
-    for (const Point3& point : points)
-        coordinates.insert(coordinates.end(), point.begin(), point.end());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 16);
+        coordinates.insert(coordinates.end(), points[i].begin(), points[i].end());
+    }
     return coordinates;
 }
 
