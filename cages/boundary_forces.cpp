@@ -158,7 +158,7 @@ void BoundaryForces::measureFaces(std::span<const Point3> positions) {
 /// Finds the nearest points of each face of level 2.
 void BoundaryForces::matchPulls() {
     pulling_.assign(coarseFaces_.size(), std::nullopt);
-    visits_ = 0;
+    std::atomic<Offset> visitsOfAll = 0;
     parallelFor(std::ssize(pulling_), 64, [&](Offset first, Offset last) {
         Offset visits = 0;
         for (Offset c = first; c < last; ++c) {
@@ -169,8 +169,9 @@ void BoundaryForces::matchPulls() {
                 coarseFaces_[c].centre, kPullRings,
                 [&](Index group) { return suits(group, cell, normal); }, visits);
         }
-        std::atomic_ref(visits_) += visits;
+        visitsOfAll += visits;
     });
+    visits_ = visitsOfAll;
 }
 
 /// Finds the nearest face of level 3 of each group of points, and the nearest one of another part.

@@ -20,9 +20,9 @@ import subprocess
 import sys
 import tempfile
 
-# Seconds between two polls. Polls are a few milliseconds apart, and up to 0.04 s where a step takes that long: a range
+# Seconds between two polls. Polls are a few milliseconds apart, and up to 0.06 s where a step takes that long: a range
 # of a loop over the points of a cage, or a file that is not optimized, as those of `io` in the preset `test`.
-LIMIT = 0.1
+LIMIT = 0.2
 # A page that the system has to clear, or a cache that another program has emptied, may make one run slow. A missing
 # poll makes all runs slow.
 RUNS = 3
