@@ -608,12 +608,10 @@ ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* bin
 /// its points by displacements of the lattice.
 ///
 /// \retval ESPALIER_ERROR_FILE the file cannot be read or is damaged (io/binding_file.h); the
-/// stored
-///         model cannot be read, or has another number of points than the binding
+///         stored model cannot be read, or has another number of points than the binding
 /// \retval ESPALIER_ERROR_MEMORY the model takes more memory than the limit allows
 /// \cost O(size of the file), and one pass over the stored model. Keeps the binding, the file of
-/// the
-///       model and 24 bytes per point
+///       the model and 24 bytes per point
 ESPALIER_C_API espalier_status espalier_binding_load(const char* path, espalier_binding** binding);
 
 /// Gives D: points × vertices of the lattice, which is also the Jacobian of the points by the

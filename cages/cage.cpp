@@ -77,7 +77,7 @@ constexpr int kRoundsWithMargin = 14;
 
 /// Returns the limit of the work, in steps (work.h). Of the cages of docs/cages.md and of other
 /// options, 200 vertices took at most 5.8e9 steps of 6.2e9 (random triangles), and 2,000 vertices
-/// 3.0e10 of 4.4e10 (a hollow body).
+/// 3.1e10 of 4.4e10 (a hollow body).
 double mostWork(std::size_t triangles, Index vertices) {
     return 2e9 + 2.1e7 * vertices + std::min(2.5e5 * static_cast<double>(triangles), 1.5e10);
 }

@@ -192,10 +192,8 @@ void Sampler::addIfFar(const Point3& point, const Normal& normal) {
 /// Makes the parts of voxels larger, and leaves out samples.
 void Sampler::leaveOut() {
     if (parts_ == 1)
-        throw Error(
-            concat("the faces of the model fill so many cells that they need more "
-                   "than ",
-                   options_.most, " samples; ask for fewer vertices or larger cells"));
+        throw Error(concat("the faces of the model need more than ", options_.most,
+                           " samples; ask for fewer vertices or larger cells"));
     parts_ /= 2;
     taken_.clear();
     std::size_t kept = 0;

@@ -14,8 +14,8 @@ public:
 /// Bounds the work of a cage, and lets the host of the library cancel it.
 ///
 /// Work is counted in steps, from the sizes of what is processed: cells, points, voxels. So a bound
-/// is reached at the same place on every machine, with any number of threads. A step takes about a
-/// nanosecond on one core of 2020; the factors beside the sizes are measured and rounded.
+/// is reached at the same place on every machine, with any number of threads. A step takes one or
+/// two nanoseconds on one core of 2020; the factors beside the sizes are measured and rounded.
 class Work {
 public:
     explicit Work(double limit) : limit_(limit) {}

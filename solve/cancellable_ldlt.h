@@ -11,6 +11,44 @@
 
 namespace espalier::solve {
 
+/// Returns matrixᵀ · matrix, with the bits of Eigen's product, but a host may cancel between two
+/// columns.
+/// \throws as checkCancelled()
+inline Eigen::SparseMatrix<double> squareOf(const Eigen::SparseMatrix<double>& matrix) {
+    using Entries = Eigen::SparseMatrix<double>::InnerIterator;
+    // Not by a constructor, because Eigen's constructors leak memory if an allocation throws.
+    Eigen::SparseMatrix<double> rows;
+    rows = matrix.transpose();  // Column k is row k of the matrix.
+    Eigen::SparseMatrix<double> square(matrix.cols(), matrix.cols());
+    std::vector<double> sums(matrix.cols());
+    std::vector<char> isTouched(matrix.cols(), 0);
+    std::vector<Eigen::Index> touched;
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+        checkCancelled();
+        touched.clear();
+        for (Entries row(matrix, column); row; ++row)
+            for (Entries entry(rows, row.row()); entry; ++entry) {
+                const Eigen::Index at = entry.row();
+                const double product = entry.value() * row.value();
+                if (isTouched[at] != 0) {
+                    sums[at] += product;
+                    continue;
+                }
+                isTouched[at] = 1;
+                sums[at] = product;
+                touched.push_back(at);
+            }
+        std::sort(touched.begin(), touched.end());
+        square.startVec(column);
+        for (const Eigen::Index at : touched) {
+            square.insertBack(at, column) = sums[at];
+            isTouched[at] = 0;
+        }
+    }
+    square.finalize();
+    return square;
+}
+
 /// Eigen's sparse factors L D Lᵀ of a symmetric matrix, but a host may cancel between two rows of
 /// L. The factors have the same bits. Finding the order of the rows cannot be cancelled; it takes
 /// a thirtieth of the time or less.

@@ -31,9 +31,9 @@ public:
     /// vertices that are linked to either one share a variable. A coordinate that can satisfy all
     /// links only by staying in place, such as one that is its own mirror image, is frozen.
     ///
-    /// \throws ArgumentError for factors that are 0 or not finite; Error if products with factors
-    /// of
-    ///         other links are, and for a vertex that does not exist. The links are then unchanged
+    /// \throws ArgumentError for factors that are 0 or not finite; Error if their products with the
+    ///         factors of other links are, and for a vertex that does not exist. The links are then
+    ///         unchanged
     void link(Index vertex, Index to, const std::array<double, 3>& factors = {1, 1, 1});
 
     /// Links each vertex with its mirror image at a plane across an axis.

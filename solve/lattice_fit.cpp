@@ -118,39 +118,6 @@ Matrix smoothing(const far::CellComplex& base, Smoothing kind) {
     return evaluated(result + neighbours);
 }
 
-/// Returns matrixᵀ matrix, as Eigen's product does, but the host may cancel between some columns.
-Matrix squareOf(const Matrix& matrix) {
-    const Matrix rows = evaluated(matrix.transpose());  // Column k is row k of the matrix.
-    Matrix square(matrix.cols(), matrix.cols());
-    std::vector<double> sums(matrix.cols());
-    std::vector<char> isTouched(matrix.cols(), 0);
-    std::vector<Eigen::Index> touched;
-    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
-        checkCancelled();
-        touched.clear();
-        for (Matrix::InnerIterator row(matrix, column); row; ++row)
-            for (Matrix::InnerIterator entry(rows, row.row()); entry; ++entry) {
-                const Eigen::Index at = entry.row();
-                const double product = entry.value() * row.value();
-                if (isTouched[at] != 0) {
-                    sums[at] += product;
-                    continue;
-                }
-                isTouched[at] = 1;
-                sums[at] = product;
-                touched.push_back(at);
-            }
-        std::sort(touched.begin(), touched.end());
-        square.startVec(column);
-        for (const Eigen::Index at : touched) {
-            square.insertBack(at, column) = sums[at];
-            isTouched[at] = 0;
-        }
-    }
-    square.finalize();
-    return square;
-}
-
 /// The normal equations of the free vertices. A small multiple of the identity is added, so that
 /// they can be factored even if displacements are undetermined.
 class NormalEquations {
@@ -161,7 +128,7 @@ public:
         smooth_.swap(smooth);
         square_ = squareOf(matrix_);
         smooth_ *= strength * std::sqrt(square_.diagonal().mean());
-        square_ += evaluated(smooth_.transpose() * smooth_);
+        square_ += squareOf(smooth_);
         largest_ = largestEigenvalue();
         if (!(largest_ > 0)) throw Error("no target depends on a vertex that may move");
         Matrix identity(square_.rows(), square_.cols());

@@ -39,9 +39,8 @@ struct SectionOptions {
 class ESPALIER_API SectionVariables {
 public:
     /// \param positions of the vertices at rest
-    /// \throws ArgumentError for an option that is out of range; Error naming a position that is
-    /// not
-    ///         finite
+    /// \throws ArgumentError for an option that is out of range; Error naming a position
+    ///         that is not finite
     SectionVariables(std::span<const Point3> positions, const SectionOptions& options);
 
     /// Returns the number of variables: five per section.

@@ -45,6 +45,18 @@ TEST(CancellableLdlt, HasTheBitsOfEigensFactors) {
     EXPECT_TRUE(factor.solve(right) == expected.solve(right));
 }
 
+TEST(SquareOf, HasTheBitsOfEigensProduct) {
+    // More rows than columns, as targets and vertices of a fit; a column is empty.
+    Matrix matrix = randomMatrix(300).leftCols(40);
+    matrix.prune([](Eigen::Index, Eigen::Index column, double) { return column != 7; });
+    Matrix expected;
+    expected = matrix.transpose() * matrix;
+    const Matrix square = squareOf(matrix);
+    EXPECT_EQ(square.nonZeros(), expected.nonZeros());
+    EXPECT_GT(square.nonZeros(), 200);
+    EXPECT_EQ((square - expected).norm(), 0);
+}
+
 TEST(CancellableLdlt, ReportsASingularMatrix) {
     Matrix matrix(2, 2);
     matrix.insert(0, 0) = 1;

@@ -171,7 +171,8 @@ TEST(SectionVariables, RefuseOptionsAndValuesOutOfRange) {
     const SectionVariables sections(rest, kThreeSections);
     EXPECT_REFUSED(Error, "there are 3 values; expected 15",
                    sections.positions(std::vector<double>(3)));
-    EXPECT_REFUSED(Error, "values[0] is nan; expected a finite number", sections.matrix(std::vector<double>(15, kNan)));
+    EXPECT_REFUSED(Error, "values[0] is nan; expected a finite number",
+                   sections.matrix(std::vector<double>(15, kNan)));
 }
 
 }  // namespace

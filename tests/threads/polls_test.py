@@ -20,8 +20,8 @@ import subprocess
 import sys
 import tempfile
 
-# Seconds between two polls. Polls are a few milliseconds apart, and up to 0.06 s where a step takes that long: a range
-# of a loop over the points of a cage, or a file that is not optimized, as those of `io` in the preset `test`.
+# Seconds between two polls. Most polls are a few milliseconds apart; 0.06 s passed between those of a cage, and of `io`,
+# which the preset `test` does not optimize, on a busy machine. Before these steps were polled, 0.24 s or more passed.
 LIMIT = 0.2
 # A page that the system has to clear, or a cache that another program has emptied, may make one run slow. A missing
 # poll makes all runs slow.
