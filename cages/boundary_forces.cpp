@@ -97,17 +97,16 @@ void BoundaryForces::reset(double pull) {
     pullFactor_.assign(surface_.coarseCentres().rowCount(), pull);
 }
 
-/// Returns true if a group of points belongs to the part of the model that a cell holds.
-bool BoundaryForces::belongs(Index group, Index cell) const {
-    const auto of = groups_.groups()[group].cell;
-    return !of || !std::ranges::binary_search(apart_[cell], *of);
+/// Returns true if points of one cell belong to the part of the model that another cell holds. A
+/// face of that cell is fitted to no other points.
+bool BoundaryForces::belongs(std::optional<Index> cellOfPoints, Index cell) const {
+    return !cellOfPoints || !std::ranges::binary_search(apart_[cell], *cellOfPoints);
 }
 
-/// Returns true if a face with this normal is fitted to a group of points. It may not face the
-/// other way, as the far side of a thin part does, or the boundary of another part.
-bool BoundaryForces::suits(Index group, Index cell, const Point3& normal) const {
-    return !groups_.groups()[group].isInner &&
-           dot(groups_.groups()[group].normal, normal) > kFacing && belongs(group, cell);
+/// Returns true if a group of points faces about as a face does that may be fitted to the group.
+/// The far side of a thin part faces the other way, and so does the boundary of another part.
+bool BoundaryForces::faces(Index group, const Point3& normal) const {
+    return dot(groups_.groups()[group].normal, normal) > kFacing;
 }
 
 void BoundaryForces::match(std::span<const Point3> positions) {
@@ -161,13 +160,19 @@ void BoundaryForces::matchPulls() {
     std::atomic<Offset> visitsOfAll = 0;
     parallelFor(std::ssize(pulling_), 64, [&](Offset first, Offset last) {
         Offset visits = 0;
+        // The cells apart from the cell of the face: a search asks for many cells.
+        std::vector<char> isApart(apart_.size(), 0);
+        std::span<const Index> marked;
         for (Offset c = first; c < last; ++c) {
             const Point3& normal = coarseFaces_[c].normal;
             if (normal == Point3{0, 0, 0}) continue;
-            const Index cell = surface_.cellOfCoarse(static_cast<Index>(c));
+            for (const Index cell : marked) isApart[cell] = 0;
+            marked = apart_[surface_.cellOfCoarse(static_cast<Index>(c))];
+            for (const Index cell : marked) isApart[cell] = 1;
             pulling_[c] = groups_.nearest(
                 coarseFaces_[c].centre, kPullRings,
-                [&](Index group) { return suits(group, cell, normal); }, visits);
+                [&](std::optional<Index> cell) { return !cell || isApart[*cell] == 0; },
+                [&](Index group) { return faces(group, normal); }, visits);
         }
         visitsOfAll += visits;
     });
@@ -178,18 +183,14 @@ void BoundaryForces::matchPulls() {
 void BoundaryForces::matchPushes() {
     const auto groups = groups_.groups();
     const CubeGrid& grid = groups_.grid();
-    // A list of the faces in each cube.
-    std::vector<Index> firstOfCube(grid.cubeCount(), -1), nextOfFace(fineFaces_.size(), -1);
-    for (auto f = static_cast<Index>(fineFaces_.size()); f-- > 0;) {
-        Index& first = firstOfCube[grid.cubeOf(fineFaces_[f].centre)];
-        nextOfFace[f] = first;
-        first = f;
-    }
+    std::vector<Index> cubeOf;
+    for (const Face& face : fineFaces_) cubeOf.push_back(grid.cubeOf(face.centre));
+    const CubeLists facesOfCubes(grid, cubeOf);
     const auto nearestFace = [&](const Point3& point, auto accept) {
         return grid.nearest(
             point, kPushRings,
-            [&](Index cube, auto visit) {
-                for (Index f = firstOfCube[cube]; f >= 0; f = nextOfFace[f]) visit(f);
+            [&](Index firstCube, Index lastCube, auto visit) {
+                for (const Index f : facesOfCubes.itemsIn(firstCube, lastCube)) visit(f);
             },
             [&](Index f) -> const Point3& { return fineFaces_[f].centre; }, accept);
     };
@@ -213,14 +214,14 @@ void BoundaryForces::matchPushes() {
             const auto group = static_cast<Index>(g);
             if (groups[g].isInner) continue;
             own_[g] = nearestFace(groups[g].centre, [&](Index f) {
-                return suits(group, cells[f], fineFaces_[f].normal);
+                return faces(group, fineFaces_[f].normal) && belongs(groups[g].cell, cells[f]);
             });
             if (!groups[g].cell) continue;
             const std::vector<Index>& apart = apart_[*groups[g].cell];
             if (std::any_of(apart.begin(), apart.end(),
                             [&](Index cell) { return isNear(group, cell); }))
-                other_[g] = nearestFace(groups[g].centre,
-                                        [&](Index f) { return !belongs(group, cells[f]); });
+                other_[g] = nearestFace(
+                    groups[g].centre, [&](Index f) { return !belongs(groups[g].cell, cells[f]); });
         }
     });
 }
@@ -323,7 +324,8 @@ void BoundaryForces::strengthen(std::span<const Uncovered> uncovered) {
     std::vector<double> raises(groups_.groups().size(), 0);
     for (const Uncovered& group : uncovered) {
         // A point that another part of the lattice covers, or nearly so.
-        if (group.winding > 1 || (group.cell && !belongs(group.group, *group.cell))) {
+        if (group.winding > 1 ||
+            (group.cell && !belongs(groups_.groups()[group.group].cell, *group.cell))) {
             double& distance = distanceToOthers_[group.group];
             distance = std::min(distance + 0.01 * edge_, margin_ + 0.25 * edge_);
             continue;

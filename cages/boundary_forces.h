@@ -66,8 +66,8 @@ public:
     void weakenPulls(std::span<const char> isChosen, double factor);
 
 private:
-    bool belongs(Index group, Index cell) const;
-    bool suits(Index group, Index cell, const Point3& normal) const;
+    bool belongs(std::optional<Index> cellOfPoints, Index cell) const;
+    bool faces(Index group, const Point3& normal) const;
     /// A face of the boundary.
     struct Face {
         Point3 centre = {0, 0, 0};

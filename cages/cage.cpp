@@ -76,10 +76,13 @@ constexpr double kMaxVoxels = 2.5e7;
 constexpr int kRoundsWithMargin = 14;
 
 /// Returns the limit of the work, in steps (work.h). Of the cages of docs/cages.md and of other
-/// options, 200 vertices took at most 5.8e9 steps of 6.2e9 (random triangles), and 2,000 vertices
-/// 3.1e10 of 4.4e10 (a hollow body).
-double mostWork(std::size_t triangles, Index vertices) {
-    return 2e9 + 2.1e7 * vertices + std::min(2.5e5 * static_cast<double>(triangles), 1.5e10);
+/// options, 100 vertices took at most 5.7e9 steps of 5.8e9 (twelve shells in one another), 200
+/// vertices 5.8e9 of 7.5e9 (random triangles), and 2,000 vertices 3.1e10 of 4.5e10 (a hollow body).
+/// Parts that are kept apart took at most 4.9e9 of 5.4e9; a tangle has no such lattice, and the
+/// search for one ends earlier.
+double mostWork(std::size_t triangles, const CageOptions& options, Index vertices) {
+    return (options.keepApart ? 1.2e9 : 3.3e9) + 2.1e7 * vertices +
+           std::min(2.5e5 * static_cast<double>(triangles), 1.5e10);
 }
 
 /// Returns the number of samples above which samples that are near others are left out.
@@ -186,7 +189,7 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     requireNumber(options.shell, "shell", 2 * diagonal_);
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
-    work_ = Work(mostWork(surface_.triangles().size(), vertexEstimate()));
+    work_ = Work(mostWork(surface_.triangles().size(), options, vertexEstimate()));
     choose(kWays.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw ArgumentError("cage", "cellSize", textOf(options.cellSize),
@@ -256,7 +259,7 @@ ModelVoxels CageMaker::voxelsOf(const Frame& frame, double cellSize) {
 }
 
 GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candidate) {
-    constexpr double kPerVoxel = 4, kPerUsedVoxel = 60;
+    constexpr double kPerVoxel = 6, kPerUsedVoxel = 100;
     work_.add(kPerVoxel * voxels.grid().cubeCount() +
               kPerUsedVoxel * static_cast<double>(voxels.usedCount()));
     const Index k = voxelsPerEdge(frames_[candidate.frame], candidate.cellSize);

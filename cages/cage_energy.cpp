@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cage_energy.h"
 
+#include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
 #include <espalier/base/vector3.h>
 #include <espalier/far/standard_cells.h>
@@ -85,10 +86,14 @@ inline CornerEnergy cornerEnergy(const Point3& u, const Point3& v, const Point3&
              difference(scaled(uv, ofArea), scaled(w, ofEdge + ofAngles * (uu * vv)))}};
 }
 
-/// Returns the energy of a hexahedron, the mean over its corners, less 1. Adds `weight` times its
-/// gradient.
-double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Point3> positions,
-                        double weight, std::span<Point3> gradient) {
+/// The sum of the energies of the corners of a hexahedron, and its derivatives by the vertices.
+struct HexahedronEnergy {
+    double energy = 0;
+    std::array<Point3, 8> slopes = {};
+};
+
+HexahedronEnergy hexahedronEnergy(const std::array<Index, 8>& vertices,
+                                  std::span<const Point3> positions) {
     // One array for each coordinate, so that the compiler computes several corners at once.
     using OfCorners = std::array<double, 8>;
     std::array<std::array<OfCorners, 3>, 3> edges, slopes;
@@ -110,19 +115,16 @@ double hexahedronEnergy(const std::array<Index, 8>& vertices, std::span<const Po
             for (std::size_t axis = 0; axis < 3; ++axis)
                 slopes[i][axis][corner] = at.slopes[i][axis];
     }
-    std::array<Point3, 8> gradients = {};
+    HexahedronEnergy result;
     for (std::size_t corner = 0; corner < 8; ++corner)
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                gradients[far::kHexahedronNeighbours[corner][i]][axis] += slopes[i][axis][corner];
-                gradients[corner][axis] -= slopes[i][axis][corner];
+                result.slopes[far::kHexahedronNeighbours[corner][i]][axis] +=
+                    slopes[i][axis][corner];
+                result.slopes[corner][axis] -= slopes[i][axis][corner];
             }
-    double total = 0;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-        total += energies[corner];
-        addTo(gradient[vertices[corner]], gradients[corner], weight / 8);
-    }
-    return weight * (total / 8 - 1);
+    for (const double energy : energies) result.energy += energy;
+    return result;
 }
 
 double dotOf(std::span<const Point3> a, std::span<const Point3> b) {
@@ -165,7 +167,7 @@ void CellShapes::examine(std::span<const Index> baseCells) {
 }
 
 void CellShapes::activate() {
-    for (std::size_t k = 1; k < levels_.size(); ++k) {
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
         LevelCells& level = levels_[k];
         level.activeCells.clear();
         level.activeRows.clear();
@@ -184,21 +186,45 @@ double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3>
     double total = 0;
     for (const LevelCells& level : levels_) {
         if (level.table.rowCount() == 0) {
-            for (const Cell& cell : level.cells)
-                total += hexahedronEnergy(cell.vertices, positions,
-                                          level.weight * weights_[cell.baseCell], gradient);
+            total += evaluateCells(level, positions, gradient);
             continue;
         }
         if (level.activeCells.empty()) continue;
         std::vector<Point3> refined(level.table.rowCount()), slopes(refined.size());
-        for (const Index row : level.activeRows)
-            refined[row] = rowTimes(level.table, row, positions);
-        for (const Index number : level.activeCells) {
-            const Cell& cell = level.cells[number];
-            total += hexahedronEnergy(cell.vertices, refined,
-                                      level.weight * weights_[cell.baseCell], slopes);
-        }
+        parallelFor(std::ssize(level.activeRows), 256, [&](Offset first, Offset last) {
+            for (Offset i = first; i < last; ++i)
+                refined[level.activeRows[i]] =
+                    rowTimes(level.table, level.activeRows[i], positions);
+        });
+        total += evaluateCells(level, refined, slopes);
         for (const Index row : level.activeRows) addRow(level.table, row, slopes[row], gradient);
+    }
+    return total;
+}
+
+/// Returns the energy of the active cells of a level: the mean over the corners of each cell,
+/// less 1. Adds its gradient.
+double CellShapes::evaluateCells(const LevelCells& level, std::span<const Point3> positions,
+                                 std::span<Point3> gradient) const {
+    // The energies are computed on several threads, and added in the order of the cells.
+    constexpr Offset kCellsAtOnce = 2048;
+    const Offset count = std::ssize(level.activeCells);
+    std::vector<HexahedronEnergy> energies(std::min(count, kCellsAtOnce));
+    double total = 0;
+    for (Offset begin = 0; begin < count; begin += kCellsAtOnce) {
+        const auto cells =
+            std::span(level.activeCells).subspan(begin, std::min(count - begin, kCellsAtOnce));
+        parallelFor(std::ssize(cells), 64, [&](Offset first, Offset last) {
+            for (Offset i = first; i < last; ++i)
+                energies[i] = hexahedronEnergy(level.cells[cells[i]].vertices, positions);
+        });
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const Cell& cell = level.cells[cells[i]];
+            const double weight = level.weight * weights_[cell.baseCell];
+            for (std::size_t corner = 0; corner < 8; ++corner)
+                addTo(gradient[cell.vertices[corner]], energies[i].slopes[corner], weight / 8);
+            total += weight * (energies[i].energy / 8 - 1);
+        }
     }
     return total;
 }
@@ -206,11 +232,11 @@ double CellShapes::evaluate(std::span<const Point3> positions, std::span<Point3>
 double CellShapes::workOfEvaluation() const {
     constexpr double kPerCell = 200, kPerRow = 100;
     double steps = 0;
-    for (const LevelCells& level : levels_)
-        steps += level.table.rowCount() == 0
-                     ? kPerCell * static_cast<double>(level.cells.size())
-                     : kPerCell * static_cast<double>(level.activeCells.size()) +
-                           kPerRow * static_cast<double>(level.activeRows.size());
+    for (const LevelCells& level : levels_) {
+        steps += kPerCell * static_cast<double>(level.activeCells.size());
+        if (level.table.rowCount() > 0)
+            steps += kPerRow * static_cast<double>(level.activeRows.size());
+    }
     return steps;
 }
 
@@ -239,10 +265,18 @@ std::vector<double> CellShapes::leastJacobians(std::span<const Point3> positions
 
 double evaluatePlanes(const stencils::StencilTable<double>& table, std::span<const PlaneTerm> terms,
                       std::span<const Point3> positions, std::span<Point3> gradient) {
+    std::vector<double> distances(terms.size());
+    parallelFor(std::ssize(terms), 256, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const PlaneTerm& term = terms[i];
+            if (term.inside == 0 && term.outside == 0) continue;
+            distances[i] = dot(term.direction, rowTimes(table, term.row, positions)) - term.offset;
+        }
+    });
     double total = 0;
-    for (const PlaneTerm& term : terms) {
-        const double distance =
-            dot(term.direction, rowTimes(table, term.row, positions)) - term.offset;
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        const PlaneTerm& term = terms[i];
+        const double distance = distances[i];
         const double weight = distance < 0 ? term.inside : term.outside;
         if (weight == 0) continue;
         const double limited = std::clamp(distance, -term.reach, term.reach);

@@ -74,6 +74,8 @@ private:
         std::vector<Index> activeCells = {}, activeRows = {};
     };
     void activate();
+    double evaluateCells(const LevelCells& level, std::span<const Point3> positions,
+                         std::span<Point3> gradient) const;
 
     std::vector<LevelCells> levels_;
     std::vector<double> weights_;  ///< one per base cell

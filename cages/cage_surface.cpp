@@ -160,14 +160,17 @@ CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFac
         hull.clear();
         for (std::size_t corner = 0; corner < 4; ++corner) {
             const Index vertex = loops[face][corner];
+            bool isWholeRing = false;
             for (const std::size_t side : {corner, (corner + 3) % 4}) {
+                if (isWholeRing) break;
                 Index at = face, edge = edgesOfFace[face][side];
                 for (;;) {
                     hull.insert(hull.end(), loops[at].begin(), loops[at].end());
                     if (level.strata.of({1, edge}) < 2) break;
                     const auto pair = facesOfEdge[edge];
                     at = pair[0] == at ? pair[1] : pair[0];
-                    if (at == face) break;
+                    isWholeRing = at == face;
+                    if (isWholeRing) break;
                     // The other edge of the next face at the vertex.
                     const auto edges = edgesOfFace[at];
                     for (std::size_t i = 0; i < 4; ++i) {

@@ -48,7 +48,7 @@ void CubeParts::findParts() {
     const Index k = perEdge_;
     parts_.clear();
     partOf_.assign(isUsed.size(), kNone);
-    std::vector<Index> front;
+    std::vector<std::array<Index, 3>> places;  // of the members of a part; they cost divisions
     Cube cube;
     for (cube[2] = 0; cube[2] < counts_[2]; ++cube[2])
         for (cube[1] = 0; cube[1] < counts_[1]; ++cube[1]) {
@@ -71,9 +71,10 @@ void CubeParts::findParts() {
                             auto& members = parts_.back().voxels;
                             partOf_[voxel] = part;
                             members.push_back(voxel);
+                            places = {{x, y, z}};
                             for (std::size_t i = 0; i < members.size(); ++i) {
                                 const Index at = members[i];
-                                const auto place = placeOf(at);
+                                const auto place = places[i];
                                 Index stride = 1;
                                 for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
                                     for (const Index side : {-1, 1}) {
@@ -83,6 +84,8 @@ void CubeParts::findParts() {
                                         if (isUsed[other] == 0 || partOf_[other] != kNone) continue;
                                         partOf_[other] = part;
                                         members.push_back(other);
+                                        places.push_back(place);
+                                        places.back()[axis] = next;
                                     }
                             }
                         }
@@ -174,7 +177,16 @@ void CubeParts::findContacts() {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         Part& part = parts_[p];
         checkCancelled();
+        const auto isApart = [&](Offset voxel) {
+            if (voxel < 0 || voxel >= std::ssize(partOf_)) return false;
+            return partOf_[voxel] != kNone && partOf_[voxel] != static_cast<Index>(p);
+        };
         for (const Index voxel : part.voxels) {
+            // Most voxels are inside their part. Their places would take most of the time.
+            const Offset at = voxel, row = n[0], layer = row * n[1];
+            if (!isApart(at - 1) && !isApart(at + 1) && !isApart(at - row) && !isApart(at + row) &&
+                !isApart(at - layer) && !isApart(at + layer))
+                continue;
             const auto place = placeOf(voxel);
             Index stride = 1;
             for (int axis = 0; axis < 3; stride *= n[axis], ++axis)
@@ -266,8 +278,8 @@ bool CubeParts::isRemovable(Index number) const {
 }
 
 /// Returns the square of the distance of the centre of a voxel from a face of a cube, in voxels.
-double CubeParts::squareToFace(const Cube& cube, Index direction, Index voxel) const {
-    const auto place = placeOf(voxel);
+double CubeParts::squareToFace(const Cube& cube, Index direction,
+                               const std::array<Index, 3>& place) const {
     double square = 0;
     for (Index axis = 0; axis < 3; ++axis) {
         const Index low = cube[axis] * perEdge_ - offset_[axis];
@@ -286,11 +298,15 @@ bool CubeParts::isShallow(Index number, double most, double& depth) const {
     const Part& part = parts_[number];
     const unsigned faces = sharedFaces(number);
     depth = 0;
+    double largest = -1;
     for (const Index voxel : part.voxels) {
+        const auto place = placeOf(voxel);
         double least = std::numeric_limits<double>::infinity();
         for (Index d = 0; d < kDirections; ++d)
-            if ((faces >> d & 1) != 0) least = std::min(least, squareToFace(part.cube, d, voxel));
-        depth = std::max(depth, std::sqrt(least) + 0.5);
+            if ((faces >> d & 1) != 0) least = std::min(least, squareToFace(part.cube, d, place));
+        if (least <= largest) continue;
+        largest = least;
+        depth = std::sqrt(least) + 0.5;
         if (depth > most) return false;
     }
     return true;
@@ -301,11 +317,12 @@ void CubeParts::leaveOut(Index number) {
     std::array<std::optional<Index>, kDirections> behind;
     for (Index d = 0; d < kDirections; ++d) behind[d] = neighbour(number, d);
     for (const Index voxel : part.voxels) {
+        const auto place = placeOf(voxel);
         Index best = kNone;
         double least = 0;
         for (Index d = 0; d < kDirections; ++d) {
             if (!behind[d]) continue;
-            const double distance = squareToFace(part.cube, d, voxel);
+            const double distance = squareToFace(part.cube, d, place);
             if (best != kNone && distance >= least) continue;
             best = *behind[d];
             least = distance;

@@ -88,7 +88,7 @@ private:
     std::array<Index, 3> placeOf(Index voxel) const;
     bool areNear(const Part& a, const Part& b) const;
     bool isClosedAround(Index part, Index first, Index second) const;
-    double squareToFace(const Cube& cube, Index direction, Index voxel) const;
+    double squareToFace(const Cube& cube, Index direction, const std::array<Index, 3>& place) const;
 
     const ModelVoxels& voxels_;
     Index perEdge_;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,8 +91,7 @@ public:
           edge_(meanEdge(start)),
           groups_(points, gridAround(start, points, std::max(edge_ / 8, options.margin / 2))),
           forces_(surface_, groups_, start, edge_, options.margin),
-          shapes_(refiner_),
-          parts_(base_, options.levelOfParts) {}
+          shapes_(refiner_) {}
 
     std::vector<Point3> run();
 
@@ -124,7 +124,7 @@ private:
     void optimise(int iterations);
     void improve(int steps, int iterations);
     bool certify();
-    std::vector<Index> unprovedCells() const;
+    std::vector<Index> unprovedCells();
     std::vector<Index> foldedCells() const;
     void favourPoorCells();
     double leastJacobian() const;
@@ -141,7 +141,7 @@ private:
     PointGroups groups_;
     BoundaryForces forces_;
     CellShapes shapes_;
-    limit::LimitParts parts_;
+    std::optional<limit::LimitParts> parts_;  ///< made when no point is left outside
     double anchor_ = 0;             ///< weight of the squared way of a vertex from the start
     std::size_t failureCount_ = 0;  ///< groups and cells without proof at the last certify()
     std::string failure_;
@@ -221,10 +221,11 @@ bool Fit::certify() {
 }
 
 /// Returns the cells that are not proved to be free of folds.
-std::vector<Index> Fit::unprovedCells() const {
+std::vector<Index> Fit::unprovedCells() {
     constexpr double kPerCell = 100e3;
     work_.add(kPerCell * shapes_.cellCount());
-    return solve::ValidityCheck(parts_, positions_).badAtRest();
+    if (!parts_) parts_.emplace(base_, options_.levelOfParts);
+    return solve::ValidityCheck(*parts_, positions_).badAtRest();
 }
 
 /// Returns cells that are folded: some of the cells without proof, in much less time.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model_voxels.h"
 
+#include <espalier/base/bounding_box.h>
 #include <espalier/base/cancellable_sort.h>
 #include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
@@ -55,51 +56,122 @@ bool meetsCube(const std::array<Point3, 3>& triangle, const Point3& centre, doub
     return true;
 }
 
+/// Returns the box around the part of a triangle with coordinates `from` to `to` along an axis; an
+/// empty box if there is no such part.
+BoundingBox partBetween(const std::array<Point3, 3>& triangle, int axis, double from, double to) {
+    BoundingBox box;
+    for (int i = 0; i < 3; ++i) {
+        const Point3 &a = triangle[i], &b = triangle[(i + 1) % 3];
+        if (a[axis] >= from && a[axis] <= to) box.include(a);
+        for (const double plane : {from, to})
+            if ((a[axis] < plane) != (b[axis] < plane))
+                box.include(between(a, b, (plane - a[axis]) / (b[axis] - a[axis])));
+    }
+    return box;
+}
+
+/// Finds the cubes of a grid that a triangle may meet: row by row of cubes, and in each row column
+/// by column.
+class TriangleColumns {
+public:
+    /// \param triangle in cubes, from the origin of the grid
+    explicit TriangleColumns(const std::array<Point3, 3>& triangle) : triangle_(triangle) {
+        const Point3 normal =
+            cross(difference(triangle[1], triangle[0]), difference(triangle[2], triangle[0]));
+        const auto largest = [](const Point3& v) {
+            int axis = 0;
+            for (const int other : {1, 2})
+                if (std::abs(v[other]) > std::abs(v[axis])) axis = other;
+            return axis;
+        };
+        BoundingBox box;
+        for (const Point3& corner : triangle) box.include(corner);
+        const Point3 sides = box.size();
+        const double extent = sides[largest(sides)];
+        const int steepest = largest(normal);
+        // The normal of a needle is rounded too much. It is followed along its longest extent,
+        // where each row has a few cubes of it.
+        constexpr double kHeightError = 1e-3, kRounding = 1e-15;
+        hasPlane_ =
+            kRounding * extent * extent * extent < kHeightError * std::abs(normal[steepest]);
+        heights = hasPlane_ ? steepest : largest(sides) == 2 ? 1 : 2;
+        // Neighbours along the first axis are neighbours in memory.
+        columns = heights == 0 ? 1 : 0;
+        rows = 3 - heights - columns;
+        if (!hasPlane_) {
+            if (largest(sides) == columns) std::swap(rows, columns);
+            return;
+        }
+        slopes_ = {-normal[columns] / normal[heights], -normal[rows] / normal[heights]};
+        half_ = (std::abs(slopes_[0]) + std::abs(slopes_[1])) / 2 + kMore;
+    }
+
+    int rows, columns, heights;  ///< axes
+
+    /// Calls visit(column, low, high) for the columns in a row: the triangle is between the heights
+    /// `low` and `high` there, in cubes.
+    /// \param first, last columns that count
+    template <class Visit>
+    void forEachColumn(Index row, Index first, Index last, Visit visit) const {
+        const BoundingBox part = partBetween(triangle_, rows, row - kMore, row + 1 + kMore);
+        if (part.min[rows] > part.max[rows]) return;
+        first = std::max(first, static_cast<Index>(std::floor(part.min[columns] - kMore)));
+        last = std::min(last, static_cast<Index>(std::floor(part.max[columns] + kMore)));
+        const double low = part.min[heights] - kMore, high = part.max[heights] + kMore;
+        const Point3& on = triangle_[0];
+        const double ofRow = on[heights] + slopes_[1] * (row + 0.5 - on[rows]);
+        for (Index column = first; column <= last; ++column) {
+            const double middle = ofRow + slopes_[0] * (column + 0.5 - on[columns]);
+            visit(column, std::max(low, middle - half_), std::min(high, middle + half_));
+        }
+    }
+
+private:
+    static constexpr double kMore = 2e-3;  ///< more than all rounding, in cubes
+
+    const std::array<Point3, 3>& triangle_;
+    bool hasPlane_;
+    std::array<double, 2> slopes_ = {0, 0};  ///< of the heights: along a row, and across the rows
+    double half_ = std::numeric_limits<double>::infinity();  ///< of the heights in a column
+};
+
 /// Marks the cubes that a triangle meets.
 void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
                   std::vector<char>& marks) {
-    Point3 low = triangle[0], high = low;
-    for (const Point3& corner : triangle)
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], corner[axis]);
-            high[axis] = std::max(high[axis], corner[axis]);
-        }
+    BoundingBox box;
+    for (const Point3& corner : triangle) box.include(corner);
     const double around = 1e-9 * grid.size;
-    const auto from = grid.coordinatesOf(difference(low, {around, around, around}));
-    const auto to = grid.coordinatesOf(sum(high, {around, around, around}));
-    Offset count = 1;
-    for (int axis = 0; axis < 3; ++axis) count *= to[axis] - from[axis] + 1;
-    if (count == 1) {
+    const auto from = grid.coordinatesOf(difference(box.min, {around, around, around}));
+    const auto to = grid.coordinatesOf(sum(box.max, {around, around, around}));
+    if (from == to) {
         marks[grid.cubeAt(from)] = 1;
         return;
     }
-    if (count > 64) {
-        // Two halves, across the longest side.
-        int longest = 0;
-        double most = -1;
-        for (int i = 0; i < 3; ++i) {
-            const Point3 way = difference(triangle[(i + 1) % 3], triangle[i]);
-            if (dot(way, way) > most) {
-                most = dot(way, way);
-                longest = i;
-            }
-        }
-        const Point3 &a = triangle[longest], &b = triangle[(longest + 1) % 3],
-                     &c = triangle[(longest + 2) % 3];
-        const Point3 middle = between(a, b, 0.5);
-        markTriangle(grid, {a, middle, c}, marks);
-        markTriangle(grid, {middle, b, c}, marks);
-        return;
-    }
-    for (Index z = from[2]; z <= to[2]; ++z)
-        for (Index y = from[1]; y <= to[1]; ++y)
-            for (Index x = from[0]; x <= to[0]; ++x) {
-                const Point3 centre = {grid.origin[0] + (x + 0.5) * grid.size,
-                                       grid.origin[1] + (y + 0.5) * grid.size,
-                                       grid.origin[2] + (z + 0.5) * grid.size};
-                char& mark = marks[grid.cubeAt({x, y, z})];
-                if (mark == 0 && meetsCube(triangle, centre, grid.size)) mark = 1;
-            }
+    std::array<Point3, 3> inCubes;
+    for (std::size_t i = 0; i < 3; ++i)
+        inCubes[i] = scaled(difference(triangle[i], grid.origin), 1 / grid.size);
+    const TriangleColumns in(inCubes);
+    const std::array<Offset, 3> strides = {1, grid.counts[0],
+                                           Offset{grid.counts[0]} * grid.counts[1]};
+    for (Index row = from[in.rows]; row <= to[in.rows]; ++row)
+        in.forEachColumn(
+            row, from[in.columns], to[in.columns], [&](Index column, double low, double high) {
+                const auto first = static_cast<Index>(std::max<double>(low, from[in.heights]));
+                const auto last = static_cast<Index>(std::min<double>(high, to[in.heights]));
+                char* mark = &marks[row * strides[in.rows] + column * strides[in.columns] +
+                                    first * strides[in.heights]];
+                for (Index height = first; height <= last; ++height, mark += strides[in.heights]) {
+                    if (*mark != 0) continue;
+                    std::array<Index, 3> cube;
+                    cube[in.rows] = row;
+                    cube[in.columns] = column;
+                    cube[in.heights] = height;
+                    Point3 centre;
+                    for (int axis = 0; axis < 3; ++axis)
+                        centre[axis] = grid.origin[axis] + (cube[axis] + 0.5) * grid.size;
+                    if (meetsCube(triangle, centre, grid.size)) *mark = 1;
+                }
+            });
 }
 
 void markTriangles(const CubeGrid& grid, std::span<const Triangle> triangles,

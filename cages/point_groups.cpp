@@ -43,6 +43,15 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     return result;
 }
 
+CubeLists::CubeLists(const CubeGrid& grid, std::span<const Index> cubeOf)
+    : firstOfCube_(static_cast<std::size_t>(grid.cubeCount()) + 2), items_(cubeOf.size()) {
+    for (const Index cube : cubeOf) ++firstOfCube_[cube + 2];
+    std::partial_sum(firstOfCube_.begin(), firstOfCube_.end(), firstOfCube_.begin());
+    // Entry c + 1 is the place of the next item of cube c, and so becomes the end of its list.
+    for (std::size_t item = 0; item < cubeOf.size(); ++item)
+        items_[firstOfCube_[cubeOf[item] + 1]++] = static_cast<Index>(item);
+}
+
 PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     : grid_(grid), blocks_(grid.origin, grid.end(), kCubesPerBlock * grid.size) {
     // Numbers are sorted instead of the points, which take twelve times the memory: first by cubes.
@@ -122,12 +131,33 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     }
     endGroup();
 
-    firstOfBlock_.assign(blocks_.cubeCount(), -1);
-    nextInBlock_.resize(groups_.size());
-    for (auto group = static_cast<Index>(groups_.size()); group-- > 0;) {
-        Index& first = firstOfBlock_[blocks_.cubeOf(groups_[group].centre)];
-        nextInBlock_[group] = std::exchange(first, group);
+    makeBlocks();
+}
+
+void PointGroups::makeBlocks() {
+    std::vector<Index> blockOf(groups_.size());
+    for (std::size_t group = 0; group < groups_.size(); ++group) {
+        centres_.push_back(groups_[group].centre);
+        blockOf[group] = blocks_.cubeOf(centres_.back());
+        if (!groups_[group].isInner) groupsByBlock_.push_back(static_cast<Index>(group));
     }
+    const auto key = [&](Index group) {
+        return std::tuple(blockOf[group], groups_[group].cell, group);
+    };
+    sortCancellably(groupsByBlock_.begin(), groupsByBlock_.end(),
+                    [&](Index a, Index b) { return key(a) < key(b); });
+    std::vector<Index> blockOfList;
+    for (const Index group : groupsByBlock_) {
+        const std::optional<Index>& cell = groups_[group].cell;
+        if (blockOfList.empty() || blockOfList.back() != blockOf[group] ||
+            lists_.back().cell != cell) {
+            const Index first = lists_.empty() ? 0 : lists_.back().last;
+            lists_.push_back({cell, first, first});
+            blockOfList.push_back(blockOf[group]);
+        }
+        ++lists_.back().last;
+    }
+    listsOfBlocks_ = {blocks_, blockOfList};
 }
 
 const Point3& PointGroups::farthest(const Group& group, const Point3& direction) const {

@@ -50,13 +50,17 @@ struct CubeGrid {
     /// `centre`.
     template <class Visit>
     void forEachInRing(const std::array<Index, 3>& centre, Index ring, Visit visit) const {
-        forEachInRing(
-            centre, ring, [](int, Index) { return 0.0; }, [](double) { return true; }, visit);
+        forEachRunInRing(
+            centre, ring, [](int, Index) { return 0.0; }, [](double) { return true; },
+            [&](Index first, Index last) {
+                for (Index cube = first; cube <= last; ++cube) visit(cube);
+            });
     }
 
     /// Returns the item nearest to a point, the one with the lowest number if there are several;
     /// none if there is none within `rings` rings of cubes.
-    /// \param forEachIn forEachIn(cube, visit) calls visit(item) for the items in a cube
+    /// \param forEachIn forEachIn(first, last, visit) calls visit(item) for the items in the cubes
+    ///        `first` to `last`, which are in one row
     /// \param placeOf placeOf(item) is the place of an item; its cube is the cube of this place
     /// \param accept items without accept(item) do not count
     template <class ForEachIn, class PlaceOf, class Accept>
@@ -83,10 +87,10 @@ struct CubeGrid {
         for (Index ring = 0; ring <= rings; ++ring) {
             const double reach = (ring - 1) * size + wall - slack;
             if (best && reach > 0 && reach * reach > least) break;
-            forEachInRing(
+            forEachRunInRing(
                 centre, ring, squareTo, [&](double square) { return square <= least; },
-                [&](Index cube) {
-                    forEachIn(cube, [&](Index item) {
+                [&](Index first, Index last) {
+                    forEachIn(first, last, [&](Index item) {
                         const Point3 way = difference(placeOf(item), point);
                         const double distance = dot(way, way);
                         if (distance > least || (distance == least && best && item > *best)) return;
@@ -100,11 +104,12 @@ struct CubeGrid {
     }
 
 private:
-    /// Leaves out cubes for which isWanted(square) is false.
+    /// Calls visit(first, last) for runs of cubes along the first axis. Leaves out cubes for which
+    /// isWanted(square) is false.
     /// \param squareTo squareTo(axis, coordinate) is a part of `square` for each axis
     template <class SquareTo, class IsWanted, class Visit>
-    void forEachInRing(const std::array<Index, 3>& centre, Index ring, SquareTo squareTo,
-                       IsWanted isWanted, Visit visit) const {
+    void forEachRunInRing(const std::array<Index, 3>& centre, Index ring, SquareTo squareTo,
+                          IsWanted isWanted, Visit visit) const {
         std::array<Index, 3> low, high;
         for (int axis = 0; axis < 3; ++axis) {
             low[axis] = std::max(centre[axis] - ring, 0);
@@ -117,14 +122,40 @@ private:
             for (Index y = low[1]; y <= high[1]; ++y) {
                 const double ofRow = ofZ + squareTo(1, y);
                 if (!isWanted(ofRow)) continue;
-                const bool isEnd = isEndZ || y == centre[1] - ring || y == centre[1] + ring;
-                // Without an end, only the first and the last cube of the row are in the ring.
-                const Index step = isEnd || ring == 0 ? 1 : 2 * ring;
-                for (Index x = isEnd ? low[0] : centre[0] - ring; x <= high[0]; x += step)
-                    if (x >= low[0] && isWanted(ofRow + squareTo(0, x))) visit(cubeAt({x, y, z}));
+                const auto visitFrom = [&](Index first, Index last) {
+                    while (first <= last && !isWanted(ofRow + squareTo(0, first))) ++first;
+                    while (first <= last && !isWanted(ofRow + squareTo(0, last))) --last;
+                    if (first <= last) visit(cubeAt({first, y, z}), cubeAt({last, y, z}));
+                };
+                if (isEndZ || y == centre[1] - ring || y == centre[1] + ring) {
+                    visitFrom(low[0], high[0]);
+                    continue;
+                }
+                // Only the first and the last cube of the row are in the ring.
+                for (const Index x : {centre[0] - ring, centre[0] + ring})
+                    if (x == std::clamp(x, low[0], high[0])) visitFrom(x, x);
             }
         }
     }
+};
+
+/// Lists of items, one list for each cube of a grid. The lists of a row of cubes are contiguous.
+class CubeLists {
+public:
+    CubeLists() = default;
+
+    /// \param cubeOf cube of each item
+    CubeLists(const CubeGrid& grid, std::span<const Index> cubeOf);
+
+    /// Returns the items in the cubes `first` to `last`, by ascending cubes, then by ascending
+    /// numbers.
+    std::span<const Index> itemsIn(Index first, Index last) const {
+        return std::span(items_).subspan(firstOfCube_[first],
+                                         firstOfCube_[last + 1] - firstOfCube_[first]);
+    }
+
+private:
+    std::vector<Index> firstOfCube_, items_;
 };
 
 /// A point of a model.
@@ -186,29 +217,37 @@ public:
     /// Returns the point of a group that is farthest along `direction`.
     const Point3& farthest(const Group& group, const Point3& direction) const;
 
-    /// Returns the group whose centre is nearest to a point, among the groups with accept(group);
-    /// none if there is none within `rings` rings of cubes.
-    /// \param visits is increased by the number of groups and blocks of cubes that are visited
-    template <class Accept>
-    std::optional<Index> nearest(const Point3& point, Index rings, Accept accept,
-                                 Offset& visits) const {
+    /// Returns the group whose centre is nearest to a point, among the groups that have points
+    /// which are not inner, with acceptCell(cell of the group) and accept(group); none if there is
+    /// none within `rings` rings of cubes.
+    /// \param visits is increased by the number of groups, lists and blocks of cubes that are
+    ///        visited
+    template <class AcceptCell, class Accept>
+    std::optional<Index> nearest(const Point3& point, Index rings, AcceptCell acceptCell,
+                                 Accept accept, Offset& visits) const {
         const auto centre = grid_.coordinatesOf(point);
         // A point outside the grid may be in a block beyond the block of its nearest cube.
         const Index ringsOfBlocks = rings / kCubesPerBlock + 2;
         return blocks_.nearest(
             point, ringsOfBlocks,
-            [&](Index block, auto visit) {
-                ++visits;
-                for (Index group = firstOfBlock_[block]; group >= 0; group = nextInBlock_[group]) {
+            [&](Index first, Index last, auto visit) {
+                visits += last - first + 1;
+                for (const Index list : listsOfBlocks_.itemsIn(first, last)) {
                     ++visits;
-                    visit(group);
+                    if (!acceptCell(lists_[list].cell)) continue;
+                    for (Index i = lists_[list].first; i < lists_[list].last; ++i) {
+                        ++visits;
+                        visit(groupsByBlock_[i]);
+                    }
                 }
             },
-            [&](Index group) -> const Point3& { return groups_[group].centre; },
-            [&](Index group) { return ringOf(group, centre) <= rings && accept(group); });
+            [&](Index group) -> const Point3& { return centres_[group]; },
+            [&](Index group) { return accept(group) && ringOf(group, centre) <= rings; });
     }
 
 private:
+    void makeBlocks();
+
     /// Returns the ring around `centre` in which the cube of a group is.
     Index ringOf(Index group, const std::array<Index, 3>& centre) const {
         const auto cube = grid_.coordinatesOf(groups_[group].cube);
@@ -224,10 +263,18 @@ private:
     std::vector<Index> firstOfCube_;  ///< the first group; −1 for an empty cube
 
     // Lists of the groups in each block of cubes. Groups that nearest() may return can be far away,
-    // behind many empty cubes and many groups that it may not return.
+    // behind many empty cubes and many groups that it may not return. So each block has one list
+    // for each cell: a whole list is left out at once.
+    struct GroupList {
+        std::optional<Index> cell;
+        Index first, last;  ///< groupsByBlock_[first] to [last − 1]
+    };
     static constexpr Index kCubesPerBlock = 4;  ///< along each axis
     CubeGrid blocks_;
-    std::vector<Index> firstOfBlock_, nextInBlock_;  ///< −1: none
+    CubeLists listsOfBlocks_;
+    std::vector<GroupList> lists_;
+    std::vector<Index> groupsByBlock_;
+    std::vector<Point3> centres_;  ///< of the groups: nearest() reads little else
 };
 
 }  // namespace espalier::cages

@@ -132,6 +132,65 @@ TEST(ModelVoxels, knowInnerPoints) {
     EXPECT_FALSE(shell.isInner({1, 0, 0}));
 }
 
+/// Returns true if a triangle comes within `most` of a point, by a search in smaller and smaller
+/// parts of the triangle.
+/// \param along largest difference of a coordinate counts, so that cubes are balls
+bool comesNear(const std::array<Point3, 3>& triangle, const Point3& point, double most, int depth) {
+    double least = 1e9, extent = 0;
+    for (const Point3& corner : triangle) {
+        double distance = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            distance = std::max(distance, std::abs(corner[axis] - point[axis]));
+            extent = std::max(extent, std::abs(corner[axis] - triangle[0][axis]));
+        }
+        least = std::min(least, distance);
+    }
+    if (least <= most) return true;
+    if (least > most + 2 * extent || depth == 0) return false;
+    const auto& [a, b, c] = triangle;
+    const Point3 ab = between(a, b, 0.5), bc = between(b, c, 0.5), ca = between(c, a, 0.5);
+    return comesNear({a, ab, ca}, point, most, depth - 1) ||
+           comesNear({ab, b, bc}, point, most, depth - 1) ||
+           comesNear({ca, bc, c}, point, most, depth - 1) ||
+           comesNear({ab, bc, ca}, point, most, depth - 1);
+}
+
+// Random triangles, needles, lines along axes and across, and points. A cube that a triangle only
+// just touches or misses may be in or out: its distance is within a hundredth of its size.
+TEST(ModelVoxels, areTheCubesThatATriangleMeets) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> place(-1, 1);
+    const auto any = [&] { return Point3{place(random), place(random), place(random)}; };
+    Index sure = 0;
+    for (int number = 0; number < 60; ++number) {
+        std::array<Point3, 3> t = {any(), any(), any()};
+        if (number % 6 == 1) t[2] = between(t[0], t[1], 0.3);        // a line
+        if (number % 6 == 2) t[2] = sum(t[1], scaled(any(), 1e-9));  // a needle
+        if (number % 6 == 3) t[1] = sum(t[0], {0, 0, 1}), t[2] = sum(t[0], {0, 1e-7, 0.5});
+        if (number % 6 == 4) t[1][number % 3] = t[2][number % 3] = t[0][number % 3];
+        if (number % 6 == 5) t[1] = sum(t[0], scaled(any(), 0.05)), t[2] = t[0];
+        FaceModel model;
+        model.points.assign(t.begin(), t.end());
+        // Two far points make the grid, whatever the triangle is.
+        model.points.insert(model.points.end(), {{-1, -1, -1}, {1, 1, 1}});
+        model.addFace({0, 1, 2});
+        model.addFace({3, 3, 3});
+        model.addFace({4, 4, 4});
+        const ModelVoxels voxels = voxelsOf(model, {.size = 0.13, .isShell = true});
+        const CubeGrid& grid = voxels.grid();
+        const Index first = grid.cubeOf({-1, -1, -1}), last = grid.cubeOf({1, 1, 1});
+        for (Index cube = 0; cube < grid.cubeCount(); ++cube) {
+            const Point3 centre = centreOf(grid, cube);
+            const bool isNear = comesNear(t, centre, 0.49 * grid.size, 12);
+            if (isNear != comesNear(t, centre, 0.51 * grid.size, 12)) continue;
+            ++sure;
+            ASSERT_EQ(voxels.isUsed()[cube] != 0, isNear || cube == first || cube == last)
+                << "triangle " << number << ", cube " << cube;
+        }
+    }
+    EXPECT_GT(sure, 200000);
+}
+
 TEST(ModelVoxels, containTheSurfaceOfThinModels) {
     const FaceModel sheet = test::sheetModel();
     const ModelVoxels voxels = voxelsOf(sheet, {.size = 0.1, .gap = 0.2});

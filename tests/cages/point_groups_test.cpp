@@ -18,6 +18,8 @@ std::vector<Point3> randomPoints(int count) {
     return points;
 }
 
+constexpr auto everyCell = [](std::optional<Index>) { return true; };
+
 TEST(CubeGrid, ringsVisitEachCubeOnce) {
     const CubeGrid grid({0, 0, 0}, {1, 0.6, 0.3}, 0.1);
     std::vector<int> visits(grid.cubeCount(), 0);
@@ -62,7 +64,7 @@ TEST(PointGroups, findsTheNearestGroup) {
             least = std::min(least, length(difference(group.centre, place)));
         Offset visits = 0;
         const auto found = groups.nearest(
-            place, 30, [](Index) { return true; }, visits);
+            place, 30, everyCell, [](Index) { return true; }, visits);
         ASSERT_TRUE(found);
         EXPECT_EQ(length(difference(groups.groups()[*found].centre, place)), least);
     }
@@ -70,7 +72,7 @@ TEST(PointGroups, findsTheNearestGroup) {
     const PointGroups far(test::fitPoints(one), CubeGrid({-1, -1, -1}, {1, 1, 1}, 0.1));
     Offset visits = 0;
     EXPECT_EQ(far.nearest(
-                  {0.95, 0.95, 0.95}, 3, [](Index) { return true; }, visits),
+                  {0.95, 0.95, 0.95}, 3, everyCell, [](Index) { return true; }, visits),
               std::nullopt);
 }
 
@@ -78,29 +80,37 @@ TEST(PointGroups, findsTheNearestGroup) {
 // cubes, and may neither lose a group because of it, nor find one beyond the rings.
 TEST(PointGroups, findsTheNearestGroupThatIsAcceptedWithinSomeRings) {
     const CubeGrid grid({-1, -1, -1}, {1, 1, -0.6}, 0.1);
-    std::vector<Point3> points = randomPoints(5);
-    for (Point3& point : points) point[2] = -0.8 + 0.2 * point[2];
-    const PointGroups groups(test::fitPoints(points), grid);
+    std::vector<FitPoint> points;
+    for (const Point3& p : randomPoints(20)) {
+        const auto number = static_cast<Index>(points.size());
+        points.push_back({.position = {p[0], p[1], -0.8 + 0.2 * p[2]},
+                          .cell = number % 4 == 0 ? std::nullopt : std::optional(number % 3),
+                          .isInner = number % 5 == 0});
+    }
+    const PointGroups groups(points, grid);
+    const auto isWanted = [](std::optional<Index> cell) { return cell != 1; };
     const auto isOdd = [](Index group) { return group % 2 == 1; };
     for (const Index rings : {0, 1, 4, 40})
         for (const Point3& query : randomPoints(200)) {
             const Point3 place = {1.2 * query[0], 1.2 * query[1], -0.8 + 0.5 * query[2]};
             std::optional<Index> expected;
             double least = 1e9;
-            for (Index group = 1; group < std::ssize(groups.groups()); group += 2) {
-                const Point3& centre = groups.groups()[group].centre;
-                const auto a = grid.coordinatesOf(centre), b = grid.coordinatesOf(place);
+            for (Index number = 1; number < std::ssize(groups.groups()); number += 2) {
+                const auto& group = groups.groups()[number];
+                if (group.isInner || group.cell == 1) continue;
+                const auto a = grid.coordinatesOf(group.centre), b = grid.coordinatesOf(place);
                 Index ring = 0;
                 for (std::size_t axis = 0; axis < 3; ++axis)
                     ring = std::max(ring, std::abs(a[axis] - b[axis]));
-                const double distance = length(difference(centre, place));
+                const double distance = length(difference(group.centre, place));
                 if (ring > rings || distance >= least) continue;
-                expected = group;
+                expected = number;
                 least = distance;
             }
             Offset visits = 0;
-            EXPECT_EQ(groups.nearest(place, rings, isOdd, visits), expected);
-            EXPECT_LE(visits, groups.groups().size() + 1100);  // 11 * 11 * 9 blocks, with edges
+            EXPECT_EQ(groups.nearest(place, rings, isWanted, isOdd, visits), expected);
+            // A group and its list; 11 * 11 * 9 blocks, with edges.
+            EXPECT_LE(visits, 2 * groups.groups().size() + 1100);
         }
 }
 
