@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/printable.h>
-#include <espalier/base/vector3.h>
-#include <espalier/embed/embedding.h>
-#include <espalier/far/standard_cells.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/shapes/around.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <memory>
-#include <optional>
 #include <vector>
 
 #include "commands.h"
@@ -50,36 +44,6 @@ std::vector<Point3> readPoints(const AroundCommandOptions& options, Stages& stag
     return points;
 }
 
-/// Returns the number of points outside the levels and the limit of a lattice that around() made.
-///
-/// Such a lattice has no marks. Under the default rules, all its levels and its limit fill exactly
-/// its box (shapes/around.h), so each point is compared with the box alone. Rounding puts points
-/// outside only where the box is tiny compared with its distance from the origin. As in binding,
-/// points within the default tolerance count as inside.
-Index countOutside(const Lattice& lattice, std::span<const Point3> points) {
-    // The axes of the box are the edges of its first cell, in VTK's order.
-    const auto corners = *far::hexahedronVertices(lattice.complex, CellId(0));
-    const Point3& origin = lattice.positions[corners[0]];
-    std::array<Point3, 3> axes;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Index neighbour = corners[far::kHexahedronNeighbours[0][axis]];
-        axes[axis] = normalised(difference(lattice.positions[neighbour], origin));
-    }
-    const auto along = [&](const Point3& point) {
-        const Point3 from = difference(point, origin);
-        return Point3{dot(from, axes[0]), dot(from, axes[1]), dot(from, axes[2])};
-    };
-    BoundingBox box;
-    for (const Point3& vertex : lattice.positions) box.include(along(vertex));
-    const double tolerance = embed::EmbeddingOptions().tolerance * box.diagonal();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.min[axis] -= tolerance;
-        box.max[axis] += tolerance;
-    }
-    return static_cast<Index>(
-        std::ranges::count_if(points, [&](const Point3& p) { return !box.contains(along(p)); }));
-}
-
 /// Returns the options of the lattice.
 /// \throws CLI::ValidationError
 shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
@@ -95,7 +59,7 @@ shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
 }
 
 void runAround(const AroundCommandOptions& options) {
-    shapes::AroundOptions shape = shapeOf(options);
+    const shapes::AroundOptions shape = shapeOf(options);
     const std::vector<Input> inputs = inputsOf("MODEL", options.models);
     checkInputs(inputs);
     checkOutput(options.output, inputs);
@@ -103,34 +67,17 @@ void runAround(const AroundCommandOptions& options) {
     limitThreads(options.common.threads);
     Stages stages(options.common.quiet);
     const std::vector<Point3> points = readPoints(options, stages);
-    // Each round doubles the margin.
-    constexpr double kSmallestMargin = 1e-9;
-    constexpr int kMaxRounds = 10;
-    for (int round = 0;; ++round) {
-        const Lattice lattice = stages.run("building", [&] {
-            return ofFile(options.models.front(), [&] { return shapes::around(points, shape); });
-        });
-        const Index outside = stages.run("checking", [&] { return countOutside(lattice, points); });
-        if (outside > 0 && round < kMaxRounds) {
-            shape.margin = std::max(2 * shape.margin, kSmallestMargin);
-            continue;
-        }
-        if (outside > 0)
-            throw io::FileError(
-                options.models.front(),
-                fmt::format("{} points are outside the lattice, whatever the margin: "
-                            "the size of the model ({:.3g}) is near the rounding "
-                            "of its coordinates; scale it, or move it to the "
-                            "origin",
-                            outside, BoundingBox(points).diagonal()));
-        stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
-        if (options.common.quiet) return;
-        fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),
-                   lattice.complex.count(0), lattice.complex.count(3), points.size());
-        if (round > 0) fmt::print(", with the margin widened to {:.2g}", shape.margin);
-        fmt::print("\n");
-        return;
-    }
+    double margin = shape.margin;
+    const Lattice lattice = stages.run("building", [&] {
+        return ofFile(options.models.front(),
+                      [&] { return shapes::around(points, shape, &margin); });
+    });
+    stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    if (options.common.quiet) return;
+    fmt::print("{}: {} vertices, {} cells; all {} points inside", printable(options.output),
+               lattice.complex.count(0), lattice.complex.count(3), points.size());
+    if (margin != shape.margin) fmt::print(", with the margin widened to {:.2g}", margin);
+    fmt::print("\n");
 }
 
 }  // namespace

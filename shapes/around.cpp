@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/bounding_box.h>
+#include <espalier/base/error.h>
+#include <espalier/base/number_text.h>
 #include <espalier/base/progress.h>
+#include <espalier/base/vector3.h>
+#include <espalier/far/standard_cells.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
@@ -51,8 +56,10 @@ std::array<int, 3> countsOf(const Point3& size, const AroundOptions& options) {
 
 }  // namespace
 
-Lattice around(std::span<const Point3> points, const AroundOptions& options) {
-    check(points, options);
+namespace {
+
+/// Makes the box, whether or not rounding leaves points outside.
+Lattice boxAround(std::span<const Point3> points, const AroundOptions& options) {
     Axes axes = kCoordinateAxes;
     BoundingBox bounds = boxAlong(axes, points);
     const double diagonal = bounds.diagonal();
@@ -85,6 +92,61 @@ Lattice around(std::span<const Point3> points, const AroundOptions& options) {
         for (std::size_t column = 0; column < 3; ++column)
             placement.linear[row][column] = axes[column][row];
     return transformed(result, placement);
+}
+
+/// Returns the number of points outside a box lattice. Rounding puts points outside only where the
+/// box is tiny compared with its distance from the origin.
+Offset countOutside(const Lattice& lattice, std::span<const Point3> points) {
+    // The axes of the box are the edges of its first cell, in VTK's order.
+    const auto corners = *far::hexahedronVertices(lattice.complex, CellId(0));
+    const Point3& origin = lattice.positions[corners[0]];
+    Axes axes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Index neighbour = corners[far::kHexahedronNeighbours[0][axis]];
+        axes[axis] = normalised(difference(lattice.positions[neighbour], origin));
+    }
+    const auto along = [&](const Point3& point) {
+        const Point3 from = difference(point, origin);
+        return Point3{dot(from, axes[0]), dot(from, axes[1]), dot(from, axes[2])};
+    };
+    BoundingBox box;
+    for (const Point3& vertex : lattice.positions) box.include(along(vertex));
+    const double tolerance = kAroundTolerance * box.diagonal();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.min[axis] -= tolerance;
+        box.max[axis] += tolerance;
+    }
+    Offset count = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        checkCancelledEvery(i, 12);
+        if (!box.contains(along(points[i]))) ++count;
+    }
+    return count;
+}
+
+}  // namespace
+
+Lattice around(std::span<const Point3> points, const AroundOptions& options, double* margin) {
+    check(points, options);
+    constexpr double kSmallestMargin = 1e-9;
+    constexpr int kMaxRounds = 10;
+    AroundOptions wider = options;
+    for (int round = 0;; ++round) {
+        Lattice lattice = boxAround(points, wider);
+        const Offset outside = countOutside(lattice, points);
+        if (outside == 0) {
+            if (margin != nullptr) *margin = wider.margin;
+            return lattice;
+        }
+        if (round == kMaxRounds)
+            throw Error(concat(outside,
+                               " points are outside the lattice, whatever the margin: the size of "
+                               "the model (",
+                               textOf(BoundingBox(points).diagonal()),
+                               ") is near the rounding of its coordinates; scale it, or move it to "
+                               "the origin"));
+        wider.margin = std::max(2 * wider.margin, kSmallestMargin);
+    }
 }
 
 }  // namespace espalier::shapes

@@ -38,15 +38,23 @@ struct AroundOptions {
     bool oriented = false;
 };
 
+/// A point this far outside the box, as a fraction of its diagonal, counts as inside, as binding
+/// does by default (embed::EmbeddingOptions::tolerance).
+inline constexpr double kAroundTolerance = 1e-6;
+
 /// Makes a box of hexahedra around points, with the numbers of vertices and cells of box().
 ///
 /// Under the default rules, the limit and all levels of a box lattice fill the same box, so that
-/// they contain every point.
+/// they contain every point. Where rounding leaves points outside, the margin is doubled until all
+/// are inside.
 ///
+/// \param margin gets the margin of the box, if it is not null: options.margin, or a wider one
 /// \throws ArgumentError for an option that is out of range, also for a margin of 0 around points
 ///         in a plane; Error if there are no points, a point is not finite, or all points are at
-///         one place; far::TopologyError if there would be too many cells for an Index
+///         one place, or some stay outside ten wider boxes; far::TopologyError if there would be
+///         too many cells for an Index
 /// \cost O(points); O(points · log points) if `oriented`
-ESPALIER_API Lattice around(std::span<const Point3> points, const AroundOptions& options = {});
+ESPALIER_API Lattice around(std::span<const Point3> points, const AroundOptions& options = {},
+                            double* margin = nullptr);
 
 }  // namespace espalier::shapes
