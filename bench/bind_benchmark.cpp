@@ -35,7 +35,7 @@ struct Scene {
     Lattice lattice = bench::regularLattice();
     far::TopologyRefiner base{lattice.complex};
 
-    embed::Binding bind() const {
+    embed::TableBinding bind() const {
         return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
     }
 };
@@ -56,7 +56,7 @@ const bench::RefinedBox& refined() {
 void bind(benchmark::State& state, Scene (*make)(), int threads) {
     const ThreadLimit limit(threads);
     const Scene scene = make();
-    embed::Binding binding;
+    embed::TableBinding binding;
     for (auto _ : state) binding = scene.bind();
     if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");

@@ -32,14 +32,14 @@ struct Scene {
     Scene(int cellCount, int pointCount)
         : Scene(shapes::box({.cells = {cellCount, cellCount, cellCount}}), pointCount) {}
 
-    embed::Binding bind(int level) const {
+    embed::TableBinding bind(int level) const {
         return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
     }
 };
 
 void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
     const ThreadLimit limit(threads);
-    embed::Binding binding;
+    embed::TableBinding binding;
     for (auto _ : state) binding = scene.bind(level);
     if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");

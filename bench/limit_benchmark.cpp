@@ -27,7 +27,7 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     /// Returns D for a level, or for the limit if the level is 0.
-    embed::Binding bind(int level) const {
+    embed::TableBinding bind(int level) const {
         if (level > 0)
             return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
         return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points)).binding;
@@ -50,8 +50,8 @@ const Scene& scene(bool isRegular) {
 }
 
 /// Returns a cached binding, made on all threads, for benchmarks that do not measure binding.
-const embed::Binding& bound(bool isRegular, int level) {
-    static std::map<std::pair<bool, int>, embed::Binding> made;
+const embed::TableBinding& bound(bool isRegular, int level) {
+    static std::map<std::pair<bool, int>, embed::TableBinding> made;
     const auto [place, isNew] = made.try_emplace({isRegular, level});
     if (isNew) place->second = scene(isRegular).bind(level);
     return place->second;
@@ -69,7 +69,7 @@ double meanDistance(const std::vector<Point3>& first, const std::vector<Point3>&
 void bind(benchmark::State& state, bool isRegular, int level, int threads) {
     const ThreadLimit limit(threads);
     const Scene& made = scene(isRegular);
-    embed::Binding binding;
+    embed::TableBinding binding;
     for (auto _ : state) binding = made.bind(level);
     if (!bench::givesBack(osd::evaluateBinding(binding, made.lattice.positions), made.points))
         return state.SkipWithError("the rest pose does not give the points back");

@@ -2,7 +2,7 @@
 #include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
@@ -69,14 +69,15 @@ void runOne(int number, const std::filesystem::path& folder) {
     const far::TopologyRefiner refiner(lattice.complex);
     io::BoundModel model;
     model.binding =
-        embed::bindPoints({refiner, lattice.positions}, points, {.level = 2 + number % 2}).binding;
+        bind::bindPoints({refiner, lattice.positions}, points, bind::Level{2 + number % 2});
     model.modelName = "points";
 
     const auto path = folder / (std::to_string(number) + ".espb");
     io::writeBoundModel(path, model);
     const io::BoundModel loaded = io::readBoundModel(path);
     std::filesystem::remove(path);
-    require(loaded.binding == model.binding, "a binding came back changed");
+    const embed::TableBinding &back = loaded.binding, &made = model.binding;
+    require(back == made, "a binding came back changed");
 
     const osd::CompiledTable<double> compiled(loaded.binding.table);
     const auto xyz = osd::BufferDescriptor::packed(3);

@@ -42,17 +42,7 @@ struct espalier_table {
 };
 
 struct espalier_binding {
-    struct Data {
-        espalier::io::BoundModel model;
-
-        std::optional<std::vector<espalier::Point3>> points =
-            {};  ///< at rest; nothing if not known
-
-        // How the points were placed; unknown if the binding was read from a file.
-        std::vector<espalier::embed::PointStatus> statuses = {};
-        std::optional<double> largestResidual = {};
-    };
-    std::shared_ptr<const Data> data;  ///< the tables made from the binding share it
+    std::shared_ptr<const espalier::io::BoundModel> model;  ///< the tables made from it share it
 };
 
 namespace espalier::c {

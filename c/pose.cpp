@@ -194,7 +194,7 @@ espalier_status espalier_lattice_read_pose(const espalier_lattice* lattice, cons
 espalier_status espalier_binding_read_pose(const espalier_binding* binding, const char* path,
                                            int32_t vertex_count, double* pose) {
     return c::guarded([&] {
-        const auto& own = c::deref(binding, "binding").data->model;
+        const io::BoundModel& own = *c::deref(binding, "binding").model;
         c::readPose(path, vertex_count, own.binding.table.columnCount(), pose,
                     [&](const char* name) { return io::readPose(name, own, "the binding"); });
     });

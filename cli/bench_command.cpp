@@ -185,9 +185,9 @@ void runBench(const BenchOptions& options) {
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     const Lattice lattice = readLattice(options.rest, stages);
     checkRange(options, lattice);
-    const auto bound = bindModel(options, model->positions(), lattice, stages).points;
+    const bind::Binding bound = bindModel(options, model->positions(), lattice, stages);
     auto factors = bindInFactors(options, model->positions(), lattice, stages);
-    const BenchTables tables = prepare(bound.binding.table, std::move(factors), stages);
+    const BenchTables tables = prepare(bound.table, std::move(factors), stages);
     std::vector<int> threadCounts = {1};
     if (const int all = threadCount(options.common.threads); all > 1) threadCounts.push_back(all);
 
@@ -198,7 +198,7 @@ void runBench(const BenchOptions& options) {
         tables,
         timeApplying(tables, lattice.positions, threadCounts, options.seconds, progress),
         {}};
-    const RunReport report{&bound, bound.binding, stages, peakMemory()};
+    const RunReport report{bound, stages, peakMemory()};
     for (const int threads : threadCounts)
         bench.triad[threads] =
             progress.run("triad", [&] { return triadBytesPerSecond(threads, options.seconds); });

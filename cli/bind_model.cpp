@@ -2,9 +2,8 @@
 #include "bind_model.h"
 
 #include <espalier/base/printable.h>
-#include <espalier/embed/tensor_product.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/io/files/file.h>
-#include <espalier/limit/limit_binding.h>
 #include <espalier/solve/validity.h>
 #include <fmt/format.h>
 
@@ -18,37 +17,11 @@
 namespace espalier::cli {
 namespace {
 
-/// Binds points as the options say: to a level or the limit (MacCracken & Joy 1996, section 5), or
-/// with the Bézier or B-spline basis (their section 1).
-ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> points,
-                           const Lattice& lattice, bool hasGradients,
-                           const std::function<void(Offset)>& progress) {
-    const auto& embedding = options.common.embedding;
-    if (options.basis) {
-        // Ignoring the marks would give another deformation than the file asks for.
-        if (!lattice.marks.empty())
-            throw io::FileError(options.rest,
-                                "has marks (sharpness of edges or vertices), which only --basis "
-                                "subdivision applies; use that, or remove the marks");
-        const auto tensor = ofFile(options.rest, [&] {
-            return embed::TensorLattice(lattice.complex, lattice.positions, *options.basis);
-        });
-        return {embed::bindPoints(tensor, points, embedding, progress)};
-    }
-    const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    if (!options.limit)
-        return {embed::bindPoints(
-            {base, lattice.positions}, points,
-            {.level = options.level, .embedding = embedding, .progress = progress})};
-    auto bound = limit::bindLimit({base, lattice.positions}, points,
-                                  {.embedding = embedding,
-                                   .tolerance = embedding.tolerance,
-                                   .gradients = hasGradients,
-                                   .progress = progress});
-    ModelBinding result;
-    if (hasGradients) result.gradients = {std::move(bound.binding.table.gradients)};
-    result.points = limit::withoutGradients(std::move(bound));
-    return result;
+/// Returns what the options bind to.
+bind::Target targetOf(const BindOptions& options, bool hasGradients) {
+    if (options.basis) return *options.basis;
+    if (options.limit) return bind::Limit{options.common.embedding.tolerance, hasGradients};
+    return bind::Level{options.level};
 }
 
 /// Warns on standard error if cells of the lattice are folded at rest. Returns without a check for
@@ -126,22 +99,29 @@ void checkBasis(const BindOptions& options) {
             throw CLI::ValidationError(option->get_name(), "works with --basis subdivision only");
 }
 
-ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
-                       const Lattice& lattice, Stages& stages, bool hasGradients) {
+bind::Binding bindModel(const BindOptions& options, std::span<const Point3> points,
+                        const Lattice& lattice, Stages& stages, bool hasGradients) {
     warnOfFoldsAtRest(options, lattice);
     return stages.run("binding", [&] {
-        auto bound = bindByOptions(options, points, lattice, hasGradients,
-                                   progressOf(stages, points.size()));
-        stages.addBytes(bytesOf(bound.points.binding.table));
-        return bound;
+        const auto base = refineLattice(options.rest, lattice, options.common, 0);
+        const auto bindPoints = [&] {
+            return bind::bindPoints({base, lattice.positions}, points,
+                                    targetOf(options, hasGradients),
+                                    {.embedding = options.common.embedding,
+                                     .progress = progressOf(stages, points.size())});
+        };
+        // A basis has demands on the lattice: the errors name its file.
+        bind::Binding binding = options.basis ? ofFile(options.rest, bindPoints) : bindPoints();
+        stages.addBytes(bytesOf(binding.table));
+        return binding;
     });
 }
 
-void warnOfPointsOutside(std::span<const embed::PointStatus> statuses, std::span<const Index> kept,
-                         const CommonOptions& options) {
+void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& options) {
     using enum embed::PointStatus;
-    const Offset outside =
-        std::ranges::count_if(kept, [&](Index point) { return statuses[point] == Outside; });
+    if (!binding.largestResidual) return;
+    const Offset outside = std::ranges::count_if(
+        binding.kept, [&](Index point) { return binding.statuses[point] == Outside; });
     if (options.quiet || outside == 0) return;
     if (options.embedding.outside == embed::OutsidePolicy::Nearest) {
         const bool isOne = outside == 1;
@@ -149,14 +129,14 @@ void warnOfPointsOutside(std::span<const embed::PointStatus> statuses, std::span
                                "beside a cell that is too flat, to move with the nearest cell: the "
                                "absolute values of {} weights would sum to more than {}. {} in "
                                "place",
-                               outside, std::ranges::count(statuses, Outside), isOne ? "is" : "are",
+                               outside, binding.count(Outside), isOne ? "is" : "are",
                                isOne ? "its" : "their", embed::kMaxRowSum,
                                isOne ? "It stays" : "They stay")
                        .c_str());
         return;
     }
     if (options.outside->count() > 0) return;
-    const Offset all = std::ssize(statuses);
+    const Offset all = std::ssize(binding.statuses);
     printError(
         fmt::format("warning: {} of {} points {} outside the lattice and {} in place{}. Use "
                     "--outside nearest to move them with the nearest cell, --outside keep if they "

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/embed/basis_functions.h>
-#include <espalier/embed/local_binding.h>
-#include <espalier/io/binding_file.h>
+#include <espalier/bind/bind.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -42,25 +40,17 @@ void addBindingOptions(CLI::App& command, BindOptions& options);
 /// \throws CLI::ValidationError
 void checkBasis(const BindOptions& options);
 
-/// Points that are bound to a lattice.
-struct ModelBinding {
-    embed::BindingResult points;
-    std::optional<io::BoundGradients> gradients = {};  ///< only if they were asked for
-};
-
 /// Binds points to a lattice that was read from options.rest, in the stage "binding". Errors in the
 /// lattice name its file.
 /// \param hasGradients whether a binding to the limit gets its gradients
-ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
-                       const Lattice& lattice, Stages& stages, bool hasGradients = false);
+bind::Binding bindModel(const BindOptions& options, std::span<const Point3> points,
+                        const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
 /// the parts of a model that move may come apart from them. Prints nothing if the command line has
 /// --quiet, or an --outside that keeps points in place by choice.
-/// \param statuses of all points
-/// \param kept the points with empty rows
-void warnOfPointsOutside(std::span<const embed::PointStatus> statuses, std::span<const Index> kept,
-                         const CommonOptions& options);
+/// Prints nothing either if the binding is from a file.
+void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& options);
 
 /// Binds like bindModel(), in the stage "binding in factors", but returns the matrix as a product
 /// of two tables. Returns nothing for the limit and for a basis other than subdivision.

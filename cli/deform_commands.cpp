@@ -26,8 +26,6 @@
 namespace espalier::cli {
 namespace {
 
-using embed::Binding;
-
 struct DeformOptions : BindOptions {
     MeshOptions mesh;
     std::vector<std::string> poses;
@@ -65,19 +63,14 @@ void checkTarget(const io::Model& model, const std::filesystem::path& output) {
         printError(losses.c_str());
 }
 
-/// A model that is bound to a lattice, and all that is needed to write a pose of it.
+/// A model and its binding.
 struct Deformation {
     const io::Model& model;
-    const Binding& binding;
-    const std::vector<Point3>& rest;  ///< the lattice at rest; empty if it is not known
-    const std::optional<io::BoundGradients>& gradients;  ///< deform normals and tangents, if there
-                                                         ///< are any
+    const bind::Binding& binding;  ///< with gradients, if normals and tangents follow
 
     std::vector<Point3> pointsAt(const std::vector<Point3>& pose, Stages& stages) const {
         return stages.run("applying", [&] {
-            auto points = rest.empty()
-                              ? osd::evaluateBinding(binding, pose)
-                              : osd::evaluateBinding(binding, {model.positions(), rest}, pose);
+            auto points = osd::evaluateBinding(binding, pose);
             stages.addBytes(bytesOf(binding.table) +
                             (pose.size() + points.size()) * sizeof(Point3));
             return points;
@@ -87,8 +80,8 @@ struct Deformation {
     void write(const std::filesystem::path& path, const std::vector<Point3>& points,
                const std::vector<Point3>& pose, Stages& stages) const {
         stages.run("writing", [&] {
-            if (gradients)
-                model.write(path, points, osd::evaluateGradients(gradients->tables, rest, pose));
+            if (binding.gradients)
+                model.write(path, points, osd::evaluateGradients(binding, pose));
             else
                 model.write(path, points);
             stages.addFile(path);
@@ -191,8 +184,7 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
         printText(report);
         fmt::print("{}", meshes.text);
     }
-    if (report.points)
-        warnOfPointsOutside(report.points->statuses, report.binding.kept, options.common);
+    warnOfPointsOutside(report.binding, options.common);
 }
 
 void runDeform(const DeformOptions& options) {
@@ -204,8 +196,8 @@ void runDeform(const DeformOptions& options) {
     if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
-    const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
-                                              options.limit && model->hasDirections());
+    const bind::Binding binding = bindModel(options, model->positions(), rest, stages,
+                                            options.limit && model->hasDirections());
     const bool isChecked =
         !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
     std::optional<MeshCheck> check;
@@ -216,9 +208,8 @@ void runDeform(const DeformOptions& options) {
         });
     }
     const MeshReports meshes =
-        writePoses({*model, bound.binding, rest.positions, gradients}, options, poses, paths,
-                   requiredCheck(check, options), stages);
-    print({&bound, bound.binding, stages, peakMemory()}, meshes, options);
+        writePoses({*model, binding}, options, poses, paths, requiredCheck(check, options), stages);
+    print({binding, stages, peakMemory()}, meshes, options);
 }
 
 void runBind(const DeformOptions& options) {
@@ -237,17 +228,14 @@ void runBind(const DeformOptions& options) {
         return io::readModel(modelPath, file.modelBytes);
     });
     const Lattice rest = readLattice(options.rest, stages);
-    auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
-                                        options.limit && model->hasDirections());
-    file.binding = std::move(bound.binding);
-    file.gradients = std::move(gradients);
-    file.rest = rest.positions;
+    file.binding = bindModel(options, model->positions(), rest, stages,
+                             options.limit && model->hasDirections());
     file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
     });
-    print({&bound, file.binding, stages, peakMemory()}, options.report, options.common);
+    print({file.binding, stages, peakMemory()}, options.report, options.common);
 }
 
 void runApply(const DeformOptions& options) {
@@ -264,6 +252,7 @@ void runApply(const DeformOptions& options) {
     if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model,
                             "is damaged: its model does not have the points that were bound");
+    bound.binding.points.assign(model->positions().begin(), model->positions().end());
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
         return io::readPose(path, bound, printable(options.model), notes);
     };
@@ -272,10 +261,9 @@ void runApply(const DeformOptions& options) {
     std::optional<MeshCheck> check;
     if (options.mesh.noInverted || options.mesh.largestStep)
         check.emplace(options.model, *model, readVolume(*model, stages), options.output, stages);
-    const MeshReports meshes =
-        writePoses({*model, bound.binding, bound.rest, bound.gradients}, options, poses, paths,
-                   requiredCheck(check, options), stages);
-    print({nullptr, bound.binding, stages, peakMemory()}, meshes, options);
+    const MeshReports meshes = writePoses({*model, bound.binding}, options, poses, paths,
+                                          requiredCheck(check, options), stages);
+    print({bound.binding, stages, peakMemory()}, meshes, options);
 }
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {

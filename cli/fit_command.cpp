@@ -239,8 +239,7 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
 /// Rows of D for the points that have targets and for the held points.
 struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;
-    std::vector<embed::PointStatus> statuses = {};  ///< of all these points
-    std::vector<Index> kept = {};                   ///< those with empty rows
+    bind::Binding binding = {};  ///< of all these points; its table is gone
 };
 
 /// Returns the end of a message: why the row of a point in D is empty.
@@ -273,13 +272,13 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
 /// Returns the rows of the targets whose points move with the lattice. A point that does not move
 /// with it is left out if its target is its own position, unless --outside error is given. \throws
 /// FileError for other points that do not move with the lattice, and if no target is left
-std::vector<Index> carriedTargets(const FitCommandOptions& options,
-                                  const embed::BindingResult& bound, const Wishes& wishes) {
+std::vector<Index> carriedTargets(const FitCommandOptions& options, const bind::Binding& bound,
+                                  const Wishes& wishes) {
     const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
     std::vector<Index> carried;
     for (std::size_t i = 0; i < wishes.targets.size(); ++i) {
         const auto row = static_cast<Index>(i);
-        if (!bound.binding.table.columns(row).empty())
+        if (!bound.table.columns(row).empty())
             carried.push_back(row);
         else if (isOutsideRefused || wishes.misses[i] != Point3{})
             refuseTarget(options, wishes.targets[i], bound.statuses[i]);
@@ -325,9 +324,9 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
             heldRows.push_back(row->second);
         }
     }
-    auto bound = bindModel(bind, points, lattice, stages).points;
+    auto bound = bindModel(bind, points, lattice, stages);
     const auto carried = carriedTargets(options, bound, wishes);
-    stencils::StencilTable<double>& table = bound.binding.table;
+    stencils::StencilTable<double>& table = bound.table;
     FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};
     if (options.common.embedding.outside == embed::OutsidePolicy::Error)
         for (std::size_t i = 0; i < part.points.size(); ++i)
@@ -339,8 +338,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
     if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
-    rows.statuses = std::move(bound.statuses);
-    rows.kept = std::move(bound.binding.kept);
+    rows.binding = std::move(bound);
     return rows;
 }
 
@@ -438,7 +436,7 @@ void runFit(const FitCommandOptions& options) {
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
         printFit(options, wishes, wishCount - wishes.targets.size(), held.size(), fit);
-    warnOfPointsOutside(rows.statuses, rows.kept, options.common);
+    warnOfPointsOutside(rows.binding, options.common);
 }
 
 }  // namespace

@@ -60,11 +60,11 @@ OrderedJson toJson(const RunReport& report) {
     const auto& table = report.binding.table;
     OrderedJson json =
         OrderedJson::object();  // If memory runs out later, null would be left broken.
-    if (report.points) {
-        json["points"] = {{"inside", report.points->count(PointStatus::Inside)},
-                          {"outside", report.points->count(PointStatus::Outside)},
-                          {"not_converged", report.points->count(PointStatus::NotConverged)}};
-        json["largest_residual"] = report.points->largestResidual;
+    if (report.binding.largestResidual) {
+        json["points"] = {{"inside", report.binding.count(PointStatus::Inside)},
+                          {"outside", report.binding.count(PointStatus::Outside)},
+                          {"not_converged", report.binding.count(PointStatus::NotConverged)}};
+        json["largest_residual"] = *report.binding.largestResidual;
     }
     json["kept"] = report.binding.kept.size();
     json["matrix"] = {{"rows", table.rowCount()},
@@ -84,18 +84,18 @@ void printText(const RunReport& report) {
     const auto printLine = [&](const char* label, const std::string& text) {
         fmt::print("{:<{}} {}\n", label, width, text);
     };
-    if (report.points)
+    if (report.binding.largestResidual)
         printLine("points", fmt::format("{} inside the lattice, {} outside, {} could not be placed",
-                                        report.points->count(PointStatus::Inside),
-                                        report.points->count(PointStatus::Outside),
-                                        report.points->count(PointStatus::NotConverged)));
+                                        report.binding.count(PointStatus::Inside),
+                                        report.binding.count(PointStatus::Outside),
+                                        report.binding.count(PointStatus::NotConverged)));
     if (kept > 0)
         printLine("left in place",
                   fmt::format("{} {}, whatever the pose", kept, kept == 1 ? "point" : "points"));
-    if (report.points)
+    if (report.binding.largestResidual)
         printLine("placement error",
                   fmt::format("{:.2g}: how far the rest pose moves a point at most",
-                              report.points->largestResidual));
+                              *report.binding.largestResidual));
     printLine("matrix",
               fmt::format("{} points × {} lattice vertices, {:.1f} weights for each point that "
                           "moves, {}",
@@ -112,7 +112,7 @@ void print(const RunReport& report, ReportFormat format, const CommonOptions& op
         fmt::print("{}\n", toJson(report).dump(2));
     else
         printText(report);
-    if (report.points) warnOfPointsOutside(report.points->statuses, report.binding.kept, options);
+    warnOfPointsOutside(report.binding, options);
 }
 
 }  // namespace espalier::cli

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
@@ -47,8 +47,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///     applying           for each pose, bytes of the matrix, the posed lattice vertices and the
 ///                        deformed points
 struct RunReport {
-    const embed::BindingResult* points;  ///< null if the binding was read from a file
-    const embed::Binding& binding;
+    const bind::Binding& binding;
     const Stages& stages;
     std::size_t peakMemory;
 };

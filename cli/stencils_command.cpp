@@ -83,19 +83,19 @@ BindOptions bindOptions(const StencilsOptions& options) {
 std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) {
     const auto model = stages.read(options.points, [&] { return io::readModel(options.points); });
     const Lattice lattice = readLattice(options.lattice, stages);
-    auto [bound, gradients] =
+    bind::Binding bound =
         bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
-    warnOfPointsOutside(bound.statuses, bound.binding.kept, options.common);
+    warnOfPointsOutside(bound, options.common);
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",
         printable(options.points), printable(options.lattice));
     std::vector<Export> result;
-    result.push_back({options.output, std::move(bound.binding.table),
+    result.push_back({options.output, std::move(bound.table),
                       fmt::format("{}: {}", nameOfD(options), rowsAndColumns)});
-    for (std::size_t axis = 0; gradients && axis < 3; ++axis)
+    for (std::size_t axis = 0; bound.gradients && axis < 3; ++axis)
         result.push_back(
-            {gradientPath(options, axis), std::move(gradients->tables[axis]),
+            {gradientPath(options, axis), std::move((*bound.gradients)[axis]),
              fmt::format("Gradient of D in the limit: its product with a pose is column {} of the "
                          "deformation gradient, the derivative by {} of the rest pose; {}",
                          axis, "xyz"[axis], rowsAndColumns)});

@@ -26,7 +26,7 @@ struct BindingOf {
     friend bool operator==(const BindingOf&, const BindingOf&) = default;
 };
 
-using Binding = BindingOf<stencils::StencilTable<double>>;
+using TableBinding = BindingOf<stencils::StencilTable<double>>;
 
 /// Returns the binding with weights rounded to another precision. Bindings are made in double
 /// precision.

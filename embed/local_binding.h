@@ -11,12 +11,13 @@
 
 // embed/: binds points to a lattice, as rows of a sparse matrix.
 //
-// In: a lattice at rest, points, a level n. Out: a Binding, which holds the deformation matrix D.
+// In: a lattice at rest, points, a level n. Out: a BindingOf a table, which holds the deformation
+// matrix D.
 //
 // Types: RestLattice; TricubicPatch, the map of a regular cell; RegularSearch, which finds points
 // in regular cells by formula; CellPlace, a place in a refined cell; CellSolver, which finds the
 // place; LevelSearch, which locates groups of points in a level; PointDescent, which refines only
-// the cells that may contain a point; Binding. nested_lattices.h binds a lattice to a lattice,
+// the cells that may contain a point; BindingOf. nested_lattices.h binds a lattice to a lattice,
 // continuity.h finds the vertices to freeze, tensor_product.h binds to Bézier and B-spline
 // lattices.
 //

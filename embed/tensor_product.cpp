@@ -242,12 +242,12 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
     return table;
 }
 
-Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
-                    std::span<const Point3> points) {
+TableBinding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
+                         std::span<const Point3> points) {
     if (points.size() != embedding.points.size())
         throw Error("got " + std::to_string(points.size()) + " points, but " +
                     std::to_string(embedding.points.size()) + " were embedded");
-    Binding binding;
+    TableBinding binding;
     binding.table = buildDeformationTable(lattice, embedding);
     completeBinding(lattice.complex(), points, binding);
     return binding;

@@ -118,8 +118,9 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLa
 /// Builds the binding of points to a box lattice from their places in it.
 /// \param points the points that were embedded
 /// \throws Error if the embedding has another number of points, or is in another lattice
-ESPALIER_API Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
-                                 std::span<const Point3> points);
+ESPALIER_API TableBinding makeBinding(const TensorLattice& lattice,
+                                      const TensorEmbedding& embedding,
+                                      std::span<const Point3> points);
 
 /// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and makeBinding().
 /// \throws Error as embedPoints()

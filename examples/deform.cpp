@@ -2,7 +2,7 @@
 //
 // Deforms a model by a lattice: deform MODEL REST POSE OUT
 
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/binding_evaluator.h>
@@ -16,9 +16,8 @@ int main(int, char** arguments) {
     // Once: find each point of the model in level 3 of the lattice, and compose the matrix.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
     const auto binding =
-        embed::bindPoints({base, rest.positions}, model->positions(), {.level = 3}).binding;
+        bind::bindPoints({base, rest.positions}, model->positions(), bind::Level{3});
 
     // For every pose: one sparse product.
-    model->write(arguments[4], osd::evaluateBinding(binding, {model->positions(), rest.positions},
-                                                    pose.positions));
+    model->write(arguments[4], osd::evaluateBinding(binding, pose.positions));
 }

@@ -124,14 +124,14 @@ StencilTable<double> makeTable(std::int64_t columnCount, Array<Offset> offsets,
     }
 }
 
-BoundGradients readGradients(const Sizes& sizes, ByteInput& in) {
-    BoundGradients gradients;
+bind::Gradients readGradients(const Sizes& sizes, ByteInput& in) {
+    bind::Gradients gradients;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t entries = (*sizes.gradientEntries)[axis];
         auto offsets = readNumbers<Offset>(in, sizes.rows + 1);
         auto weights = readWeights(in, entries);
         auto columns = readNumbers<Index>(in, entries);
-        gradients.tables[axis] =
+        gradients[axis] =
             makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     }
     return gradients;
@@ -166,8 +166,8 @@ void write(ByteOutput& out, const std::vector<Point3>& points) {
     for (const Point3& point : points) out.numbers(std::span<const double>(point));
 }
 
-void write(ByteOutput& out, const BoundGradients& gradients) {
-    for (const StencilTable<double>& table : gradients.tables) {
+void write(ByteOutput& out, const bind::Gradients& gradients) {
+    for (const StencilTable<double>& table : gradients) {
         out.numbers(table.offsets());
         out.numbers(table.weights());
         out.numbers(table.columns());
@@ -200,8 +200,9 @@ BoundModel decodeBoundModel(std::string_view bytes) {
                 concat("leaves point ", kept, " in place; there are ", sizes.rows, " points"));
     model.binding.table =
         makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
-    if (sizes.gradientEntries) model.gradients = readGradients(sizes, in);
-    if (sizes.hasRest) model.rest = readPoints(in, sizes.columns, "vertex of the lattice at rest");
+    if (sizes.gradientEntries) model.binding.gradients = readGradients(sizes, in);
+    if (sizes.hasRest)
+        model.binding.rest = readPoints(in, sizes.columns, "vertex of the lattice at rest");
     model.faces = readLatticeFaces(sizes, in);
     model.modelName = in.bytes(sizes.nameBytes);
     model.modelBytes = in.bytes(sizes.modelBytes);
@@ -227,15 +228,15 @@ std::string objOf(std::span<const Point3> points) {
 /// Returns the version of the format that holds all parts of a model.
 std::uint32_t versionOf(const BoundModel& model) {
     if (model.faces.count() > 0) return kWithFaces;
-    if (model.gradients) return kWithGradients;
-    return model.rest.empty() ? kTableOnly : kWithRest;
+    if (model.binding.gradients) return kWithGradients;
+    return model.binding.rest.empty() ? kTableOnly : kWithRest;
 }
 
 }  // namespace
 
-void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
-                     std::span<const Point3> points) {
+void writeBoundModel(const std::filesystem::path& path, const BoundModel& model) {
     const StencilTable<double>& table = model.binding.table;
+    const std::vector<Point3>& points = model.binding.points;
     checkBoundModel(model);
     if (!points.empty() && std::ssize(points) != table.rowCount())
         throw Error(concat("a bound model of ", table.rowCount(), " points is to be written with ",
@@ -248,7 +249,7 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
         ChecksummedOutput out(stream, std::endian::little);
         out.bytes(kBindingMagic);
         const std::uint32_t version = versionOf(model);
-        const bool isFlagged = version == kWithFaces && model.gradients;
+        const bool isFlagged = version == kWithFaces && model.binding.gradients;
         out.number(version);
         out.number(std::uint32_t{isFlagged});
         out.number(model.binding.topologyHash);
@@ -258,8 +259,8 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
         out.number(static_cast<std::int64_t>(model.binding.kept.size()));
         out.number(static_cast<std::int64_t>(name.size()));
         out.number(static_cast<std::int64_t>(bytes.size()));
-        if (model.gradients)
-            for (const auto& each : model.gradients->tables)
+        if (model.binding.gradients)
+            for (const auto& each : *model.binding.gradients)
                 out.number(std::int64_t{each.entryCount()});
         if (version == kWithFaces)
             for (const std::size_t size : {model.faces.count(), model.faces.corners.size()})
@@ -269,8 +270,8 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
         write(out, model.binding.keptAt);
         out.numbers(table.columns());
         out.numbers(std::span<const Index>(model.binding.kept));
-        if (model.gradients) write(out, *model.gradients);
-        write(out, model.rest);
+        if (model.binding.gradients) write(out, *model.binding.gradients);
+        write(out, model.binding.rest);
         for (const std::size_t end : model.faces.ends) out.number(static_cast<std::int64_t>(end));
         out.numbers(std::span<const Index>(model.faces.corners));
         out.bytes(name);
@@ -315,14 +316,15 @@ void checkBoundModel(const BoundModel& model) {
         throw Error(concat("a bound model of ", table.rowCount(), " points and ",
                            table.columnCount(), " lattice vertices has ", what, " of ", got));
     };
-    if (model.gradients)
-        for (const auto& each : model.gradients->tables)
+    if (model.binding.gradients)
+        for (const auto& each : *model.binding.gradients)
             if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
                 refuse("gradients",
                        concat(each.rowCount(), " points and ", each.columnCount(), " vertices"));
-    const bool needsRest = model.gradients || model.faces.count() > 0 || !model.rest.empty();
-    if (needsRest && std::ssize(model.rest) != table.columnCount())
-        refuse("a lattice at rest", concat(model.rest.size(), " vertices"));
+    const bool needsRest =
+        model.binding.gradients || model.faces.count() > 0 || !model.binding.rest.empty();
+    if (needsRest && std::ssize(model.binding.rest) != table.columnCount())
+        refuse("a lattice at rest", concat(model.binding.rest.size(), " vertices"));
     for (const Index corner : model.faces.corners)
         if (corner < 0 || corner >= table.columnCount())
             refuse("a face", concat("vertex ", corner));

@@ -2,13 +2,11 @@
 #pragma once
 
 #include <espalier/base/api.h>
-#include <espalier/embed/binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/io/model.h>
 
-#include <array>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,32 +17,17 @@
 
 namespace espalier::io {
 
-/// Tables that give the deformation gradient F at each bound point, by which normals and tangents
-/// are carried along.
-struct BoundGradients {
-    /// One row per point and one column per base vertex, as in limit::LimitTable::gradients. Table
-    /// j times a pose is column j of F. Table j times the displacements of the pose from the rest
-    /// is column j of F − 1, which is exactly 0 where nothing moves.
-    std::array<stencils::StencilTable<double>, 3> tables;
-
-    friend bool operator==(const BoundGradients&, const BoundGradients&) = default;
-};
-
 /// A model with its binding: all that is needed to apply a pose, and to write the result in the
 /// format of the model.
 struct BoundModel {
-    embed::Binding binding;
+    /// Files have the gradients if the model has normals or tangents and was bound to the limit;
+    /// without gradients, applying a pose leaves normals and tangents as they are. Files of version
+    /// 1 do not have the lattice at rest.
+    bind::Binding binding;
+
     std::string
         modelName;  ///< file name of the model, without folders; the extension is its format
     std::string modelBytes;  ///< content of the model's file
-
-    /// Present if the model has normals or tangents and is bound to the limit. Without gradients,
-    /// applying a pose leaves normals and tangents as they are.
-    std::optional<BoundGradients> gradients = {};
-
-    /// The base vertices at rest. With them, points that do not move are given exactly. Empty if
-    /// they are not known, as in files of version 1.
-    std::vector<Point3> rest = {};
 
     /// The faces of the lattice. readPose() compares the faces of an editor mesh with them
     /// (pose_file.h). Empty if they are not known, as in files of versions 1 to 3.
@@ -76,17 +59,17 @@ struct BoundModel {
 ///     bytes     the model's name; the model
 ///     u32       CRC-32 (zlib's) of all bytes before it
 ///
-/// \param points the points at rest, or none. If the bound model has no file of a model, they are
-///        stored as a model points.obj, so that `espalier apply` can write them; else they are
-///        ignored
+/// If the bound model has no file of a model, the points of the binding are stored as a model
+/// points.obj, so that `espalier apply` can write them; else the file of the model has them.
+///
 /// \throws Error if the gradients, the lattice at rest or its faces do not have the shape of the
 ///         binding; if there are gradients or faces but no lattice at rest; if there are points,
 ///         but not one per row; if a point that is to be stored is not finite; FileError if the
 ///         file cannot be written
-ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model,
-                                  std::span<const Point3> points = {});
+ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model);
 
-/// Reads a bound model of version 1 to 4. The sizes that the file claims are checked before memory
+/// Reads a bound model of version 1 to 4. The points of the binding are in the file of the model:
+/// see pointsAtRest(). The sizes that the file claims are checked before memory
 /// is allocated for them.
 /// \throws FileError if the file cannot be read, is of another kind or version, is truncated, or
 ///         has a wrong checksum; if a weight or a position is not finite

@@ -106,6 +106,19 @@ std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
     return points;
 }
 
+std::vector<Point3> evaluateBinding(const bind::Binding& binding, std::span<const Point3> pose) {
+    const embed::TableBinding& rows = binding;
+    if (!binding.knowsRest()) return evaluateBinding(rows, pose);
+    return evaluateBinding(rows, RestPositions{binding.points, binding.rest}, pose);
+}
+
+std::vector<DeformationGradient> evaluateGradients(const bind::Binding& binding,
+                                                   std::span<const Point3> pose) {
+    if (!binding.gradients)
+        throw Error("the binding has no gradients: bind to the limit, and ask for them");
+    return evaluateGradients(*binding.gradients, binding.rest, pose);
+}
+
 template <class Real>
 using Rows = stencils::StencilTable<Real>;
 template <class Real>

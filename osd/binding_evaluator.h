@@ -4,7 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/deformation_gradient.h>
 #include <espalier/base/point.h>
-#include <espalier/embed/binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -45,6 +45,12 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& 
                                                  const RestPositions& rest,
                                                  std::span<const Point3> pose);
 
+/// Returns the points of a binding for a pose of the lattice: x + D · (p' − p), as above; D · p' if
+/// the binding does not know x and p.
+/// \throws Error if there is not one position for each column
+ESPALIER_API std::vector<Point3> evaluateBinding(const bind::Binding& binding,
+                                                 std::span<const Point3> pose);
+
 /// Returns the deformation gradient of each point for a pose of the lattice: 1 + G · (p' − p),
 /// where p is the lattice at rest. A point that no moved vertex influences has exactly the
 /// identity.
@@ -56,6 +62,11 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& 
 ESPALIER_API std::vector<DeformationGradient> evaluateGradients(
     const std::array<stencils::StencilTable<double>, 3>& gradients, std::span<const Point3> rest,
     std::span<const Point3> pose);
+
+/// The same for a binding with gradients.
+/// \throws Error as above; if the binding has no gradients
+ESPALIER_API std::vector<DeformationGradient> evaluateGradients(const bind::Binding& binding,
+                                                                std::span<const Point3> pose);
 
 /// Writes the rest positions of the points that the binding keeps in place. Evaluators of
 /// binding.table write 0 for these points, so call this after each evaluation. The two calls

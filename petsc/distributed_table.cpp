@@ -189,7 +189,8 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     makeVector(vertices_, ownVertices_.count(), vertexCount_);
 }
 
-DistributedTable::DistributedTable(MPI_Comm comm, const embed::Binding& own, Offset ownVertexCount)
+DistributedTable::DistributedTable(MPI_Comm comm, const embed::TableBinding& own,
+                                   Offset ownVertexCount)
     : DistributedTable(comm, own.table, ownVertexCount, 3) {
     checkOnAllRanks(comm, [&] {
         if (own.kept.size() != own.keptAt.size())

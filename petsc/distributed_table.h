@@ -86,7 +86,7 @@ public:
     /// the constructor above, empty rows give 0.)
     ///
     /// \throws Error also for kept points that the rank does not have
-    DistributedTable(MPI_Comm comm, const embed::Binding& own, Offset ownVertexCount);
+    DistributedTable(MPI_Comm comm, const embed::TableBinding& own, Offset ownVertexCount);
 
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }

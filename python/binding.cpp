@@ -2,12 +2,10 @@
 #include "binding.h"
 
 #include <espalier/base/error.h>
-#include <espalier/embed/local_binding.h>
-#include <espalier/embed/tensor_product.h>
+#include <espalier/bind/bind.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/pose_file.h>
-#include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -29,37 +27,8 @@ namespace {
 
 using BoundPointer = std::shared_ptr<BoundPoints>;
 
-/// Binds result.points, and stores the binding and the statuses in `result`.
-/// \param hasDirections whether a binding to the limit keeps gradients, for normals and tangents of
-///        the model
-void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Basis> basis,
-            bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
-    const Lattice& lattice = *refiner.lattice();
-    const std::vector<Point3>& points = *result.points;
-    embed::BindingResult found;
-    if (basis) {
-        // Ignoring the marks would give another deformation than the lattice asks for.
-        if (!lattice.marks.empty())
-            throw Error(
-                "basis: the lattice has marks (sharpness of edges or vertices), which only "
-                "\"subdivision\" applies");
-        found = embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, *basis),
-                                  points, options);
-    } else if (isLimit) {
-        auto inLimit = limit::bindLimit(
-            {refiner.base(), lattice.positions}, points,
-            {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
-        if (hasDirections) result.bound.gradients = {std::move(inLimit.binding.table.gradients)};
-        found = limit::withoutGradients(std::move(inLimit));
-    } else {
-        found = embed::bindPoints({refiner.base(), lattice.positions}, points,
-                                  {.level = level, .embedding = options});
-    }
-    result.bound.binding = std::move(found.binding);
-    result.bound.rest = lattice.positions;
-    result.bound.faces = io::facesOf(lattice.complex);
-    result.statuses = std::move(found.statuses);
-    result.largestResidual = found.largestResidual;
+bool knowsPoints(const bind::Binding& binding) {
+    return std::ssize(binding.points) == binding.table.rowCount();
 }
 
 BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,
@@ -73,32 +42,35 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
         throw Error("limit: expected False with the basis \"" + basis +
                     "\", which has no levels and no limit");
     auto result = std::make_shared<BoundPoints>();
+    std::vector<Point3> atRest;
     bool hasDirections = false;
     if (py::isinstance<ModelFile>(points)) {
         const auto& file = points.cast<const ModelFile&>();
         hasDirections = file.model->hasDirections();
-        result->points = pointsOf(file);
+        atRest = pointsOf(file);
         result->bound.modelName = file.name;
         result->bound.modelBytes = file.bytes;
     } else {
-        result->points = toPoints(points, "points");
+        atRest = toPoints(points, "points");
     }
-    withoutGil([&] { bindTo(*result, *refiner, weights, limit, level, options, hasDirections); });
+    bind::Target target = bind::Level{level};
+    if (weights) target = *weights;
+    if (limit) target = bind::Limit{tolerance, hasDirections};
+    withoutGil([&] {
+        const Lattice& rest = *refiner->lattice();
+        result->bound.binding = bind::bindPoints({refiner->base(), rest.positions}, atRest, target,
+                                                 {.embedding = options});
+        result->bound.faces = io::facesOf(rest.complex);
+    });
     return result;
 }
 
 BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
-    result->points = io::pointsAtRest(result->bound, path);
+    if (auto points = io::pointsAtRest(result->bound, path))
+        result->bound.binding.points = std::move(*points);
     return result;
-}
-
-void save(const BoundPoints& self, const std::filesystem::path& path) {
-    // Points without a model become a model, so that `espalier apply` can use the binding.
-    io::writeBoundModel(
-        path, self.bound,
-        self.points ? std::span<const Point3>(*self.points) : std::span<const Point3>());
 }
 
 /// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array
@@ -110,7 +82,7 @@ py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to
         const auto runForm = [&](std::span<const Real> source, const osd::BufferDescriptor&,
                                  std::span<Real> result) {
             const auto& form = std::get<Lazy<Form<Real>>>(self.forms).get([&] {
-                return compile<Form, Real>(self.bound.binding.table);
+                return compile<Form, Real>(self.binding().table);
             });
             run(form, source, result);
         };
@@ -126,7 +98,7 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     if (!py::isinstance<Lattice>(pose)) return pose;
     const auto& lattice = pose.cast<const Lattice&>();
     const auto hash = withoutGil([&] { return far::topologyHash(lattice.complex); });
-    if (hash != self.bound.binding.topologyHash)
+    if (hash != self.binding().topologyHash)
         throw Error("pose: its topology differs from the lattice that the points are bound to");
     return viewOf(lattice.positions, pose);
 }
@@ -149,10 +121,10 @@ template <class Real>
 void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::span<const Real> pose,
               std::span<Real> result) {
     const osd::RowRange rows{0, table.rowCount()};
-    const std::vector<Point3>& rest = self.bound.rest;
-    if (!self.points || std::ssize(rest) != table.columnCount()) {
+    const std::vector<Point3>& rest = self.binding().rest;
+    if (!self.binding().knowsRest()) {
         table.evaluate(pose, kXyz, result, kXyz, rows);
-        osd::writeKept<Real>(self.bound.binding, result, kXyz);
+        osd::writeKept<Real>(self.binding(), result, kXyz);
         return;
     }
     std::vector<Real> displacements(pose.size());
@@ -160,13 +132,13 @@ void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::spa
         for (std::size_t c = 0; c < 3; ++c)
             displacements[3 * v + c] = pose[3 * v + c] - static_cast<Real>(rest[v][c]);
     const auto& points = std::get<Lazy<std::vector<Real>>>(self.atRest).get([&] {
-        return coordinatesOf<Real>(*self.points);
+        return coordinatesOf<Real>(self.binding().points);
     });
     table.evaluate(displacements, kXyz, result, kXyz, rows, osd::Addend<Real>::packed(points, 3));
 }
 
 py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
-    const auto& table = self.bound.binding.table;
+    const auto& table = self.binding().table;
     const auto run = [&]<class Real>(const osd::CompiledTable<Real>& compiled,
                                      std::span<const Real> source, std::span<Real> result) {
         deformBy(self, compiled, source, result);
@@ -177,7 +149,7 @@ py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<A
 
 py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
                   const std::optional<ArrayLike>& out) {
-    const auto& table = self.bound.binding.table;
+    const auto& table = self.binding().table;
     const auto run = []<class Real>(const osd::CompiledAdjoint<Real>& compiled,
                                     std::span<const Real> source, std::span<Real> result) {
         compiled.evaluate(source, kXyz, result, kXyz, {0, compiled.rowCount()});
@@ -187,25 +159,25 @@ py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
 }
 
 py::object statusesOf(const py::object& self) {
-    const auto& bound = self.cast<const BoundPoints&>();
-    if (!bound.largestResidual) return py::none();
-    return viewOf(bytesOf(bound.statuses), self);
+    const bind::Binding& binding = self.cast<const BoundPoints&>().binding();
+    if (!binding.largestResidual) return py::none();
+    return viewOf(bytesOf(binding.statuses), self);
 }
 
 void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
     type.def_property_readonly(
             "points",
             [](const py::object& self) -> py::object {
-                const auto& points = self.cast<const BoundPoints&>().points;
-                if (!points) return py::none();
-                return viewOf(*points, self);
+                const bind::Binding& binding = self.cast<const BoundPoints&>().binding();
+                if (!knowsPoints(binding)) return py::none();
+                return viewOf(binding.points, self);
             },
             "The positions of the points when they were bound: array (N, 3) of float64, read-only, "
             "not a copy; None for a binding that was loaded from a file without a model.")
         .def_property_readonly(
             "kept",
             [](const py::object& self) {
-                const auto& kept = self.cast<const BoundPoints&>().bound.binding.kept;
+                const auto& kept = self.cast<const BoundPoints&>().binding().kept;
                 return viewOf(std::span(kept), self);
             },
             "The points that stay where they are in every pose, since they are outside the lattice "
@@ -217,7 +189,8 @@ void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
                                "placed: array (N,) of uint8, with the values of PointStatus; None "
                                "for a binding that was loaded.")
         .def_property_readonly(
-            "largest_residual", [](const BoundPoints& self) { return self.largestResidual; },
+            "largest_residual",
+            [](const BoundPoints& self) { return self.binding().largestResidual; },
             "How far a point moves at most when the lattice is in its rest pose, by rounding, in "
             "the "
             "units of the lattice: float; None for a binding that was loaded.");
@@ -242,7 +215,7 @@ the lattice. Made by bind() and load_binding(). Any number of threads may use it
     type.def_property_readonly(
             "shape",
             [](const BoundPoints& self) {
-                const auto& table = self.bound.binding.table;
+                const auto& table = self.binding().table;
                 return std::pair(table.rowCount(), table.columnCount());
             },
             "Number of points, and number of lattice vertices: tuple of 2 int.")
@@ -279,16 +252,16 @@ Precision, compiling and rounding are as in deform().
         .def(
             "save",
             [](const BoundPoints& self, const std::filesystem::path& path) {
-                withoutGil([&] { save(self, path); });
+                withoutGil([&] { io::writeBoundModel(path, self.bound); });
             },
             "path"_a,
             "Writes the binding (.espb), for load_binding() and `espalier apply`. For a Model that "
             "was bound with limit=True, apply also deforms its normals and tangents. Points that "
             "did not come from a Model are stored as points.obj, if they are known.")
         .def("__repr__", [](const BoundPoints& self) {
-            const auto& table = self.bound.binding.table;
+            const auto& table = self.binding().table;
             return concat("<espalier.Binding: ", table.rowCount(), " points x ",
-                          table.columnCount(), " vertices, ", self.bound.binding.kept.size(),
+                          table.columnCount(), " vertices, ", self.binding().kept.size(),
                           " left in place>");
         });
     addPoints(type);

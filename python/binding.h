@@ -3,7 +3,6 @@
 
 #include <espalier/base/lazy.h>
 #include <espalier/base/point.h>
-#include <espalier/embed/point_location.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/compiled_adjoint.h>
@@ -35,24 +34,20 @@ std::vector<Point3> pointsOf(const ModelFile& file);
 /// \param name of the file; its extension tells the format
 ModelFile modelOfBytes(std::string name, std::string bytes);
 
-/// Points that are bound to a lattice: the bound model, the positions of the points at binding, the
-/// results of the search for them, and the compiled forms of D, which are made on first use.
+/// Points that are bound to a lattice, and the compiled forms of D, which are made on first use.
 struct BoundPoints {
     /// The name of the model is empty if the points came from an array, or from a file without a
     /// model.
     io::BoundModel bound;
-    std::optional<std::vector<Point3>> points = {};  ///< nothing if they are not known
-
-    // A binding that is loaded from a file has neither of these.
-    std::vector<embed::PointStatus> statuses = {};
-    std::optional<double> largestResidual = {};
 
     std::tuple<Lazy<osd::CompiledTable<float>>, Lazy<osd::CompiledTable<double>>,
                Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
         forms = {};
 
-    /// The coordinates of `points` in float and in double, for deform().
+    /// The coordinates of the points in float and in double, for deform().
     std::tuple<Lazy<std::vector<float>>, Lazy<std::vector<double>>> atRest = {};
+
+    const bind::Binding& binding() const { return bound.binding; }
 };
 
 /// Returns statuses as bytes for NumPy, with the values of PointStatus in espalier/__init__.py.

@@ -233,22 +233,21 @@ std::shared_ptr<Table> tableOfState(const py::tuple& state) {
 namespace {
 
 py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
-    if (!bound->bound.gradients) return py::none();
-    io::BoundGradients& gradients = *bound->bound.gradients;
-    py::tuple tables(gradients.tables.size());
-    for (std::size_t axis = 0; axis < gradients.tables.size(); ++axis)
-        tables[axis] =
-            stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients.tables[axis])));
+    if (!bound->binding().gradients) return py::none();
+    bind::Gradients& gradients = *bound->bound.binding.gradients;
+    py::tuple tables(gradients.size());
+    for (std::size_t axis = 0; axis < gradients.size(); ++axis)
+        tables[axis] = stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients[axis])));
     return tables;
 }
 
-std::optional<io::BoundGradients> gradientsOfState(const py::handle& state) {
+std::optional<bind::Gradients> gradientsOfState(const py::handle& state) {
     if (state.is_none()) return std::nullopt;
     const auto tables = state.cast<py::tuple>();
-    io::BoundGradients gradients;
-    requireState(tables.size() == gradients.tables.size());
+    bind::Gradients gradients;
+    requireState(tables.size() == gradients.size());
     for (std::size_t axis = 0; axis < tables.size(); ++axis)
-        gradients.tables[axis] = std::move(*tableOfState(tables[axis]));
+        gradients[axis] = std::move(*tableOfState(tables[axis]));
     return gradients;
 }
 
@@ -260,16 +259,17 @@ py::tuple stateOfBinding(const py::object& self) {
     const auto& binding = bound.binding;
     py::object at = py::none(), statuses = py::none(), residual = py::none();
     // If there is a model, the pickle needs no points: the file of the model contains them.
-    if (bound.modelName.empty() && shared->points) at = viewOf(*shared->points, self);
-    if (shared->largestResidual) {
-        statuses = viewOf(bytesOf(shared->statuses), self);
-        residual = py::float_(*shared->largestResidual);
+    if (bound.modelName.empty() && std::ssize(binding.points) == binding.table.rowCount())
+        at = viewOf(binding.points, self);
+    if (binding.largestResidual) {
+        statuses = viewOf(bytesOf(binding.statuses), self);
+        residual = py::float_(*binding.largestResidual);
     }
     return py::make_tuple(
         stateOfTable(py::cast(tableIn(shared))), viewOf(std::span<const Index>(binding.kept), self),
         viewOf(binding.keptAt, self), binding.topologyHash, py::bytes(bound.modelName),
         py::bytes(bound.modelBytes), at, statuses, residual, stateOfGradients(shared),
-        bound.rest.empty() ? py::object(py::none()) : viewOf(bound.rest, self),
+        binding.rest.empty() ? py::object(py::none()) : viewOf(binding.rest, self),
         viewOf(std::span<const std::size_t>(bound.faces.ends), self),
         viewOf(std::span<const Index>(bound.faces.corners), self));
 }
@@ -286,20 +286,20 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     binding.topologyHash = state[3].cast<std::uint64_t>();
     result->bound.modelName = state[4].cast<std::string>();
     result->bound.modelBytes = state[5].cast<std::string>();
-    result->points = state[6].is_none()
-                         ? withoutGil([&] { return io::pointsAtRest(result->bound); })
-                         : std::optional(toPoints(state[6], "points", rows));
+    auto points = state[6].is_none() ? withoutGil([&] { return io::pointsAtRest(result->bound); })
+                                     : std::optional(toPoints(state[6], "points", rows));
+    if (points) binding.points = std::move(*points);
     if (!state[7].is_none()) {
-        result->largestResidual = state[8].cast<double>();
+        binding.largestResidual = state[8].cast<double>();
         for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
             requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotConverged));
-            result->statuses.push_back(static_cast<embed::PointStatus>(status));
+            binding.statuses.push_back(static_cast<embed::PointStatus>(status));
         }
-        requireState(std::ssize(result->statuses) == rows);
+        requireState(std::ssize(binding.statuses) == rows);
     }
-    result->bound.gradients = gradientsOfState(state[9]);
+    binding.gradients = gradientsOfState(state[9]);
     if (!state[10].is_none())
-        result->bound.rest = toPoints(state[10], "rest", binding.table.columnCount());
+        binding.rest = toPoints(state[10], "rest", binding.table.columnCount());
     auto& faces = result->bound.faces;
     faces.ends = numbersOf<std::vector<std::size_t>>(state[11]);
     faces.corners = numbersOf<std::vector<Index>>(state[12]);

@@ -119,7 +119,7 @@ class Basis(CliTest):
         count = len(self.read_ovm_positions("rest.ovm"))
         sharp = ["VProp double \"espalier:vertex_sharpness\"", "10", *["-1"] * (count - 1)]
         self.put("marked.ovm", self.text("rest.ovm") + "\n".join(sharp) + "\n")
-        self.assertIn("marked.ovm: has marks", self.refusal_of("marked.ovm"))
+        self.assertIn("marked.ovm: the lattice has marks", self.refusal_of("marked.ovm"))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 // parts of this file; docs_pages checks that.
 
 #include <espalier/base/error.h>
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/lattice_file.h>
@@ -97,21 +97,21 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const far::TopologyRefiner base(rest.complex,
                                     {.marks = rest.marks});
-    const auto bound = embed::bindPoints({base, rest.positions},
-                                         points, {.level = 3});
-    const auto& deformation = bound.binding.table;  // D
+    const auto binding = bind::bindPoints({base, rest.positions},
+                                          points, bind::Level{3});
+    const auto& deformation = binding.table;  // D
     const auto outside =
-        bound.count(embed::PointStatus::Outside);
+        binding.count(embed::PointStatus::Outside);
     EXPECT_EQ(deformation.rowCount(), 302);
     EXPECT_EQ(deformation.columnCount(), 45);
     EXPECT_EQ(outside, 1);
-    EXPECT_THAT(bound.binding.kept, testing::ElementsAre(301));
+    EXPECT_THAT(binding.kept, testing::ElementsAre(301));
 
     std::vector<Point3> pose = rest.positions;
     for (Point3& vertex : pose)
         vertex[0] += 0.1 * vertex[2] * vertex[2];
     const std::vector<Point3> moved =
-        osd::evaluateBinding(bound.binding, pose);
+        osd::evaluateBinding(binding, pose);
     EXPECT_GT(moved[300][0], points[300][0] + 1);
     EXPECT_EQ(moved[301], points[301]);
 

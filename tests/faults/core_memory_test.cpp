@@ -307,7 +307,7 @@ constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_
                                              std::is_nothrow_move_assignable_v<Types>));
 static_assert(kMoveWithoutMemory<CellComplex, far::Incidence, far::SignedIncidence, far::Level,
                                  far::Refinement, far::Marks, TopologyRefiner, Lattice>);
-static_assert(kMoveWithoutMemory<StencilTable<double>, embed::Binding, embed::BindingResult,
+static_assert(kMoveWithoutMemory<StencilTable<double>, embed::TableBinding, embed::BindingResult,
                                  embed::Embedding>);
 static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,
                                  osd::CompiledChain<double>, osd::ChangeEvaluator<float>,

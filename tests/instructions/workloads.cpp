@@ -44,10 +44,10 @@ std::vector<Point3> pointsAround(Index count) {
     return points;
 }
 
-embed::Binding bind(Index pointCount) {
+embed::TableBinding bind(Index pointCount) {
     const Lattice rest = lattice();
     const far::TopologyRefiner base(rest.complex);
-    embed::Binding binding;
+    embed::TableBinding binding;
     counted([&] {
         binding = embed::bindPoints({base, rest.positions}, pointsAround(pointCount), {.level = 2})
                       .binding;

@@ -28,23 +28,23 @@ BoundModel sample() {
 
 BoundModel sampleWithRest() {
     BoundModel model = sample();
-    model.rest = {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}};
+    model.binding.rest = {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}};
     return model;
 }
 
 BoundModel sampleWithGradients() {
     BoundModel model = sample();
-    model.gradients = BoundGradients{
-        {stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
-         stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
-         stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})}};
-    model.rest = sampleWithRest().rest;
+    model.binding.gradients = {
+        stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
+        stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
+        stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})};
+    model.binding.rest = sampleWithRest().binding.rest;
     return model;
 }
 
 /// The faces of the lattice: a triangle and a quadrilateral.
 BoundModel sampleWithFaces(BoundModel model) {
-    model.rest = sampleWithRest().rest;
+    model.binding.rest = sampleWithRest().binding.rest;
     model.faces = {{0, 1, 3, 3, 2, 1, 0}, {3, 7}};
     return model;
 }
@@ -53,8 +53,6 @@ void expectEqual(const BoundModel& a, const BoundModel& b) {
     EXPECT_EQ(a.binding, b.binding);
     EXPECT_EQ(a.modelName, b.modelName);
     EXPECT_EQ(a.modelBytes, b.modelBytes);
-    EXPECT_EQ(a.gradients, b.gradients);
-    EXPECT_EQ(a.rest, b.rest);
     EXPECT_EQ(a.faces, b.faces);
 }
 
@@ -111,13 +109,13 @@ TEST(BindingFile, TheVersionSaysWhichPartsThereAre) {
 TEST(BindingFile, GradientsOfAnotherShapeAreNotWritten) {
     const TemporaryFolder folder;
     BoundModel model = sampleWithGradients();
-    model.rest.pop_back();
+    model.binding.rest.pop_back();
     EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
     model = sampleWithGradients();
-    model.gradients->tables[1] = {};
+    (*model.binding.gradients)[1] = {};
     EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
     model = sampleWithFaces(sample());
-    model.rest.clear();
+    model.binding.rest.clear();
     EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
     model = sampleWithFaces(sample());
     model.faces.corners[2] = 4;
@@ -130,25 +128,26 @@ TEST(BindingFile, PointsBecomeAModel) {
     const TemporaryFolder folder;
     BoundModel model = sample();
     const std::vector<Point3> points = {{0.1 + 0.2, -1e-300, 1}, {1e300, 1. / 3, 0}, {7, 8, 9}};
-    writeBoundModel(folder / "a.espb", model, points);
+    model.binding.points = points;
+    writeBoundModel(folder / "a.espb", model);
     EXPECT_EQ(readBoundModel(folder / "a.espb").modelName, "bunny.obj");
     model.modelName.clear();
     model.modelBytes.clear();
     EXPECT_EQ(pointsAtRest(model), std::nullopt);
-    writeBoundModel(folder / "a.espb", model, points);
+    writeBoundModel(folder / "a.espb", model);
     const BoundModel back = readBoundModel(folder / "a.espb");
     EXPECT_EQ(back.modelName, "points.obj");
     EXPECT_EQ(pointsAtRest(back), points);
+    model.binding.points.pop_back();
     EXPECT_REFUSED(Error, "is to be written with 2 points at rest",
-                   writeBoundModel(folder / "a.espb", model, std::span(points).first(2)));
-    auto wrong = points;
-    wrong[1][2] = kNan;
-    EXPECT_REFUSED(Error, "point 1 is not finite",
-                   writeBoundModel(folder / "a.espb", model, wrong));
+                   writeBoundModel(folder / "a.espb", model));
+    model.binding.points = points;
+    model.binding.points[1][2] = kNan;
+    EXPECT_REFUSED(Error, "point 1 is not finite", writeBoundModel(folder / "a.espb", model));
     BoundModel other = back;
     other.modelBytes = "v 1 2 3\n";
     EXPECT_REFUSED(Error, "binds 3 points, but its model has 1", pointsAtRest(other));
-    EXPECT_EQ(pointsAtRest({}), std::vector<Point3>());
+    EXPECT_EQ(pointsAtRest(BoundModel()), std::vector<Point3>());
     EXPECT_REFUSED(FileError, "a.espb: binds 3 points, but its model has 1",
                    pointsAtRest(other, folder / "a.espb"));
 }

@@ -158,7 +158,7 @@ inline std::vector<Writer> everyWriter(int size) {
         writers.push_back(
             {"D" + extension, [=](const auto& path) { io::writeMatrix(path, *table); }});
     const auto bound = std::make_shared<const io::BoundModel>(
-        io::BoundModel{{*table, {0}, {{1, 2, 3}}, 42}, "a.obj", modelText(".obj", size)});
+        io::BoundModel{{{*table, {0}, {{1, 2, 3}}, 42}}, "a.obj", modelText(".obj", size)});
     writers.push_back({"a.espb", [=](const auto& path) { io::writeBoundModel(path, *bound); }});
     return writers;
 }

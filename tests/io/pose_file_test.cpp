@@ -153,7 +153,7 @@ TEST(PoseFile, BoundModelsCompareTheNumberOfPointsTheCellsAndTheFaces) {
     io::writeEditorMesh(folder / "editor.obj", cube());
     io::writeLattice(folder / "pose.ovm", cube());
     io::BoundModel bound;
-    embed::Binding& binding = bound.binding;
+    bind::Binding& binding = bound.binding;
     binding.topologyHash = far::topologyHash(cube().complex);
     binding.table = stencils::StencilTable<double>(8, {0}, {}, {});
     for (const char* name : {"editor.obj", "pose.ovm"})

@@ -10,8 +10,8 @@
 namespace espalier::osd {
 namespace {
 
-embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
-                      const embed::EmbeddingOptions& options = {}) {
+embed::TableBinding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
+                           const embed::EmbeddingOptions& options = {}) {
     return embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
                              {.level = level, .embedding = options})
         .binding;

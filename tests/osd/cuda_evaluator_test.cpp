@@ -315,7 +315,7 @@ TEST_F(Device, RowsOfSplinesTakeLessMemory) {
 }
 
 TEST_F(Device, KeptPointsGetTheirRestPositions) {
-    embed::Binding binding;
+    embed::TableBinding binding;
     binding.table = StencilTable<double>(2, {0, 1, 1, 2, 2}, {1, 0}, {1, 1});
     binding.kept = {1, 3};
     binding.keptAt = {Point3{1, 2, 3}, Point3{4, 5, 6}};

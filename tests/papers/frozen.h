@@ -34,7 +34,7 @@ inline std::vector<Point3> positionsAt(const Lattice& lattice, const TopologyRef
 struct Frozen {
     Lattice rest;
     std::vector<Point3> model;
-    embed::Binding binding;
+    embed::TableBinding binding;
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {

@@ -17,7 +17,7 @@ class DistributedBinding : public ::testing::Test {
 protected:
     static constexpr int kLevel = 3;
 
-    embed::Binding bind(std::span<const Point3> points) const {
+    embed::TableBinding bind(std::span<const Point3> points) const {
         return embed::bindPoints({TopologyRefiner(lattice_.complex), lattice_.positions}, points,
                                  {.level = kLevel})
             .binding;

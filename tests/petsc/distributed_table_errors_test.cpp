@@ -79,7 +79,7 @@ TEST_F(DistributedTableErrors, MoreRowsThanPetscCanCount) {
 }
 
 TEST_F(DistributedTableErrors, KeptPointsThatDoNotExist) {
-    embed::Binding own{rows_, {}, {}, 0};
+    embed::TableBinding own{rows_, {}, {}, 0};
     if (isLast()) own.kept = {rows_.rowCount()};
     const auto make = [&] { DistributedTable(MPI_COMM_WORLD, own, vertices_.count()); };
     EXPECT_EQ(messageOf(make),
@@ -94,8 +94,8 @@ TEST_F(DistributedTableErrors, KeptPointsThatDoNotExist) {
 // positions, each of at least 20,000 bytes.
 TEST_F(DistributedTableErrors, OutOfMemoryForCopies) {
     constexpr Index kMany = 5'000;
-    const embed::Binding own{randomTable(kMany, kVertices, 1), std::vector<Index>(kMany),
-                             std::vector<Point3>(kMany), 0};
+    const embed::TableBinding own{randomTable(kMany, kVertices, 1), std::vector<Index>(kMany),
+                                  std::vector<Point3>(kMany), 0};
     // Other allocations before the copies are much smaller, and the second limit leaves room for
     // offsets of 64 bits.
     for (const std::size_t bytes : {10'000u, 60'000u})

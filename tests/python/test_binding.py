@@ -99,7 +99,7 @@ def test_the_lattices_that_came_before(points, rest, pose):
     # The basis is Bernstein polynomials of degrees 2, 2 and 3. None is 0 inside.
     assert bezier.matrix.nnz == 500 * 36
     np.testing.assert_allclose(bezier.deform(rest.positions), points, atol=1e-12)
-    with pytest.raises(ValueError, match="^basis: the lattice has marks"):
+    with pytest.raises(ValueError, match="^the lattice has marks"):
         espalier.bind(rest.with_marks(vertex_sharpness={0: 0}), points, basis="bezier")
 
 

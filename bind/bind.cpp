@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/bind/bind.h>
+#include <espalier/embed/tensor_product.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace espalier::bind {
+namespace {
+
+/// Binds points to each kind of target. The points and the lattice at rest are added later.
+struct Binder {
+    const embed::RestLattice& lattice;
+    std::span<const Point3> points;
+    const BindOptions& options;
+
+    Binding operator()(const Level& target) const {
+        return made(embed::bindPoints(
+            lattice, points,
+            {.level = target.level, .embedding = options.embedding, .progress = options.progress}));
+    }
+
+    Binding operator()(const Limit& target) const {
+        auto found = limit::bindLimit(lattice, points,
+                                      {.embedding = options.embedding,
+                                       .tolerance = target.tolerance,
+                                       .gradients = target.gradients,
+                                       .progress = options.progress});
+        std::optional<Gradients> gradients;
+        if (target.gradients) gradients = std::move(found.binding.table.gradients);
+        Binding binding = made(limit::withoutGradients(std::move(found)));
+        binding.gradients = std::move(gradients);
+        return binding;
+    }
+
+    Binding operator()(embed::Basis basis) const {
+        // Without the marks the deformation would be another one than the lattice asks for.
+        if (!lattice.base.options().marks.empty())
+            throw Error(
+                "the lattice has marks (sharpness of edges or vertices), which only subdivision "
+                "applies; bind with subdivision, or remove the marks");
+        const embed::TensorLattice tensor(lattice.base.level(0).complex, lattice.positions, basis);
+        return made(embed::bindPoints(tensor, points, options.embedding, options.progress));
+    }
+
+private:
+    static Binding made(embed::BindingResult result) {
+        Binding binding{std::move(result.binding)};
+        binding.statuses = std::move(result.statuses);
+        binding.largestResidual = result.largestResidual;
+        return binding;
+    }
+};
+
+}  // namespace
+
+Index Binding::count(embed::PointStatus status) const {
+    return static_cast<Index>(std::ranges::count(statuses, status));
+}
+
+Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,
+                   const Target& target, const BindOptions& options) {
+    Binding binding = std::visit(Binder{lattice, points, options}, target);
+    binding.points.assign(points.begin(), points.end());
+    binding.rest.assign(lattice.positions.begin(), lattice.positions.end());
+    return binding;
+}
+
+}  // namespace espalier::bind

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/embed/basis_functions.h>
+#include <espalier/limit/limit_binding.h>
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+// bind/: one way from points to a binding.
+//
+// In: a lattice at rest, points, and a target: a level, the limit volume, or a tensor basis. Out: a
+// Binding, which holds all that is needed to deform the points.
+//
+// Types: Target says what the points are bound to; Binding is the result.
+//
+// Read this header. embed/ and limit/ do the work; osd/binding_evaluator.h applies a pose.
+//
+// Notation: x' = x + D · (p' − p), where x and p are the points and the lattice at rest, p' is a
+// pose of the lattice, and D the table of the binding.
+namespace espalier::bind {
+
+/// A level of the lattice.
+struct Level {
+    int level = 3;  ///< 1 to embed::kMaxLevelOfPoints
+};
+
+/// The limit volume, which the levels converge to.
+struct Limit {
+    double tolerance = limit::kLimitTolerance;  ///< see limit::LimitOptions::tolerance
+    bool gradients = false;                     ///< makes Binding::gradients
+};
+
+/// What points are bound to. An embed::Basis is the basis of a box lattice instead of subdivision.
+using Target = std::variant<Level, Limit, embed::Basis>;
+
+struct BindOptions {
+    embed::EmbeddingOptions embedding = {};
+
+    /// Called now and then with the number of points done, from any thread; may be empty.
+    std::function<void(Offset)> progress = {};
+};
+
+/// Three tables that give the deformation gradient F = ∂x'/∂X at each point, as in
+/// limit::LimitTable::gradients: table j times the displacements of a pose from the rest is column
+/// j of F − 1, which is exactly 0 where nothing moves.
+using Gradients = std::array<stencils::StencilTable<double>, 3>;
+
+/// Points that are bound to a lattice: all that is needed to deform them. Neither the lattice nor
+/// its topology is needed any more.
+struct Binding : embed::TableBinding {
+    std::optional<Gradients> gradients = {};  ///< only of a limit that was asked for them
+
+    std::vector<Point3> points = {};  ///< x, one per row of D; empty if they are not known
+    std::vector<Point3> rest = {};    ///< p, one per column of D; empty if they are not known
+
+    // How the points were found. It is not known of a binding from a file.
+    std::vector<embed::PointStatus> statuses = {};  ///< one per point
+    std::optional<double> largestResidual = {};     ///< see embed::BindingResultOf
+
+    /// Returns true if x and p are known. Then a pose moves points by x + D · (p' − p).
+    bool knowsRest() const {
+        return std::ssize(points) == table.rowCount() && std::ssize(rest) == table.columnCount();
+    }
+
+    /// Returns the number of points with a status.
+    Index count(embed::PointStatus status) const;
+
+    friend bool operator==(const Binding&, const Binding&) = default;
+};
+
+/// Binds points to a lattice at rest.
+///
+/// \param lattice the refiner has level 0 only. For a basis it must be a box of hexahedra without
+///        marks; its rules have no effect then
+/// \param points in the units of the lattice; the binding gets a copy
+/// \throws Error as embed::bindPoints(), limit::bindLimit() and embed::TensorLattice do; Error for
+///         a basis and a lattice with marks, which only subdivision applies
+/// \cost of the function for the target: embed::bindPoints(), limit::bindLimit()
+/// \cite MacCracken & Joy 1996, sections 1 and 5
+ESPALIER_API Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,
+                                const Target& target, const BindOptions& options = {});
+
+}  // namespace espalier::bind

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/bind/bind.h>
+#include <espalier/embed/tensor_product.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/shapes/around.h>
+#include <espalier/shapes/refiner_options.h>
+
+#include <atomic>
+#include <random>
+
+#include "support/test.h"
+#include "support/zoo.h"
+
+namespace espalier::bind {
+namespace {
+
+/// Points in and around the unit cube; the last one is far outside.
+std::vector<Point3> pointsAround(int count) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> place(-0.2, 1.2);
+    std::vector<Point3> points;
+    for (int i = 1; i < count; ++i) points.push_back({place(random), place(random), place(random)});
+    points.push_back({9, 9, 9});
+    return points;
+}
+
+Lattice box() {
+    return shapes::box({.cells = {4, 4, 4}});
+}
+
+Binding bindTo(const Lattice& lattice, const std::vector<Point3>& points, const Target& target,
+               const BindOptions& options = {}) {
+    const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    return bindPoints({base, lattice.positions}, points, target, options);
+}
+
+void expectSame(const Binding& binding, const embed::BindingResult& expected) {
+    const embed::TableBinding& rows = binding;
+    EXPECT_EQ(rows, expected.binding);
+    EXPECT_EQ(binding.statuses, expected.statuses);
+    EXPECT_EQ(binding.largestResidual, expected.largestResidual);
+}
+
+// Each target against the function that does its work, called as a reader of its header would.
+TEST(Binding, IsTheResultOfItsTarget) {
+    const Lattice lattice = box();
+    const std::vector<Point3> points = pointsAround(200);
+    const TopologyRefiner base(lattice.complex);
+    const embed::RestLattice rest{base, lattice.positions};
+    const embed::EmbeddingOptions nearest{.outside = embed::OutsidePolicy::Nearest};
+    for (const embed::EmbeddingOptions& options : {embed::EmbeddingOptions(), nearest}) {
+        expectSame(bindTo(lattice, points, Level{2}, {options}),
+                   embed::bindPoints(rest, points, {.level = 2, .embedding = options}));
+        expectSame(bindTo(lattice, points, Limit{1e-7}, {options}),
+                   limit::withoutGradients(
+                       limit::bindLimit(rest, points, {.embedding = options, .tolerance = 1e-7})));
+        for (const embed::Basis basis : {embed::Basis::Bezier, embed::Basis::BSpline})
+            expectSame(
+                bindTo(lattice, points, basis, {options}),
+                embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, basis),
+                                  points, options));
+    }
+}
+
+TEST(Binding, KnowsTheRestAndTheHash) {
+    const Lattice lattice = box();
+    const std::vector<Point3> points = pointsAround(50);
+    const auto targets = {Target(Level{2}), Target(Limit{}), Target(embed::Basis::Bezier)};
+    for (const Target& target : targets) {
+        const Binding binding = bindTo(lattice, points, target);
+        EXPECT_EQ(binding.points, points);
+        EXPECT_EQ(binding.rest, lattice.positions);
+        EXPECT_TRUE(binding.knowsRest());
+        EXPECT_EQ(binding.topologyHash, far::topologyHash(lattice.complex));
+        using enum embed::PointStatus;
+        EXPECT_EQ(binding.count(Inside) + binding.count(Outside) + binding.count(NotConverged), 50);
+        EXPECT_GT(binding.count(Inside), 0);
+        EXPECT_GT(binding.count(Outside), 0);
+        EXPECT_FALSE(binding.gradients);
+        // At rest, x + D · (p − p) is x, bit for bit, also where D is rounded.
+        EXPECT_EQ(osd::evaluateBinding(binding, lattice.positions), points);
+        Binding unknown = binding;
+        unknown.points.clear();
+        EXPECT_FALSE(unknown.knowsRest());
+        const auto product = osd::evaluateBinding(unknown, lattice.positions);
+        EXPECT_EQ(product.back(), points.back());
+        // 1e-12: the placement of points is exact to their rounding times the weights of a row.
+        for (std::size_t i = 0; i < points.size(); ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                EXPECT_NEAR(product[i][axis], points[i][axis], 1e-12);
+    }
+}
+
+TEST(Binding, HasGradientsOfTheLimitOnRequest) {
+    const Lattice lattice = box();
+    const std::vector<Point3> points = pointsAround(50);
+    const Binding binding = bindTo(lattice, points, Limit{.gradients = true});
+    ASSERT_TRUE(binding.gradients);
+    // A pose that doubles x: F is the matrix of the pose, and 1 where nothing moves.
+    std::vector<Point3> pose = lattice.positions;
+    for (Point3& p : pose) p[0] *= 2;
+    const auto gradients = osd::evaluateGradients(binding, pose);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const bool isMoved = !binding.table.columns(static_cast<Index>(i)).empty();
+        const DeformationGradient expected = {isMoved ? 2.0 : 1.0, 0, 0, 0, 1, 0, 0, 0, 1};
+        for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(gradients[i][k], expected[k], 1e-12);
+    }
+    EXPECT_REFUSED(Error, "the binding has no gradients",
+                   osd::evaluateGradients(bindTo(lattice, points, Limit{}), pose));
+}
+
+// around() promises that binding finds all points inside, also a model whose size is near the
+// rounding of its coordinates, for which it widens the margin.
+TEST(Binding, FindsAllPointsInABoxAround) {
+    static_assert(shapes::kAroundTolerance == embed::EmbeddingOptions().tolerance);
+    for (const double away : {0.0, 1e7, 1e9}) {
+        std::vector<Point3> points;
+        for (int i = 0; i < 200; ++i)
+            points.push_back({away + 0.1 * i, away + 0.3 * (i * i % 11), away + 0.3 * (i % 7)});
+        double margin = -1;
+        const Lattice lattice = shapes::around(points, {.margin = 0, .oriented = true}, &margin);
+        EXPECT_GE(margin, 0);
+        for (const Target& target : {Target(Level{2}), Target(Limit{})})
+            EXPECT_EQ(bindTo(lattice, points, target).count(embed::PointStatus::Inside), 200)
+                << away;
+    }
+}
+
+TEST(Binding, RefusesMarksUnderABasis) {
+    Lattice lattice = box();
+    lattice.marks.vertices.push_back({0});
+    EXPECT_REFUSED(Error, "which only subdivision applies",
+                   bindTo(lattice, pointsAround(3), embed::Basis::BSpline));
+    EXPECT_NO_THROW(bindTo(lattice, pointsAround(3), Level{1}));
+}
+
+TEST(Binding, ReportsProgressForEachTarget) {
+    const auto targets = {Target(Level{2}), Target(Limit{}), Target(embed::Basis::BSpline)};
+    for (const Target& target : targets) {
+        std::atomic<Offset> most = 0;
+        bindTo(box(), pointsAround(300), target, {.progress = [&](Offset done) {
+                   Offset old = most;
+                   while (old < done && !most.compare_exchange_weak(old, done)) {
+                   }
+               }});
+        EXPECT_EQ(most, 300);
+    }
+}
+
+}  // namespace
+}  // namespace espalier::bind
