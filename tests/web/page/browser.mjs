@@ -24,9 +24,10 @@ export function openBrowser() {
 
 /** Opens the page in a browser context of its own, which keeps no files of other pages. The window is small, since the
  * processor draws the picture.
+ * The time of the tests follows the number of its pixels; below a width of 720 the page has another layout.
  * @param options of playwright-core, such as viewport */
 export async function openPage(browser, { file = pageFile, ...options } = {}) {
-  const context = await browser.newContext({ viewport: { width: 900, height: 600 }, ...options });
+  const context = await browser.newContext({ viewport: { width: 760, height: 440 }, ...options });
   context.setDefaultTimeout(kPatience);
   const page = await context.newPage();
   page.errors = [];

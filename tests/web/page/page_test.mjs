@@ -41,6 +41,9 @@ const timeOfSavedDocument = (page) =>
     return saved?.time;
   });
 
+/** A window that shows the whole lattice. */
+const kLargeWindow = { viewport: { width: 900, height: 600 } };
+
 describe("the page", () => {
   test("undo goes back to the start, and redo to the end", () =>
     withPage(async (page) => {
@@ -195,7 +198,7 @@ describe("the page", () => {
       await page.keyboard.press("i");
       await settled(page);
       assert.equal((await selected()).length, 56);
-    }));
+    }, kLargeWindow));
 
   test("folded cells are shown, and a mirrored pose is symmetric", () =>
     withPage(async (page) => {
