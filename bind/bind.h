@@ -36,7 +36,8 @@ struct Limit {
     bool gradients = false;                     ///< makes Binding::gradients
 };
 
-/// What points are bound to. An embed::Basis is the basis of a box lattice instead of subdivision.
+/// What points are bound to: a level or the limit of subdivision; or a Bézier or B-spline basis,
+/// whose lattice must be a box.
 using Target = std::variant<Level, Limit, embed::Basis>;
 
 struct BindOptions {
@@ -63,10 +64,11 @@ struct Binding : embed::TableBinding {
     std::vector<embed::PointStatus> statuses = {};  ///< one per point
     std::optional<double> largestResidual = {};     ///< see embed::BindingResultOf
 
+    /// Returns true if x is known.
+    bool knowsPoints() const { return std::ssize(points) == table.rowCount(); }
+
     /// Returns true if x and p are known. Then a pose moves points by x + D · (p' − p).
-    bool knowsRest() const {
-        return std::ssize(points) == table.rowCount() && std::ssize(rest) == table.columnCount();
-    }
+    bool knowsRest() const { return knowsPoints() && std::ssize(rest) == table.columnCount(); }
 
     /// Returns the number of points with a status.
     Index count(embed::PointStatus status) const;

@@ -40,8 +40,10 @@ espalier_binding* newBinding(io::BoundModel model) {
 espalier_binding* bindTo(const embed::RestLattice& lattice, std::span<const Point3> points,
                          const bind::Target& target, const espalier_bind_options& chosen) {
     io::BoundModel model{
-        bind::bindPoints(lattice, points, target, {.embedding = embeddingOptions(chosen)}), {}, {}};
-    model.faces = io::facesOf(lattice.base.level(0).complex);
+        bind::bindPoints(lattice, points, target, {.embedding = embeddingOptions(chosen)}),
+        {},
+        {},
+        io::facesOf(lattice.base.level(0).complex)};
     return newBinding(std::move(model));
 }
 

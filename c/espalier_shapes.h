@@ -58,7 +58,8 @@ static inline espalier_around_options espalier_default_around_options(void) {
 }
 
 /// Makes a box of hexahedra around points. It contains every point, and so do all refinements and
-/// the limit of the lattice under the default rules.
+/// the limit of the lattice under the default rules. Where rounding leaves points outside, the
+/// margin is doubled until all are inside.
 ///
 /// \param point_count 1 or more
 /// \param points 3 · point_count numbers

@@ -183,9 +183,10 @@ void BoundaryForces::matchPulls() {
 void BoundaryForces::matchPushes() {
     const auto groups = groups_.groups();
     const CubeGrid& grid = groups_.grid();
-    std::vector<Index> cubeOf;
-    for (const Face& face : fineFaces_) cubeOf.push_back(grid.cubeOf(face.centre));
-    const CubeLists facesOfCubes(grid, cubeOf);
+    std::vector<Bins::Entry> entries;
+    for (Index f = 0; f < std::ssize(fineFaces_); ++f)
+        entries.push_back({grid.cubeOf(fineFaces_[f].centre), f});
+    const Bins facesOfCubes(grid.cubeCount(), entries);
     const auto nearestFace = [&](const Point3& point, auto accept) {
         return grid.nearest(
             point, kPushRings,

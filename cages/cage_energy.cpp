@@ -175,6 +175,7 @@ void CellShapes::activate() {
             const Cell& cell = level.cells[i];
             if (k > 1 && isExamined_[cell.baseCell] == 0) continue;
             level.activeCells.push_back(static_cast<Index>(i));
+            if (k == 0) continue;  // no rows: the vertices of the base
             level.activeRows.insert(level.activeRows.end(), cell.vertices.begin(),
                                     cell.vertices.end());
         }
@@ -232,11 +233,9 @@ double CellShapes::evaluateCells(const LevelCells& level, std::span<const Point3
 double CellShapes::workOfEvaluation() const {
     constexpr double kPerCell = 200, kPerRow = 100;
     double steps = 0;
-    for (const LevelCells& level : levels_) {
-        steps += kPerCell * static_cast<double>(level.activeCells.size());
-        if (level.table.rowCount() > 0)
-            steps += kPerRow * static_cast<double>(level.activeRows.size());
-    }
+    for (const LevelCells& level : levels_)
+        steps += kPerCell * static_cast<double>(level.activeCells.size()) +
+                 kPerRow * static_cast<double>(level.activeRows.size());
     return steps;
 }
 

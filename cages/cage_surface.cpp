@@ -17,6 +17,7 @@
 #include <numeric>
 #include <utility>
 
+#include "bins.h"
 #include "left_side.h"
 #include "oriented_box.h"
 
@@ -211,33 +212,6 @@ OrientedBox boxAround(std::span<const Point3> hull, const std::array<Index, 4>& 
     return {axesAround(cross(along, difference(vertices[face[3]], vertices[face[1]])), along),
             hull};
 }
-
-/// Lists, for each of some bins, the items in it, ascending.
-class Bins {
-public:
-    struct Entry {
-        Index bin, item;
-    };
-
-    /// \param entries by ascending items
-    Bins(Index binCount, std::span<const Entry> entries)
-        : offsets_(static_cast<std::size_t>(binCount) + 1, 0), items_(entries.size()) {
-        // Until all items have their places, an offset is the end of its bin; then the begin. There
-        // may be many more bins than entries, so there is one array of them only.
-        for (const Entry& entry : entries) ++offsets_[entry.bin];
-        std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-        for (std::size_t i = entries.size(); i-- > 0;)
-            items_[--offsets_[entries[i].bin]] = entries[i].item;
-    }
-
-    std::span<const Index> operator[](Index bin) const {
-        return std::span(items_).subspan(offsets_[bin], offsets_[bin + 1] - offsets_[bin]);
-    }
-
-private:
-    std::vector<std::uint32_t> offsets_;
-    std::vector<Index> items_;
-};
 
 /// Counts how often triangles wind around points.
 class Winding {

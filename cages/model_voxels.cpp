@@ -92,13 +92,13 @@ public:
         // The normal of a needle is rounded too much. It is followed along its longest extent,
         // where each row has a few cubes of it.
         constexpr double kHeightError = 1e-3, kRounding = 1e-15;
-        hasPlane_ =
+        const bool hasPlane =
             kRounding * extent * extent * extent < kHeightError * std::abs(normal[steepest]);
-        heights = hasPlane_ ? steepest : largest(sides) == 2 ? 1 : 2;
+        heights = hasPlane ? steepest : largest(sides) == 2 ? 1 : 2;
         // Neighbours along the first axis are neighbours in memory.
         columns = heights == 0 ? 1 : 0;
         rows = 3 - heights - columns;
-        if (!hasPlane_) {
+        if (!hasPlane) {
             if (largest(sides) == columns) std::swap(rows, columns);
             return;
         }
@@ -130,7 +130,6 @@ private:
     static constexpr double kMore = 2e-3;  ///< more than all rounding, in cubes
 
     const std::array<Point3, 3>& triangle_;
-    bool hasPlane_;
     std::array<double, 2> slopes_ = {0, 0};  ///< of the heights: along a row, and across the rows
     double half_ = std::numeric_limits<double>::infinity();  ///< of the heights in a column
 };
@@ -158,10 +157,10 @@ void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
             row, from[in.columns], to[in.columns], [&](Index column, double low, double high) {
                 const auto first = static_cast<Index>(std::max<double>(low, from[in.heights]));
                 const auto last = static_cast<Index>(std::min<double>(high, to[in.heights]));
-                char* mark = &marks[row * strides[in.rows] + column * strides[in.columns] +
-                                    first * strides[in.heights]];
-                for (Index height = first; height <= last; ++height, mark += strides[in.heights]) {
-                    if (*mark != 0) continue;
+                const Offset ofColumn = row * strides[in.rows] + column * strides[in.columns];
+                for (Index height = first; height <= last; ++height) {
+                    char& mark = marks[ofColumn + height * strides[in.heights]];
+                    if (mark != 0) continue;
                     std::array<Index, 3> cube;
                     cube[in.rows] = row;
                     cube[in.columns] = column;
@@ -169,7 +168,7 @@ void markTriangle(const CubeGrid& grid, const std::array<Point3, 3>& triangle,
                     Point3 centre;
                     for (int axis = 0; axis < 3; ++axis)
                         centre[axis] = grid.origin[axis] + (cube[axis] + 0.5) * grid.size;
-                    if (meetsCube(triangle, centre, grid.size)) *mark = 1;
+                    if (meetsCube(triangle, centre, grid.size)) mark = 1;
                 }
             });
 }

@@ -43,15 +43,6 @@ std::array<Index, 3> CubeGrid::coordinatesOf(const Point3& point) const {
     return result;
 }
 
-CubeLists::CubeLists(const CubeGrid& grid, std::span<const Index> cubeOf)
-    : firstOfCube_(static_cast<std::size_t>(grid.cubeCount()) + 2), items_(cubeOf.size()) {
-    for (const Index cube : cubeOf) ++firstOfCube_[cube + 2];
-    std::partial_sum(firstOfCube_.begin(), firstOfCube_.end(), firstOfCube_.begin());
-    // Entry c + 1 is the place of the next item of cube c, and so becomes the end of its list.
-    for (std::size_t item = 0; item < cubeOf.size(); ++item)
-        items_[firstOfCube_[cubeOf[item] + 1]++] = static_cast<Index>(item);
-}
-
 PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     : grid_(grid), blocks_(grid.origin, grid.end(), kCubesPerBlock * grid.size) {
     // Numbers are sorted instead of the points, which take twelve times the memory: first by cubes.
@@ -146,18 +137,18 @@ void PointGroups::makeBlocks() {
     };
     sortCancellably(groupsByBlock_.begin(), groupsByBlock_.end(),
                     [&](Index a, Index b) { return key(a) < key(b); });
-    std::vector<Index> blockOfList;
+    std::vector<Bins::Entry> blockOfList;
     for (const Index group : groupsByBlock_) {
         const std::optional<Index>& cell = groups_[group].cell;
-        if (blockOfList.empty() || blockOfList.back() != blockOf[group] ||
+        if (blockOfList.empty() || blockOfList.back().bin != blockOf[group] ||
             lists_.back().cell != cell) {
             const Index first = lists_.empty() ? 0 : lists_.back().last;
+            blockOfList.push_back({blockOf[group], static_cast<Index>(lists_.size())});
             lists_.push_back({cell, first, first});
-            blockOfList.push_back(blockOf[group]);
         }
         ++lists_.back().last;
     }
-    listsOfBlocks_ = {blocks_, blockOfList};
+    listsOfBlocks_ = Bins(blocks_.cubeCount(), blockOfList);
 }
 
 const Point3& PointGroups::farthest(const Group& group, const Point3& direction) const {

@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "bins.h"
 #include "oriented_box.h"
 
 namespace espalier::cages {
@@ -139,25 +140,6 @@ private:
     }
 };
 
-/// Lists of items, one list for each cube of a grid. The lists of a row of cubes are contiguous.
-class CubeLists {
-public:
-    CubeLists() = default;
-
-    /// \param cubeOf cube of each item
-    CubeLists(const CubeGrid& grid, std::span<const Index> cubeOf);
-
-    /// Returns the items in the cubes `first` to `last`, by ascending cubes, then by ascending
-    /// numbers.
-    std::span<const Index> itemsIn(Index first, Index last) const {
-        return std::span(items_).subspan(firstOfCube_[first],
-                                         firstOfCube_[last + 1] - firstOfCube_[first]);
-    }
-
-private:
-    std::vector<Index> firstOfCube_, items_;
-};
-
 /// A point of a model.
 struct FitPoint {
     Point3 position = {};
@@ -271,7 +253,7 @@ private:
     };
     static constexpr Index kCubesPerBlock = 4;  ///< along each axis
     CubeGrid blocks_;
-    CubeLists listsOfBlocks_;
+    Bins listsOfBlocks_;
     std::vector<GroupList> lists_;
     std::vector<Index> groupsByBlock_;
     std::vector<Point3> centres_;  ///< of the groups: nearest() reads little else

@@ -27,10 +27,6 @@ namespace {
 
 using BoundPointer = std::shared_ptr<BoundPoints>;
 
-bool knowsPoints(const bind::Binding& binding) {
-    return std::ssize(binding.points) == binding.table.rowCount();
-}
-
 BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,
                   const std::string& outside, double tolerance, const std::string& basis,
                   bool limit) {
@@ -169,7 +165,7 @@ void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
             "points",
             [](const py::object& self) -> py::object {
                 const bind::Binding& binding = self.cast<const BoundPoints&>().binding();
-                if (!knowsPoints(binding)) return py::none();
+                if (!binding.knowsPoints()) return py::none();
                 return viewOf(binding.points, self);
             },
             "The positions of the points when they were bound: array (N, 3) of float64, read-only, "

@@ -259,8 +259,7 @@ py::tuple stateOfBinding(const py::object& self) {
     const auto& binding = bound.binding;
     py::object at = py::none(), statuses = py::none(), residual = py::none();
     // If there is a model, the pickle needs no points: the file of the model contains them.
-    if (bound.modelName.empty() && std::ssize(binding.points) == binding.table.rowCount())
-        at = viewOf(binding.points, self);
+    if (bound.modelName.empty() && binding.knowsPoints()) at = viewOf(binding.points, self);
     if (binding.largestResidual) {
         statuses = viewOf(bytesOf(binding.statuses), self);
         residual = py::float_(*binding.largestResidual);

@@ -199,7 +199,7 @@ cells : number of cells along the longest side of the box, for cells that are cl
 default); or 3 int, cells along x, y and z
 cell_size : instead of `cells`, the largest edge of a cell
 margin : distance from the points to the sides of the box, as a fraction of the diagonal of the box
-around the points
+around the points; doubled until rounding leaves no point outside
 oriented : if True, the box is turned so that its volume is smallest; otherwise its sides are
 parallel to the axes
 )");

@@ -97,8 +97,8 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const far::TopologyRefiner base(rest.complex,
                                     {.marks = rest.marks});
-    const auto binding = bind::bindPoints({base, rest.positions},
-                                          points, bind::Level{3});
+    const auto binding = bind::bindPoints(
+        {base, rest.positions}, points, bind::Level{3});
     const auto& deformation = binding.table;  // D
     const auto outside =
         binding.count(embed::PointStatus::Outside);
