@@ -3,6 +3,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_chain.h>
+#include <espalier/osd/deformer.h>
 #include <espalier/stencils/sparse_matrix.h>
 
 #include <algorithm>
@@ -23,7 +24,7 @@
 // Multiplies a table by xyz values with our evaluators, OpenSubdiv's and Eigen's, on the same
 // arrays. Benchmarks are named apply/WORKLOAD/REAL/COMPONENTS/WHO. Each result is compared with our
 // plain evaluator's before it is timed. Benchmarks named addend/WORKLOAD/REAL/COMPONENTS/FORM WAY
-// add points to the results.
+// add points to the results. Benchmarks named deform/WORKLOAD/REAL/POSES/FORM deform a binding.
 // Benchmarks named compile/WORKLOAD/REAL/WHO compile the table or copy it.
 namespace espalier {
 namespace {
@@ -144,6 +145,27 @@ void runWithPoints(benchmark::State& state, const Compiled& compiled,
     evaluate();
     if (result != sums) return state.SkipWithError("the result is wrong");
     for (auto _ : state) evaluate();
+}
+
+/// Times a deformer, for some poses in one call.
+template <class Real>
+void deform(benchmark::State& state, const Tables<double>& tables, int poses, bool withFactors) {
+    const ThreadLimit limit(1);
+    bind::Binding binding{tables.table};
+    if (withFactors) binding.factors = tables.factors;
+    for (Index row = 0; row < tables.table.rowCount(); ++row)
+        binding.points.push_back({0.001 * (row % 1000), 0.5, 0.25});
+    binding.rest.resize(tables.table.columnCount());
+    const osd::Deformer<Real> deformer(binding);
+    std::vector<Real> source(poses * binding.rest.size() * 3, Real(0.5)),
+        result(poses * binding.points.size() * 3);
+    deformer.deform(source, result);
+    for (auto _ : state) {
+        deformer.deform(source, result);
+        benchmark::ClobberMemory();
+    }
+    state.counters["ms a pose"] = benchmark::Counter(
+        0.001 * poses, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 /// Times Dᵀ, from values of the rows to sums over the columns.
@@ -321,6 +343,19 @@ void addPointsTo(const Case& chosen, int components, bool isFactored) {
             ->Unit(benchmark::kMillisecond);
 }
 
+template <class Real>
+void addDeforming(const Case& chosen, int poses, bool isFactored) {
+    benchmark::RegisterBenchmark(("deform/" + chosen.key + "/" + nameOf<Real>() + "/" +
+                                  std::to_string(poses) + (isFactored ? "/factors" : "/table"))
+                                     .c_str(),
+                                 [=](benchmark::State& state) {
+                                     deform<Real>(state, workload(chosen.key, chosen.make).inDouble,
+                                                  poses, isFactored);
+                                 })
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+}
+
 const bool kRegistered = [] {
     const std::vector<Case> cases = {{"surface 0.4 M", [] { return bench::surface(400'000); }},
                                      {"surface 1.6 M", [] { return bench::surface(1'600'000); }},
@@ -354,6 +389,8 @@ const bool kRegistered = [] {
                 if (isFactored && !each.hasFactors) continue;
                 addPointsTo<float>(each, components, isFactored);
                 addPointsTo<double>(each, components, isFactored);
+                addDeforming<float>(each, components / 3, isFactored);
+                addDeforming<double>(each, components / 3, isFactored);
             }
     }
     return true;

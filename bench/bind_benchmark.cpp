@@ -3,7 +3,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/standard_cells.h>
-#include <espalier/osd/binding_evaluator.h>
+#include <espalier/stencils/composition.h>
 #include <sys/resource.h>
 
 #include <string>
@@ -35,8 +35,8 @@ struct Scene {
     Lattice lattice = bench::regularLattice();
     far::TopologyRefiner base{lattice.complex};
 
-    embed::TableBinding bind() const {
-        return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
+    embed::BoundRows<> bind() const {
+        return embed::bindPoints({base, lattice.positions}, points, {.level = level});
     }
 };
 
@@ -56,9 +56,10 @@ const bench::RefinedBox& refined() {
 void bind(benchmark::State& state, Scene (*make)(), int threads) {
     const ThreadLimit limit(threads);
     const Scene scene = make();
-    embed::TableBinding binding;
+    embed::BoundRows<> binding;
     for (auto _ : state) binding = scene.bind();
-    if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
+    if (!bench::givesBack(stencils::applyLevelTable(binding.table, scene.lattice.positions),
+                          scene.points))
         state.SkipWithError("the rest pose does not give the points back");
     state.counters["entries a row"] =
         static_cast<double>(binding.table.entryCount()) / binding.table.rowCount();
@@ -143,7 +144,8 @@ void bindAndApply(benchmark::State& state, Scene (*make)()) {
     for (auto _ : state) {
         const Scene scene = make();
         const auto binding = scene.bind();
-        if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
+        if (!bench::givesBack(stencils::applyLevelTable(binding.table, scene.lattice.positions),
+                              scene.points))
             return state.SkipWithError("the rest pose does not give the points back");
         state.counters["result bytes"] = static_cast<double>(byteCount(binding.table));
     }

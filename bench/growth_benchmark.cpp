@@ -2,9 +2,9 @@
 #include <benchmark/benchmark.h>
 #include <espalier/base/parallel.h>
 #include <espalier/embed/local_binding.h>
-#include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
 
 #include <cmath>
 #include <map>
@@ -32,16 +32,17 @@ struct Scene {
     Scene(int cellCount, int pointCount)
         : Scene(shapes::box({.cells = {cellCount, cellCount, cellCount}}), pointCount) {}
 
-    embed::TableBinding bind(int level) const {
-        return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
+    embed::BoundRows<> bind(int level) const {
+        return embed::bindPoints({base, lattice.positions}, points, {.level = level});
     }
 };
 
 void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
     const ThreadLimit limit(threads);
-    embed::TableBinding binding;
+    embed::BoundRows<> binding;
     for (auto _ : state) binding = scene.bind(level);
-    if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
+    if (!bench::givesBack(stencils::applyLevelTable(binding.table, scene.lattice.positions),
+                          scene.points))
         state.SkipWithError("the rest pose does not give the points back");
 }
 

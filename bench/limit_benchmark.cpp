@@ -2,8 +2,8 @@
 #include <benchmark/benchmark.h>
 #include <espalier/base/parallel.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
+#include <espalier/stencils/composition.h>
 
 #include <cmath>
 #include <map>
@@ -27,10 +27,10 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     /// Returns D for a level, or for the limit if the level is 0.
-    embed::TableBinding bind(int level) const {
+    embed::BoundRows<> bind(int level) const {
         if (level > 0)
-            return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
-        return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points)).binding;
+            return embed::bindPoints({base, lattice.positions}, points, {.level = level});
+        return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points));
     }
 
     /// Returns a pose that moves all vertices differently, by sines of their positions.
@@ -50,8 +50,8 @@ const Scene& scene(bool isRegular) {
 }
 
 /// Returns a cached binding, made on all threads, for benchmarks that do not measure binding.
-const embed::TableBinding& bound(bool isRegular, int level) {
-    static std::map<std::pair<bool, int>, embed::TableBinding> made;
+const embed::BoundRows<>& bound(bool isRegular, int level) {
+    static std::map<std::pair<bool, int>, embed::BoundRows<>> made;
     const auto [place, isNew] = made.try_emplace({isRegular, level});
     if (isNew) place->second = scene(isRegular).bind(level);
     return place->second;
@@ -69,17 +69,18 @@ double meanDistance(const std::vector<Point3>& first, const std::vector<Point3>&
 void bind(benchmark::State& state, bool isRegular, int level, int threads) {
     const ThreadLimit limit(threads);
     const Scene& made = scene(isRegular);
-    embed::TableBinding binding;
+    embed::BoundRows<> binding;
     for (auto _ : state) binding = made.bind(level);
-    if (!bench::givesBack(osd::evaluateBinding(binding, made.lattice.positions), made.points))
+    if (!bench::givesBack(stencils::applyLevelTable(binding.table, made.lattice.positions),
+                          made.points))
         return state.SkipWithError("the rest pose does not give the points back");
     state.counters["entries a row"] =
         static_cast<double>(binding.table.entryCount()) / binding.table.rowCount();
     state.counters["items"] = static_cast<double>(made.points.size());
     if (level > 0)
         state.counters["distance from the limit"] =
-            meanDistance(osd::evaluateBinding(binding, made.pose()),
-                         osd::evaluateBinding(bound(isRegular, 0), made.pose()));
+            meanDistance(stencils::applyLevelTable(binding.table, made.pose()),
+                         stencils::applyLevelTable(bound(isRegular, 0).table, made.pose()));
 }
 
 void apply(benchmark::State& state, bool isRegular, int level) {

@@ -78,7 +78,7 @@ double peakMegabytes() {
 StencilTable<double> bindOwn(const Lattice& lattice, const std::vector<Point3>& points, int level) {
     return embed::bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions}, points,
                              {.level = level})
-        .binding.table;
+        .table;
 }
 
 std::vector<double> randomValues(Offset count, unsigned seed) {
@@ -265,8 +265,7 @@ void runLattice() {
         for (Point3& point : points) point = {anywhere(random), anywhere(random), along(random)};
         StencilTable<double> rows;
         const double binding = secondsOf([&] {
-            rows = embed::bindPoints({base, lattice.positions}, points, {.level = kLevel})
-                       .binding.table;
+            rows = embed::bindPoints({base, lattice.positions}, points, {.level = kLevel}).table;
         });
         const double peak = largest(peakMegabytes());
         const auto pose = randomValues(kComponents * vertices.count(), 1);

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/bind/bind.h>
 #include <espalier/embed/tensor_product.h>
+#include <espalier/far/topology_match.h>
 
 #include <algorithm>
 #include <utility>
@@ -16,9 +17,10 @@ struct Binder {
     const BindOptions& options;
 
     Binding operator()(const Level& target) const {
-        return made(embed::bindPoints(
-            lattice, points,
-            {.level = target.level, .embedding = options.embedding, .progress = options.progress}));
+        const embed::BindingOptions chosen{target.level, options.embedding, options.progress};
+        Binding binding = made(embed::bindPoints(lattice, points, chosen));
+        if (target.factors) binding.factors = embed::bindFactored(lattice, points, chosen).table;
+        return binding;
     }
 
     Binding operator()(const Limit& target) const {
@@ -28,7 +30,7 @@ struct Binder {
                                        .gradients = target.gradients,
                                        .progress = options.progress});
         std::optional<Gradients> gradients;
-        if (target.gradients) gradients = std::move(found.binding.table.gradients);
+        if (target.gradients) gradients = std::move(found.table.gradients);
         Binding binding = made(limit::withoutGradients(std::move(found)));
         binding.gradients = std::move(gradients);
         return binding;
@@ -45,10 +47,10 @@ struct Binder {
     }
 
 private:
-    static Binding made(embed::BindingResult result) {
-        Binding binding{std::move(result.binding)};
-        binding.statuses = std::move(result.statuses);
-        binding.largestResidual = result.largestResidual;
+    static Binding made(embed::BoundRows<> bound) {
+        Binding binding{std::move(bound.table)};
+        binding.statuses = std::move(bound.statuses);
+        binding.largestResidual = bound.largestResidual;
         return binding;
     }
 };
@@ -62,6 +64,7 @@ Index Binding::count(embed::PointStatus status) const {
 Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,
                    const Target& target, const BindOptions& options) {
     Binding binding = std::visit(Binder{lattice, points, options}, target);
+    binding.topologyHash = far::topologyHash(lattice.base.level(0).complex);
     binding.points.assign(points.begin(), points.end());
     binding.rest.assign(lattice.positions.begin(), lattice.positions.end());
     return binding;

@@ -6,6 +6,7 @@
 #include <espalier/limit/limit_binding.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -27,7 +28,8 @@ namespace espalier::bind {
 
 /// A level of the lattice.
 struct Level {
-    int level = 3;  ///< 1 to embed::kMaxLevelOfPoints
+    int level = 3;         ///< 1 to embed::kMaxLevelOfPoints
+    bool factors = false;  ///< makes Binding::factors
 };
 
 /// The limit volume, which the levels converge to.
@@ -54,21 +56,20 @@ using Gradients = std::array<stencils::StencilTable<double>, 3>;
 
 /// Points that are bound to a lattice: all that is needed to deform them. Neither the lattice nor
 /// its topology is needed any more.
-struct Binding : embed::TableBinding {
+///
+/// A point whose row is empty is outside the lattice, or could not be placed (`statuses`). Since
+/// its displacement is 0, it is exactly where it was in every pose.
+struct Binding {
+    stencils::StencilTable<double> table;     ///< D: points × base vertices
+    std::uint64_t topologyHash = 0;           ///< far::topologyHash of the base lattice
     std::optional<Gradients> gradients = {};  ///< only of a limit that was asked for them
-
-    std::vector<Point3> points = {};  ///< x, one per row of D; empty if they are not known
-    std::vector<Point3> rest = {};    ///< p, one per column of D; empty if they are not known
-
-    // How the points were found. It is not known of a binding from a file.
-    std::vector<embed::PointStatus> statuses = {};  ///< one per point
-    std::optional<double> largestResidual = {};     ///< see embed::BindingResultOf
-
-    /// Returns true if x is known.
-    bool knowsPoints() const { return std::ssize(points) == table.rowCount(); }
-
-    /// Returns true if x and p are known. Then a pose moves points by x + D · (p' − p).
-    bool knowsRest() const { return knowsPoints() && std::ssize(rest) == table.columnCount(); }
+    /// D in its two factors, which are faster where cells of the level hold several points; only of
+    /// a level that was asked for them.
+    std::optional<stencils::FactoredTable<double>> factors = {};
+    std::vector<Point3> points = {};                ///< x, one per row of D
+    std::vector<Point3> rest = {};                  ///< p, one per column of D
+    std::vector<embed::PointStatus> statuses = {};  ///< how each point was found
+    double largestResidual = 0;                     ///< see embed::BoundRows
 
     /// Returns the number of points with a status.
     Index count(embed::PointStatus status) const;

@@ -51,23 +51,6 @@ const bind::Binding& bindingOf(const espalier_binding* binding) {
     return deref(binding, "binding").model->binding;
 }
 
-const bind::Binding& placedBindingOf(const espalier_binding* binding) {
-    const bind::Binding& own = bindingOf(binding);
-    if (!own.largestResidual)
-        throw Error("the binding was loaded from a file, which does not say how points were found");
-    return own;
-}
-
-template <class Real>
-espalier_status putKept(const espalier_binding* binding, Real* destination, int64_t size,
-                        const espalier_buffer_layout& layout) {
-    return guarded([&] {
-        const bind::Binding& own = bindingOf(binding);
-        const auto to = array(destination, size, "destination");
-        osd::writeKept<Real>(own, to, {layout.offset, layout.length, layout.stride});
-    });
-}
-
 }  // namespace
 }  // namespace espalier::c
 
@@ -113,11 +96,8 @@ espalier_status espalier_binding_save(const espalier_binding* binding, const cha
 }
 
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
-    return c::result(binding, "binding", [&] {
-        io::BoundModel model = io::readBoundModel(&c::deref(path, "path"));
-        model.binding.points = io::pointsAtRest(model, path).value_or(std::vector<Point3>());
-        return c::newBinding(std::move(model));
-    });
+    return c::result(binding, "binding",
+                     [&] { return c::newBinding(io::readBoundModel(&c::deref(path, "path"))); });
 }
 
 espalier_status espalier_binding_table(const espalier_binding* binding, espalier_table** table) {
@@ -134,7 +114,7 @@ espalier_status espalier_binding_topology_hash(const espalier_binding* binding, 
 espalier_status espalier_binding_statuses(const espalier_binding* binding, int32_t* point_count,
                                           const uint8_t** statuses) {
     return c::guarded([&] {
-        const auto& own = c::placedBindingOf(binding).statuses;
+        const auto& own = c::bindingOf(binding).statuses;
         auto& count = c::deref(point_count, "point_count");
         // PointStatus has the underlying type std::uint8_t, so its array can be read as bytes.
         c::deref(statuses, "statuses") = reinterpret_cast<const std::uint8_t*>(own.data());
@@ -144,21 +124,7 @@ espalier_status espalier_binding_statuses(const espalier_binding* binding, int32
 
 espalier_status espalier_binding_largest_residual(const espalier_binding* binding,
                                                   double* residual) {
-    return c::result(residual, "residual",
-                     [&] { return *c::placedBindingOf(binding).largestResidual; });
-}
-
-espalier_status espalier_binding_kept(const espalier_binding* binding, int32_t* count,
-                                      const int32_t** points, const double** positions) {
-    return c::guarded([&] {
-        const bind::Binding& own = c::bindingOf(binding);
-        auto& outCount = c::deref(count, "count");
-        auto& outPoints = c::deref(points, "points");
-        auto& outPositions = c::deref(positions, "positions");
-        outCount = static_cast<std::int32_t>(own.kept.size());
-        outPoints = own.kept.data();
-        outPositions = c::numbers(own.keptAt);
-    });
+    return c::result(residual, "residual", [&] { return c::bindingOf(binding).largestResidual; });
 }
 
 espalier_status espalier_binding_rest(const espalier_binding* binding, int32_t* vertex_count,
@@ -170,10 +136,6 @@ espalier_status espalier_binding_rest(const espalier_binding* binding, int32_t* 
         auto& outVertices = c::deref(vertices, "vertices");
         auto& pointCount = c::deref(point_count, "point_count");
         auto& outPoints = c::deref(points, "points");
-        if (!own.knowsRest())
-            throw Error(
-                "the binding was loaded from a file that does not have the points and the lattice "
-                "at rest");
         outVertices = c::numbers(own.rest);
         outPoints = c::numbers(own.points);
         vertexCount = static_cast<std::int32_t>(own.rest.size());
@@ -212,16 +174,4 @@ espalier_status espalier_binding_gradients(const espalier_binding* binding, int3
         if (!found.empty())
             std::memcpy(gradients, found.data(), found.size() * sizeof(DeformationGradient));
     });
-}
-
-espalier_status espalier_binding_put_kept_f64(const espalier_binding* binding, double* destination,
-                                              int64_t destination_size,
-                                              espalier_buffer_layout layout) {
-    return c::putKept(binding, destination, destination_size, layout);
-}
-
-espalier_status espalier_binding_put_kept_f32(const espalier_binding* binding, float* destination,
-                                              int64_t destination_size,
-                                              espalier_buffer_layout layout) {
-    return c::putKept(binding, destination, destination_size, layout);
 }

@@ -13,7 +13,9 @@
 ///                                                      │
 ///                                   points ──► espalier_binding ──► espalier_table      D
 ///                                                      │                  │
-///                                        pose ──► moved points    espalier_evaluator    D·p', Dᵀ·g
+///                                              espalier_deformer  espalier_evaluator    D·v, Dᵀ·g
+///                                                      │
+///                                       poses ──► moved points
 ///
 /// These rules hold for all functions:
 ///
@@ -417,7 +419,7 @@ typedef struct espalier_table espalier_table;
 
 /// The arrays of a table in compressed sparse rows, the format of SciPy, Eigen and MKL. Row r has
 /// entries offsets[r] to offsets[r + 1] − 1. The columns of a row ascend, without duplicates. Every
-/// row sums to 1, except empty rows, which belong to points that are kept in place, and rows of
+/// row sums to 1, except empty rows, which belong to points that no pose moves, and rows of
 /// derivatives, which sum to 0. A table that was read from a file has the rows of the file.
 typedef struct espalier_csr {
     int32_t row_count;
@@ -547,8 +549,7 @@ static inline espalier_bind_options espalier_default_bind_options(void) {
     return options;
 }
 
-/// Points that are bound to a lattice: x' = D · p', except for points that are kept in place. Holds
-/// the points and the lattice at rest. Immutable.
+/// Points that are bound to a lattice, with D, the points and the lattice at rest. Immutable.
 typedef struct espalier_binding espalier_binding;
 
 /// Binds points to a level of a lattice (embed/local_binding.h), or to its limit. The level need
@@ -594,9 +595,8 @@ ESPALIER_C_API espalier_status espalier_binding_create_tensor(const espalier_lat
 ESPALIER_C_API void espalier_binding_destroy(espalier_binding* binding);
 
 /// Writes a binding without loss (.espb, io/binding_file.h), for espalier_binding_load() and for
-/// `espalier apply`. If the binding was not loaded with a model, the file stores the points as a
-/// model points.obj. An existing file is replaced only after everything has been written.
-/// \retval ESPALIER_ERROR_INPUT a point is not finite
+/// `espalier apply`, which writes the points as a model points.obj if the binding was not loaded
+/// with a model. An existing file is replaced only after everything has been written.
 ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* binding,
                                                      const char* path);
 
@@ -604,14 +604,9 @@ ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* bin
 /// stores the file of the model, and for a binding to the limit the gradients, which move the
 /// normals of the model. A later espalier_binding_save() writes both again.
 ///
-/// Reads the stored model too, for espalier_binding_rest() and espalier_binding_apply(), which move
-/// its points by displacements of the lattice.
-///
-/// \retval ESPALIER_ERROR_FILE the file cannot be read or is damaged (io/binding_file.h); the
-///         stored model cannot be read, or has another number of points than the binding
-/// \retval ESPALIER_ERROR_MEMORY the model takes more memory than the limit allows
-/// \cost O(size of the file), and one pass over the stored model. Keeps the binding, the file of
-///       the model and 24 bytes per point
+/// \retval ESPALIER_ERROR_FILE the file cannot be read, is damaged, or was written by an older
+///         version (io/binding_file.h)
+/// \cost O(size of the file)
 ESPALIER_C_API espalier_status espalier_binding_load(const char* path, espalier_binding** binding);
 
 /// Gives D: points × vertices of the lattice, which is also the Jacobian of the points by the
@@ -625,35 +620,25 @@ ESPALIER_C_API espalier_status espalier_binding_topology_hash(const espalier_bin
                                                               uint64_t* hash);
 
 /// Gives ESPALIER_POINT_... for each point.
-/// \retval ESPALIER_ERROR_INPUT the binding was read from a file, which does not store the statuses
 ESPALIER_C_API espalier_status espalier_binding_statuses(const espalier_binding* binding,
                                                          int32_t* point_count,
                                                          const uint8_t** statuses);
 
-/// Gives the largest distance at rest between a point and its position by D, over the points that
-/// are not kept in place.
-/// \retval ESPALIER_ERROR_INPUT as espalier_binding_statuses()
+/// Gives the largest distance at rest between a point and its position by D, over the points whose
+/// rows of D are not empty.
 ESPALIER_C_API espalier_status espalier_binding_largest_residual(const espalier_binding* binding,
                                                                  double* residual);
 
-/// Gives the points that are kept in place, ascending, and their positions: 3 · *count numbers.
-ESPALIER_C_API espalier_status espalier_binding_kept(const espalier_binding* binding,
-                                                     int32_t* count, const int32_t** points,
-                                                     const double** positions);
-
 /// Gives the positions of the lattice and of the points at rest: 3 · *vertex_count and 3 ·
 /// *point_count numbers.
-/// \retval ESPALIER_ERROR_INPUT the binding was loaded from a file of version 1 or without a model,
-///         which lacks one of the two
 ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* binding,
                                                      int32_t* vertex_count, const double** vertices,
                                                      int32_t* point_count, const double** points);
 
 /// Computes the points for a pose of the lattice: x + D · (p' − p), where x and p are the points
-/// and the lattice at rest. So points that no moved vertex influences, and points that are kept in
-/// place, stay exactly where they were. If espalier_binding_rest() fails, the points are D · p',
-/// and points that are kept in place get their rest positions. For many poses an evaluator is
-/// faster; its results differ by rounding, since it adds the products of a row in another order.
+/// and the lattice at rest. So points that no moved vertex influences, and points outside, stay
+/// exactly where they were. For many poses a deformer is faster; its results differ by rounding,
+/// since it adds the products of a row in another order.
 ///
 /// \param vertex_count number of vertices of the lattice
 /// \param pose positions of the vertices, 3 · vertex_count numbers
@@ -761,8 +746,8 @@ ESPALIER_C_API void espalier_workspace_destroy(espalier_workspace* workspace);
 ///     destination[row][c] = Σ_k weights(row)[k] · source[columns(row)[k]][c]
 ///
 /// Row i goes to entry i of the destination, whatever the range. Numbers between entries are not
-/// written. A row without entries gives 0: see espalier_binding_put_kept_f64(). One call serves any
-/// number of components, so several poses can be evaluated at once, as further components.
+/// written. A row without entries gives 0. One call serves any number of components. For the points
+/// of a binding use a deformer, which adds the points at rest.
 ///
 /// \param source, destination buffers that do not overlap: one entry for each column, and one for
 ///        each row
@@ -782,91 +767,54 @@ ESPALIER_C_API espalier_status espalier_evaluator_f32_evaluate(
     espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
     espalier_workspace* workspace);
 
-/// Evaluates a range of rows as above, and adds `addend` to the results: component c of row i gets
-/// component c mod addend_layout.length of entry i (osd::Addend). With the displacements of the
-/// lattice as the source and the points at rest as the addend, the results are x + D · (p' − p):
-/// see espalier_binding_apply(). Then espalier_binding_put_kept_f64() is not needed, and in float
-/// the error is smaller.
+/// Deforms the points of a binding, for many poses (osd/deformer.h). It owns all that this takes,
+/// so the binding may be destroyed: D in the form that is fastest to evaluate, the points and the
+/// lattice at rest, and temporary memory. f32 and f64 are the precision of poses and points. Any
+/// number of threads may use it at once.
+typedef struct espalier_deformer_f64 espalier_deformer_f64;
+typedef struct espalier_deformer_f32 espalier_deformer_f32;
+
+/// \cost O(entries of D)
+ESPALIER_C_API espalier_status espalier_deformer_f64_create(const espalier_binding* binding,
+                                                            espalier_deformer_f64** deformer);
+ESPALIER_C_API espalier_status espalier_deformer_f32_create(const espalier_binding* binding,
+                                                            espalier_deformer_f32** deformer);
+
+ESPALIER_C_API void espalier_deformer_f64_destroy(espalier_deformer_f64* deformer);
+ESPALIER_C_API void espalier_deformer_f32_destroy(espalier_deformer_f32* deformer);
+
+/// Computes the points for one or more poses of the lattice: x + D · (p' − p), where x and p are
+/// the points and the lattice at rest. So points that no moved vertex influences, and points
+/// outside, stay exactly where they were. After the first call with as many poses, calls allocate
+/// nothing.
 ///
-/// \param addend one entry for each row; its length divides the length of the destination. Must not
-///        overlap the destination
-/// \param addend_size number of elements
-/// \cost one more read of the addend
-ESPALIER_C_API espalier_status espalier_evaluator_f64_evaluate_and_add(
-    const espalier_evaluator_f64* evaluator, const double* source, int64_t source_size,
-    espalier_buffer_layout source_layout, const double* addend, int64_t addend_size,
-    espalier_buffer_layout addend_layout, double* destination, int64_t destination_size,
-    espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
-    espalier_workspace* workspace);
-ESPALIER_C_API espalier_status espalier_evaluator_f32_evaluate_and_add(
-    const espalier_evaluator_f32* evaluator, const float* source, int64_t source_size,
-    espalier_buffer_layout source_layout, const float* addend, int64_t addend_size,
-    espalier_buffer_layout addend_layout, float* destination, int64_t destination_size,
-    espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
-    espalier_workspace* workspace);
+/// \param poses the positions of all vertices, one pose after the other
+/// \param poses_size 3 · vertices numbers for each pose
+/// \param points receives the points, one pose after the other; must not overlap the poses
+/// \param points_size 3 · points numbers for each pose
+/// \retval ESPALIER_ERROR_INPUT a size is wrong
+/// \cost O(entries of D) for each pose; less for several poses in one call than in several calls
+ESPALIER_C_API espalier_status espalier_deformer_f64_deform(const espalier_deformer_f64* deformer,
+                                                            const double* poses, int64_t poses_size,
+                                                            double* points, int64_t points_size);
+ESPALIER_C_API espalier_status espalier_deformer_f32_deform(const espalier_deformer_f32* deformer,
+                                                            const float* poses, int64_t poses_size,
+                                                            float* points, int64_t points_size);
 
-/// Evaluates only the rows that depend on a few changed columns of a table, for example while
-/// vertices of a lattice are dragged (osd/change_evaluator.h). Immutable.
-typedef struct espalier_change_evaluator_f64 espalier_change_evaluator_f64;
-typedef struct espalier_change_evaluator_f32 espalier_change_evaluator_f32;
-
-/// \param evaluator must apply a table, not an adjoint
-/// \cost O(entries).
-ESPALIER_C_API espalier_status espalier_change_evaluator_f64_create(
-    const espalier_evaluator_f64* evaluator, espalier_change_evaluator_f64** changes);
-ESPALIER_C_API espalier_status espalier_change_evaluator_f32_create(
-    const espalier_evaluator_f32* evaluator, espalier_change_evaluator_f32** changes);
-
-ESPALIER_C_API void espalier_change_evaluator_f64_destroy(espalier_change_evaluator_f64* changes);
-ESPALIER_C_API void espalier_change_evaluator_f32_destroy(espalier_change_evaluator_f32* changes);
-
-/// Evaluates the rows that depend on one of the `changed` columns, with the same results as an
-/// evaluation of the whole table, bit for bit. Writes no other rows, so points that are kept in
-/// place stay as they were written.
+/// Computes the points that depend on some vertices of the lattice, for example while they are
+/// dragged, with the same results. If `points` has the points of one pose, and the next pose
+/// differs from it in these vertices only, it then has the points of the next pose.
 ///
-/// \param changed columns of the table, in any order; for D, vertices of the lattice
-/// \param source, ..., workspace as for the whole table
-/// \retval ESPALIER_ERROR_INPUT as for the whole table, or a column is not in the table
-/// \cost O(entries of these rows × components), and O(rows / 64).
-ESPALIER_C_API espalier_status espalier_change_evaluator_f64_evaluate(
-    const espalier_change_evaluator_f64* changes, const double* source, int64_t source_size,
-    espalier_buffer_layout source_layout, double* destination, int64_t destination_size,
-    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
-    espalier_workspace* workspace);
-ESPALIER_C_API espalier_status espalier_change_evaluator_f32_evaluate(
-    const espalier_change_evaluator_f32* changes, const float* source, int64_t source_size,
-    espalier_buffer_layout source_layout, float* destination, int64_t destination_size,
-    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
-    espalier_workspace* workspace);
-
-/// Evaluates the changed rows as above, and adds `addend` to their results, as
-/// espalier_evaluator_f64_evaluate_and_add() does.
-ESPALIER_C_API espalier_status espalier_change_evaluator_f64_evaluate_and_add(
-    const espalier_change_evaluator_f64* changes, const double* source, int64_t source_size,
-    espalier_buffer_layout source_layout, const double* addend, int64_t addend_size,
-    espalier_buffer_layout addend_layout, double* destination, int64_t destination_size,
-    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
-    espalier_workspace* workspace);
-ESPALIER_C_API espalier_status espalier_change_evaluator_f32_evaluate_and_add(
-    const espalier_change_evaluator_f32* changes, const float* source, int64_t source_size,
-    espalier_buffer_layout source_layout, const float* addend, int64_t addend_size,
-    espalier_buffer_layout addend_layout, float* destination, int64_t destination_size,
-    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
-    espalier_workspace* workspace);
-
-/// Writes the rest positions of the points that a binding keeps in place. Call it after its table
-/// was applied, which gives 0 for these points. Other points are not written.
-///
-/// \param destination one entry of length 3 for each point; destination_size counts numbers
-/// \cost O(kept points).
-ESPALIER_C_API espalier_status espalier_binding_put_kept_f64(const espalier_binding* binding,
-                                                             double* destination,
-                                                             int64_t destination_size,
-                                                             espalier_buffer_layout layout);
-ESPALIER_C_API espalier_status espalier_binding_put_kept_f32(const espalier_binding* binding,
-                                                             float* destination,
-                                                             int64_t destination_size,
-                                                             espalier_buffer_layout layout);
+/// \param pose positions of all vertices, 3 · vertices numbers
+/// \param changed vertices, in any order
+/// \retval ESPALIER_ERROR_INPUT a size is wrong, or a vertex is not in the lattice
+/// \cost O(entries of these rows), and O(points / 64). The first call also takes O(entries of D)
+ESPALIER_C_API espalier_status espalier_deformer_f64_deform_changed(
+    const espalier_deformer_f64* deformer, const double* pose, int64_t pose_size,
+    int32_t changed_count, const int32_t* changed, double* points, int64_t points_size);
+ESPALIER_C_API espalier_status espalier_deformer_f32_deform_changed(
+    const espalier_deformer_f32* deformer, const float* pose, int64_t pose_size,
+    int32_t changed_count, const int32_t* changed, float* points, int64_t points_size);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
+#include <espalier/osd/deformer.h>
 #include <espalier/osd/evaluation.h>
 
 #include <variant>
@@ -19,11 +19,6 @@ namespace espalier::c {
 template <class Real>
 struct EvaluatorHandle {
     std::variant<osd::CompiledTable<Real>, osd::CompiledAdjoint<Real>> compiled;
-};
-
-template <class Real>
-struct ChangeEvaluatorHandle {
-    osd::ChangeEvaluator<Real> changes;
 };
 
 namespace {
@@ -67,18 +62,10 @@ Form<Real> compiled(const espalier_table* table) {
         return Form<Real>(stencils::convertTable<Real>(own));
 }
 
-/// \param addend null for none
-template <class Real>
-osd::Addend<Real> addendOf(const Buffer<const Real>* addend) {
-    if (addend == nullptr) return {};
-    osd::checkLength(addend->layout.length);
-    return {addend->array("addend"), addend->descriptor()};
-}
-
 template <class Real>
 espalier_status evaluate(const EvaluatorHandle<Real>* evaluator, const Buffer<const Real>& source,
-                         const Buffer<const Real>* addend, const Buffer<Real>& destination,
-                         osd::RowRange rows, espalier_workspace* workspace) {
+                         const Buffer<Real>& destination, osd::RowRange rows,
+                         espalier_workspace* workspace) {
     return guarded([&] {
         const auto& own = deref(evaluator, "evaluator");
         const auto from = source.array("source");
@@ -87,33 +74,9 @@ espalier_status evaluate(const EvaluatorHandle<Real>* evaluator, const Buffer<co
         std::visit(
             [&](const auto& compiled) {
                 compiled.evaluate(from, source.descriptor(), to, destination.descriptor(), rows,
-                                  memory.get(), addendOf(addend));
+                                  memory.get());
             },
             own.compiled);
-    });
-}
-
-template <class Real>
-osd::ChangeEvaluator<Real> changesOf(const EvaluatorHandle<Real>* evaluator) {
-    const auto& own = deref(evaluator, "evaluator").compiled;
-    const auto* table = std::get_if<osd::CompiledTable<Real>>(&own);
-    if (table == nullptr) throw Error("evaluator is an adjoint; expected one that applies a table");
-    return osd::ChangeEvaluator<Real>(*table);
-}
-
-template <class Real>
-espalier_status evaluateChanged(const ChangeEvaluatorHandle<Real>* changes,
-                                const Buffer<const Real>& source, const Buffer<const Real>* addend,
-                                const Buffer<Real>& destination, const int32_t* columns,
-                                int32_t count, espalier_workspace* workspace) {
-    return guarded([&] {
-        const auto& own = deref(changes, "changes").changes;
-        const auto from = source.array("source");
-        const auto to = destination.array("destination");
-        const auto changed = array(columns, count, "changed");
-        WorkspaceOrTemporary memory(workspace);
-        own.evaluateChanged(from, source.descriptor(), to, destination.descriptor(), changed,
-                            memory.get(), addendOf(addend));
     });
 }
 
@@ -131,7 +94,9 @@ void espalier_workspace_destroy(espalier_workspace* workspace) {
 // Defines the types and functions of one precision, whose names contain `f32` or `f64`.
 #define ESPALIER_EVALUATORS(Real, precision)                                                      \
     struct espalier_evaluator_##precision : c::EvaluatorHandle<Real> {};                          \
-    struct espalier_change_evaluator_##precision : c::ChangeEvaluatorHandle<Real> {};             \
+    struct espalier_deformer_##precision {                                                        \
+        osd::Deformer<Real> deformer;                                                             \
+    };                                                                                            \
                                                                                                   \
     espalier_status espalier_evaluator_##precision##_create(                                      \
         const espalier_table* table, espalier_evaluator_##precision** evaluator) {                \
@@ -158,56 +123,42 @@ void espalier_workspace_destroy(espalier_workspace* workspace) {
         espalier_buffer_layout source_layout, Real* destination, int64_t destination_size,        \
         espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,           \
         espalier_workspace* workspace) {                                                          \
-        return c::evaluate<Real>(evaluator, {source, source_size, source_layout}, nullptr,        \
+        return c::evaluate<Real>(evaluator, {source, source_size, source_layout},                 \
                                  {destination, destination_size, destination_layout},             \
                                  {first_row, last_row}, workspace);                               \
     }                                                                                             \
                                                                                                   \
-    espalier_status espalier_evaluator_##precision##_evaluate_and_add(                            \
-        const espalier_evaluator_##precision* evaluator, const Real* source, int64_t source_size, \
-        espalier_buffer_layout source_layout, const Real* addend, int64_t addend_size,            \
-        espalier_buffer_layout addend_layout, Real* destination, int64_t destination_size,        \
-        espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,           \
-        espalier_workspace* workspace) {                                                          \
-        const c::Buffer<const Real> added{addend, addend_size, addend_layout};                    \
-        return c::evaluate<Real>(evaluator, {source, source_size, source_layout}, &added,         \
-                                 {destination, destination_size, destination_layout},             \
-                                 {first_row, last_row}, workspace);                               \
-    }                                                                                             \
-                                                                                                  \
-    espalier_status espalier_change_evaluator_##precision##_create(                               \
-        const espalier_evaluator_##precision* evaluator,                                          \
-        espalier_change_evaluator_##precision** changes) {                                        \
-        return c::result(changes, "changes", [&] {                                                \
-            return new espalier_change_evaluator_##precision{{c::changesOf<Real>(evaluator)}};    \
+    espalier_status espalier_deformer_##precision##_create(                                       \
+        const espalier_binding* binding, espalier_deformer_##precision** deformer) {              \
+        return c::result(deformer, "deformer", [&] {                                              \
+            const bind::Binding& own = c::deref(binding, "binding").model->binding;               \
+            return new espalier_deformer_##precision{osd::Deformer<Real>(own)};                   \
         });                                                                                       \
     }                                                                                             \
                                                                                                   \
-    void espalier_change_evaluator_##precision##_destroy(                                         \
-        espalier_change_evaluator_##precision* changes) {                                         \
-        delete changes;                                                                           \
+    void espalier_deformer_##precision##_destroy(espalier_deformer_##precision* deformer) {       \
+        delete deformer;                                                                          \
     }                                                                                             \
                                                                                                   \
-    espalier_status espalier_change_evaluator_##precision##_evaluate(                             \
-        const espalier_change_evaluator_##precision* changes, const Real* source,                 \
-        int64_t source_size, espalier_buffer_layout source_layout, Real* destination,             \
-        int64_t destination_size, espalier_buffer_layout destination_layout,                      \
-        int32_t changed_count, const int32_t* changed, espalier_workspace* workspace) {           \
-        return c::evaluateChanged<Real>(changes, {source, source_size, source_layout}, nullptr,   \
-                                        {destination, destination_size, destination_layout},      \
-                                        changed, changed_count, workspace);                       \
+    espalier_status espalier_deformer_##precision##_deform(                                       \
+        const espalier_deformer_##precision* deformer, const Real* poses, int64_t poses_size,     \
+        Real* points, int64_t points_size) {                                                      \
+        return c::guarded([&] {                                                                   \
+            const auto& own = c::deref(deformer, "deformer").deformer;                            \
+            own.deform(c::array(poses, poses_size, "poses"),                                      \
+                       c::array(points, points_size, "points"));                                  \
+        });                                                                                       \
     }                                                                                             \
                                                                                                   \
-    espalier_status espalier_change_evaluator_##precision##_evaluate_and_add(                     \
-        const espalier_change_evaluator_##precision* changes, const Real* source,                 \
-        int64_t source_size, espalier_buffer_layout source_layout, const Real* addend,            \
-        int64_t addend_size, espalier_buffer_layout addend_layout, Real* destination,             \
-        int64_t destination_size, espalier_buffer_layout destination_layout,                      \
-        int32_t changed_count, const int32_t* changed, espalier_workspace* workspace) {           \
-        const c::Buffer<const Real> added{addend, addend_size, addend_layout};                    \
-        return c::evaluateChanged<Real>(changes, {source, source_size, source_layout}, &added,    \
-                                        {destination, destination_size, destination_layout},      \
-                                        changed, changed_count, workspace);                       \
+    espalier_status espalier_deformer_##precision##_deform_changed(                               \
+        const espalier_deformer_##precision* deformer, const Real* pose, int64_t pose_size,       \
+        int32_t changed_count, const int32_t* changed, Real* points, int64_t points_size) {       \
+        return c::guarded([&] {                                                                   \
+            const auto& own = c::deref(deformer, "deformer").deformer;                            \
+            own.deformChanged(c::array(pose, pose_size, "pose"),                                  \
+                              c::array(changed, changed_count, "changed"),                        \
+                              c::array(points, points_size, "points"));                           \
+        });                                                                                       \
     }
 
 ESPALIER_EVALUATORS(double, f64)

@@ -119,9 +119,8 @@ bind::Binding bindModel(const BindOptions& options, std::span<const Point3> poin
 
 void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& options) {
     using enum embed::PointStatus;
-    if (!binding.largestResidual) return;
     const Offset outside = std::ranges::count_if(
-        binding.kept, [&](Index point) { return binding.statuses[point] == Outside; });
+        binding.table.emptyRows(), [&](Index point) { return binding.statuses[point] == Outside; });
     if (options.quiet || outside == 0) return;
     if (options.embedding.outside == embed::OutsidePolicy::Nearest) {
         const bool isOne = outside == 1;
@@ -157,8 +156,8 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
                                          {.level = options.level,
                                           .embedding = options.common.embedding,
                                           .progress = progressOf(stages, points.size())});
-        stages.addBytes(bytesOf(bound.binding.table));
-        return std::move(bound.binding.table);
+        stages.addBytes(bytesOf(bound.table));
+        return std::move(bound.table);
     });
 }
 

@@ -184,7 +184,8 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
         printText(report);
         fmt::print("{}", meshes.text);
     }
-    warnOfPointsOutside(report.binding, options.common);
+    const bool isApplied = options.rest.empty();  // espalier bind has warned
+    if (!isApplied) warnOfPointsOutside(report.binding, options.common);
 }
 
 void runDeform(const DeformOptions& options) {
@@ -245,14 +246,9 @@ void runApply(const DeformOptions& options) {
     io::BoundModel bound;
     const auto model = stages.read(options.model, [&] {
         bound = io::readBoundModel(options.model);
-        return io::readModel(bound.modelName, bound.modelBytes);
+        return io::modelOf(bound);
     });
     if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
-    const auto& table = bound.binding.table;
-    if (std::ssize(model->positions()) != table.rowCount())
-        throw io::FileError(options.model,
-                            "is damaged: its model does not have the points that were bound");
-    bound.binding.points.assign(model->positions().begin(), model->positions().end());
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
         return io::readPose(path, bound, printable(options.model), notes);
     };

@@ -410,8 +410,7 @@ Described readDescribed(const InfoOptions& options) {
     const std::filesystem::path path = io::modelFile(options.lattice);
     Described result;
     if (io::lowerCase(path.extension().string()) == ".espb") {
-        io::BoundModel bound = io::readBoundModel(path);
-        result.model = io::readModel(bound.modelName, std::move(bound.modelBytes));
+        result.model = io::modelOf(io::readBoundModel(path));
         return result;
     }
     const bool isModel = io::isModelFile(path), isLattice = io::isLatticeFile(path);

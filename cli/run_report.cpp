@@ -60,13 +60,11 @@ OrderedJson toJson(const RunReport& report) {
     const auto& table = report.binding.table;
     OrderedJson json =
         OrderedJson::object();  // If memory runs out later, null would be left broken.
-    if (report.binding.largestResidual) {
-        json["points"] = {{"inside", report.binding.count(PointStatus::Inside)},
-                          {"outside", report.binding.count(PointStatus::Outside)},
-                          {"not_converged", report.binding.count(PointStatus::NotConverged)}};
-        json["largest_residual"] = *report.binding.largestResidual;
-    }
-    json["kept"] = report.binding.kept.size();
+    json["points"] = {{"inside", report.binding.count(PointStatus::Inside)},
+                      {"outside", report.binding.count(PointStatus::Outside)},
+                      {"not_converged", report.binding.count(PointStatus::NotConverged)}};
+    json["largest_residual"] = report.binding.largestResidual;
+    json["kept"] = table.emptyRows().size();
     json["matrix"] = {{"rows", table.rowCount()},
                       {"columns", table.columnCount()},
                       {"entries", table.entryCount()},
@@ -78,24 +76,22 @@ OrderedJson toJson(const RunReport& report) {
 
 void printText(const RunReport& report) {
     const auto& table = report.binding.table;
-    const std::size_t kept = report.binding.kept.size();
+    const std::size_t kept = table.emptyRows().size();
     const double bound = table.rowCount() - static_cast<double>(kept);
     const std::size_t width = labelWidth(report.stages);
     const auto printLine = [&](const char* label, const std::string& text) {
         fmt::print("{:<{}} {}\n", label, width, text);
     };
-    if (report.binding.largestResidual)
-        printLine("points", fmt::format("{} inside the lattice, {} outside, {} could not be placed",
-                                        report.binding.count(PointStatus::Inside),
-                                        report.binding.count(PointStatus::Outside),
-                                        report.binding.count(PointStatus::NotConverged)));
+    printLine("points", fmt::format("{} inside the lattice, {} outside, {} could not be placed",
+                                    report.binding.count(PointStatus::Inside),
+                                    report.binding.count(PointStatus::Outside),
+                                    report.binding.count(PointStatus::NotConverged)));
     if (kept > 0)
         printLine("left in place",
                   fmt::format("{} {}, whatever the pose", kept, kept == 1 ? "point" : "points"));
-    if (report.binding.largestResidual)
-        printLine("placement error",
-                  fmt::format("{:.2g}: how far the rest pose moves a point at most",
-                              *report.binding.largestResidual));
+    printLine("placement error",
+              fmt::format("{:.2g}: the largest distance of a point from its place in the lattice",
+                          report.binding.largestResidual));
     printLine("matrix",
               fmt::format("{} points × {} lattice vertices, {:.1f} weights for each point that "
                           "moves, {}",

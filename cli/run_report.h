@@ -28,8 +28,8 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 
 /// The report of commands that bind a model or apply a binding. In JSON:
 ///
-///     points            {inside, outside, not_converged}: numbers of points; only after binding
-///     largest_residual  largest distance of a point from its place at rest; only after binding
+///     points            {inside, outside, not_converged}: numbers of points
+///     largest_residual  largest distance of a point from its place at rest
 ///     kept              number of points with empty rows, which no pose moves
 ///     matrix            {rows, columns, entries, bytes}
 ///     stages            [{name, seconds, bytes, gigabytes_per_second}], in order

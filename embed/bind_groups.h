@@ -6,7 +6,6 @@
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/place_points.h>
-#include <espalier/far/topology_match.h>
 #include <espalier/stencils/factored_table.h>
 
 #include <atomic>
@@ -60,27 +59,13 @@ void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, I
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::FactoredTable<double>& result);
 
-/// Adds the remaining data of a binding: the topology of the base, and the points without a row.
-template <class Table>
-void completeBinding(const far::CellComplex& base, std::span<const Point3> points,
-                     BindingOf<Table>& binding) {
-    binding.topologyHash = far::topologyHash(base);
-    const auto& rows = pointRows(binding.table);
-    for (Index i = 0; i < rows.rowCount(); ++i) {
-        if (!rows.columns(i).empty()) continue;
-        binding.kept.push_back(i);
-        binding.keptAt.push_back(points[i]);
-    }
-}
-
-/// Does the same for a model with the statuses of its points. A point inside without a row is
-/// NotConverged: its place has unbounded weights (kMaxRowSum).
+/// Completes the statuses: a point inside without a row is NotConverged, because its place has
+/// unbounded weights (kMaxRowSum).
 /// \throws Error under OutsidePolicy::Error if a point is not inside
 template <class Table>
-void completeBinding(const far::CellComplex& base, std::span<const Point3> points,
-                     OutsidePolicy outside, BindingResultOf<Table>& model) {
-    completeBinding(base, points, model.binding);
-    for (const Index i : model.binding.kept)
+void completeStatuses(std::span<const Point3> points, OutsidePolicy outside,
+                      BoundRows<Table>& model) {
+    for (const Index i : pointRows(model.table).emptyRows())
         if (model.statuses[i] == PointStatus::Inside) model.statuses[i] = PointStatus::NotConverged;
     if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
 }
@@ -90,10 +75,10 @@ void completeBinding(const far::CellComplex& base, std::span<const Point3> point
 ///        gathering needs the most memory
 /// \param progress as BindingOptions::progress
 template <class Table>
-BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefiner& base,
-                                  const LengthUnit& unit, std::span<const Point3> points,
-                                  Offset groupSize, OutsidePolicy outside,
-                                  const std::function<void(Offset)>& progress) {
+BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefiner& base,
+                            const LengthUnit& unit, std::span<const Point3> points,
+                            Offset groupSize, OutsidePolicy outside,
+                            const std::function<void(Offset)>& progress) {
     checkPointCount(points);
     const Offset pointCount = std::ssize(points);
     const std::vector<Index> order = alongCurve(points);
@@ -114,7 +99,7 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
     });
 
     bindGroup = {};
-    BindingResultOf<Table> model;
+    BoundRows<Table> model;
     model.statuses.resize(points.size());
     std::vector<BoundPart<Table>> parts;
     for (auto& group : groups)
@@ -125,9 +110,8 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
                 std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
             parts.push_back(std::move(part));
         }
-    gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
-               model.binding.table);
-    completeBinding(base.level(0).complex, points, outside, model);
+    gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0), model.table);
+    completeStatuses(points, outside, model);
     return model;
 }
 

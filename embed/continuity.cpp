@@ -132,7 +132,7 @@ std::vector<Index> verticesHoldingPoints(const RestLattice& lattice, std::span<c
     if (points.empty()) throw Error("there are no points to hold");
     checkFinite(points);
     if (continuity == Continuity::C0)
-        return verticesHoldingRows(bindPoints(lattice, points, options).binding.table);
+        return verticesHoldingRows(bindPoints(lattice, points, options).table);
     const LengthUnit unit(lattice.positions);
     const std::vector<Point3> restInUnits = unit.toUnits(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(points);

@@ -176,29 +176,27 @@ void orderRows(const stencils::FactoredTable<double>& factors, const stencils::R
 /// rows of D are computed in their final place.
 /// \param rest the positions of the lattice, in units
 template <class Table>
-BindingResultOf<Table> bindToWholeLevel(const far::TopologyRefiner& base, const LengthUnit& unit,
-                                        std::span<const Point3> rest,
-                                        std::span<const Point3> points,
-                                        const BindingOptions& options) {
+BoundRows<Table> bindToWholeLevel(const far::TopologyRefiner& base, const LengthUnit& unit,
+                                  std::span<const Point3> rest, std::span<const Point3> points,
+                                  const BindingOptions& options) {
     const std::vector<Index> order = alongCurve(points);
     PointsInLevel located =
         locateInWholeLevel(base, rest, unit.toUnits(chosenPoints(points, order)), options);
-    BindingResultOf<Table> model;
+    BoundRows<Table> model;
     model.statuses.resize(points.size());
     for (std::size_t i = 0; i < order.size(); ++i) model.statuses[order[i]] = located.statuses[i];
     model.largestResidual = unit.fromUnits(located.largestResidual);
-    orderRows(std::move(located.factors), located.byBaseCell, order, model.binding.table);
-    completeBinding(base.level(0).complex, points, options.embedding.outside, model);
+    orderRows(std::move(located.factors), located.byBaseCell, order, model.table);
+    completeStatuses(points, options.embedding.outside, model);
     return model;
 }
 
 /// Binds points to D or to its factors, by refinement.
 /// \param search a search in `lattice`, which is in units
 template <class Table>
-BindingResultOf<Table> bindByRefinement(const RestLattice& lattice, const LengthUnit& unit,
-                                        std::shared_ptr<const LevelSearch> search,
-                                        std::span<const Point3> points,
-                                        const BindingOptions& options) {
+BoundRows<Table> bindByRefinement(const RestLattice& lattice, const LengthUnit& unit,
+                                  std::shared_ptr<const LevelSearch> search,
+                                  std::span<const Point3> points, const BindingOptions& options) {
     const far::CellComplex& complex = lattice.base.level(0).complex;
     if (needWholeLevel(complex, options.level, std::ssize(points))) {
         search = nullptr;
@@ -217,8 +215,8 @@ BindingResultOf<Table> bindByRefinement(const RestLattice& lattice, const Length
 
 }  // namespace
 
-BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> points,
-                         const BindingOptions& options) {
+BoundRows<> bindPoints(const RestLattice& lattice, std::span<const Point3> points,
+                       const BindingOptions& options) {
     checkRest(lattice, options.level);
     checkPointCount(points);
     const LengthUnit unit(lattice.positions);
@@ -237,9 +235,9 @@ BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> poi
         });
 }
 
-BindingResultOf<stencils::FactoredTable<double>> bindFactored(const RestLattice& lattice,
-                                                              std::span<const Point3> points,
-                                                              const BindingOptions& options) {
+BoundRows<stencils::FactoredTable<double>> bindFactored(const RestLattice& lattice,
+                                                        std::span<const Point3> points,
+                                                        const BindingOptions& options) {
     checkRest(lattice, options.level);
     checkPointCount(points);
     const LengthUnit unit(lattice.positions);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
-#include <espalier/embed/binding.h>
+#include <espalier/embed/embedding.h>
 #include <espalier/stencils/factored_table.h>
 
 #include <functional>
@@ -11,36 +11,42 @@
 
 // embed/: binds points to a lattice, as rows of a sparse matrix.
 //
-// In: a lattice at rest, points, a level n. Out: a BindingOf a table, which holds the deformation
-// matrix D.
+// In: a lattice at rest, points, a level n. Out: BoundRows, which hold the deformation matrix D and
+// the status of each point.
 //
 // Types: RestLattice; TricubicPatch, the map of a regular cell; RegularSearch, which finds points
 // in regular cells by formula; CellPlace, a place in a refined cell; CellSolver, which finds the
 // place; LevelSearch, which locates groups of points in a level; PointDescent, which refines only
-// the cells that may contain a point; BindingOf. nested_lattices.h binds a lattice to a lattice,
+// the cells that may contain a point; BoundRows. nested_lattices.h binds a lattice to a lattice,
 // continuity.h finds the vertices to freeze, tensor_product.h binds to Bézier and B-spline
 // lattices.
 //
-// Read binding.h, this header, regular_search.h, tricubic_patch.h, cell_place.h, cell_solver.h,
+// Read this header, regular_search.h, tricubic_patch.h, cell_place.h, cell_solver.h,
 // level_search.h, then point_descent.h.
 //
 // Notation: W is points over level n; D = W · S_n is points over the base; x' = D · p' for a pose
 // p'.
 namespace espalier::embed {
 
-/// A binding of a model, and the status of each point.
-template <class Table>
-struct BindingResultOf {
-    BindingOf<Table> binding;
+/// The rows of points in a lattice. With p' the base vertices of a pose, the deformed points are
+/// x' = D · p'; points whose rows are empty stay where they were. bind::Binding adds what is needed
+/// to deform a model.
+///
+/// Table is StencilTable<double>, FactoredTable<double>, or limit::LimitTable.
+///
+/// \cite MacCracken & Joy 1996, section 5
+template <class Table = stencils::StencilTable<double>>
+struct BoundRows {
+    Table table;                        ///< D: points × base vertices
     std::vector<PointStatus> statuses;  ///< one per point
     double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
 
     Index count(PointStatus status) const {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
     }
-};
 
-using BindingResult = BindingResultOf<stencils::StencilTable<double>>;
+    friend bool operator==(const BoundRows&, const BoundRows&) = default;
+};
 
 struct BindingOptions {
     int level = 3;  ///< of the lattice, 1 to kMaxLevelOfPoints
@@ -82,15 +88,15 @@ struct BindingOptions {
 ///       than the distances between points. In parallel; the result does not depend on the number
 ///       of threads
 /// \cite MacCracken & Joy 1996, sections 2.2 and 4 to 6
-ESPALIER_API BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> points,
-                                      const BindingOptions& options = {});
+ESPALIER_API BoundRows<> bindPoints(const RestLattice& lattice, std::span<const Point3> points,
+                                    const BindingOptions& options = {});
 
 /// Binds points to a level, by refinement, and leaves D in its factors. Their product is the D of
 /// bindPoints(), up to rounding. The table may contain a vertex of the level several times, for
 /// points of different groups, unless the level has at most as many cells as there are points.
 ///
 /// \cost the cost of bindPoints() outside regular cells, without the product
-ESPALIER_API BindingResultOf<stencils::FactoredTable<double>> bindFactored(
+ESPALIER_API BoundRows<stencils::FactoredTable<double>> bindFactored(
     const RestLattice& lattice, std::span<const Point3> points, const BindingOptions& options = {});
 
 }  // namespace espalier::embed

@@ -25,9 +25,9 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
     if (binding.embedding.outside == OutsidePolicy::Error)
         binding.embedding.outside = OutsidePolicy::Keep;
     const auto bound = bindPoints(parent, childPose, binding);
-    // A vertex that would be kept in place has no row of weights.
-    if (!bound.binding.kept.empty()) {
-        const Index vertex = bound.binding.kept.front();
+    // A vertex that would stay in place has no row of weights.
+    if (const auto without = bound.table.emptyRows(); !without.empty()) {
+        const Index vertex = without.front();
         std::string why = "cannot be placed in the parent lattice: its cell is degenerate";
         if (bound.statuses[vertex] == PointStatus::Outside) why = "lies outside the parent lattice";
         if (bound.statuses[vertex] == PointStatus::Outside &&
@@ -36,7 +36,7 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
                 ", and the nearest cell cannot carry it: it is too far away, or the cell is flat";
         throw Error("vertex " + std::to_string(vertex) + " of the child " + why);
     }
-    return stencils::multiply(child, bound.binding.table);
+    return stencils::multiply(child, bound.table);
 }
 
 }  // namespace espalier::embed

@@ -81,15 +81,15 @@ stencils::StencilTable<double> rowsOf(const RegularPlaces& places, double spacin
 
 }  // namespace
 
-BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,
-                               std::span<const Point3> points, OutsidePolicy outside,
-                               const std::function<void(Offset)>& progress, BindOthers bindOthers) {
+BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,
+                             std::span<const Point3> points, OutsidePolicy outside,
+                             const std::function<void(Offset)>& progress, BindOthers bindOthers) {
     if (search.isEmpty()) return bindOthers(points, outside, progress);
     const far::CellComplex& base = search.base();
     const RegularPlaces places = placesOf(search, unit, points, progress);
     const Offset placed = places.count();
     if (placed == 0) return bindOthers(points, outside, progress);
-    BindingResult model, others;
+    BoundRows<> model, others;
     model.statuses.assign(points.size(), PointStatus::Inside);
     if (placed < std::ssize(points)) {
         std::vector<Index> numbers;
@@ -105,8 +105,8 @@ BindingResult bindRegularFirst(const RegularSearch& search, const LengthUnit& un
     }
     model.largestResidual =
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
-    model.binding.table = rowsOf(places, search.spacing(), base.count(0), others.binding.table);
-    completeBinding(base, points, outside, model);
+    model.table = rowsOf(places, search.spacing(), base.count(0), others.table);
+    completeStatuses(points, outside, model);
     return model;
 }
 

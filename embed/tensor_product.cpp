@@ -242,23 +242,13 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
     return table;
 }
 
-TableBinding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
-                         std::span<const Point3> points) {
-    if (points.size() != embedding.points.size())
-        throw Error("got " + std::to_string(points.size()) + " points, but " +
-                    std::to_string(embedding.points.size()) + " were embedded");
-    TableBinding binding;
-    binding.table = buildDeformationTable(lattice, embedding);
-    completeBinding(lattice.complex(), points, binding);
-    return binding;
-}
-
-BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                         const EmbeddingOptions& options,
-                         const std::function<void(Offset)>& progress) {
+BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                       const EmbeddingOptions& options,
+                       const std::function<void(Offset)>& progress) {
     const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
-    BindingResult result{makeBinding(lattice, embedding, points), {}, 0};
-    result.largestResidual = embedding.largestResidual(result.binding.table);
+    BoundRows<> result;
+    result.table = buildDeformationTable(lattice, embedding);
+    result.largestResidual = embedding.largestResidual(result.table);
     result.statuses.reserve(points.size());
     for (const auto& point : embedding.points) result.statuses.push_back(point.status);
     return result;

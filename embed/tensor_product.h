@@ -115,17 +115,11 @@ ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
                                                                   const TensorEmbedding& embedding);
 
-/// Builds the binding of points to a box lattice from their places in it.
-/// \param points the points that were embedded
-/// \throws Error if the embedding has another number of points, or is in another lattice
-ESPALIER_API TableBinding makeBinding(const TensorLattice& lattice,
-                                      const TensorEmbedding& embedding,
-                                      std::span<const Point3> points);
-
-/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and makeBinding().
+/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and
+/// buildDeformationTable().
 /// \throws Error as embedPoints()
-ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                                      const EmbeddingOptions& options = {},
-                                      const std::function<void(Offset)>& progress = {});
+ESPALIER_API BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                                    const EmbeddingOptions& options = {},
+                                    const std::function<void(Offset)>& progress = {});
 
 }  // namespace espalier::embed

@@ -5,7 +5,7 @@
 // The deformed points stay on the device, where a renderer or another kernel can use them. OUT is
 // the model in the last pose.
 
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/cuda/cuda_evaluator.h>
@@ -26,22 +26,28 @@ void deform(int count, char** arguments) {
     // to the device.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
     const auto binding =
-        embed::bindPoints({base, rest.positions}, model->positions(), {.level = 3}).binding;
+        bind::bindPoints({base, rest.positions}, model->positions(), bind::Level{3});
     const osd::CudaEvaluator<float> table(stencils::convertTable<float>(binding.table));
-    const osd::CudaKeptPoints<float> kept(table.rowCount(), binding.kept, binding.keptAt);
+    std::vector<float> coordinates;
+    for (const Point3& point : binding.points)
+        coordinates.insert(coordinates.end(), point.begin(), point.end());
+    const osd::CudaBuffer<float> atRest{std::span<const float>(coordinates)};
     const auto xyz = osd::BufferDescriptor::packed(3);
     const osd::RowRange all = {0, table.rowCount()};
-    osd::CudaBuffer<float> points(3 * static_cast<std::size_t>(table.rowCount()));
+    osd::CudaBuffer<float> points(atRest.size());
     osd::CudaWorkspace workspace;
 
-    // For every pose: copy the vertices of the lattice to the device, and put one sparse product on
-    // the stream. Later work on the stream finds the points in points.data().
+    // For every pose: copy the displacements of the lattice to the device, and put one sparse
+    // product on the stream. Later work on the stream finds the points in points.data().
     for (int i = 3; i + 1 < count; ++i) {
-        std::vector<float> pose;
-        for (const Point3& vertex : io::readLattice(arguments[i]).positions)
-            pose.insert(pose.end(), vertex.begin(), vertex.end());
-        table.evaluate(pose, xyz, points, xyz, all, workspace);
-        kept.write(points, xyz, workspace.stream());
+        const Lattice pose = io::readLattice(arguments[i]);
+        std::vector<float> displacements;
+        for (std::size_t v = 0; v < pose.positions.size(); ++v)
+            for (std::size_t c = 0; c < 3; ++c)
+                displacements.push_back(
+                    static_cast<float>(pose.positions[v][c] - rest.positions[v][c]));
+        table.evaluate(displacements, xyz, points, xyz, all, workspace,
+                       osd::CudaAddend<float>::packed(atRest, 3));
     }
 
     std::vector<float> last(points.size());

@@ -13,7 +13,7 @@
 // do the same work.
 
 #include <espalier/base/error.h>
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/io/lattice_file.h>
@@ -140,10 +140,10 @@ void run(int count, char** arguments) {
     const double held = numberOf(arguments[3]), weight = numberOf(arguments[4]);
     Lattice lattice = io::readLattice(arguments[2]);
     far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
-    const auto bound =
-        embed::bindPoints({refiner, lattice.positions}, model->positions(),
-                          {.level = kLevel, .embedding = {.outside = embed::OutsidePolicy::Error}});
-    const stencils::StencilTable<double>& deformation = bound.binding.table;
+    const auto binding =
+        bind::bindPoints({refiner, lattice.positions}, model->positions(), bind::Level{kLevel},
+                         {.embedding = {.outside = embed::OutsidePolicy::Error}});
+    const stencils::StencilTable<double>& deformation = binding.table;
     refiner.refineUniform(kLevel);
     const auto levelTable = stencils::buildStencils(refiner, kLevel);
 
@@ -164,7 +164,7 @@ void run(int count, char** arguments) {
     const Eigen::VectorXd displacements = toEigen(movable) * solution;
     Eigen::Map<Eigen::VectorXd>(lattice.positions.front().data(), displacements.size()) +=
         displacements;
-    model->write(arguments[5], osd::evaluateBinding(bound.binding, lattice.positions));
+    model->write(arguments[5], osd::evaluateBinding(binding, lattice.positions));
     if (count > 6) io::writeLattice(arguments[6], lattice);
 
     std::cout << "largest displacement: "

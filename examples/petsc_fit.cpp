@@ -14,7 +14,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/petsc/distributed_table.h>
@@ -118,9 +118,9 @@ PetscErrorCode fit(const Paths& paths) {
     const auto ownPoints = ranks.ownPart(model->positions());
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
 
-    const auto own = embed::bindPoints({base, lattice.positions}, ownPoints, {.level = kLevel});
+    const auto own = bind::bindPoints({base, lattice.positions}, ownPoints, bind::Level{kLevel});
     const auto vertices = petsc::evenRange(lattice.complex.count(0), ranks.rank, ranks.size);
-    petsc::DistributedTable table(PETSC_COMM_WORLD, own.binding, vertices.count());
+    petsc::DistributedTable table(PETSC_COMM_WORLD, own.table, vertices.count());
 
     const auto ownWanted = numbersOf(ranks.ownPart(wanted->positions()));
     std::vector<double> misses(ownWanted.begin(), ownWanted.end()), ownMoves;
@@ -130,7 +130,8 @@ PetscErrorCode fit(const Paths& paths) {
     const auto ownRest = numbersOf(ranks.ownPart(std::span<const Point3>(lattice.positions)));
     std::vector<double> ownPose(ownRest.begin(), ownRest.end()), ownMoved(misses.size());
     for (std::size_t i = 0; i < ownPose.size(); ++i) ownPose[i] += ownMoves[i];
-    table.evaluate(ownPose, ownMoved);  // 3 numbers for each own vertex and point.
+    // 3 numbers for each own vertex and point.
+    table.evaluate(ownMoves, ownMoved, numbersOf(own.points));
 
     const auto moved = gather(ranks, ownMoved, pointCount);
     lattice.positions = gather(ranks, ownPose, lattice.positions.size());

@@ -149,7 +149,7 @@ std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
     const Index vertexCount = bound.binding.table.columnCount();
     if (isEditorMeshFile(path))
         return readMesh(path, name, vertexCount, [&](const ModelFaces& faces) {
-            if (bound.faces.count() > 0) checkFaces(path, name, faces, bound.faces);
+            checkFaces(path, name, faces, bound.faces);
         });
     Lattice pose = readLattice(path, notes);
     if (far::topologyHash(pose.complex) != bound.binding.topologyHash)

@@ -35,9 +35,7 @@ ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path, con
                                           const std::string& restName = "the lattice",
                                           ReadNotes* notes = nullptr);
 
-/// Reads a pose of the lattice to which the points of a bound model were bound. If the bound model
-/// does not have the faces of its lattice, as in files of versions 1 to 3, the faces of an editor
-/// mesh are not compared.
+/// Reads a pose of the lattice to which the points of a bound model were bound.
 ///
 /// \param bindingName name of the bound model in messages
 ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path,

@@ -262,9 +262,9 @@ private:
 
 }  // namespace
 
-embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
-                                             std::span<const Point3> points,
-                                             const LimitOptions& options) {
+embed::BoundRows<LimitTable> bindLimit(const embed::RestLattice& lattice,
+                                       std::span<const Point3> points,
+                                       const LimitOptions& options) {
     checkLimitTolerance(options.tolerance, "limitTolerance");
     checkLimitRules(lattice.base.rules());
     embed::checkRest(lattice, 1);
@@ -292,10 +292,7 @@ embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                     const std::function<void(Offset)>& progress) {
                                     return withoutGradients(bindInGroups(others, policy, progress));
                                 });
-    auto& [table, kept, keptAt, topologyHash] = model.binding;
-    return {{{std::move(table)}, std::move(kept), std::move(keptAt), topologyHash},
-            std::move(model.statuses),
-            model.largestResidual};
+    return {{std::move(model.table)}, std::move(model.statuses), model.largestResidual};
 }
 
 }  // namespace espalier::limit

@@ -93,16 +93,13 @@ struct LimitTable {
 ///       level. In parallel; the result does not depend on the number of threads. A few points at a
 ///       time are taken to fine levels, with 15 MB for each
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (the limit replaces their trilinear cells)
-ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
-                                                          std::span<const Point3> points,
-                                                          const LimitOptions& options = {});
+ESPALIER_API embed::BoundRows<LimitTable> bindLimit(const embed::RestLattice& lattice,
+                                                    std::span<const Point3> points,
+                                                    const LimitOptions& options = {});
 
 /// Drops the gradients, so that the result has the type of a binding to a level.
-inline embed::BindingResult withoutGradients(embed::BindingResultOf<LimitTable> result) {
-    auto& [table, kept, keptAt, topologyHash] = result.binding;
-    return {{std::move(table.points), std::move(kept), std::move(keptAt), topologyHash},
-            std::move(result.statuses),
-            result.largestResidual};
+inline embed::BoundRows<> withoutGradients(embed::BoundRows<LimitTable> bound) {
+    return {std::move(bound.table.points), std::move(bound.statuses), bound.largestResidual};
 }
 
 }  // namespace espalier::limit

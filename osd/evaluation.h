@@ -95,8 +95,7 @@ ESPALIER_API void checkEvaluation(Index rowCount, Index columnCount, std::size_t
 /// - Row i goes to entry i of the destination, whatever the range. Entries of rows outside the
 ///   range and numbers between entries are not written.
 /// - A row without entries gives 0.
-/// - Evaluators on the CPU take an Addend, and add it to each sum in one addition, last. Evaluators
-///   on a GPU take none.
+/// - An Addend is added to each sum in one addition, last.
 /// - The destination must not overlap the source or the addend. All three must hold all entries
 ///   that the table and the range address.
 /// - One pass over the table serves any number of components. So several poses can be evaluated at

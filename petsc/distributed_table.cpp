@@ -189,28 +189,14 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     makeVector(vertices_, ownVertices_.count(), vertexCount_);
 }
 
-DistributedTable::DistributedTable(MPI_Comm comm, const embed::TableBinding& own,
-                                   Offset ownVertexCount)
-    : DistributedTable(comm, own.table, ownVertexCount, 3) {
-    checkOnAllRanks(comm, [&] {
-        if (own.kept.size() != own.keptAt.size())
-            throw Error(concat(own.kept.size(),
-                               " points are kept, but the number of their positions is ",
-                               own.keptAt.size()));
-        for (const Index point : own.kept)
-            if (point < 0 || point >= own.table.rowCount())
-                throw Error(
-                    concat("point ", point, " cannot be kept; there are ", own.table.rowCount()));
-        kept_ = own.kept;
-        keptAt_ = own.keptAt;
-    });
-}
-
 void DistributedTable::evaluate(std::span<const double> ownVertexValues,
-                                std::span<double> ownPointValues) {
+                                std::span<double> ownPointValues,
+                                std::span<const double> ownAddend) {
     checkOnAllRanks(PetscObjectComm(reinterpret_cast<PetscObject>(matrix())), [&] {
         checkSize(ownVertexValues.size(), ownVertices_.count(), components_, "vertices");
         checkSize(ownPointValues.size(), ownPoints_.count(), components_, "points");
+        if (!ownAddend.empty())
+            checkSize(ownAddend.size(), ownPoints_.count(), components_, "points of the addend");
     });
     {
         const ErrorCapture errors;
@@ -218,9 +204,7 @@ void DistributedTable::evaluate(std::span<const double> ownVertexValues,
         const Placed destination(errors, points_.get(), ownPointValues);
         errors.check(MatMult(blocked(), vertices_.get(), points_.get()));
     }
-    for (std::size_t i = 0; i < kept_.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            ownPointValues[3 * static_cast<std::size_t>(kept_[i]) + c] = keptAt_[i][c];
+    for (std::size_t i = 0; i < ownAddend.size(); ++i) ownPointValues[i] += ownAddend[i];
 }
 
 void DistributedTable::evaluateAdjoint(std::span<const double> ownPointGradients,

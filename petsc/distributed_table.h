@@ -3,15 +3,13 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
-#include <espalier/base/point.h>
-#include <espalier/embed/binding.h>
+#include <espalier/stencils/stencil_table.h>
 
 #include <petscmat.h>
 
 #include <memory>
 #include <span>
 #include <type_traits>
-#include <vector>
 
 // Applies the deformation matrix over the ranks of MPI, with PETSc.
 namespace espalier::petsc {
@@ -81,13 +79,6 @@ public:
     DistributedTable(MPI_Comm comm, const stencils::StencilTable<double>& ownRows,
                      Offset ownVertexCount, int components = 3);
 
-    /// Distributes D for positions, with some points kept in place: evaluate() writes their fixed
-    /// positions, as osd::evaluateBinding() does, and the adjoint ignores their gradients. (With
-    /// the constructor above, empty rows give 0.)
-    ///
-    /// \throws Error also for kept points that the rank does not have
-    DistributedTable(MPI_Comm comm, const embed::TableBinding& own, Offset ownVertexCount);
-
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }
     OwnedRange ownVertices() const { return ownVertices_; }
@@ -104,11 +95,16 @@ public:
     /// are identical bit for bit, in both directions: PETSc adds contributions in the order of the
     /// ranks, not in the order of arrival.
     ///
+    /// With the displacements of the lattice as values and the points at rest as the addend, the
+    /// result is x + D · (p' − p), as osd::evaluateBinding() computes it.
+    ///
     /// \param ownVertexValues components() numbers for each of ownVertices()
     /// \param ownPointValues components() numbers for each of ownPoints(); must not overlap
+    /// \param ownAddend is added to ownPointValues; has its size, or is empty and adds nothing
     /// \throws Error on all ranks if a span has the wrong size, naming the rank. Nothing is written
     /// \cost O(entries of the rank × components), and the messages above
-    void evaluate(std::span<const double> ownVertexValues, std::span<double> ownPointValues);
+    void evaluate(std::span<const double> ownVertexValues, std::span<double> ownPointValues,
+                  std::span<const double> ownAddend = {});
 
     /// Computes the gradients of this rank's vertices, from gradients of the points; otherwise as
     /// evaluate().
@@ -135,8 +131,6 @@ private:
     Owned<Mat> matrix_, blocked_;
     /// Vectors without memory of their own. During an evaluation they use the caller's arrays.
     Owned<Vec> points_, vertices_;
-    std::vector<Index> kept_;
-    std::vector<Point3> keptAt_;
 };
 
 }  // namespace espalier::petsc

@@ -64,25 +64,24 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
 BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
-    if (auto points = io::pointsAtRest(result->bound, path))
-        result->bound.binding.points = std::move(*points);
     return result;
 }
 
-/// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array
-/// of float32, otherwise in double. \param run called with the form, the source and the result
-template <template <class> class Form, class Run>
+/// Evaluates D or its adjoint: in float for an array of float32, otherwise in double.
+/// \tparam Form osd::Deformer or osd::CompiledAdjoint
+/// \param make makes the form; called with the type of its numbers
+/// \param evaluation evaluates it; without `run`
+template <template <class> class Form, class Make, class Run>
 py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
-                       const ArrayLike& values, const std::optional<ArrayLike>& out, Run run) {
-    const auto inPrecision = [&]<class Real>(Real) {
+                       const ArrayLike& values, const std::optional<ArrayLike>& out, Make make,
+                       Run run, bool runTakesAllSets) {
+    const auto inPrecision = [&]<class Real>(Real number) {
         const auto runForm = [&](std::span<const Real> source, const osd::BufferDescriptor&,
                                  std::span<Real> result) {
-            const auto& form = std::get<Lazy<Form<Real>>>(self.forms).get([&] {
-                return compile<Form, Real>(self.binding().table);
-            });
-            run(form, source, result);
+            run(std::get<Lazy<Form<Real>>>(self.forms).get([&] { return make(number); }), source,
+                result);
         };
-        return evaluate<Real>({name, from, to, 3, runForm}, values, out);
+        return evaluate<Real>({name, from, to, 3, runForm, runTakesAllSets}, values, out);
     };
     const bool isSingle = py::isinstance<py::array>(values) &&
                           isFloat32(py::reinterpret_borrow<py::array>(values).dtype());
@@ -99,97 +98,54 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     return viewOf(lattice.positions, pose);
 }
 
-/// Returns the coordinates of positions as numbers of type Real.
-template <class Real>
-std::vector<Real> coordinatesOf(const std::vector<Point3>& positions) {
-    std::vector<Real> numbers;
-    numbers.reserve(3 * positions.size());
-    for (const Point3& position : positions)
-        for (const double coordinate : position) numbers.push_back(static_cast<Real>(coordinate));
-    return numbers;
-}
-
-constexpr osd::BufferDescriptor kXyz{0, 3, 3};
-
-/// Computes x + D · (p' − p), or D · p' if the points or the lattice at rest are not known. Rounds
-/// p to Real before it subtracts, so that the lattice at rest in Real moves no point.
-template <class Real>
-void deformBy(BoundPoints& self, const osd::CompiledTable<Real>& table, std::span<const Real> pose,
-              std::span<Real> result) {
-    const osd::RowRange rows{0, table.rowCount()};
-    const std::vector<Point3>& rest = self.binding().rest;
-    if (!self.binding().knowsRest()) {
-        table.evaluate(pose, kXyz, result, kXyz, rows);
-        osd::writeKept<Real>(self.binding(), result, kXyz);
-        return;
-    }
-    std::vector<Real> displacements(pose.size());
-    for (std::size_t v = 0; v < rest.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c)
-            displacements[3 * v + c] = pose[3 * v + c] - static_cast<Real>(rest[v][c]);
-    const auto& points = std::get<Lazy<std::vector<Real>>>(self.atRest).get([&] {
-        return coordinatesOf<Real>(self.binding().points);
-    });
-    table.evaluate(displacements, kXyz, result, kXyz, rows, osd::Addend<Real>::packed(points, 3));
-}
-
 py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
-    const auto& table = self.binding().table;
-    const auto run = [&]<class Real>(const osd::CompiledTable<Real>& compiled,
-                                     std::span<const Real> source, std::span<Real> result) {
-        deformBy(self, compiled, source, result);
-    };
-    return evaluateForm<osd::CompiledTable>(self, "pose", table.columnCount(), table.rowCount(),
-                                            positionsOf(self, pose), out, run);
+    const bind::Binding& binding = self.binding();
+    return evaluateForm<osd::Deformer>(
+        self, "pose", binding.table.columnCount(), binding.table.rowCount(),
+        positionsOf(self, pose), out,
+        [&]<class Real>(Real) { return osd::Deformer<Real>(binding); },
+        [](const auto& deformer, auto poses, auto points) { deformer.deform(poses, points); },
+        true);
 }
 
 py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
                   const std::optional<ArrayLike>& out) {
     const auto& table = self.binding().table;
-    const auto run = []<class Real>(const osd::CompiledAdjoint<Real>& compiled,
-                                    std::span<const Real> source, std::span<Real> result) {
+    const auto run = [](const auto& compiled, auto source, auto result) {
+        constexpr osd::BufferDescriptor kXyz{0, 3, 3};
         compiled.evaluate(source, kXyz, result, kXyz, {0, compiled.rowCount()});
     };
-    return evaluateForm<osd::CompiledAdjoint>(self, "gradients", table.rowCount(),
-                                              table.columnCount(), gradients, out, run);
-}
-
-py::object statusesOf(const py::object& self) {
-    const bind::Binding& binding = self.cast<const BoundPoints&>().binding();
-    if (!binding.largestResidual) return py::none();
-    return viewOf(bytesOf(binding.statuses), self);
+    return evaluateForm<osd::CompiledAdjoint>(
+        self, "gradients", table.rowCount(), table.columnCount(), gradients, out,
+        [&]<class Real>(Real) { return compile<osd::CompiledAdjoint, Real>(table); }, run, false);
 }
 
 void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
     type.def_property_readonly(
             "points",
-            [](const py::object& self) -> py::object {
-                const bind::Binding& binding = self.cast<const BoundPoints&>().binding();
-                if (!binding.knowsPoints()) return py::none();
-                return viewOf(binding.points, self);
+            [](const py::object& self) {
+                return viewOf(self.cast<const BoundPoints&>().binding().points, self);
             },
             "The positions of the points when they were bound: array (N, 3) of float64, read-only, "
-            "not a copy; None for a binding that was loaded from a file without a model.")
+            "not a copy.")
         .def_property_readonly(
             "kept",
-            [](const py::object& self) {
-                const auto& kept = self.cast<const BoundPoints&>().binding().kept;
-                return viewOf(std::span(kept), self);
-            },
+            [](const BoundPoints& self) { return toArray(self.binding().table.emptyRows()); },
             "The points that stay where they are in every pose, since they are outside the lattice "
-            "or "
-            "could not be placed; their rows of D are empty. Array (K,) of int32, ascending, "
-            "read-only.")
-        .def_property_readonly("statuses", &statusesOf,
-                               "Whether each point is inside the lattice, outside, or could not be "
-                               "placed: array (N,) of uint8, with the values of PointStatus; None "
-                               "for a binding that was loaded.")
+            "or could not be placed; their rows of D are empty. New array (K,) of int32, "
+            "ascending.")
+        .def_property_readonly(
+            "statuses",
+            [](const py::object& self) {
+                return viewOf(bytesOf(self.cast<const BoundPoints&>().binding().statuses), self);
+            },
+            "Whether each point is inside the lattice, outside, or could not be placed: array (N,) "
+            "of uint8, with the values of PointStatus.")
         .def_property_readonly(
             "largest_residual",
             [](const BoundPoints& self) { return self.binding().largestResidual; },
-            "How far a point moves at most when the lattice is in its rest pose, by rounding, in "
-            "the "
-            "units of the lattice: float; None for a binding that was loaded.");
+            "The largest distance of a point from its place in the lattice at rest, in the units "
+            "of the lattice: float.");
 }
 
 }  // namespace
@@ -225,8 +181,7 @@ the lattice. Made by bind() and load_binding(). Any number of threads may use it
         .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
 Returns the positions of the points for a pose of the lattice: x + D @ (p' - p), where x and p are the
 points and the lattice at rest. So points that no moved vertex influences, and points in `kept`, stay
-exactly where they were. A binding that was loaded from a file without a model or without the lattice
-at rest (version 1) gives D @ p'.
+exactly where they were.
 
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
@@ -252,12 +207,13 @@ Precision, compiling and rounding are as in deform().
             },
             "path"_a,
             "Writes the binding (.espb), for load_binding() and `espalier apply`. For a Model that "
-            "was bound with limit=True, apply also deforms its normals and tangents. Points that "
-            "did not come from a Model are stored as points.obj, if they are known.")
+            "was bound with limit=True, apply also deforms its normals and tangents. Of points "
+            "that "
+            "did not come from a Model, apply makes a model points.obj.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.binding().table;
             return concat("<espalier.Binding: ", table.rowCount(), " points x ",
-                          table.columnCount(), " vertices, ", self.binding().kept.size(),
+                          table.columnCount(), " vertices, ", table.emptyRows().size(),
                           " left in place>");
         });
     addPoints(type);
@@ -283,7 +239,7 @@ limit     : whether to bind to the limit of refinement instead of a level. The t
     module.def(
         "load_binding",
         [](const std::filesystem::path& path) { return withoutGil([&] { return load(path); }); },
-        "path"_a, "Reads a Binding from .espb. Its points are None if the file contains no model.");
+        "path"_a, "Reads a Binding from .espb.");
 }
 
 }  // namespace espalier::python

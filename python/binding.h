@@ -6,7 +6,7 @@
 #include <espalier/io/binding_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/compiled_adjoint.h>
-#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/deformer.h>
 
 #include <cstdint>
 #include <memory>
@@ -34,18 +34,13 @@ std::vector<Point3> pointsOf(const ModelFile& file);
 /// \param name of the file; its extension tells the format
 ModelFile modelOfBytes(std::string name, std::string bytes);
 
-/// Points that are bound to a lattice, and the compiled forms of D, which are made on first use.
+/// Points that are bound to a lattice, and the forms that evaluate D, which are made on first use.
 struct BoundPoints {
-    /// The name of the model is empty if the points came from an array, or from a file without a
-    /// model.
     io::BoundModel bound;
 
-    std::tuple<Lazy<osd::CompiledTable<float>>, Lazy<osd::CompiledTable<double>>,
+    std::tuple<Lazy<osd::Deformer<float>>, Lazy<osd::Deformer<double>>,
                Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
         forms = {};
-
-    /// The coordinates of the points in float and in double, for deform().
-    std::tuple<Lazy<std::vector<float>>, Lazy<std::vector<double>>> atRest = {};
 
     const bind::Binding& binding() const { return bound.binding; }
 };

@@ -22,7 +22,7 @@ struct Parts {
 
 template <class Real>
 Parts partsOf(const ArrayEvaluation<Real>& evaluation, const py::array& values) {
-    const auto& [source, sourceRows, rows, components, run] = evaluation;
+    const auto& [source, sourceRows, rows, components, run, ofAll] = evaluation;
     const py::ssize_t dimensions = values.ndim();
     const bool isVector = dimensions == 1 && !components;
     const bool hasSets = dimensions == 3;
@@ -81,6 +81,9 @@ py::array evaluate(const ArrayEvaluation<Real>& evaluation, const ArrayLike& val
     const Real* const first = source.data();
     Real* const firstResult = result.mutable_data();
     withoutGil([&] {
+        if (evaluation.runTakesAllSets)
+            return evaluation.run({first, from * parts.sets}, layout,
+                                  {firstResult, to * parts.sets});
         for (py::ssize_t set = 0; set < parts.sets; ++set)
             evaluation.run({first + set * from, from}, layout, {firstResult + set * to, to});
     });

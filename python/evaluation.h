@@ -25,6 +25,8 @@ struct ArrayEvaluation {
 
     /// Evaluates one set.
     std::function<void(std::span<const Real>, const osd::BufferDescriptor&, std::span<Real>)> run;
+
+    bool runTakesAllSets = false;  ///< true if `run` evaluates all sets in one call
 };
 
 /// Evaluates arrays of shape (n, k) or (P, n, k), and (n,) if any number of components is allowed.

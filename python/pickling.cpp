@@ -37,7 +37,7 @@ template <class Container>
 Container numbersOf(const py::handle& object) {
     using Number = typename Container::value_type;
     const auto array = py::array_t<Number, kReadable>::ensure(object);
-    if (!array) throw py::error_already_set();
+    requireState(static_cast<bool>(array));
     return Container(array.data(), array.data() + array.size());
 }
 
@@ -257,51 +257,34 @@ py::tuple stateOfBinding(const py::object& self) {
     const Shared<BoundPoints> shared = self.cast<Shared<BoundPoints>>();
     const auto& bound = shared->bound;
     const auto& binding = bound.binding;
-    py::object at = py::none(), statuses = py::none(), residual = py::none();
-    // If there is a model, the pickle needs no points: the file of the model contains them.
-    if (bound.modelName.empty() && binding.knowsPoints()) at = viewOf(binding.points, self);
-    if (binding.largestResidual) {
-        statuses = viewOf(bytesOf(binding.statuses), self);
-        residual = py::float_(*binding.largestResidual);
-    }
-    return py::make_tuple(
-        stateOfTable(py::cast(tableIn(shared))), viewOf(std::span<const Index>(binding.kept), self),
-        viewOf(binding.keptAt, self), binding.topologyHash, py::bytes(bound.modelName),
-        py::bytes(bound.modelBytes), at, statuses, residual, stateOfGradients(shared),
-        binding.rest.empty() ? py::object(py::none()) : viewOf(binding.rest, self),
-        viewOf(std::span<const std::size_t>(bound.faces.ends), self),
-        viewOf(std::span<const Index>(bound.faces.corners), self));
+    return py::make_tuple(stateOfTable(py::cast(tableIn(shared))), binding.topologyHash,
+                          binding.largestResidual, viewOf(binding.points, self),
+                          viewOf(binding.rest, self), viewOf(bytesOf(binding.statuses), self),
+                          stateOfGradients(shared), py::bytes(bound.modelName),
+                          py::bytes(bound.modelBytes),
+                          viewOf(std::span<const std::size_t>(bound.faces.ends), self),
+                          viewOf(std::span<const Index>(bound.faces.corners), self));
 }
 
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
-    requireState(state.size() == 13);
+    requireState(state.size() == 11);
     auto result = std::make_shared<BoundPoints>();
     auto& binding = result->bound.binding;
     binding.table = std::move(*tableOfState(state[0]));
-    const Index rows = binding.table.rowCount();
-    binding.kept = numbersOf<std::vector<Index>>(state[1]);
-    binding.keptAt = toPoints(state[2], "kept", binding.kept.size());
-    for (const Index kept : binding.kept) requireState(kept >= 0 && kept < rows);
-    binding.topologyHash = state[3].cast<std::uint64_t>();
-    result->bound.modelName = state[4].cast<std::string>();
-    result->bound.modelBytes = state[5].cast<std::string>();
-    auto points = state[6].is_none() ? withoutGil([&] { return io::pointsAtRest(result->bound); })
-                                     : std::optional(toPoints(state[6], "points", rows));
-    if (points) binding.points = std::move(*points);
-    if (!state[7].is_none()) {
-        binding.largestResidual = state[8].cast<double>();
-        for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
-            requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotConverged));
-            binding.statuses.push_back(static_cast<embed::PointStatus>(status));
-        }
-        requireState(std::ssize(binding.statuses) == rows);
+    binding.topologyHash = state[1].cast<std::uint64_t>();
+    binding.largestResidual = state[2].cast<double>();
+    binding.points = toPoints(state[3], "points", binding.table.rowCount());
+    binding.rest = toPoints(state[4], "rest", binding.table.columnCount());
+    for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[5])) {
+        requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotConverged));
+        binding.statuses.push_back(static_cast<embed::PointStatus>(status));
     }
-    binding.gradients = gradientsOfState(state[9]);
-    if (!state[10].is_none())
-        binding.rest = toPoints(state[10], "rest", binding.table.columnCount());
+    binding.gradients = gradientsOfState(state[6]);
+    result->bound.modelName = state[7].cast<std::string>();
+    result->bound.modelBytes = state[8].cast<std::string>();
     auto& faces = result->bound.faces;
-    faces.ends = numbersOf<std::vector<std::size_t>>(state[11]);
-    faces.corners = numbersOf<std::vector<Index>>(state[12]);
+    faces.ends = numbersOf<std::vector<std::size_t>>(state[9]);
+    faces.corners = numbersOf<std::vector<Index>>(state[10]);
     requireState(std::ranges::is_sorted(faces.ends) &&
                  faces.corners.size() == (faces.ends.empty() ? 0 : faces.ends.back()));
     io::checkBoundModel(result->bound);

@@ -58,6 +58,14 @@ public:
     std::span<const Index> columns() const { return columns_; }
     std::span<const Real> weights() const { return weights_; }
 
+    /// Returns the rows without entries, ascending: the points that no pose moves.
+    std::vector<Index> emptyRows() const {
+        std::vector<Index> result;
+        for (Index row = 0; row < rowCount(); ++row)
+            if (columns(row).empty()) result.push_back(row);
+        return result;
+    }
+
     friend bool operator==(const StencilTable&, const StencilTable&) = default;
 
 private:

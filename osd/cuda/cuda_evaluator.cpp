@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "../device/device_table.h"
 #include "../kernels/scratch.h"
 #include "cuda_launch.h"
-#include "device_table.h"
 
 // CUDA's runtime behind exceptions and owning types.
 
@@ -385,13 +385,19 @@ template <class Real>
 void CudaEvaluator<Real>::evaluate(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                                    CudaDestination<Real> destination,
                                    const BufferDescriptor& destinationLayout, RowRange rows,
-                                   CudaWorkspace& workspace) const {
+                                   CudaWorkspace& workspace, const CudaAddend<Real>& addend) const {
     checkEvaluation(rowCount(), columnCount(), source.size, sourceLayout, destination.size,
                     destinationLayout, rows);
+    checkAddend(addend.values.size, addend.layout, destinationLayout, rows);
     if (rows.first == rows.last) return;
     const DeviceScope scope = data_->scopeFor(workspace);
     runOnDevice(columnCount(), source, sourceLayout, destination, destinationLayout, rows, 0,
-                workspace, [&](const auto& evaluation, Real*, cudaStream_t stream) {
+                workspace, [&](device::Evaluation<Real> evaluation, Real*, cudaStream_t stream) {
+                    if (addend.layout.length > 0) {
+                        evaluation.addend = addend.values.data + addend.layout.offset;
+                        evaluation.addendStride = addend.layout.stride;
+                        evaluation.addendLength = addend.layout.length;
+                    }
                     return device::startTable(data_->table, evaluation, stream);
                 });
 }
@@ -418,56 +424,9 @@ void CudaEvaluator<Real>::evaluateAdjoint(CudaSource<Real> source,
                 });
 }
 
-template <class Real>
-struct CudaKeptPoints<Real>::Data {
-    int device = currentDevice();
-    Index pointCount;
-    DeviceArrays memory = {};
-    Index count = 0;
-    const Index* points = nullptr;
-    const Real* positions = nullptr;
-};
-
-template <class Real>
-CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> kept,
-                                     std::span<const Point3> keptAt) {
-    if (kept.size() != keptAt.size())
-        throw Error(concat("got ", kept.size(), " kept points, but ", keptAt.size(),
-                           " positions for them"));
-    for (const Index point : kept)
-        if (point < 0 || point >= pointCount)
-            throw Error(
-                concat("there is no point ", point, " to keep; there are ", pointCount, " points"));
-    std::vector<Real> positions;
-    for (const Point3& position : keptAt)
-        for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));
-    auto data = std::make_shared<Data>();
-    data->pointCount = pointCount;
-    data->count = static_cast<Index>(kept.size());
-    data->points = data->memory.add(kept);
-    data->positions = data->memory.add(std::span<const Real>(positions));
-    data_ = std::move(data);
-}
-
-template <class Real>
-void CudaKeptPoints<Real>::write(DeviceSpan<Real> destination, const BufferDescriptor& layout,
-                                 CudaStream stream) const {
-    checkEvaluation(data_->pointCount, 0, 0, BufferDescriptor::packed(3), destination.size, layout,
-                    {0, data_->pointCount});
-    const DeviceScope scope(data_->device);
-    device::Evaluation<Real> evaluation = {};
-    evaluation.destination = destination.data + layout.offset;
-    evaluation.destinationStride = layout.stride;
-    evaluation.length = 3;
-    check(device::startScatter(data_->points, data_->count, data_->positions, evaluation, stream),
-          "cudaLaunchKernel");
-}
-
 template class CudaBuffer<float>;
 template class CudaBuffer<double>;
 template class CudaEvaluator<float>;
 template class CudaEvaluator<double>;
-template class CudaKeptPoints<float>;
-template class CudaKeptPoints<double>;
 
 }  // namespace espalier::osd

@@ -133,6 +133,20 @@ private:
         : data(first), size(count), isOnHost(onHost) {}
 };
 
+/// Values on the device that an evaluation adds to its results, in one addition each, last: see
+/// Addend. With the displacements of the lattice as the source and the points at rest as the
+/// addend, the results are x + D · (p' − p).
+template <class Real>
+struct CudaAddend {
+    DeviceSpan<const Real> values = {};
+    BufferDescriptor layout = {};  ///< as of Addend; a length of 0 adds nothing
+
+    /// Returns `values` as packed entries of `length` components.
+    static CudaAddend packed(DeviceSpan<const Real> values, Offset length) {
+        return {values, BufferDescriptor::packed(length)};
+    }
+};
+
 /// A stream, on which evaluations are put, and the temporary memory of the device that they need.
 ///
 /// The memory grows when an evaluation needs more, and is kept for the next one. It grows in the
@@ -261,13 +275,16 @@ public:
     /// buffers and workspace must live as long as the graph, and nothing else may use the workspace
     /// while the graph runs.
     ///
-    /// \throws Error as checkEvaluation() says, if the workspace belongs to another device, or as
-    ///         CudaWorkspace::reserve() says; CudaError if CUDA rejects a copy or a kernel
+    /// \throws Error as checkEvaluation() and checkAddend() say, if the workspace belongs to
+    /// another
+    ///         device, or as CudaWorkspace::reserve() says; CudaError if CUDA rejects a copy or a
+    ///         kernel
     /// \cost O(entries of the range × components), and one check for each group and for each row
     ///       that is in no group; memory of the workspace for what is copied
     void evaluate(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                   CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows, CudaWorkspace& workspace) const;
+                  RowRange rows, CudaWorkspace& workspace,
+                  const CudaAddend<Real>& addend = {}) const;
 
     /// Evaluates rows of the transpose in the same way: gradients by the rows of the table become
     /// gradients by its columns. The error is at most 1 ulp for each entry of the column, plus 4
@@ -282,30 +299,6 @@ public:
                          CudaDestination<Real> destination,
                          const BufferDescriptor& destinationLayout, RowRange columns,
                          CudaWorkspace& workspace) const;
-
-private:
-    struct Data;
-    std::shared_ptr<const Data> data_;
-};
-
-/// Holds the points that a binding keeps in place, on a device. Evaluators of the table of the
-/// binding write 0 for these points (binding_evaluator.h). The device is the one that is current
-/// when this is made.
-template <class Real>
-class ESPALIER_API CudaKeptPoints {
-public:
-    /// \param pointCount number of rows of the table
-    /// \param kept, keptAt as in Binding: the points, and their positions
-    /// \throws Error if the two differ in size, or a point is not in the model; CudaError
-    CudaKeptPoints(Index pointCount, std::span<const Index> kept, std::span<const Point3> keptAt);
-
-    /// Writes the positions of these points, in the order of the stream.
-    ///
-    /// \param destination on the device; has point i at entry i of `layout`, whose length is 3
-    /// \throws Error if the layout is invalid or the destination too short for all points;
-    ///         CudaError
-    void write(DeviceSpan<Real> destination, const BufferDescriptor& layout,
-               CudaStream stream = nullptr) const;
 
 private:
     struct Data;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "../device/device_evaluation.h"
 #include "cuda_launch.h"
-#include "device_evaluation.h"
 
 namespace espalier::osd::device {
 namespace {

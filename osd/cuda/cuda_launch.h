@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cuda_runtime_api.h>
-#include "device_data.h"
+#include "../device/device_data.h"
 
 // The functions that cuda_launch.cu compiles for the device. They put kernels on a stream and
 // return at once.
@@ -23,10 +23,5 @@ cudaError_t startTable(const TableView<Real>& table, const Evaluation<Real>& eva
 template <class Real>
 cudaError_t startAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
                          const Evaluation<Real>& evaluation, Real* places, cudaStream_t stream);
-
-/// Starts ScatterKernel.
-template <class Real>
-cudaError_t startScatter(const Index* rows, Index count, const Real* values,
-                         const Evaluation<Real>& evaluation, cudaStream_t stream);
 
 }  // namespace espalier::osd::device

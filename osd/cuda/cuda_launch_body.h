@@ -39,7 +39,6 @@ cudaError_t loadKernels() {
         launchTable(TableView<Real>{}, evaluation, load);
         launchAdjoint(TableView<Real>{}, adjoint, evaluation, static_cast<Real*>(nullptr), load);
     }
-    load(ScatterKernel<Real>{});
     return load.error();
 }
 
@@ -59,14 +58,6 @@ cudaError_t startAdjoint(const TableView<Real>& table, const AdjointView<Real>& 
     return launch.error();
 }
 
-template <class Real>
-cudaError_t startScatter(const Index* rows, Index count, const Real* values,
-                         const Evaluation<Real>& evaluation, cudaStream_t stream) {
-    auto launch = launchOn(stream);
-    launch(ScatterKernel<Real>{rows, count, values, evaluation});
-    return launch.error();
-}
-
 template cudaError_t loadKernels<float>();
 template cudaError_t loadKernels<double>();
 template cudaError_t startTable(const TableView<float>&, const Evaluation<float>&, cudaStream_t);
@@ -75,7 +66,3 @@ template cudaError_t startAdjoint(const TableView<float>&, const AdjointView<flo
                                   const Evaluation<float>&, float*, cudaStream_t);
 template cudaError_t startAdjoint(const TableView<double>&, const AdjointView<double>&,
                                   const Evaluation<double>&, double*, cudaStream_t);
-template cudaError_t startScatter(const Index*, Index, const float*, const Evaluation<float>&,
-                                  cudaStream_t);
-template cudaError_t startScatter(const Index*, Index, const double*, const Evaluation<double>&,
-                                  cudaStream_t);

@@ -5,6 +5,7 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/around.h>
 #include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
 
 #include <atomic>
 #include <random>
@@ -35,9 +36,8 @@ Binding bindTo(const Lattice& lattice, const std::vector<Point3>& points, const 
     return bindPoints({base, lattice.positions}, points, target, options);
 }
 
-void expectSame(const Binding& binding, const embed::BindingResult& expected) {
-    const embed::TableBinding& rows = binding;
-    EXPECT_EQ(rows, expected.binding);
+void expectSame(const Binding& binding, const embed::BoundRows<>& expected) {
+    EXPECT_EQ(binding.table, expected.table);
     EXPECT_EQ(binding.statuses, expected.statuses);
     EXPECT_EQ(binding.largestResidual, expected.largestResidual);
 }
@@ -71,7 +71,6 @@ TEST(Binding, KnowsTheRestAndTheHash) {
         const Binding binding = bindTo(lattice, points, target);
         EXPECT_EQ(binding.points, points);
         EXPECT_EQ(binding.rest, lattice.positions);
-        EXPECT_TRUE(binding.knowsRest());
         EXPECT_EQ(binding.topologyHash, far::topologyHash(lattice.complex));
         using enum embed::PointStatus;
         EXPECT_EQ(binding.count(Inside) + binding.count(Outside) + binding.count(NotConverged), 50);
@@ -80,16 +79,30 @@ TEST(Binding, KnowsTheRestAndTheHash) {
         EXPECT_FALSE(binding.gradients);
         // At rest, x + D · (p − p) is x, bit for bit, also where D is rounded.
         EXPECT_EQ(osd::evaluateBinding(binding, lattice.positions), points);
-        Binding unknown = binding;
-        unknown.points.clear();
-        EXPECT_FALSE(unknown.knowsRest());
-        const auto product = osd::evaluateBinding(unknown, lattice.positions);
-        EXPECT_EQ(product.back(), points.back());
-        // 1e-12: the placement of points is exact to their rounding times the weights of a row.
+        // D · p gives x back, too. 1e-12: the placement of points is exact to their rounding times
+        // the weights of a row.
+        const auto product = stencils::applyLevelTable(binding.table, lattice.positions);
         for (std::size_t i = 0; i < points.size(); ++i)
-            for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t axis = 0; axis < 3 && !binding.table.columns(Index(i)).empty(); ++axis)
                 EXPECT_NEAR(product[i][axis], points[i][axis], 1e-12);
     }
+}
+
+TEST(Binding, HasTheFactorsOfALevelOnRequest) {
+    const Lattice lattice = box();
+    const std::vector<Point3> points = pointsAround(50);
+    EXPECT_FALSE(bindTo(lattice, points, Level{2}).factors);
+    const Binding binding = bindTo(lattice, points, Level{.level = 2, .factors = true});
+    ASSERT_TRUE(binding.factors);
+    const auto product = stencils::multiply(binding.factors->points, binding.factors->vertices);
+    // The same rows up to rounding; rows of the product may have further entries of about 0.
+    auto pose = lattice.positions;
+    for (Point3& p : pose) p = {p[1] * p[2], p[0] * p[0], p[2]};
+    const auto moved = stencils::applyLevelTable(product, pose),
+               expected = stencils::applyLevelTable(binding.table, pose);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(moved[i][axis], expected[i][axis], 1e-13);
 }
 
 TEST(Binding, HasGradientsOfTheLimitOnRequest) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that a real-time evaluation, as espalier.h describes it, allocates nothing and takes no
-// lock.
+// Checks that deforming and evaluating in real time, as espalier.h describes it, allocates nothing
+// and takes no lock.
 #include <espalier.h>
 
 #include <vector>
@@ -16,12 +16,13 @@ int main() {
     constexpr std::int32_t kPoints = 20000;
     std::vector<double> points;
     for (int i = 0; i < 3 * kPoints; ++i) points.push_back(i * 7919 % 10007 / 10007.0);
-    points[0] = 2;  // Outside, so it is kept in place.
+    points[0] = 2;  // Outside.
 
     espalier_lattice* lattice = nullptr;
     espalier_refiner* refiner = nullptr;
     espalier_binding* binding = nullptr;
     espalier_table* table = nullptr;
+    espalier_deformer_f32* deformer = nullptr;
     espalier_evaluator_f32 *forward = nullptr, *backward = nullptr;
     espalier_workspace* workspace = nullptr;
     espalier_executor_scope* scope = nullptr;
@@ -31,6 +32,7 @@ int main() {
     failed |= espalier_binding_create(refiner, BOX_VERTICES, rest, kPoints, points.data(), nullptr,
                                       &binding);
     failed |= espalier_binding_table(binding, &table);
+    failed |= espalier_deformer_f32_create(binding, &deformer);
     failed |= espalier_evaluator_f32_create(table, &forward);
     failed |= espalier_evaluator_f32_create_adjoint(table, &backward);
     failed |= espalier_workspace_create(&workspace);
@@ -45,7 +47,8 @@ int main() {
         failed |=
             espalier_evaluator_f32_evaluate(forward, pose.data(), size(pose), xyz, moved.data(),
                                             size(moved), xyz, 0, kPoints, workspace);
-        failed |= espalier_binding_put_kept_f32(binding, moved.data(), size(moved), xyz);
+        failed |= espalier_deformer_f32_deform(deformer, pose.data(), size(pose), moved.data(),
+                                               size(moved));
         failed |= espalier_evaluator_f32_evaluate(backward, moved.data(), size(moved), xyz,
                                                   gradient.data(), size(gradient), xyz, 0,
                                                   BOX_VERTICES, workspace);
@@ -57,6 +60,7 @@ int main() {
     espalier_workspace_destroy(workspace);
     espalier_evaluator_f32_destroy(backward);
     espalier_evaluator_f32_destroy(forward);
+    espalier_deformer_f32_destroy(deformer);
     espalier_table_destroy(table);
     espalier_binding_destroy(binding);
     espalier_refiner_destroy(refiner);

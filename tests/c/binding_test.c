@@ -58,11 +58,6 @@ static void test_point_statuses(void) {
     CHECK(count == POINTS);
     for (int i = 0; i < POINTS; ++i)
         CHECK(statuses[i] == (i == OUTSIDE ? ESPALIER_POINT_OUTSIDE : ESPALIER_POINT_INSIDE));
-    const int32_t* kept = NULL;
-    const double* positions = NULL;
-    OK(espalier_binding_kept(f.binding, &count, &kept, &positions));
-    CHECK(count == 1 && kept[0] == OUTSIDE);
-    CHECK(memcmp(positions, points + 3 * OUTSIDE, 3 * sizeof(double)) == 0);
     double residual = -1;
     OK(espalier_binding_largest_residual(f.binding, &residual));
     CHECK(residual >= 0 && residual < tolerance);
@@ -86,12 +81,13 @@ static void test_apply(void) {
     tear_down(&f);
 }
 
-/* An evaluator gives the same points as espalier_binding_apply(), in single precision with its
- * accuracy. The kept point gets its rest position, and numbers between entries are not written. */
+/* An evaluator computes D · p: in single precision with its accuracy, for a single row, and after
+ * the table is gone. Numbers between entries are not written. */
 static void test_evaluators(void) {
     fixture f = set_up();
     double moved[3 * POINTS];
     apply(f.binding, f.pose, moved);
+    for (int k = 0; k < 3; ++k) moved[3 * OUTSIDE + k] = 0; /* its row is empty */
     /* The evaluators outlive the table, and the table outlives the binding. */
     espalier_evaluator_f64* f64 = NULL;
     espalier_evaluator_f32* f32 = NULL;
@@ -104,8 +100,6 @@ static void test_evaluators(void) {
     for (int i = 0; i < 5 * POINTS; ++i) wide[i] = -7;
     OK(espalier_evaluator_f64_evaluate(f64, f.pose, 3 * BOX_VERTICES, xyz, wide, 5 * POINTS, apart,
                                        0, POINTS, NULL));
-    for (int k = 0; k < 3; ++k) CHECK(wide[5 * OUTSIDE + 1 + k] == 0);
-    OK(espalier_binding_put_kept_f64(f.binding, wide, 5 * POINTS, apart));
     for (int i = 0; i < POINTS; ++i) {
         for (int k = 0; k < 3; ++k) CHECK(fabs(wide[5 * i + 1 + k] - moved[3 * i + k]) < tolerance);
         CHECK(wide[5 * i] == -7 && wide[5 * i + 4] == -7);
@@ -115,7 +109,6 @@ static void test_evaluators(void) {
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) source[i] = (float)f.pose[i];
     OK(espalier_evaluator_f32_evaluate(f32, source, 3 * BOX_VERTICES, xyz, result, 3 * POINTS, xyz,
                                        0, POINTS, NULL));
-    OK(espalier_binding_put_kept_f32(f.binding, result, 3 * POINTS, xyz));
     /* A few units of 6e-8 for each of 27 products. */
     for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs((double)result[i] - moved[i]) < 1e-5);
 
@@ -132,20 +125,11 @@ static void test_evaluators(void) {
     espalier_evaluator_f32_destroy(f32);
 }
 
-/* x + D · (p' − p), by espalier_binding_apply(), by evaluators in both precisions, and by
- * evaluators of changes: with the pose at rest each point stays exactly where it is. */
-static void test_displacements(void) {
+/* Deformers in both precisions give the points of espalier_binding_apply(), for six poses in one
+ * call; at rest each point stays exactly where it is. They outlive the binding. */
+static void test_deformers(void) {
     fixture f = set_up();
-    const espalier_buffer_layout xyz = espalier_packed_layout(3);
-    espalier_evaluator_f64* f64 = NULL;
-    espalier_evaluator_f32* f32 = NULL;
-    espalier_change_evaluator_f64* changes_f64 = NULL;
-    espalier_change_evaluator_f32* changes_f32 = NULL;
-    OK(espalier_evaluator_f64_create(f.table, &f64));
-    OK(espalier_evaluator_f32_create(f.table, &f32));
-    OK(espalier_change_evaluator_f64_create(f64, &changes_f64));
-    OK(espalier_change_evaluator_f32_create(f32, &changes_f32));
-
+    enum { POSES = 6, POSE = 3 * BOX_VERTICES, MODEL = 3 * POINTS };
     int32_t vertex_count = 0, point_count = 0;
     const double *vertices = NULL, *at_rest = NULL;
     OK(espalier_binding_rest(f.binding, &vertex_count, &vertices, &point_count, &at_rest));
@@ -153,112 +137,57 @@ static void test_displacements(void) {
     CHECK(memcmp(vertices, f.rest, sizeof f.rest) == 0);
     CHECK(memcmp(at_rest, points, sizeof points) == 0);
 
-    double moved[3 * POINTS], displacements[3 * BOX_VERTICES] = {0}, result[3 * POINTS];
-    float rest_f32[3 * POINTS], displacements_f32[3 * BOX_VERTICES] = {0}, result_f32[3 * POINTS];
-    for (int i = 0; i < 3 * POINTS; ++i) rest_f32[i] = (float)points[i];
-    for (int is_moved = 0; is_moved < 2; ++is_moved) {
-        if (is_moved)
-            for (int i = 0; i < 3 * BOX_VERTICES; ++i) {
-                displacements[i] = f.pose[i] - f.rest[i];
-                displacements_f32[i] = (float)displacements[i];
-            }
-        OK(espalier_evaluator_f64_evaluate_and_add(f64, displacements, 3 * BOX_VERTICES, xyz,
-                                                   at_rest, 3 * POINTS, xyz, result, 3 * POINTS,
-                                                   xyz, 0, POINTS, NULL));
-        OK(espalier_evaluator_f32_evaluate_and_add(f32, displacements_f32, 3 * BOX_VERTICES, xyz,
-                                                   rest_f32, 3 * POINTS, xyz, result_f32,
-                                                   3 * POINTS, xyz, 0, POINTS, NULL));
-        apply(f.binding, is_moved ? f.pose : f.rest, moved);
-        for (int i = 0; i < 3 * POINTS; ++i) {
-            CHECK(fabs(result[i] - moved[i]) < tolerance);
-            CHECK(fabs((double)result_f32[i] - moved[i]) < 1e-6);
+    espalier_deformer_f64* f64 = NULL;
+    espalier_deformer_f32* f32 = NULL;
+    OK(espalier_deformer_f64_create(f.binding, &f64));
+    OK(espalier_deformer_f32_create(f.binding, &f32));
+    double poses[POSES * POSE], result[POSES * MODEL], expected[POSES * MODEL];
+    float poses_f32[POSES * POSE], result_f32[POSES * MODEL];
+    for (int pose = 0; pose < POSES; ++pose) {
+        double* const own = poses + pose * POSE;
+        for (int i = 0; i < POSE; ++i) {
+            own[i] = f.rest[i] + pose * (f.pose[i] - f.rest[i]);
+            poses_f32[pose * POSE + i] = (float)own[i];
         }
-        if (is_moved) continue;
-        CHECK(memcmp(result, points, sizeof points) == 0);
-        CHECK(memcmp(result_f32, rest_f32, sizeof rest_f32) == 0);
+        apply(f.binding, own, expected + pose * MODEL);
     }
-    /* The first vertex goes back to rest. */
-    const int32_t changed = 0;
-    double expected[3 * POINTS];
-    float expected_f32[3 * POINTS];
-    for (int k = 0; k < 3; ++k) displacements[k] = displacements_f32[k] = 0;
-    OK(espalier_change_evaluator_f64_evaluate_and_add(changes_f64, displacements, 3 * BOX_VERTICES,
-                                                      xyz, at_rest, 3 * POINTS, xyz, result,
-                                                      3 * POINTS, xyz, 1, &changed, NULL));
-    OK(espalier_change_evaluator_f32_evaluate_and_add(
-        changes_f32, displacements_f32, 3 * BOX_VERTICES, xyz, rest_f32, 3 * POINTS, xyz,
-        result_f32, 3 * POINTS, xyz, 1, &changed, NULL));
-    OK(espalier_evaluator_f64_evaluate_and_add(f64, displacements, 3 * BOX_VERTICES, xyz, at_rest,
-                                               3 * POINTS, xyz, expected, 3 * POINTS, xyz, 0,
-                                               POINTS, NULL));
-    OK(espalier_evaluator_f32_evaluate_and_add(f32, displacements_f32, 3 * BOX_VERTICES, xyz,
-                                               rest_f32, 3 * POINTS, xyz, expected_f32, 3 * POINTS,
-                                               xyz, 0, POINTS, NULL));
-    CHECK(memcmp(result, expected, sizeof expected) == 0);
-    CHECK(memcmp(result_f32, expected_f32, sizeof expected_f32) == 0);
-    espalier_change_evaluator_f64_destroy(changes_f64);
-    espalier_change_evaluator_f32_destroy(changes_f32);
-    espalier_evaluator_f64_destroy(f64);
-    espalier_evaluator_f32_destroy(f32);
-    tear_down(&f);
-}
+    espalier_binding_destroy(f.binding);
+    f.binding = NULL;
+    OK(espalier_deformer_f64_deform(f64, poses, POSES * POSE, result, POSES * MODEL));
+    OK(espalier_deformer_f32_deform(f32, poses_f32, POSES * POSE, result_f32, POSES * MODEL));
+    for (int i = 0; i < POSES * MODEL; ++i) {
+        CHECK(fabs(result[i] - expected[i]) < tolerance);
+        CHECK(fabs((double)result_f32[i] - expected[i]) < 1e-5);
+    }
+    CHECK(memcmp(result, points, sizeof points) == 0);
+    for (int i = 0; i < MODEL; ++i) CHECK(result_f32[i] == (float)points[i]);
 
-/* Rows that depend on the moved vertices equal a whole evaluation, and no others are written. */
-static void test_changes(void) {
-    fixture f = set_up();
-    const espalier_buffer_layout xyz = espalier_packed_layout(3);
-    espalier_evaluator_f64 *forward = NULL, *backward = NULL;
-    espalier_evaluator_f32* single = NULL;
-    espalier_change_evaluator_f64 *changes = NULL, *none = NULL;
-    espalier_change_evaluator_f32* changes_f32 = NULL;
-    OK(espalier_evaluator_f64_create(f.table, &forward));
-    OK(espalier_evaluator_f64_create_adjoint(f.table, &backward));
-    OK(espalier_evaluator_f32_create(f.table, &single));
-    OK(espalier_change_evaluator_f64_create(forward, &changes));
-    OK(espalier_change_evaluator_f32_create(single, &changes_f32));
-    CHECK(espalier_change_evaluator_f64_create(backward, &none) == ESPALIER_ERROR_INPUT);
-    CHECK(strstr(espalier_last_error(), "evaluator is an adjoint") != NULL && none == NULL);
-
-    double moved[3 * POINTS], expected[3 * POINTS];
-    float source[3 * BOX_VERTICES], moved_f32[3 * POINTS], expected_f32[3 * POINTS];
-    for (int i = 0; i < 3 * BOX_VERTICES; ++i) source[i] = (float)f.pose[i];
-    OK(espalier_evaluator_f64_evaluate(forward, f.pose, 3 * BOX_VERTICES, xyz, moved, 3 * POINTS,
-                                       xyz, 0, POINTS, NULL));
-    OK(espalier_evaluator_f32_evaluate(single, source, 3 * BOX_VERTICES, xyz, moved_f32, 3 * POINTS,
-                                       xyz, 0, POINTS, NULL));
-    OK(espalier_binding_put_kept_f64(f.binding, moved, 3 * POINTS, xyz));
-    OK(espalier_binding_put_kept_f32(f.binding, moved_f32, 3 * POINTS, xyz));
-    const int32_t changed[2] = {BOX_VERTICES - 1, 0};
+    /* Two vertices move: the points that depend on them, and no others, are computed again. */
+    const int32_t changed[2] = {BOX_VERTICES - 1, 0}, bad = BOX_VERTICES;
     for (int k = 0; k < 2; ++k) {
-        f.pose[3 * changed[k]] += 0.25;
-        source[3 * changed[k]] += 0.25f;
+        poses[3 * changed[k]] += 0.25;
+        poses_f32[3 * changed[k]] += 0.25f;
     }
-    espalier_workspace* workspace = NULL;
-    OK(espalier_workspace_create(&workspace));
-    OK(espalier_change_evaluator_f64_evaluate(changes, f.pose, 3 * BOX_VERTICES, xyz, moved,
-                                              3 * POINTS, xyz, 2, changed, workspace));
-    OK(espalier_change_evaluator_f32_evaluate(changes_f32, source, 3 * BOX_VERTICES, xyz, moved_f32,
-                                              3 * POINTS, xyz, 2, changed, workspace));
-    OK(espalier_evaluator_f64_evaluate(forward, f.pose, 3 * BOX_VERTICES, xyz, expected, 3 * POINTS,
-                                       xyz, 0, POINTS, workspace));
-    OK(espalier_evaluator_f32_evaluate(single, source, 3 * BOX_VERTICES, xyz, expected_f32,
-                                       3 * POINTS, xyz, 0, POINTS, workspace));
-    OK(espalier_binding_put_kept_f64(f.binding, expected, 3 * POINTS, xyz));
-    OK(espalier_binding_put_kept_f32(f.binding, expected_f32, 3 * POINTS, xyz));
-    CHECK(memcmp(moved, expected, sizeof moved) == 0);
-    CHECK(memcmp(moved_f32, expected_f32, sizeof moved_f32) == 0);
+    double whole[MODEL];
+    float whole_f32[MODEL];
+    OK(espalier_deformer_f64_deform_changed(f64, poses, POSE, 2, changed, result, MODEL));
+    OK(espalier_deformer_f32_deform_changed(f32, poses_f32, POSE, 2, changed, result_f32, MODEL));
+    OK(espalier_deformer_f64_deform(f64, poses, POSE, whole, MODEL));
+    OK(espalier_deformer_f32_deform(f32, poses_f32, POSE, whole_f32, MODEL));
+    CHECK(memcmp(result, whole, sizeof whole) == 0);
+    CHECK(memcmp(result_f32, whole_f32, sizeof whole_f32) == 0);
+    INVALID(espalier_deformer_f64_deform_changed(f64, poses, POSE, 1, &bad, result, MODEL),
+            "column 27 is not in a table of 27");
 
-    const int32_t bad = BOX_VERTICES;
-    CHECK(espalier_change_evaluator_f64_evaluate(changes, f.pose, 3 * BOX_VERTICES, xyz, moved,
-                                                 3 * POINTS, xyz, 1, &bad,
-                                                 NULL) == ESPALIER_ERROR_INPUT);
-    CHECK(strstr(espalier_last_error(), "column 27 is not in a table of 27") != NULL);
-    espalier_workspace_destroy(workspace);
-    espalier_evaluator_f64_destroy(forward);
-    espalier_evaluator_f64_destroy(backward);
-    espalier_evaluator_f32_destroy(single);
-    espalier_change_evaluator_f64_destroy(changes);
-    espalier_change_evaluator_f32_destroy(changes_f32);
+    INVALID(espalier_deformer_f64_deform(f64, poses, POSE - 1, result, MODEL),
+            "each pose of 27 vertices has 81 numbers; got 80");
+    INVALID(espalier_deformer_f32_deform(f32, poses_f32, POSE, result_f32, MODEL + 1),
+            "the points of 1 pose are 18 numbers; there is room for 19");
+    INVALID(espalier_deformer_f32_deform_changed(f32, poses_f32, 2 * POSE, 2, changed, result_f32,
+                                                 2 * MODEL),
+            "a change is of one pose; got 2");
+    espalier_deformer_f64_destroy(f64);
+    espalier_deformer_f32_destroy(f32);
     tear_down(&f);
 }
 
@@ -333,8 +262,10 @@ static void test_save_and_load(const char* path) {
 
     const uint8_t* statuses = NULL;
     double residual = 0;
-    INVALID(espalier_binding_statuses(loaded, &count, &statuses), "loaded");
-    INVALID(espalier_binding_largest_residual(loaded, &residual), "loaded");
+    OK(espalier_binding_statuses(loaded, &count, &statuses));
+    CHECK(count == POINTS && statuses[OUTSIDE] == ESPALIER_POINT_OUTSIDE && statuses[0] == 0);
+    OK(espalier_binding_largest_residual(loaded, &residual));
+    CHECK(residual < tolerance);
     espalier_table_destroy(loaded_table);
     espalier_binding_destroy(loaded);
     tear_down(&f);
@@ -348,19 +279,18 @@ static void test_points_outside(void) {
     espalier_binding* nearest = NULL;
     OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
                                &nearest));
-    int32_t count = -1;
-    const int32_t* kept = NULL;
-    const double* positions = NULL;
-    OK(espalier_binding_kept(nearest, &count, &kept, &positions));
     /* The weights of the point would sum to more than 8: it stays. */
-    CHECK(count == 1 && kept[0] == OUTSIDE);
+    double moved[3 * POINTS];
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) f.pose[i] = f.rest[i] + 1;
+    apply(nearest, f.pose, moved);
+    CHECK(moved[3 * OUTSIDE] == 2 && fabs(moved[0] - 1.1) < tolerance);
     espalier_binding_destroy(nearest);
     double near[3 * POINTS];
     memcpy(near, points, sizeof near);
     for (int axis = 0; axis < 3; ++axis) near[3 * OUTSIDE + axis] = axis == 2 ? 1.2 : 0.5;
     OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, near, &options, &nearest));
-    OK(espalier_binding_kept(nearest, &count, &kept, &positions));
-    CHECK(count == 0);
+    apply(nearest, f.pose, moved);
+    CHECK(fabs(moved[3 * OUTSIDE] - 1.5) < tolerance);
     espalier_binding_destroy(nearest);
 
     espalier_binding* none = NULL;
@@ -524,8 +454,7 @@ int main(int count, char** arguments) {
     test_point_statuses();
     test_apply();
     test_evaluators();
-    test_displacements();
-    test_changes();
+    test_deformers();
     test_adjoint();
     test_save_and_load(arguments[1]);
     test_points_outside();

@@ -628,8 +628,8 @@ typedef struct buffers {
 /* Evaluators of a table of 1 row and 27 columns, and of its adjoint. */
 static espalier_evaluator_f64 *f64, *adjoint_f64;
 static espalier_evaluator_f32 *f32, *adjoint_f32;
-static espalier_change_evaluator_f64* changes_f64;
-static espalier_change_evaluator_f32* changes_f32;
+static espalier_deformer_f64* deformer_f64; /* of 1 point and 27 vertices */
+static espalier_deformer_f32* deformer_f32;
 /* Evaluators of a binding of no points, which read or write no number of the points. */
 static espalier_evaluator_f64 *empty_f64, *empty_adjoint_f64;
 static espalier_binding* empty;
@@ -640,8 +640,8 @@ static void set_up_evaluators(void) {
     OK(espalier_evaluator_f32_create(table, &f32));
     OK(espalier_evaluator_f64_create_adjoint(table, &adjoint_f64));
     OK(espalier_evaluator_f32_create_adjoint(table, &adjoint_f32));
-    OK(espalier_change_evaluator_f64_create(f64, &changes_f64));
-    OK(espalier_change_evaluator_f32_create(f32, &changes_f32));
+    OK(espalier_deformer_f64_create(binding, &deformer_f64));
+    OK(espalier_deformer_f32_create(binding, &deformer_f32));
     OK(espalier_binding_create(refiner, BOX_VERTICES, positions, 0, NULL, NULL, &empty));
     OK(espalier_binding_table(empty, &own));
     OK(espalier_evaluator_f64_create(own, &empty_f64));
@@ -650,19 +650,12 @@ static void set_up_evaluators(void) {
 }
 
 static void evaluate_all(const buffers* b, const buffers* a) {
-    const int32_t one = BOX_CENTRE;
     record(espalier_evaluator_f64_evaluate(f64, positions, b->source_size, b->source, values,
                                            b->destination_size, b->destination, b->first, b->last,
                                            NULL));
     record(espalier_evaluator_f32_evaluate(f32, singles, b->source_size, b->source, single_results,
                                            b->destination_size, b->destination, b->first, b->last,
                                            NULL));
-    record(espalier_change_evaluator_f64_evaluate(changes_f64, positions, b->source_size, b->source,
-                                                  values, b->destination_size, b->destination, 1,
-                                                  &one, NULL));
-    record(espalier_change_evaluator_f32_evaluate(changes_f32, singles, b->source_size, b->source,
-                                                  single_results, b->destination_size,
-                                                  b->destination, 1, &one, NULL));
     record(espalier_evaluator_f64_evaluate(adjoint_f64, positions, a->source_size, a->source,
                                            values, a->destination_size, a->destination, a->first,
                                            a->last, NULL));
@@ -674,24 +667,6 @@ static void evaluate_all(const buffers* b, const buffers* a) {
     record(espalier_evaluator_f64_evaluate(empty_adjoint_f64, positions, a->source_size, a->source,
                                            values, a->destination_size, a->destination, a->first,
                                            a->last, NULL));
-    /* The addend has the layout of the destination. */
-    record(espalier_evaluator_f64_evaluate_and_add(
-        f64, positions, b->source_size, b->source, point, b->destination_size, b->destination,
-        values, b->destination_size, b->destination, b->first, b->last, NULL));
-    record(espalier_evaluator_f32_evaluate_and_add(
-        f32, singles, b->source_size, b->source, single_point, b->destination_size, b->destination,
-        single_results, b->destination_size, b->destination, b->first, b->last, NULL));
-    const espalier_buffer_layout xyz = espalier_packed_layout(3);
-    record(espalier_change_evaluator_f64_evaluate_and_add(changes_f64, positions, 81, xyz, point,
-                                                          b->destination_size, b->destination,
-                                                          values, 3, xyz, 1, &one, NULL));
-    record(espalier_change_evaluator_f32_evaluate_and_add(
-        changes_f32, singles, 81, xyz, single_point, b->destination_size, b->destination,
-        single_results, 3, xyz, 1, &one, NULL));
-    record(espalier_binding_put_kept_f64(binding, values, b->destination_size, b->destination));
-    record(espalier_binding_put_kept_f32(binding, single_results, b->destination_size,
-                                         b->destination));
-    record(espalier_binding_put_kept_f64(empty, values, b->destination_size, b->destination));
 }
 
 static void test_hold(void) {
@@ -801,7 +776,7 @@ static void test_evaluators(void) {
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
     const int before = accepted;
     evaluate_all(&good, &adjoint);
-    CHECK(accepted == before + 15);
+    CHECK(accepted == before + 6);
     for (size_t i = 0; i < COUNT(int64s); ++i) {
         buffers b = good, a = adjoint;
         /* A size beyond the array is wrong, but harmless: only what the layout covers is
@@ -832,21 +807,37 @@ static void test_evaluators(void) {
             b.last = a.last = int32s[k];
             evaluate_all(&b, &a);
         }
+}
+
+static void test_deformers(void) {
+    const int32_t one = BOX_CENTRE;
+    for (size_t i = 0; i < COUNT(int64s); ++i)
+        for (size_t k = 0; k < COUNT(int64s) + 2; ++k) {
+            /* The two right sizes are among them. */
+            const int64_t poses = k == COUNT(int64s) ? 81 : int64s[i];
+            const int64_t moved = k < COUNT(int64s) ? int64s[k] : 3;
+            const int is_right = poses == 81 && moved == 3, is_none = poses == 0 && moved == 0;
+            CHECK(record(espalier_deformer_f64_deform(deformer_f64, positions, poses, values,
+                                                      moved)) == (is_right || is_none));
+            CHECK(record(espalier_deformer_f32_deform(deformer_f32, singles, poses, single_results,
+                                                      moved)) == (is_right || is_none));
+            CHECK(record(espalier_deformer_f64_deform_changed(deformer_f64, positions, poses, 1,
+                                                              &one, values, moved)) == is_right);
+            CHECK(record(espalier_deformer_f32_deform_changed(deformer_f32, singles, poses, 1, &one,
+                                                              single_results, moved)) == is_right);
+        }
     for (size_t i = 0; i < COUNT(int32s); ++i) {
-        const int32_t column = int32s[i];
-        const int is_column = column >= 0 && column < BOX_VERTICES;
-        CHECK(record(espalier_change_evaluator_f64_evaluate(
-                  changes_f64, positions, 81, xyz, values, 3, xyz, 1, &column, NULL)) == is_column);
-        CHECK(record(espalier_change_evaluator_f32_evaluate(
-                  changes_f32, singles, 81, xyz, single_results, 3, xyz, 1, &column, NULL)) ==
-              is_column);
-        if (column > 1) continue;
-        CHECK(record(espalier_change_evaluator_f64_evaluate(changes_f64, positions, 81, xyz, values,
-                                                            3, xyz, column, cells, NULL)) ==
-              (column >= 0));
-        CHECK(record(espalier_change_evaluator_f32_evaluate(
-                  changes_f32, singles, 81, xyz, single_results, 3, xyz, column, cells, NULL)) ==
-              (column >= 0));
+        const int32_t vertex = int32s[i];
+        const int is_vertex = vertex >= 0 && vertex < BOX_VERTICES;
+        CHECK(record(espalier_deformer_f64_deform_changed(deformer_f64, positions, 81, 1, &vertex,
+                                                          values, 3)) == is_vertex);
+        CHECK(record(espalier_deformer_f32_deform_changed(deformer_f32, singles, 81, 1, &vertex,
+                                                          single_results, 3)) == is_vertex);
+        if (vertex > 1) continue;
+        CHECK(record(espalier_deformer_f64_deform_changed(deformer_f64, positions, 81, vertex,
+                                                          cells, values, 3)) == (vertex >= 0));
+        CHECK(record(espalier_deformer_f32_deform_changed(deformer_f32, singles, 81, vertex, cells,
+                                                          single_results, 3)) == (vertex >= 0));
     }
 }
 
@@ -874,6 +865,7 @@ int main(void) {
     test_hold();
     test_validity();
     test_evaluators();
+    test_deformers();
     printf("%d calls, %d accepted\n", tried, accepted);
 
     espalier_memory_limit_destroy(limit);
@@ -883,8 +875,8 @@ int main(void) {
     espalier_evaluator_f64_destroy(empty_adjoint_f64);
     espalier_evaluator_f32_destroy(f32);
     espalier_evaluator_f32_destroy(adjoint_f32);
-    espalier_change_evaluator_f64_destroy(changes_f64);
-    espalier_change_evaluator_f32_destroy(changes_f32);
+    espalier_deformer_f64_destroy(deformer_f64);
+    espalier_deformer_f32_destroy(deformer_f32);
     espalier_binding_destroy(empty);
     espalier_table_destroy(table);
     espalier_binding_destroy(binding);

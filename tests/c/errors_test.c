@@ -39,8 +39,8 @@ static void test_destroying_null_does_nothing(void) {
     espalier_binding_destroy(NULL);
     espalier_evaluator_f64_destroy(NULL);
     espalier_evaluator_f32_destroy(NULL);
-    espalier_change_evaluator_f64_destroy(NULL);
-    espalier_change_evaluator_f32_destroy(NULL);
+    espalier_deformer_f64_destroy(NULL);
+    espalier_deformer_f32_destroy(NULL);
 }
 
 static int32_t keep_going(void* user, const espalier_progress* progress) {
@@ -152,10 +152,6 @@ static void test_null_is_an_error(void) {
     INVALID(espalier_binding_statuses(binding, &count, NULL), "statuses is null");
     INVALID(espalier_binding_largest_residual(NULL, values), "binding is null");
     INVALID(espalier_binding_largest_residual(binding, NULL), "residual is null");
-    INVALID(espalier_binding_kept(NULL, &count, &numbers, &view), "binding is null");
-    INVALID(espalier_binding_kept(binding, NULL, &numbers, &view), "count is null");
-    INVALID(espalier_binding_kept(binding, &count, NULL, &view), "points is null");
-    INVALID(espalier_binding_kept(binding, &count, &numbers, NULL), "positions is null");
     INVALID(espalier_binding_apply(NULL, BOX_VERTICES, positions, 1, values), "binding is null");
     INVALID(espalier_binding_apply(binding, BOX_VERTICES, NULL, 1, values), "pose is null");
     INVALID(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, NULL), "points is null");
@@ -164,10 +160,6 @@ static void test_null_is_an_error(void) {
     INVALID(espalier_binding_rest(binding, &count, NULL, &count, &view), "vertices is null");
     INVALID(espalier_binding_rest(binding, &count, &view, NULL, &view), "point_count is null");
     INVALID(espalier_binding_rest(binding, &count, &view, &count, NULL), "points is null");
-    INVALID(espalier_binding_put_kept_f64(NULL, values, 3, xyz), "binding is null");
-    INVALID(espalier_binding_put_kept_f64(binding, NULL, 3, xyz), "destination is null");
-    INVALID(espalier_binding_put_kept_f32(NULL, singles, 3, xyz), "binding is null");
-    INVALID(espalier_binding_put_kept_f32(binding, NULL, 3, xyz), "destination is null");
 
     INVALID(espalier_evaluator_f64_create(NULL, &e), "table is null");
     INVALID(espalier_evaluator_f64_create(table, NULL), "evaluator is null");
@@ -190,46 +182,38 @@ static void test_null_is_an_error(void) {
     INVALID(espalier_evaluator_f32_evaluate(f32, singles, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
             "destination is null");
 
-    INVALID(espalier_evaluator_f64_evaluate_and_add(NULL, positions, 81, xyz, point, 3, xyz, values,
-                                                    3, xyz, 0, 1, NULL),
-            "evaluator is null");
-    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, NULL, 3, xyz, values,
-                                                    3, xyz, 0, 1, NULL),
-            "addend is null");
-    INVALID(espalier_evaluator_f32_evaluate_and_add(f32, singles, 81, xyz, NULL, 3, xyz, singles, 3,
-                                                    xyz, 0, 1, NULL),
-            "addend is null");
-
-    espalier_change_evaluator_f64* changes = NULL;
-    espalier_change_evaluator_f32* changes_f32 = NULL;
-    INVALID(espalier_change_evaluator_f64_create(NULL, &changes), "evaluator is null");
-    INVALID(espalier_change_evaluator_f64_create(f64, NULL), "changes is null");
-    INVALID(espalier_change_evaluator_f32_create(NULL, &changes_f32), "evaluator is null");
-    INVALID(espalier_change_evaluator_f32_create(f32, NULL), "changes is null");
+    espalier_deformer_f64* d = NULL;
+    espalier_deformer_f32* d32 = NULL;
+    INVALID(espalier_deformer_f64_create(NULL, &d), "binding is null");
+    INVALID(espalier_deformer_f64_create(binding, NULL), "deformer is null");
+    INVALID(espalier_deformer_f32_create(NULL, &d32), "binding is null");
+    INVALID(espalier_deformer_f32_create(binding, NULL), "deformer is null");
+    CHECK(d32 == NULL);
     const int32_t one = 0;
-    INVALID(espalier_change_evaluator_f64_evaluate(NULL, positions, 81, xyz, values, 3, xyz, 1,
-                                                   &one, NULL),
-            "changes is null");
-    INVALID(espalier_change_evaluator_f32_evaluate(NULL, singles, 81, xyz, singles, 3, xyz, 1, &one,
-                                                   NULL),
-            "changes is null");
-    OK(espalier_change_evaluator_f64_create(f64, &changes));
-    INVALID(espalier_change_evaluator_f64_evaluate(changes, NULL, 81, xyz, values, 3, xyz, 1, &one,
-                                                   NULL),
-            "source is null");
-    INVALID(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, NULL, 3, xyz, 1,
-                                                   &one, NULL),
-            "destination is null");
-    INVALID(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, values, 3, xyz, 1,
-                                                   NULL, NULL),
+    INVALID(espalier_deformer_f64_deform(NULL, positions, 81, values, 3), "deformer is null");
+    INVALID(espalier_deformer_f32_deform(NULL, singles, 81, singles, 3), "deformer is null");
+    INVALID(espalier_deformer_f64_deform_changed(NULL, positions, 81, 1, &one, values, 3),
+            "deformer is null");
+    INVALID(espalier_deformer_f32_deform_changed(NULL, singles, 81, 1, &one, singles, 3),
+            "deformer is null");
+    OK(espalier_deformer_f64_create(binding, &d));
+    OK(espalier_deformer_f32_create(binding, &d32));
+    INVALID(espalier_deformer_f64_deform(d, NULL, 81, values, 3), "poses is null");
+    INVALID(espalier_deformer_f64_deform(d, positions, 81, NULL, 3), "points is null");
+    INVALID(espalier_deformer_f32_deform(d32, NULL, 81, singles, 3), "poses is null");
+    INVALID(espalier_deformer_f32_deform(d32, singles, 81, NULL, 3), "points is null");
+    INVALID(espalier_deformer_f64_deform_changed(d, NULL, 81, 1, &one, values, 3), "pose is null");
+    INVALID(espalier_deformer_f64_deform_changed(d, positions, 81, 1, NULL, values, 3),
             "changed is null");
-    INVALID(espalier_change_evaluator_f64_evaluate_and_add(changes, positions, 81, xyz, NULL, 3,
-                                                           xyz, values, 3, xyz, 1, &one, NULL),
-            "addend is null");
-    espalier_change_evaluator_f64_destroy(changes);
+    INVALID(espalier_deformer_f64_deform_changed(d, positions, 81, 1, &one, NULL, 3),
+            "points is null");
+    INVALID(espalier_deformer_f32_deform_changed(d32, singles, 81, 1, NULL, singles, 3),
+            "changed is null");
+    espalier_deformer_f64_destroy(d);
+    espalier_deformer_f32_destroy(d32);
 
     CHECK(progress == NULL && l == NULL && r == NULL && t == NULL && b == NULL && e == NULL &&
-          s == NULL && changes_f32 == NULL);
+          s == NULL);
     CHECK(view == NULL && numbers == NULL && signs == NULL && statuses == NULL);
 }
 
@@ -341,16 +325,7 @@ static void test_bad_sizes(void) {
     espalier_binding* b = NULL;
     espalier_table* t = NULL;
     const espalier_buffer_layout xyz = espalier_packed_layout(3), xy = espalier_packed_layout(2);
-    const espalier_buffer_layout senseless = {0, 3, 2}, without = {0, 0, 0};
-    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, point, 3, without,
-                                                    values, 3, xyz, 0, 1, NULL),
-            "an entry cannot have 0 components");
-    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, point, 2, xyz, values,
-                                                    3, xyz, 0, 1, NULL),
-            "the addend buffer holds 2");
-    INVALID(espalier_evaluator_f64_evaluate_and_add(f64, positions, 81, xyz, point, 3, xy, values,
-                                                    3, xyz, 0, 1, NULL),
-            "expected a multiple of the 2 of the addend");
+    const espalier_buffer_layout senseless = {0, 3, 2};
     INVALID(espalier_lattice_set_positions(lattice, 26, positions), "expected 27");
     INVALID(espalier_refiner_refine(refiner, -1), "level: expected 0 or more, got -1");
     INVALID(espalier_refiner_counts(refiner, 1, counts), "level 1");
@@ -365,8 +340,6 @@ static void test_bad_sizes(void) {
     INVALID(espalier_binding_create(refiner, 26, positions, 1, point, NULL, &b), "26");
     INVALID(espalier_binding_apply(binding, 26, positions, 1, values), "26");
     INVALID(espalier_binding_apply(binding, BOX_VERTICES, positions, 2, values), "got 2");
-    INVALID(espalier_binding_put_kept_f64(binding, values, 2, xyz), "destination");
-    INVALID(espalier_binding_put_kept_f64(binding, values, 3, xy), "components");
     values[0] = -7;
     INVALID(espalier_evaluator_f64_evaluate(f64, positions, 80, xyz, values, 3, xyz, 0, 1, NULL),
             "source");

@@ -5,10 +5,9 @@
  * These functions pass numbers on as they are, because they are products with a matrix, which also
  * run where no error can be handled:
  *   espalier_evaluator_f64_evaluate(), espalier_evaluator_f32_evaluate(),
- *   espalier_evaluator_f64_evaluate_and_add(), espalier_evaluator_f32_evaluate_and_add(),
- *   espalier_change_evaluator_f64_evaluate(), espalier_change_evaluator_f32_evaluate(),
- *   espalier_change_evaluator_f64_evaluate_and_add(),
- *   espalier_change_evaluator_f32_evaluate_and_add(), espalier_refiner_carry_values(). */
+ *   espalier_deformer_f64_deform(), espalier_deformer_f32_deform(),
+ *   espalier_deformer_f64_deform_changed(), espalier_deformer_f32_deform_changed(),
+ *   espalier_refiner_carry_values(). */
 
 #include <math.h>
 

@@ -162,12 +162,12 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     const auto bound = limit::bindLimit({base, lattice.positions}, points, {.gradients = true});
     std::array<Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        columns[axis] = times(bound.binding.table.gradients[axis], pose);
+        columns[axis] = times(bound.table.gradients[axis], pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Entity vertex{0, surface.vertices[i]};
         const auto row = Index(i);
         if (level.strata.of(vertex) != 2 || isDart(level, vertex.index)) continue;
-        if (bound.binding.table.gradients[0].columns(row).empty()) continue;
+        if (bound.table.gradients[0].columns(row).empty()) continue;
         Eigen::Matrix3d f;
         for (std::size_t axis = 0; axis < 3; ++axis)
             f.col(Eigen::Index(axis)) = columns[axis].row(row).transpose();

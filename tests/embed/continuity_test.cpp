@@ -213,8 +213,7 @@ struct Held {
     double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
                        const EmbeddingOptions& options = {}) const {
         const auto table =
-            bindPoints({base, lattice.positions}, points, {.level = 2, .embedding = options})
-                .binding.table;
+            bindPoints({base, lattice.positions}, points, {.level = 2, .embedding = options}).table;
         const auto moved = stencils::applyLevelTable(table, pose(frozen));
         const auto atRest = stencils::applyLevelTable(table, lattice.positions);
         double largest = 0;
@@ -336,8 +335,7 @@ TEST(Continuity, CarriedPointsOutsideStay) {
 
 TEST(Continuity, BoundRowsFreezeTheSameVertices) {
     const Held held;
-    const auto bound =
-        bindPoints({held.base, held.lattice.positions}, held.part, {.level = 2}).binding;
+    const auto bound = bindPoints({held.base, held.lattice.positions}, held.part, {.level = 2});
     EXPECT_EQ(verticesHoldingRows(bound.table), held.freeze(Continuity::C0));
     EXPECT_TRUE(verticesHoldingRows(stencils::selectRows<double>(bound.table, {})).empty());
 }

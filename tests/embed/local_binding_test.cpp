@@ -136,7 +136,7 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
     for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
         const EmbeddingOptions options{.outside = outside};
         const WholeLevelBinding whole(base, rest, level, points, options);
-        const BindingResult bound =
+        const BoundRows<> bound =
             bindPoints({base, rest}, points, {.level = level, .embedding = options});
         ASSERT_EQ(bound.statuses.size(), points.size());
         for (std::size_t i = 0; i < points.size(); ++i)
@@ -146,19 +146,18 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
                   std::max(1e-15 * diagonal(rest), whole.embedding.largestResidual()))
             << name;
         if (!hasRegularCells(base.level(0))) {
-            EXPECT_TRUE(bound.binding.table == whole.table) << name << ", level " << level;
+            EXPECT_TRUE(bound.table == whole.table) << name << ", level " << level;
         }
         // A place is off by the rounding of coordinates, 1e-15 of the lattice, which is at most
         // some ten cells wide.
-        EXPECT_LE(largestDifference(bound.binding.table, whole.table), 1e-13)
+        EXPECT_LE(largestDifference(bound.table, whole.table), 1e-13)
             << name << ", level " << level;
-        EXPECT_EQ(bound.binding.kept, whole.kept()) << name;
+        EXPECT_EQ(bound.table.emptyRows(), whole.kept()) << name;
         const auto factored =
             bindFactored({base, rest}, points, {.level = level, .embedding = options});
         EXPECT_EQ(factored.statuses, bound.statuses) << name;
-        EXPECT_EQ(factored.binding.kept, bound.binding.kept) << name;
-        EXPECT_TRUE(productOf(factored.binding.table) == whole.table)
-            << name << ", level " << level;
+        EXPECT_EQ(factored.table.points.emptyRows(), bound.table.emptyRows()) << name;
+        EXPECT_TRUE(productOf(factored.table) == whole.table) << name << ", level " << level;
     }
 }
 
@@ -260,7 +259,7 @@ TEST(LocalBinding, NamesTheFirstPointOutsideTheWholeLevel) {
                 }),
                 HasSubstr("point 57 at (2, 2, 2) is outside"));
     options.embedding.outside = OutsidePolicy::Keep;
-    EXPECT_THAT(bindPoints({base, lattice.positions}, points, options).binding.kept,
+    EXPECT_THAT(bindPoints({base, lattice.positions}, points, options).table.emptyRows(),
                 ElementsAre(57, 80));
 }
 
@@ -295,14 +294,13 @@ TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
     };
     const auto one = withThreads(1, bind), three = withThreads(3, bind);
     EXPECT_EQ(one.statuses, three.statuses);
-    EXPECT_TRUE(one.binding.table == three.binding.table);
-    EXPECT_EQ(one.binding.kept, three.binding.kept);
+    EXPECT_TRUE(one.table == three.table);
+    EXPECT_EQ(one.table.emptyRows(), three.table.emptyRows());
     const auto bindInFactors = [&] {
         return bindFactored({base, lattice.positions}, points,
                             {.level = 4, .embedding = {.outside = OutsidePolicy::Nearest}});
     };
-    EXPECT_TRUE(withThreads(1, bindInFactors).binding.table ==
-                withThreads(3, bindInFactors).binding.table);
+    EXPECT_TRUE(withThreads(1, bindInFactors).table == withThreads(3, bindInFactors).table);
 }
 
 // The whole level would not fit in memory: 8⁸ · 20 cells. The levels of 600 points at once would
@@ -320,7 +318,7 @@ TEST(LocalBinding, BindsAtLevelEight) {
     const auto bound = bindPoints({base, rest}, points, {.level = 8});
     EXPECT_EQ(bound.count(PointStatus::Inside), static_cast<Index>(points.size()));
     // At rest, D reproduces the points.
-    const auto back = stencils::applyLevelTable(bound.binding.table, rest);
+    const auto back = stencils::applyLevelTable(bound.table, rest);
     for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c)
             // The rounding of about a thousand products, and of the solve.
@@ -418,8 +416,8 @@ TEST(LocalBinding, RefusesInvalidInput) {
     expectRefused("dimension 2", TopologyRefiner(gridMesh(2, 2)), {}, 1);
     const auto none =
         bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, {}, {.level = 1});
-    EXPECT_EQ(none.binding.table.rowCount(), 0);
-    EXPECT_EQ(none.binding.table.columnCount(), 8);
+    EXPECT_EQ(none.table.rowCount(), 0);
+    EXPECT_EQ(none.table.columnCount(), 8);
 }
 
 // Beside the middle of a face of a box, the tangent is u -> P0 + u (P1 - P0) on every level, and
@@ -437,16 +435,16 @@ TEST(LocalBinding, CarriesPointsUpToTheBoundOfRows) {
                                         .embedding = {.outside = OutsidePolicy::Nearest}};
         const auto model = bindPoints({base, lattice.positions}, points, options);
         EXPECT_EQ(model.count(PointStatus::Outside), std::ssize(points)) << level;
-        EXPECT_THAT(model.binding.kept, testing::ElementsAre(2, 3, 4, 5, 6, 7)) << level;
+        EXPECT_THAT(model.table.emptyRows(), testing::ElementsAre(2, 3, 4, 5, 6, 7)) << level;
         for (const Index point : {0, 1}) {
             double sum = 0;
-            for (const double weight : model.binding.table.weights(point)) sum += std::abs(weight);
+            for (const double weight : model.table.weights(point)) sum += std::abs(weight);
             // The rounding of about a hundred weights.
             EXPECT_NEAR(sum, 1 + 2 * distances[point], 1e-13) << level;
         }
         EXPECT_LT(model.largestResidual, 1e-12) << level;
         const auto factored = bindFactored({base, lattice.positions}, points, options);
-        EXPECT_EQ(factored.binding.kept, model.binding.kept) << level;
+        EXPECT_EQ(factored.table.points.emptyRows(), model.table.emptyRows()) << level;
     }
 }
 

@@ -20,7 +20,7 @@ constexpr int kLevel = 2;
 stencils::StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
     return bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
                       {.level = kLevel, .embedding = {.outside = OutsidePolicy::Error}})
-        .binding.table;
+        .table;
 }
 
 /// A box in a cylinder, and points in the box.

@@ -193,20 +193,20 @@ TEST(RegularSearch, BindsTheOtherPointsByAnotherFunction) {
                 const std::function<void(Offset)>& progress) {
                 EXPECT_THAT(others, ElementsAre(points[17], points[4321]));
                 progress(2);
-                BindingResult result;
+                BoundRows<> result;
                 result.statuses.assign(2, PointStatus::Outside);
-                result.binding.table = stencils::StencilTable<double>(8, {0, 1, 1}, {3}, {1.0});
+                result.table = stencils::StencilTable<double>(8, {0, 1, 1}, {3}, {1.0});
                 result.largestResidual = 0.125;
                 return result;
             });
     };
-    const BindingResult bound = bind(OutsidePolicy::Keep);
+    const BoundRows<> bound = bind(OutsidePolicy::Keep);
     EXPECT_EQ(last, 10'000);
     EXPECT_EQ(bound.largestResidual, 0.125);
     EXPECT_EQ(bound.count(PointStatus::Outside), 2);
-    EXPECT_THAT(bound.binding.table.columns(17), ElementsAre(3));
-    EXPECT_THAT(bound.binding.kept, ElementsAre(4321));
-    const auto back = stencils::applyLevelTable(bound.binding.table, lattice.positions);
+    EXPECT_THAT(bound.table.columns(17), ElementsAre(3));
+    EXPECT_THAT(bound.table.emptyRows(), ElementsAre(4321));
+    const auto back = stencils::applyLevelTable(bound.table, lattice.positions);
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i == 17 || i == 4321) continue;
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -91,17 +91,18 @@ TEST_F(CMemory, BindingsAndEvaluators) {
         const auto evaluator = make<espalier_evaluator_f32>(
             espalier_evaluator_f32_destroy,
             [&](auto** out) { return espalier_evaluator_f32_create(table.get(), out); });
-        const auto changes = make<espalier_change_evaluator_f32>(
-            espalier_change_evaluator_f32_destroy,
-            [&](auto** out) { return espalier_change_evaluator_f32_create(evaluator.get(), out); });
+        const auto deformer = make<espalier_deformer_f32>(
+            espalier_deformer_f32_destroy,
+            [&](auto** out) { return espalier_deformer_f32_create(bound.get(), out); });
         const std::vector<float> pose(kCorners.begin(), kCorners.end());
         std::vector<float> points(9);
         const auto xyz = espalier_packed_layout(3);
         check(espalier_evaluator_f32_evaluate(evaluator.get(), pose.data(), 24, xyz, points.data(),
                                               9, xyz, 0, 3, nullptr));
         const std::int32_t changed = 3;
-        check(espalier_change_evaluator_f32_evaluate(changes.get(), pose.data(), 24, xyz,
-                                                     points.data(), 9, xyz, 1, &changed, nullptr));
+        check(espalier_deformer_f32_deform(deformer.get(), pose.data(), 24, points.data(), 9));
+        check(espalier_deformer_f32_deform_changed(deformer.get(), pose.data(), 24, 1, &changed,
+                                                   points.data(), 9));
         return points;
     });
 }

@@ -12,6 +12,7 @@
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/deformer.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>
@@ -153,10 +154,7 @@ TEST_F(CoreMemory, Tables) {
 }
 
 TEST_F(CoreMemory, Binding) {
-    failEachAllocation([&] {
-        const auto bound = bind();
-        return std::tuple(bound.binding, bound.statuses);
-    });
+    failEachAllocation([&] { return bind(); });
     failEachAllocation([&] {
         const auto bound =
             embed::bindFactored({refined(0), lattice.positions}, points, {.level = 1});
@@ -188,18 +186,23 @@ TEST_F(CoreMemory, BoxLatticesOfOtherBases) {
     const Lattice rest = shapes::box({.cells = {2, 1, 1}});
     failEachAllocation([&] {
         const embed::TensorLattice tensor(rest.complex, rest.positions, embed::Basis::Bezier);
-        const auto embedding = embed::embedPoints(tensor, points, {});
-        return embed::makeBinding(tensor, embedding, points);
+        return embed::bindPoints(tensor, points).table;
     });
 }
 
 TEST_F(CoreMemory, Evaluation) {
     const auto bound = bind();
-    const auto& table = bound.binding.table;
-    const auto factored =
-        embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}).binding;
-    failEachAllocation([&] { return osd::evaluateBinding(bound.binding, lattice.positions); });
-    failEachAllocation([&] { return osd::evaluateBinding(factored, lattice.positions); });
+    const auto& table = bound.table;
+    const auto binding = bind::bindPoints({refined(0), lattice.positions}, points,
+                                          bind::Level{.level = 2, .factors = true});
+    failEachAllocation([&] { return osd::evaluateBinding(binding, lattice.positions); });
+    failEachAllocation([&] {
+        const osd::Deformer<float> deformer(binding);
+        const std::vector<float> poses(2 * 3 * lattice.positions.size(), 1);
+        std::vector<float> result(2 * 3 * points.size());
+        deformer.deform(poses, result);
+        return result;
+    });
 
     const auto pose = flat(lattice.positions);
     const auto xyz = osd::BufferDescriptor::packed(3);
@@ -212,7 +215,7 @@ TEST_F(CoreMemory, Evaluation) {
     };
     failEachAllocation([&] { return evaluated(osd::CompiledTable<double>(table)); });
     failEachAllocation([&] { return evaluated(osd::CompiledAdjoint<double>(table)); });
-    failEachAllocation([&] { return evaluated(osd::CompiledChain<double>(factored.table)); });
+    failEachAllocation([&] { return evaluated(osd::CompiledChain<double>(*binding.factors)); });
     const osd::CompiledTable<double> compiled(table);
     failEachAllocation([&] {
         const osd::ChangeEvaluator<double> changes(compiled);
@@ -223,7 +226,7 @@ TEST_F(CoreMemory, Evaluation) {
 }
 
 TEST_F(CoreMemory, Solvers) {
-    const auto table = stencils::selectRows(bind().binding.table, std::vector<Index>{0, 1, 2});
+    const auto table = stencils::selectRows(bind().table, std::vector<Index>{0, 1, 2});
     const std::vector<Point3> misses(3, Point3{0.1, 0, 0});
     for (const auto smoothing : {solve::Smoothing::None, solve::Smoothing::Laplacian})
         failEachAllocation([&] {
@@ -249,7 +252,7 @@ TEST_F(CoreMemory, Solvers) {
 
 // An evaluation that fails for lack of memory has written nothing.
 TEST_F(CoreMemory, DestinationsAreUnchanged) {
-    const osd::CompiledTable<double> compiled(bind().binding.table);
+    const osd::CompiledTable<double> compiled(bind().table);
     const osd::ChangeEvaluator<double> changes(compiled);
     const auto pose = flat(lattice.positions);
     const auto xyz = osd::BufferDescriptor::packed(3);
@@ -282,9 +285,9 @@ TEST_F(CoreMemory, DestroyingNeedsNoMemory) {
         std::optional(embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}));
     auto refiner = std::optional(refined(2));
     refiner->level(2).complex.relation(0, 3);
-    std::optional<osd::CompiledTable<double>> compiled(bound->binding.table);
-    std::optional<osd::CompiledAdjoint<double>> adjoint(bound->binding.table);
-    std::optional<osd::CompiledChain<double>> chain(factored->binding.table);
+    std::optional<osd::CompiledTable<double>> compiled(bound->table);
+    std::optional<osd::CompiledAdjoint<double>> adjoint(bound->table);
+    std::optional<osd::CompiledChain<double>> chain(factored->table);
     std::optional<osd::ChangeEvaluator<double>> changes(*compiled);
     std::optional<Lattice> copy(lattice);
     auto let = [&] {
@@ -307,11 +310,11 @@ constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_
                                              std::is_nothrow_move_assignable_v<Types>));
 static_assert(kMoveWithoutMemory<CellComplex, far::Incidence, far::SignedIncidence, far::Level,
                                  far::Refinement, far::Marks, TopologyRefiner, Lattice>);
-static_assert(kMoveWithoutMemory<StencilTable<double>, embed::TableBinding, embed::BindingResult,
-                                 embed::Embedding>);
+static_assert(
+    kMoveWithoutMemory<StencilTable<double>, bind::Binding, embed::BoundRows<>, embed::Embedding>);
 static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,
                                  osd::CompiledChain<double>, osd::ChangeEvaluator<float>,
-                                 osd::Workspace, solve::LatticeFit>);
+                                 osd::Deformer<float>, osd::Workspace, solve::LatticeFit>);
 
 // If making a scope fails, the thread is unchanged.
 TEST_F(CoreMemory, Scopes) {

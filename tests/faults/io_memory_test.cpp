@@ -142,13 +142,13 @@ TEST_F(IoMemory, ReadBindAndWrite) {
         const auto model = io::readModel(folder / "model.obj");
         const Lattice rest = io::readLattice(folder / "rest.vtu");
         TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
-        const auto bound =
-            embed::bindPoints({refiner, rest.positions}, model->positions(), {.level = 1});
+        const auto binding =
+            bind::bindPoints({refiner, rest.positions}, model->positions(), bind::Level{1});
         refiner.refineUniform(1);
         const auto table = stencils::buildStencils(refiner, 1);
         io::writeMatrix(folder / "S.npy", table);
-        model->write(folder / "moved.obj", osd::evaluateBinding(bound.binding, rest.positions));
-        return bound.binding;
+        model->write(folder / "moved.obj", osd::evaluateBinding(binding, rest.positions));
+        return binding;
     });
     EXPECT_EQ(test::contentsOf(folder.path()).size(), 6u) << "no file that is half written";
 }

@@ -57,8 +57,9 @@ TEST(ParallelMemory, BindingAndEvaluating) {
     failSome(
         [&] {
             const TopologyRefiner base(lattice.complex);
-            const auto bound = embed::bindPoints({base, lattice.positions}, points, {.level = 2});
-            return osd::evaluateBinding(bound.binding, lattice.positions);
+            const auto binding =
+                bind::bindPoints({base, lattice.positions}, points, bind::Level{2});
+            return osd::evaluateBinding(binding, lattice.positions);
         },
         15);
 }

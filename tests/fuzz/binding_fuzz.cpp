@@ -85,7 +85,7 @@ std::string formatted(double number) {
 /// Requires that points at any place, in cells of any shape, are bound at their place, or get a
 /// status that says that they are not.
 ///
-/// \param bind bind(refiner, rest, points, options) returns a BindingResult
+/// \param bind bind(refiner, rest, points, options) returns a BoundRows<>
 template <class Bind>
 void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     const far::CellComplex complex = takeComplex(input);
@@ -108,7 +108,7 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     double size = 0;
     for (const Point3& vertex : rest) size = std::max(size, lengthOf(vertex));
     require(std::isfinite(bound->largestResidual), "the residual is finite");
-    const auto& table = bound->binding.table;
+    const auto& table = bound->table;
     for (Index row = 0; row < table.rowCount(); ++row) {
         const auto status = bound->statuses[row];
         const Point3& point = points[row];
@@ -117,10 +117,7 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
             require(std::isfinite(weight), "weights are finite");
             sum += weight;
         }
-        const bool isKept =
-            std::binary_search(bound->binding.kept.begin(), bound->binding.kept.end(), row);
-        require(isKept == table.weights(row).empty(), "a point is bound or kept");
-        if (isKept) {
+        if (table.weights(row).empty()) {
             require(status != embed::PointStatus::Inside, "a point inside is bound");
             continue;
         }
@@ -154,7 +151,7 @@ const Target kLimit("limit", [](std::string_view bytes) {
                    auto bound = limit::bindLimit(
                        {refiner, rest}, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
-                   for (const auto& table : bound.binding.table.gradients)
+                   for (const auto& table : bound.table.gradients)
                        for (const double weight : table.weights())
                            require(std::isfinite(weight), "gradients are finite");
                    return limit::withoutGradients(std::move(bound));

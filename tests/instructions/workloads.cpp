@@ -44,13 +44,12 @@ std::vector<Point3> pointsAround(Index count) {
     return points;
 }
 
-embed::TableBinding bind(Index pointCount) {
+embed::BoundRows<> bind(Index pointCount) {
     const Lattice rest = lattice();
     const far::TopologyRefiner base(rest.complex);
-    embed::TableBinding binding;
+    embed::BoundRows<> binding;
     counted([&] {
-        binding = embed::bindPoints({base, rest.positions}, pointsAround(pointCount), {.level = 2})
-                      .binding;
+        binding = embed::bindPoints({base, rest.positions}, pointsAround(pointCount), {.level = 2});
     });
     return binding;
 }

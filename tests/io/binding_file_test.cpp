@@ -14,38 +14,26 @@
 namespace espalier::io {
 namespace {
 
-BoundModel sample() {
+/// Three points in a lattice of four vertices, with a triangle and a quadrilateral. The second
+/// point is outside.
+BoundModel sample(bool hasGradients = false) {
     BoundModel model;
-    model.binding.table =
-        stencils::StencilTable<double>(4, {0, 2, 2, 3}, {1, 3, 0}, {1. / 3, 2. / 3, 1});
-    model.binding.kept = {1};
-    model.binding.keptAt = {{0.1, -2.5, 1e300}};
-    model.binding.topologyHash = 0x0123456789abcdefu;
+    bind::Binding& binding = model.binding;
+    binding.table = stencils::StencilTable<double>(4, {0, 2, 2, 3}, {1, 3, 0}, {1. / 3, 2. / 3, 1});
+    binding.topologyHash = 0x0123456789abcdefu;
+    binding.points = {{0.1 + 0.2, -1e-300, 1}, {1e300, 1. / 3, 0}, {7, 8, 9}};
+    binding.rest = {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}};
+    binding.statuses = {embed::PointStatus::Inside, embed::PointStatus::Outside,
+                        embed::PointStatus::NotConverged};
+    binding.largestResidual = 1e-15;
+    if (hasGradients)
+        binding.gradients = {
+            stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
+            stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
+            stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})};
+    model.faces = {{0, 1, 3, 3, 2, 1, 0}, {3, 7}};
     model.modelName = "bunny.obj";
     model.modelBytes = std::string("v 1 2 3\n\0\xff", 10);
-    return model;
-}
-
-BoundModel sampleWithRest() {
-    BoundModel model = sample();
-    model.binding.rest = {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}};
-    return model;
-}
-
-BoundModel sampleWithGradients() {
-    BoundModel model = sample();
-    model.binding.gradients = {
-        stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
-        stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
-        stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})};
-    model.binding.rest = sampleWithRest().binding.rest;
-    return model;
-}
-
-/// The faces of the lattice: a triangle and a quadrilateral.
-BoundModel sampleWithFaces(BoundModel model) {
-    model.binding.rest = sampleWithRest().binding.rest;
-    model.faces = {{0, 1, 3, 3, 2, 1, 0}, {3, 7}};
     return model;
 }
 
@@ -65,91 +53,60 @@ std::string withChecksum(std::string bytes) {
     return bytes;
 }
 
+// Places in the file of sample() without gradients.
+constexpr std::size_t kSizes = 32, kTable = kSizes + 10 * 8, kWeights = kTable + 4 * 8,
+                      kPoints = kWeights + 3 * 8 + 3 * 4, kRest = kPoints + 3 * 24,
+                      kStatuses = kRest + 4 * 24, kEnds = kStatuses + 3, kCorners = kEnds + 2 * 8,
+                      kName = kCorners + 7 * 4, kFileSize = kName + 9 + 10 + 4;
+
 TEST(BindingFile, RoundTripIsExact) {
     const TemporaryFolder folder;
-    writeBoundModel(folder / "a.espb", sample());
-    expectEqual(readBoundModel(folder / "a.espb"), sample());
-    writeBoundModel(folder / "g.espb", sampleWithGradients());
-    expectEqual(readBoundModel(folder / "g.espb"), sampleWithGradients());
-    writeBoundModel(folder / "r.espb", sampleWithRest());
-    expectEqual(readBoundModel(folder / "r.espb"), sampleWithRest());
-    for (const BoundModel& model : {sample(), sampleWithGradients()}) {
-        writeBoundModel(folder / "f.espb", sampleWithFaces(model));
-        expectEqual(readBoundModel(folder / "f.espb"), sampleWithFaces(model));
+    for (const bool hasGradients : {false, true}) {
+        writeBoundModel(folder / "a.espb", sample(hasGradients));
+        expectEqual(readBoundModel(folder / "a.espb"), sample(hasGradients));
+        const std::string bytes = readFile(folder / "a.espb");
+        EXPECT_EQ(bytes[8], 5) << "the version";
+        EXPECT_EQ(bytes[12], hasGradients);
+        // Three tables with 4 offsets each, and 6 entries.
+        EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? 3 * 4 * 8 + 6 * (8 + 4) : 0));
     }
 }
 
-TEST(BindingFile, TheVersionSaysWhichPartsThereAre) {
+TEST(BindingFile, PartsThatDoNotFitAreNotWritten) {
     const TemporaryFolder folder;
-    writeBoundModel(folder / "a.espb", sample());
-    writeBoundModel(folder / "g.espb", sampleWithGradients());
-    writeBoundModel(folder / "r.espb", sampleWithRest());
-    writeBoundModel(folder / "f.espb", sampleWithFaces(sample()));
-    writeBoundModel(folder / "fg.espb", sampleWithFaces(sampleWithGradients()));
-    const std::string old = readFile(folder / "a.espb"), with = readFile(folder / "g.espb");
-    const std::string withRest = readFile(folder / "r.espb");
-    EXPECT_EQ(old[8], 1);
-    EXPECT_EQ(with[8], 2);
-    EXPECT_EQ(withRest[8], 3);
-    const std::string withFaces = readFile(folder / "f.espb"),
-                      withAll = readFile(folder / "fg.espb");
-    EXPECT_EQ(withFaces[8], 4);
-    EXPECT_EQ(withFaces[12], 0);
-    EXPECT_EQ(withAll[8], 4);
-    EXPECT_EQ(withAll[12], 1);
-    // Two numbers, the ends of 2 faces, and 7 corners.
-    EXPECT_EQ(withFaces.size(), withRest.size() + 2 * 8 + 2 * 8 + 7 * 4);
-    EXPECT_EQ(withAll.size(), with.size() + 2 * 8 + 2 * 8 + 7 * 4);
-    EXPECT_EQ(withRest.size(), old.size() + 4 * 24);
-    // The header, 3 offsets + 1, 3 weights, a point, 3 columns, a kept point; model and checksum.
-    EXPECT_EQ(old.size(), 72u + 4 * 8 + 3 * 8 + 24 + 3 * 4 + 4 + 9 + 10 + 4);
-    EXPECT_EQ(with.size(), old.size() + 3 * 8 + 3 * 4 * 8 + 6 * (8 + 4) + 4 * 24);
-}
-
-TEST(BindingFile, GradientsOfAnotherShapeAreNotWritten) {
-    const TemporaryFolder folder;
-    BoundModel model = sampleWithGradients();
-    model.binding.rest.pop_back();
-    EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
-    model = sampleWithGradients();
-    (*model.binding.gradients)[1] = {};
-    EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
-    model = sampleWithFaces(sample());
-    model.binding.rest.clear();
-    EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
-    model = sampleWithFaces(sample());
-    model.faces.corners[2] = 4;
-    EXPECT_REFUSED(Error, "has a face of vertex 4", writeBoundModel(folder / "a.espb", model));
+    const auto expectRefused = [&](const std::string& why, auto change) {
+        BoundModel model = sample(true);
+        change(model);
+        EXPECT_REFUSED(Error, "a bound model of 3 points and 4 lattice vertices has " + why,
+                       writeBoundModel(folder / "a.espb", model));
+    };
+    expectRefused("gradients of 0 points and 0 vertices",
+                  [](BoundModel& model) { (*model.binding.gradients)[1] = {}; });
+    expectRefused("3 positions at rest for them: one for each vertex",
+                  [](BoundModel& model) { model.binding.rest.pop_back(); });
+    expectRefused("2 positions at rest for them: one for each point",
+                  [](BoundModel& model) { model.binding.points.pop_back(); });
+    expectRefused("point 1 that is not finite",
+                  [](BoundModel& model) { model.binding.points[1][2] = kNan; });
+    expectRefused("vertex 3 that is not finite",
+                  [](BoundModel& model) { model.binding.rest[3][0] = kInfinity; });
+    expectRefused("4 statuses", [](BoundModel& model) { model.binding.statuses.push_back({}); });
+    expectRefused("a face of vertex 4", [](BoundModel& model) { model.faces.corners[2] = 4; });
     EXPECT_FALSE(std::filesystem::exists(folder / "a.espb"));
 }
 
-// Without the file of a model, the points are stored as one, with all their digits.
+// Points of no file are a model of their own, with all their digits.
 TEST(BindingFile, PointsBecomeAModel) {
-    const TemporaryFolder folder;
     BoundModel model = sample();
-    const std::vector<Point3> points = {{0.1 + 0.2, -1e-300, 1}, {1e300, 1. / 3, 0}, {7, 8, 9}};
-    model.binding.points = points;
-    writeBoundModel(folder / "a.espb", model);
-    EXPECT_EQ(readBoundModel(folder / "a.espb").modelName, "bunny.obj");
     model.modelName.clear();
-    model.modelBytes.clear();
-    EXPECT_EQ(pointsAtRest(model), std::nullopt);
-    writeBoundModel(folder / "a.espb", model);
-    const BoundModel back = readBoundModel(folder / "a.espb");
-    EXPECT_EQ(back.modelName, "points.obj");
-    EXPECT_EQ(pointsAtRest(back), points);
-    model.binding.points.pop_back();
-    EXPECT_REFUSED(Error, "is to be written with 2 points at rest",
-                   writeBoundModel(folder / "a.espb", model));
-    model.binding.points = points;
-    model.binding.points[1][2] = kNan;
-    EXPECT_REFUSED(Error, "point 1 is not finite", writeBoundModel(folder / "a.espb", model));
-    BoundModel other = back;
-    other.modelBytes = "v 1 2 3\n";
-    EXPECT_REFUSED(Error, "binds 3 points, but its model has 1", pointsAtRest(other));
-    EXPECT_EQ(pointsAtRest(BoundModel()), std::vector<Point3>());
-    EXPECT_REFUSED(FileError, "a.espb: binds 3 points, but its model has 1",
-                   pointsAtRest(other, folder / "a.espb"));
+    const auto points = modelOf(model)->positions();
+    EXPECT_THAT(points, ::testing::ElementsAreArray(model.binding.points));
+    model.modelName = "bunny.obj";
+    model.modelBytes = "v 1 2 3\nv 0 0 0\nv 1 1 1\n";
+    EXPECT_EQ(modelOf(model)->positions()[0], (Point3{1, 2, 3}));
+    model.modelBytes = "v 1 2 3\n";
+    EXPECT_REFUSED(FileError, "bunny.obj: has 1 points, and 3 points were bound", modelOf(model));
+    EXPECT_EQ(modelOf(BoundModel())->positions().size(), 0U);
 }
 
 TEST(BindingFile, MemoryThatAModelLacksIsNoFaultOfTheFile) {
@@ -159,19 +116,17 @@ TEST(BindingFile, MemoryThatAModelLacksIsNoFaultOfTheFile) {
         ->write(folder / "a.vtu", std::vector<Point3>(3));
     model.modelName = "a.vtu";
     model.modelBytes = readFile(folder / "a.vtu");
-    EXPECT_EQ(pointsAtRest(model, "a.espb"), std::vector<Point3>(3));
+    EXPECT_EQ(modelOf(model)->positions().size(), 3U);
     const MemoryLimit limit(1);
-    EXPECT_THROW(pointsAtRest(model, "a.espb"), MemoryError);
+    EXPECT_THROW(modelOf(model), MemoryError);
 }
 
-// The empty parts are: kept points, name and model.
 TEST(BindingFile, RoundTripKeepsEmptyParts) {
     const TemporaryFolder folder;
     BoundModel model = sample();
-    model.binding.kept.clear();
-    model.binding.keptAt.clear();
     model.modelName.clear();
     model.modelBytes.clear();
+    model.faces = {};
     writeBoundModel(folder / "a.espb", model);
     expectEqual(readBoundModel(folder / "a.espb"), model);
     writeBoundModel(folder / "b.espb", {});
@@ -182,7 +137,7 @@ TEST(BindingFile, RoundTripKeepsEmptyParts) {
 class DamagedBindingFile : public ::testing::TestWithParam<bool> {
 protected:
     DamagedBindingFile() {
-        writeBoundModel(path, GetParam() ? sampleWithGradients() : sample());
+        writeBoundModel(path, sample(GetParam()));
         bytes = readFile(path);
     }
     void expectRefused(const std::string& damaged, const std::string& why) {
@@ -211,29 +166,31 @@ TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
 
 TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
-    std::string newer = bytes;
-    newer[8] = 5;
-    expectRefused(newer, "has version 5; expected 1 to 4");
+    for (const char version : {1, 4, 6}) {
+        std::string other = bytes;
+        other[8] = version;
+        expectRefused(other, concat("is a bound model of version ", int{version},
+                                    ", and this program reads version 5: bind the model again"));
+    }
 }
 
 // A header that claims 10¹⁸ entries is refused before memory is allocated for them.
 TEST_P(DamagedBindingFile, HugeClaimedSizesAreRefused) {
-    for (std::size_t field = 0; field < (GetParam() ? 9 : 6); ++field) {
-        // In a file without the lattice at rest, the number of columns needs no bytes.
-        if (field == 1 && !GetParam()) continue;
+    for (std::size_t field = 0; field < 10; ++field) {
         std::string damaged = bytes;
-        damaged[24 + 8 * field + 7] = 0x0d;
+        damaged[kSizes + 8 * field + 7] = 0x0d;
         expectRefused(damaged, "its size is not what its header says");
-        damaged[24 + 8 * field + 7] = char(0xff);
+        damaged[kSizes + 8 * field + 7] = char(0xff);
         expectRefused(damaged, "its size is not what its header says");
     }
 }
 
-// Changes the version, so that the sizes belong to the other version.
-TEST_P(DamagedBindingFile, WrongVersionNumberIsRefused) {
+TEST_P(DamagedBindingFile, AWrongFlagIsRefused) {
     std::string other = bytes;
-    other[8] = GetParam() ? 1 : 2;
+    other[12] = !GetParam();
     expectRefused(withChecksum(other), "its size is not what its header says");
+    other[12] = 2;
+    expectRefused(withChecksum(other), "has the flag 2 for gradients");
 }
 
 TEST_P(DamagedBindingFile, NumbersThatAreNotFiniteAreRefused) {
@@ -244,48 +201,38 @@ TEST_P(DamagedBindingFile, NumbersThatAreNotFiniteAreRefused) {
             expectRefused(withChecksum(damaged), why);
         }
     };
-    const std::size_t header = GetParam() ? 96 : 72, weights = header + 4 * 8;
-    refused(weights + 8, "has a weight that is not finite: number 1 of its table");
-    refused(weights + 3 * 8 + 16, "has a position that is not finite: kept point 0");
-    if (!GetParam()) return;
-    const std::size_t gradients = weights + 3 * 8 + 24 + 3 * 4 + 4;
-    refused(gradients + 4 * 8, "has a weight that is not finite: number 0 of its table");
-    const std::size_t rest = bytes.size() - 4 - 10 - 9 - 4 * 24;
-    refused(rest + 24, "has a position that is not finite: vertex of the lattice at rest 1");
+    const std::size_t more = bytes.size() - kFileSize;
+    refused(kSizes - 8, "has a largest residual that is not a length");
+    refused(kWeights + 8, "has a weight that is not finite: number 1 of its table");
+    refused(kPoints + more + 24 + 8, "has a position that is not finite: point 1");
+    refused(kRest + more + 24,
+            "has a position that is not finite: vertex of the lattice at rest 1");
+    if (GetParam())
+        refused(kPoints + 4 * 8, "has a weight that is not finite: number 0 of its table");
 }
 
-INSTANTIATE_TEST_SUITE_P(Versions, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(BindingFile, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {
     return test.param ? "WithGradients" : "WithoutGradients";
 });
 
-TEST(BindingFile, DamagedFacesAreRefused) {
+TEST(BindingFile, DamagedFacesAndStatusesAreRefused) {
     const TemporaryFolder folder;
     const auto path = folder / "f.espb";
-    writeBoundModel(path, sampleWithFaces(sample()));
+    writeBoundModel(path, sample());
     const std::string bytes = readFile(path);
-    const auto expectRefused = [&](const std::string& damaged, const std::string& why) {
-        std::ofstream(path, std::ios::binary) << damaged;
-        EXPECT_THAT(messageOf<FileError>([&] { readBoundModel(path); }), HasSubstr(why));
-    };
-    for (std::size_t size = 8; size < bytes.size(); ++size)
-        expectRefused(bytes.substr(0, size), "truncated");
-    const auto with = [&](std::size_t at, auto number) {
+    const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
         std::string damaged = bytes;
         storeNumber(damaged.data() + at, number, std::endian::little);
-        return withChecksum(damaged);
+        std::ofstream(path, std::ios::binary) << withChecksum(damaged);
+        EXPECT_THAT(messageOf<FileError>([&] { readBoundModel(path); }), HasSubstr(why));
     };
-    expectRefused(with(12, std::uint32_t{2}), "has the flag 2 for gradients");
-    // The numbers of faces and of corners follow the header.
-    for (const std::size_t at : {std::size_t{72}, std::size_t{80}})
-        for (const std::int64_t number : {std::int64_t{-1}, std::int64_t{1} << 60})
-            expectRefused(with(at, number), "its size is not what its header says");
-    const std::size_t corners = bytes.size() - 4 - 10 - 9 - 7 * 4, ends = corners - 2 * 8;
-    expectRefused(with(ends, std::int64_t{-1}), "ends face 0 of the lattice at corner -1");
-    expectRefused(with(ends, std::int64_t{8}), "ends face 0 of the lattice at corner 8");
-    expectRefused(with(ends + 8, std::int64_t{2}), "ends face 1 of the lattice at corner 2");
-    expectRefused(with(ends + 8, std::int64_t{6}), "has 7 corners of faces; the faces use 6");
-    expectRefused(with(corners, Index{4}), "has a face of the lattice with vertex 4");
-    expectRefused(with(corners, Index{-1}), "has a face of the lattice with vertex -1");
+    expectRefused(kStatuses + 1, std::uint8_t{3}, "has the status 3 for point 1");
+    expectRefused(kEnds, std::int64_t{-1}, "ends face 0 of the lattice at corner -1");
+    expectRefused(kEnds, std::int64_t{8}, "ends face 0 of the lattice at corner 8");
+    expectRefused(kEnds + 8, std::int64_t{2}, "ends face 1 of the lattice at corner 2");
+    expectRefused(kEnds + 8, std::int64_t{6}, "has 7 corners of faces; the faces use 6");
+    expectRefused(kCorners, Index{4}, "has a face of the lattice with vertex 4");
+    expectRefused(kCorners, Index{-1}, "has a face of the lattice with vertex -1");
 }
 
 TEST(BindingFile, MissingFileIsNamed) {

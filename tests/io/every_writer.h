@@ -157,8 +157,13 @@ inline std::vector<Writer> everyWriter(int size) {
     for (const std::string& extension : io::matrixExtensions())
         writers.push_back(
             {"D" + extension, [=](const auto& path) { io::writeMatrix(path, *table); }});
-    const auto bound = std::make_shared<const io::BoundModel>(
-        io::BoundModel{{{*table, {0}, {{1, 2, 3}}, 42}}, "a.obj", modelText(".obj", size)});
+    const auto bound = std::make_shared<io::BoundModel>();
+    bound->binding.table = *table;
+    bound->binding.points.resize(table->rowCount());
+    bound->binding.statuses.resize(table->rowCount());
+    bound->binding.rest.resize(table->columnCount());
+    bound->modelName = "a.obj";
+    bound->modelBytes = modelText(".obj", size);
     writers.push_back({"a.espb", [=](const auto& path) { io::writeBoundModel(path, *bound); }});
     return writers;
 }

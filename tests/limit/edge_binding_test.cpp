@@ -21,7 +21,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using Bound = embed::BindingResultOf<LimitTable>;
+using Bound = embed::BoundRows<LimitTable>;
 
 /// A lattice with bent irregular edges, and points on these.
 class Scene {
@@ -84,7 +84,7 @@ public:
         Matrix3d f;
         for (std::size_t axis = 0; axis < 3; ++axis)
             f.col(Eigen::Index(axis)) =
-                times(result.binding.table.gradients[axis], pose).row(i).transpose();
+                times(result.table.gradients[axis], pose).row(i).transpose();
         return f;
     }
 
@@ -110,7 +110,7 @@ TEST(EdgeBinding, PointsOnIrregularEdgesMoveWithTheLimit) {
             EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(scene.points));
             // Rounding of sums of terms below 1.
             EXPECT_LT(result.largestResidual, 1e-14);
-            const auto& rows = result.binding.table.points;
+            const auto& rows = result.table.points;
             EXPECT_LT(largestDistance(times(rows, scene.lattice.positions), asMatrix(scene.points)),
                       1e-14);
             // Far below the tolerance, 1e-6: the place on the edge is exact.
@@ -131,9 +131,9 @@ TEST(EdgeBinding, LoopsAndOpenBoundaries) {
     for (const Scene* scene : {&loop, &open}) {
         const Bound result = scene->bind();
         EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(scene->points));
-        EXPECT_LT(largestDistance(times(result.binding.table.points, scene->pose),
-                                  asMatrix(scene->expected)),
-                  1e-14);
+        EXPECT_LT(
+            largestDistance(times(result.table.points, scene->pose), asMatrix(scene->expected)),
+            1e-14);
     }
 }
 
@@ -147,14 +147,14 @@ TEST(EdgeBinding, PointsBesideIrregularEdgesMoveWithTheLimit) {
             point = toPoint(vec(point) + distance * Vector3d(0.48, 0.6, 0.64));
         const Bound result = scene.bind();
         EXPECT_EQ(result.count(embed::PointStatus::Inside), 2);
-        const auto& rows = result.binding.table.points;
+        const auto& rows = result.table.points;
         EXPECT_LT(largestDistance(times(rows, scene.lattice.positions), asMatrix(scene.points)),
                   1e-14)
             << distance;
         // With this tolerance, points farther away than 5e-13 are not taken to the edge.
         const Bound exact = scene.bind({.tolerance = 1e-13});
         const double error =
-            largestDistance(times(rows, scene.pose), times(exact.binding.table.points, scene.pose));
+            largestDistance(times(rows, scene.pose), times(exact.table.points, scene.pose));
         // In a distance of 1e-7, the gradient changes by 5e-5 here (see the next test). Added is
         // the rounding of sums of terms below 1.
         EXPECT_LT(error, 1e-4 * distance + 1e-15) << distance;
@@ -180,8 +180,7 @@ TEST(EdgeBinding, GradientsOnIrregularEdges) {
             EXPECT_LT((scene.gradient(result, Index(i)) * tangent - posed).norm(), 1e-6) << sectors;
         }
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto column =
-                times(result.binding.table.gradients[axis], scene.lattice.positions);
+            const auto column = times(result.table.gradients[axis], scene.lattice.positions);
             for (Eigen::Index i = 0; i < column.rows(); ++i)
                 EXPECT_LT((column.row(i).transpose() - Vector3d::Unit(Eigen::Index(axis))).norm(),
                           1e-12);
@@ -212,11 +211,11 @@ TEST(EdgeBinding, DoesNotDependOnOtherPointsOrThreads) {
         for (const double distance : {1e-7, 0.01, 0.1})
             scene.points.push_back(toPoint(vec(point) + distance * Vector3d(0.48, 0.6, 0.1)));
     const LimitOptions options{.gradients = true};
-    const auto together = withThreads(1, [&] { return scene.bind(options).binding; });
-    EXPECT_TRUE(withThreads(5, [&] { return scene.bind(options).binding; }) == together);
+    const auto together = withThreads(1, [&] { return scene.bind(options); });
+    EXPECT_TRUE(withThreads(5, [&] { return scene.bind(options); }) == together);
     for (std::size_t i = 0; i < onEdges.size(); ++i) {
         scene.points = {onEdges[i]};
-        const auto alone = scene.bind(options).binding.table;
+        const auto alone = scene.bind(options).table;
         const std::vector<Index> row = {Index(i)};
         EXPECT_TRUE(stencils::selectRows(together.table.points, row) == alone.points) << i;
         for (std::size_t axis = 0; axis < 3; ++axis)

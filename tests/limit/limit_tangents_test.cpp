@@ -22,7 +22,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using Bound = embed::BindingResultOf<LimitTable>;
+using Bound = embed::BoundRows<LimitTable>;
 
 /// Returns the limits of the vertices of a level at rest: they cover every kind of feature of the
 /// lattice.
@@ -35,8 +35,7 @@ std::vector<Point3> limitsOfLevel(const Lattice& lattice, int level) {
 Matrix3d gradientAt(const Bound& result, Index i, const std::vector<Point3>& pose) {
     Matrix3d f;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        f.col(Eigen::Index(axis)) =
-            times(result.binding.table.gradients[axis], pose).row(i).transpose();
+        f.col(Eigen::Index(axis)) = times(result.table.gradients[axis], pose).row(i).transpose();
     return f;
 }
 
@@ -59,7 +58,7 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
             const Bound result = bindLimit({base, lattice.positions}, points,
                                            {.tolerance = tolerance, .gradients = true});
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto& rows = result.binding.table.gradients[axis];
+                const auto& rows = result.table.gradients[axis];
                 const auto column = times(rows, pose);
                 for (Index i = 0; i < rows.rowCount(); ++i) {
                     if (rows.columns(i).empty()) continue;  // The lattice has no volume there.

@@ -21,7 +21,7 @@ StencilTable<Real> boundTable(const Lattice& lattice,
     const auto bound =
         embed::bindPoints({base, lattice.positions},
                           pointsIn(Refined(lattice, level), pointCount, 5), {.level = level});
-    return stencils::convertTable<Real>(bound.binding.table);
+    return stencils::convertTable<Real>(bound.table);
 }
 
 /// Returns a table with all kinds of rows: outer products from a box; panels and ungrouped rows

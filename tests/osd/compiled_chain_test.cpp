@@ -58,15 +58,15 @@ TYPED_TEST(CompiledChainTest, ChainOfFactorsEqualsTheirProduct) {
     const auto factored = embed::bindFactored({base, refined.base}, points, {.level = 2});
     const auto bound = embed::bindPoints({base, refined.base}, points, {.level = 2});
     EXPECT_EQ(factored.statuses, bound.statuses);
-    const auto factors = convertTable<TypeParam>(factored.binding.table);
+    const auto factors = convertTable<TypeParam>(factored.table);
     const CompiledChain<TypeParam> chain(factors);
-    const CompiledTable<TypeParam> table(convertTable<TypeParam>(bound.binding.table));
+    const CompiledTable<TypeParam> table(convertTable<TypeParam>(bound.table));
     EXPECT_EQ(chain.rowCount(), table.rowCount());
     EXPECT_EQ(chain.columnCount(), table.columnCount());
     expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
     // With about twenty points in each cell, rows of the points have 8 entries and rows of D 24,
     // since most are near the boundary.
-    EXPECT_LT(factored.binding.table.entryCount(), bound.binding.table.entryCount() / 2);
+    EXPECT_LT(factored.table.entryCount(), bound.table.entryCount() / 2);
     EXPECT_LT(chain.byteCount(), table.byteCount());
 }
 
@@ -78,7 +78,7 @@ TYPED_TEST(CompiledChainTest, ChainOfFactorsHasAnAdjoint) {
     const auto factors =
         convertTable<Real>(embed::bindFactored({TopologyRefiner(lattice.complex), refined.base},
                                                pointsIn(refined, 3000, 3), {.level = 2})
-                               .binding.table);
+                               .table);
     const CompiledAdjointChain<Real> adjoint(factors);
     EXPECT_EQ(adjoint.rowCount(), factors.columnCount());
     EXPECT_EQ(adjoint.columnCount(), factors.rowCount());

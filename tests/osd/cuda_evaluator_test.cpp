@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/embed/binding.h>
 #include <espalier/osd/cuda/cuda_evaluator.h>
 
 #include <utility>
@@ -314,28 +313,46 @@ TEST_F(Device, RowsOfSplinesTakeLessMemory) {
                    CudaEvaluator<float>(table, {.isGrouped = false, .hasParameters = true}));
 }
 
-TEST_F(Device, KeptPointsGetTheirRestPositions) {
-    embed::TableBinding binding;
-    binding.table = StencilTable<double>(2, {0, 1, 1, 2, 2}, {1, 0}, {1, 1});
-    binding.kept = {1, 3};
-    binding.keptAt = {Point3{1, 2, 3}, Point3{4, 5, 6}};
-    const CudaEvaluator<float> cuda(stencils::convertTable<float>(binding.table));
-    const CudaKeptPoints<float> kept(4, binding.kept, binding.keptAt);
+// By hand, with a row without entries; and each kind of row against the sums without an addend.
+TEST_F(Device, AnAddendIsAddedToEachSum) {
+    const StencilTable<float> small(2, {0, 1, 1, 2, 2}, {1, 0}, {1, 1});
+    const CudaEvaluator<float> cuda(small);
     const Stream stream;
     CudaWorkspace workspace(stream);
-    const std::vector<float> pose = {10, 20, 30, 40, 50, 60};
+    const std::vector<float> moves = {10, 20, 30, 40, 50, 60};
+    const CudaBuffer<float> atRest{
+        std::span<const float>(std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12})};
     const BufferDescriptor to{1, 3, 4};
     CudaBuffer<float> points{std::span<const float>(std::vector<float>(1 + 4 * 4, 99))};
-    cuda.evaluate(pose, {0, 3, 3}, points, to, {0, 4}, workspace);
-    kept.write(points, to, stream);
+    cuda.evaluate(moves, {0, 3, 3}, points, to, {0, 4}, workspace,
+                  CudaAddend<float>::packed(atRest, 3));
     std::vector<float> result(points.size());
     points.download(result, stream);
     workspace.synchronize();
-    EXPECT_THAT(result, ElementsAre(99, 40, 50, 60, 99, 1, 2, 3, 99, 10, 20, 30, 99, 4, 5, 6, 99));
-    EXPECT_THROW(kept.write(points, {3, 3, 4}, stream), Error);  // one number too few
-    EXPECT_THROW(kept.write(points, {0, 4, 4}, stream), Error);  // not 3 components
-    EXPECT_THROW(CudaKeptPoints<float>(3, binding.kept, binding.keptAt), Error);
-    EXPECT_THROW(CudaKeptPoints<float>(4, binding.kept, {}), Error);
+    EXPECT_THAT(result,
+                ElementsAre(99, 41, 52, 63, 99, 4, 5, 6, 99, 17, 28, 39, 99, 10, 11, 12, 99));
+    EXPECT_REFUSED(
+        Error, "the addend buffer holds 12",
+        cuda.evaluate(moves, {0, 3, 3}, points, to, {0, 4}, workspace, {atRest, {1, 3, 3}}));
+
+    const auto table = boundTable<float>(shapes::cylinder({.sectors = 5}), 1500);
+    const Index rows = table.rowCount();
+    const auto source = randomValues<float>(table.columnCount() * 6, 1);
+    const auto rest = randomValues<float>(rows * 3, 2);
+    const CudaBuffer<float> restOnDevice{std::span<const float>(rest)};
+    const auto layout = BufferDescriptor::packed(6);
+    for (const bool isGrouped : {true, false}) {
+        const CudaEvaluator<float> large(table, {.isGrouped = isGrouped});
+        std::vector<float> sums(rows * 6), moved(rows * 6);
+        large.evaluate(source, layout, sums, layout, {0, rows}, workspace);
+        // To the host, and in two ranges; the poses share the addend.
+        for (const RowRange range : {RowRange{0, rows / 3}, RowRange{rows / 3, rows}})
+            large.evaluate(source, layout, moved, layout, range, workspace,
+                           CudaAddend<float>::packed(restOnDevice, 3));
+        workspace.synchronize();
+        for (std::size_t i = 0; i < sums.size(); ++i)
+            ASSERT_EQ(moved[i], sums[i] + rest[i / 6 * 3 + i % 3]) << i;
+    }
 }
 
 TEST_F(Device, BuffersHoldUploadedValues) {

@@ -3,7 +3,7 @@
 
 #include <cuda_runtime_api.h>
 #include "osd/cuda/cuda_launch.h"
-#include "osd/cuda/device_evaluation.h"
+#include "osd/device/device_evaluation.h"
 
 #include <cstdint>
 #include <cstring>

@@ -75,7 +75,7 @@ void addResults(const TopologyRefiner& refiner, const Lattice& lattice, Hash& ha
     const auto bound =
         embed::bindPoints({TopologyRefiner(lattice.complex, refiner.options()), lattice.positions},
                           points, {.level = 2});
-    const auto table = stencils::convertTable<Real>(bound.binding.table);
+    const auto table = stencils::convertTable<Real>(bound.table);
     add(table, hash);
     std::vector<Real> source;
     for (const Point3& position : lattice.positions)

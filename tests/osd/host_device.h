@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "host_warp.h"
-#include "osd/cuda/device_evaluation.h"
-#include "osd/cuda/device_table.h"
+#include "osd/device/device_evaluation.h"
+#include "osd/device/device_table.h"
 
 namespace espalier::osd {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "osd/cuda/device_kernels.h"
+#include "osd/device/device_kernels.h"
 
 #include <array>
 #include <cstdint>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/executor.h>
 #include <espalier/embed/local_binding.h>
-#include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/deformer.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 
@@ -50,9 +50,9 @@ struct Tables {
             const TopologyRefiner base(lattice.complex);
             const auto points = pointsIn(Refined(lattice, 1), 12'000, 5);
             tables.push_back(stencils::convertTable<Real>(
-                embed::bindPoints({base, lattice.positions}, points, {.level = 3}).binding.table));
+                embed::bindPoints({base, lattice.positions}, points, {.level = 3}).table));
             factored = stencils::convertTable<Real>(
-                embed::bindFactored({base, lattice.positions}, points, {.level = 3}).binding.table);
+                embed::bindFactored({base, lattice.positions}, points, {.level = 3}).table);
         }
         const Lattice torus = surfaceOf(shapes::torus());
         TopologyRefiner refiner = refined(torus.complex, 4);
@@ -194,39 +194,30 @@ TYPED_TEST(RealTimeTest, HostExecutorAllocatesNothing) {
         0);
 }
 
-// A pose evaluated in real time equals evaluateBinding().
-TYPED_TEST(RealTimeTest, KeptPoints) {
+// After the first call, a deformer allocates nothing, also for several poses at once. A point
+// outside stays exactly where it was.
+TYPED_TEST(RealTimeTest, Deforming) {
     using Real = TypeParam;
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
-    const auto binding = embed::convertBinding<Real>(
-        embed::bindPoints({TopologyRefiner(cube.complex), cube.positions}, points, {.level = 2})
-            .binding);
-    const CompiledTable<Real> compiled(binding.table);
-    Workspace workspace = compiled.workspace(3);
-    std::vector<Real> pose, result(1 + 3 * 4, 99);
-    for (const Point3& p : cube.positions) pose.insert(pose.end(), p.begin(), p.end());
-    const auto xyz = BufferDescriptor::packed(3);
-    const BufferDescriptor to{1, 3, 4};
+    const auto binding =
+        bind::bindPoints({TopologyRefiner(cube.complex), cube.positions}, points, bind::Level{2});
+    const Deformer<Real> deformer(binding);
+    std::vector<Real> poses;
+    for (int pose = 0; pose < 5; ++pose)
+        for (const Point3& p : cube.positions)
+            for (const double x : p) poses.push_back(static_cast<Real>(x * (pose + 1)));
+    std::vector<Real> result(5 * 9, 99);
+    const std::vector<Index> changed = {0, 3};
+    const std::span first(poses.data(), 3 * cube.positions.size());
+    const auto deform = [&] {
+        deformer.deform(poses, result);
+        deformer.deformChanged(first, changed, std::span(result).first(9));
+    };
     const ExecutorScope scope(this->serial);
-    EXPECT_EQ(callsOf([&] {
-                  compiled.evaluate(pose, xyz, result, to, {0, 3}, workspace);
-                  writeKept<Real>(binding, result, to);
-              }),
-              kNone);
-    const auto expected = evaluateBinding(binding, cube.positions);
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            EXPECT_NEAR(result[1 + 4 * i + c], expected[i][c],
-                        4 * std::numeric_limits<Real>::epsilon());
-    EXPECT_EQ(result[5], Real(3));
-    EXPECT_EQ(result[6], Real(3.25));
-    EXPECT_EQ(result[4], 99);
-    std::vector<float> single(result.size(), 99);
-    writeKept<float>(binding, single, to);  // The precision of the binding does not matter.
-    EXPECT_THAT(single, ElementsAre(99, 99, 99, 99, 99, 3, 3.25F, 3, 99, 99, 99, 99, 99));
-    EXPECT_THROW(writeKept<Real>(binding, std::span(result).first(11), to), Error);
-    EXPECT_THROW(writeKept<Real>(binding, result, {0, 2, 4}), Error);
+    deform();
+    EXPECT_EQ(callsOf(deform).allocations, 0);
+    for (int pose = 0; pose < 5; ++pose) EXPECT_EQ(result[9 * pose + 4], Real(3.25));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "osd/cuda/spline_rows.h"
+#include "osd/device/spline_rows.h"
 
 #include <espalier/embed/tensor_product.h>
 #include <espalier/limit/limit_binding.h>
@@ -7,7 +7,7 @@
 
 #include "bound_table.h"
 #include "host_device.h"
-#include "osd/cuda/spline_weights.h"
+#include "osd/device/spline_weights.h"
 #include "sums.h"
 #include "support/test.h"
 
@@ -106,8 +106,8 @@ StencilTable<Real> splineTable(const std::array<int, 3>& cells, int level, int c
     const auto points = pointsInCells(cells, count);
     const embed::RestLattice lattice = {base, box.positions};
     return stencils::convertTable<Real>(
-        level == 0 ? limit::bindLimit(lattice, points).binding.table.points
-                   : embed::bindPoints(lattice, points, {.level = level}).binding.table);
+        level == 0 ? limit::bindLimit(lattice, points).table.points
+                   : embed::bindPoints(lattice, points, {.level = level}).table);
 }
 
 /// Returns the largest error of packed results of three components, relative to table · source in
@@ -217,7 +217,7 @@ TYPED_TEST(SplineRows, LeaveOtherRowsAsTheyAre) {
     const TopologyRefiner base(box.complex, {.marks = box.marks});
     const auto gradients = stencils::convertTable<Real>(
         limit::bindLimit({base, box.positions}, pointsInCells({3, 3, 3}, 500), {.gradients = true})
-            .binding.table.gradients[0]);
+            .table.gradients[0]);
     for (const StencilTable<Real>* table : {&cylinder, &gradients}) {
         const HostDevice<Real> device(*table, true, true), before(*table, true);
         EXPECT_EQ(device.arrays().parametricRowCount, 0);

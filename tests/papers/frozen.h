@@ -2,7 +2,6 @@
 #pragma once
 
 #include <espalier/embed/local_binding.h>
-#include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
 
@@ -34,18 +33,16 @@ inline std::vector<Point3> positionsAt(const Lattice& lattice, const TopologyRef
 struct Frozen {
     Lattice rest;
     std::vector<Point3> model;
-    embed::TableBinding binding;
+    embed::BoundRows<> binding;
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {
-        auto bound =
-            embed::bindPoints({refined(rest, 0), rest.positions}, points, {.level = level});
-        EXPECT_EQ(bound.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
-        binding = std::move(bound.binding);
+        binding = embed::bindPoints({refined(rest, 0), rest.positions}, points, {.level = level});
+        EXPECT_EQ(binding.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
     }
 
     std::vector<Point3> posed(const std::vector<Point3>& pose) const {
-        return osd::evaluateBinding(binding, pose);
+        return stencils::applyLevelTable(binding.table, pose);
     }
 
     void expectBackAtRest() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/embed/local_binding.h>
+#include <espalier/bind/bind.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/petsc/distributed_table.h>
@@ -17,14 +17,12 @@ class DistributedBinding : public ::testing::Test {
 protected:
     static constexpr int kLevel = 3;
 
-    embed::TableBinding bind(std::span<const Point3> points) const {
-        return embed::bindPoints({TopologyRefiner(lattice_.complex), lattice_.positions}, points,
-                                 {.level = kLevel})
-            .binding;
+    bind::Binding bind(std::span<const Point3> points) const {
+        return bind::bindPoints({TopologyRefiner(lattice_.complex), lattice_.positions}, points,
+                                bind::Level{kLevel});
     }
 
-    /// Returns points of which some are in cells of irregular valence, and every fifth is outside,
-    /// to be kept.
+    /// Returns points of which some are in cells of irregular valence, and every fifth is outside.
     std::vector<Point3> makePoints() const {
         auto points = pointsIn(Refined(lattice_, kLevel), 500, 5);
         for (std::size_t i = 0; i < points.size(); i += 5) points[i] = {9, double(i), -3};
@@ -49,17 +47,20 @@ protected:
 TEST_F(DistributedBinding, HasItsRowsOfTheWholeTable) {
     const auto whole = bind(points_), own = bind(ownPoints_);
     EXPECT_EQ(own.table, ownRows(whole.table, own_));
-    EXPECT_EQ(whole.kept.size(), 100u);
+    EXPECT_EQ(whole.table.emptyRows().size(), 100u);
 
-    DistributedTable distributed(MPI_COMM_WORLD, own, vertices_.count());
+    DistributedTable distributed(MPI_COMM_WORLD, own.table, vertices_.count());
     const auto pose = makePose();
+    std::vector<double> displacements = numbers(pose);
+    for (std::size_t i = 0; i < displacements.size(); ++i)
+        displacements[i] -= numbers(lattice_.positions)[i];
     std::vector<double> moved(3 * ownPoints_.size(), 99);
-    distributed.evaluate(ownValues(numbers(pose), vertices_, 3), moved);
+    distributed.evaluate(ownValues(displacements, vertices_, 3), moved, numbers(ownPoints_));
     const auto expected = ownValues(numbers(osd::evaluateBinding(whole, pose)), own_, 3);
     ASSERT_EQ(moved.size(), expected.size());
     for (std::size_t i = 0; i < moved.size(); ++i) {
         if ((std::size_t(own_.first) + i / 3) % 5 == 0) {
-            EXPECT_EQ(moved[i], numbers(ownPoints_)[i]) << "is kept";
+            EXPECT_EQ(moved[i], numbers(ownPoints_)[i]) << "is outside";
         } else {
             // Both sides are sums of up to 64 products of positions up to 2 and weights that sum to
             // 1, in different orders. They differ by at most 64 ulp, and by about 8 in practice.
@@ -68,10 +69,10 @@ TEST_F(DistributedBinding, HasItsRowsOfTheWholeTable) {
     }
 }
 
-// A kept point does not move with the lattice, so its gradient is ignored.
+// A point outside does not move with the lattice, so its gradient is ignored.
 TEST_F(DistributedBinding, AdjointAgreesWithTheReference) {
     const auto whole = bind(points_);
-    DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_), vertices_.count());
+    DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_).table, vertices_.count());
     const auto gradients = randomValues(3 * points_.size(), 8);
     std::vector<double> back(3 * vertices_.count(), 99);
     distributed.evaluateAdjoint(ownValues(gradients, own_, 3), back);

@@ -21,7 +21,7 @@ namespace {
 using test::NamedLattice;
 
 /// Binds points under a policy.
-using Bind = std::function<BindingResult(std::span<const Point3>, OutsidePolicy)>;
+using Bind = std::function<BoundRows<>(std::span<const Point3>, OutsidePolicy)>;
 
 double rowSum(const stencils::StencilTable<double>& table, Index row) {
     double sum = 0;
@@ -50,19 +50,19 @@ std::vector<Point3> pointsAround(const Lattice& lattice, std::size_t count, unsi
 Index expectBounded(const std::string& name, const Lattice& lattice, const Bind& bind,
                     std::size_t pointCount) {
     const auto points = pointsAround(lattice, pointCount, 7);
-    const BindingResult kept = bind(points, OutsidePolicy::Keep);
-    const BindingResult carried = bind(points, OutsidePolicy::Nearest);
+    const BoundRows<> kept = bind(points, OutsidePolicy::Keep);
+    const BoundRows<> carried = bind(points, OutsidePolicy::Nearest);
     Index carriedCount = 0;
     for (Index i = 0; i < static_cast<Index>(points.size()); ++i) {
         EXPECT_EQ(kept.statuses[i], carried.statuses[i]) << name << " point " << i;
-        EXPECT_LE(rowSum(kept.binding.table, i), kMaxRowSum) << name << " point " << i;
-        EXPECT_LE(rowSum(carried.binding.table, i), kMaxRowSum) << name << " point " << i;
+        EXPECT_LE(rowSum(kept.table, i), kMaxRowSum) << name << " point " << i;
+        EXPECT_LE(rowSum(carried.table, i), kMaxRowSum) << name << " point " << i;
         const bool isInside = kept.statuses[i] == PointStatus::Inside;
-        EXPECT_EQ(!kept.binding.table.columns(i).empty(), isInside) << name << " point " << i;
+        EXPECT_EQ(!kept.table.columns(i).empty(), isInside) << name << " point " << i;
         if (isInside)
-            EXPECT_FALSE(carried.binding.table.columns(i).empty()) << name << " point " << i;
+            EXPECT_FALSE(carried.table.columns(i).empty()) << name << " point " << i;
         else
-            carriedCount += !carried.binding.table.columns(i).empty();
+            carriedCount += !carried.table.columns(i).empty();
     }
     return carriedCount;
 }

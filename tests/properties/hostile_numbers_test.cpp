@@ -18,17 +18,17 @@ std::vector<Point3> scaled(std::vector<Point3> points, int exponent) {
     return points;
 }
 
-BindingResult bind(const Lattice& lattice, const std::vector<Point3>& points,
-                   const EmbeddingOptions& options = {}, int level = 2) {
+BoundRows<> bind(const Lattice& lattice, const std::vector<Point3>& points,
+                 const EmbeddingOptions& options = {}, int level = 2) {
     const TopologyRefiner refiner(lattice.complex);
     return bindPoints({refiner, lattice.positions}, points, {.level = level, .embedding = options});
 }
 
 /// Returns the distance, at rest, between point `i` and its position by D.
-double errorOf(const BindingResult& model, const Lattice& lattice,
-               const std::vector<Point3>& points, std::size_t i) {
+double errorOf(const BoundRows<>& model, const Lattice& lattice, const std::vector<Point3>& points,
+               std::size_t i) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
-    const auto& table = model.binding.table;
+    const auto& table = model.table;
     const auto row = Index(i);
     for (std::size_t k = 0; k < table.weights(row).size(); ++k)
         position += table.weights(row)[k] * vec(lattice.positions[table.columns(row)[k]]);
@@ -58,7 +58,7 @@ TEST_P(HostileNumbers, SizeOfTheLatticeDoesNotMatter) {
             other.positions = scaled(other.positions, exponent);
             const std::vector<Point3> moved = scaled(points, exponent);
             const auto got = bind(other, moved, {.outside = GetParam()});
-            EXPECT_EQ(got.binding.table, expected.binding.table) << exponent;
+            EXPECT_EQ(got.table, expected.table) << exponent;
             EXPECT_EQ(got.statuses, expected.statuses) << exponent;
             EXPECT_EQ(got.largestResidual, std::ldexp(expected.largestResidual, exponent));
 
@@ -100,7 +100,7 @@ TEST_P(HostileNumbers, LatticeWithoutSize) {
         bind(lattice, {{0, 0, 0}, {7.9e-309, 0, 0}, {1, 2, 3}}, {.outside = GetParam()}, 1);
     using enum PointStatus;
     EXPECT_EQ(model.statuses, (std::vector{Inside, Outside, Outside}));
-    EXPECT_EQ(model.binding.kept, (std::vector<Index>{1, 2}));
+    EXPECT_EQ(model.table.emptyRows(), (std::vector<Index>{1, 2}));
 }
 
 TEST_P(HostileNumbers, PointsNotFiniteOrFarAway) {
@@ -119,7 +119,7 @@ TEST_P(HostileNumbers, PointsNotFiniteOrFarAway) {
         const auto model = bind(cube, far, {.outside = GetParam()}, level);
         for (std::size_t i = 0; i < far.size(); ++i) {
             EXPECT_EQ(model.statuses[i], PointStatus::Outside) << i;
-            const auto weights = model.binding.table.weights(Index(i));
+            const auto weights = model.table.weights(Index(i));
             const bool isCarried = i == 1 && GetParam() == OutsidePolicy::Nearest;
             ASSERT_EQ(weights.empty(), !isCarried) << i;
             if (isCarried) {
@@ -203,7 +203,7 @@ TEST_P(HostileNumbers, CellsOfAnyVolume) {
                 size = std::max(size, vec(position).norm());
             EXPECT_TRUE(std::isfinite(model.largestResidual)) << deformity.name;
             for (std::size_t i = 0; i < points.size(); ++i) {
-                const auto weights = model.binding.table.weights(Index(i));
+                const auto weights = model.table.weights(Index(i));
                 for (const double weight : weights) ASSERT_TRUE(std::isfinite(weight));
                 if (weights.empty()) {
                     EXPECT_NE(model.statuses[i], PointStatus::Inside) << deformity.name;

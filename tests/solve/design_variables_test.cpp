@@ -166,7 +166,7 @@ struct Designed {
         const Refined refined(lattice, 2);
         deformation = embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions},
                                         pointsIn(refined, 200, 4), {.level = 2})
-                          .binding.table;
+                          .table;
         solve::DesignVariables variables(lattice.complex.count(0));
         variables.link(3, 1, {0.5, -1, 2});
         variables.freeze(2);

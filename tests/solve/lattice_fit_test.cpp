@@ -22,7 +22,7 @@ struct Model {
         const Refined refined(lattice, 2);
         deformation = embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions},
                                         pointsIn(refined, pointCount, 5), {.level = 2})
-                          .binding.table;
+                          .table;
     }
 
     std::vector<Point3> moved(const std::vector<Point3>& displacements) const {

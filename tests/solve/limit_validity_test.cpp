@@ -91,7 +91,7 @@ TEST(LimitValidity, AgreesWithSampledGradients) {
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;
             for (std::size_t c = 0; c < 3; ++c)
-                columns[c] = stencils::applyLevelTable(bound.binding.table.gradients[c], pose);
+                columns[c] = stencils::applyLevelTable(bound.table.gradients[c], pose);
             double least = kInfinity;
             for (std::size_t i = 0; i < points.size(); ++i) {
                 if (bound.statuses[i] != embed::PointStatus::Inside) continue;

@@ -131,7 +131,7 @@ TEST(SectionVariables, JacobianMovesThePointsOfAModel) {
     const SectionVariables sections(wing().positions, kThreeSections);
     const std::vector<Point3> points = {{0.2, 0.05, 1.3}, {-0.7, -0.02, 3.1}};
     const far::TopologyRefiner base(wing().complex);
-    const auto binding = embed::bindPoints({base, wing().positions}, points, {.level = 2}).binding;
+    const auto binding = embed::bindPoints({base, wing().positions}, points, {.level = 2});
     const auto jacobian = buildJacobian(binding.table, sections.matrix(sections.atRest()));
     constexpr double h = 1e-6;
     auto values = sections.atRest();

@@ -7,6 +7,7 @@
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/deformer.h>
 #include <espalier/shapes/inventory.h>
 
 #include <atomic>
@@ -83,9 +84,9 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
     const TopologyRefiner base(lattice().complex);
     const auto model = points(6000);
     const auto table = stencils::convertTable<float>(
-        embed::bindPoints({base, lattice().positions}, model, {.level = 3}).binding.table);
+        embed::bindPoints({base, lattice().positions}, model, {.level = 3}).table);
     const auto factors = stencils::convertTable<float>(
-        embed::bindFactored({base, lattice().positions}, model, {.level = 3}).binding.table);
+        embed::bindFactored({base, lattice().positions}, model, {.level = 3}).table);
     const auto xyz = BufferDescriptor::packed(3);
     const Index rows = table.rowCount(), columns = table.columnCount();
     expectSame(rows, columns, [&](auto source, auto result) {
@@ -117,18 +118,32 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
 }
 
 TEST(Concurrency, OneBinding) {
-    const auto bound = embed::bindPoints({TopologyRefiner(lattice().complex), lattice().positions},
-                                         points(3000), {.level = 3});
-    const auto expected = evaluateBinding(bound.binding, lattice().positions);
-    onThreads(
-        [&](int) { EXPECT_EQ(evaluateBinding(bound.binding, lattice().positions), expected); });
+    const auto binding = bind::bindPoints({TopologyRefiner(lattice().complex), lattice().positions},
+                                          points(3000), bind::Level{3});
+    const auto expected = evaluateBinding(binding, lattice().positions);
+    onThreads([&](int) { EXPECT_EQ(evaluateBinding(binding, lattice().positions), expected); });
+
+    // A deformer: five poses are a batch of four and one alone.
+    const Deformer<double> deformer(binding);
+    std::vector<double> poses;
+    for (int pose = 0; pose < 5; ++pose)
+        for (const Point3& p : lattice().positions)
+            for (const double x : p) poses.push_back(x * (1 + 0.1 * pose));
+    const std::size_t size = 5 * 3 * binding.points.size();
+    std::vector<double> once(size);
+    deformer.deform(poses, once);
+    onThreads([&](int) {
+        std::vector<double> own(size);
+        deformer.deform(poses, own);
+        EXPECT_EQ(own, once);
+    });
 }
 
 // The threads share a refiner, which derives its relations on first use.
 TEST(Concurrency, BindingToOneLattice) {
     const auto model = points(2000);
     const auto bind = [&](const TopologyRefiner& base) {
-        return embed::bindPoints({base, lattice().positions}, model, {.level = 3}).binding;
+        return embed::bindPoints({base, lattice().positions}, model, {.level = 3});
     };
     const auto expected = bind(TopologyRefiner(shapes::cylinder({.sectors = 5}).complex));
     // A new refiner, which has derived nothing yet.

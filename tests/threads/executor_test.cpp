@@ -238,7 +238,7 @@ TEST(Executor, OffersDeclinedRangesAgain) {
 }
 
 /// Binds points to a lattice, in groups on several threads.
-embed::BindingResult bindModel() {
+embed::BoundRows<> bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
     static const std::vector<Point3> points = pointsIn(Refined(lattice, 2), 20'000, 3);
     return embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
@@ -249,9 +249,7 @@ TEST(ExecutorScope, ResultsAreTheSameBitForBit) {
     const auto expected = bindModel();
     withEachExecutor([&] {
         const auto bound = bindModel();
-        EXPECT_EQ(bound.binding, expected.binding);
-        EXPECT_EQ(bound.statuses, expected.statuses);
-        EXPECT_EQ(bound.largestResidual, expected.largestResidual);
+        EXPECT_EQ(bound, expected);
     });
 }
 
@@ -274,7 +272,7 @@ TEST(Arena, UsesTheArenaOfTheCaller) {
     const auto expected = bindModel();
     const ThreadLimit limit(8);
     tbb::task_arena arena(3);
-    EXPECT_EQ(arena.execute(bindModel).binding, expected.binding);
+    EXPECT_EQ(arena.execute(bindModel), expected);
 }
 
 // Cancelling a oneTBB group of the host does not cancel our loops: a loop that skipped ranges would

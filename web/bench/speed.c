@@ -70,26 +70,18 @@ int main(int argc, char** argv) {
         check(espalier_binding_create(refiner, vertexCount, positions, count, points, NULL,
                                       &binding));
     });
-    espalier_table* table;
-    check(espalier_binding_table(binding, &table));
-    espalier_evaluator_f32* evaluator = NULL;
+    espalier_deformer_f32* deformer = NULL;
     LEAST("compile", few, {
-        espalier_evaluator_f32_destroy(evaluator);
-        check(espalier_evaluator_f32_create(table, &evaluator));
+        espalier_deformer_f32_destroy(deformer);
+        check(espalier_deformer_f32_create(binding, &deformer));
     });
-    espalier_workspace* workspace;
-    check(espalier_workspace_create(&workspace));
-    const espalier_buffer_layout layout = espalier_packed_layout(3);
     LEAST("pose", many,
-          check(espalier_evaluator_f32_evaluate(evaluator, pose, 3 * vertexCount, layout, moved,
-                                                3 * (int64_t)count, layout, 0, count, workspace)));
-    espalier_change_evaluator_f32* changes;
-    check(espalier_change_evaluator_f32_create(evaluator, &changes));
+          check(espalier_deformer_f32_deform(deformer, pose, 3 * vertexCount, moved,
+                                             3 * (int64_t)count)));
     const int32_t middle = 62;  // the vertex in the middle of 125: the most points depend on it
     LEAST("drag", many,
-          check(espalier_change_evaluator_f32_evaluate(changes, pose, 3 * vertexCount, layout,
-                                                       moved, 3 * (int64_t)count, layout, 1,
-                                                       &middle, workspace)));
+          check(espalier_deformer_f32_deform_changed(deformer, pose, 3 * vertexCount, 1, &middle,
+                                                     moved, 3 * (int64_t)count)));
     printf("\n}\n");
     return 0;
 }

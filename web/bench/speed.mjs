@@ -44,13 +44,11 @@ async function inBrowser({ script, wasm, count }) {
   }
   const pose = Float32Array.from(rest);
   const binding = least("bind", few, () => refiner.bind(rest, points));
-  const table = binding.table();
-  const evaluator = least("compile", few, () => table.evaluator());
+  const deformer = least("compile", few, () => binding.deformer());
   // As a page does: the result is copied into an array of JavaScript.
   const moved = new Float32Array(3 * count);
-  least("pose", many, () => void evaluator.evaluate(pose, undefined, moved));
-  const changes = evaluator.changes();
-  least("drag", many, () => void changes.evaluate(pose, [62], moved));
+  least("pose", many, () => void deformer.deform(pose, moved));
+  least("drag", many, () => void deformer.deformChanged(pose, [62], moved));
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 import { countPoints, integer } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
+import { Deformer } from "./evaluator.ts";
 import { bytesAt, doublesAt, integersAt } from "./memory.ts";
 import { Table } from "./table.ts";
 
@@ -41,16 +42,6 @@ export class Binding extends Handle {
     });
   }
 
-  /** The points that stay where they are, because they are outside, ascending. */
-  kept(): Int32Array {
-    return this.library.scoped((scope) => {
-      const out = scope.allocate(12);
-      this.library.call("espalier_binding_kept", this.address, out, out + 4, out + 8);
-      const [count, numbers] = integersAt(this.library.core, out, 2);
-      return integersAt(this.library.core, numbers, count);
-    });
-  }
-
   largestResidual(): number {
     return this.library.scoped((scope) => {
       const out = scope.allocate(8);
@@ -62,6 +53,17 @@ export class Binding extends Handle {
   /** D: points × vertices of the lattice. */
   table(): Table {
     return new Table(this.library, this.library.create("espalier_binding_table", this.address));
+  }
+
+  /** A deformer for many poses, in single precision. */
+  deformer(): Deformer {
+    const [vertexCount, , pointCount] = this.library.scoped((scope) => {
+      const out = scope.allocate(16);
+      this.library.call("espalier_binding_rest", this.address, out, out + 4, out + 8, out + 12);
+      return integersAt(this.library.core, out, 3);
+    });
+    const pointer = this.library.create("espalier_deformer_f32_create", this.address);
+    return new Deformer(this.library, pointer, vertexCount, pointCount);
   }
 
   /** The points for a pose of the lattice. */

@@ -15,7 +15,7 @@ import { Table } from "./table.ts";
 
 export { Binding, PointStatus, type BindOptions } from "./binding.ts";
 export type { Progress } from "./c_library.ts";
-export { ChangeEvaluator, Evaluator } from "./evaluator.ts";
+export { Deformer, Evaluator } from "./evaluator.ts";
 export { Lattice, SHARP, type Marks, type Point } from "./lattice.ts";
 export { EspalierError, isCancelled } from "./memory.ts";
 export { Model, type Polygons } from "./model.ts";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of a table with positions, in single precision.
+// Products of a table with positions, and deformed points, in single precision.
 
 import { integers, numbers, typed } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
@@ -15,7 +15,7 @@ export class Evaluator extends Handle {
     readonly rowCount: number,
     readonly columnCount: number,
   ) {
-    const arrays = new FloatArrays(library, rowCount, columnCount);
+    const arrays = new FloatArrays(library, columnCount, rowCount);
     super(library, pointer, "evaluator_f32");
     this.arrays = arrays;
   }
@@ -24,136 +24,112 @@ export class Evaluator extends Handle {
     this.arrays.free();
   }
 
-  /** The table times a source of three numbers for each column; with `addend`, plus the addend.
+  /** The table times a source of three numbers for each column.
    * @param into receives the result, instead of a new array
    */
-  evaluate(source: Float32Array, addend?: Float32Array, into?: Float32Array): Float32Array {
-    const evaluator = this.address;
-    this.arrays.setSource(source);
-    if (addend !== undefined) this.arrays.setAddend(addend);
+  evaluate(source: Float32Array, into?: Float32Array): Float32Array {
+    const { arrays } = this;
     this.library.call(
-      `espalier_evaluator_f32_evaluate${addend !== undefined ? "_and_add" : ""}`,
-      evaluator,
-      ...this.arrays.parameters(addend !== undefined),
+      "espalier_evaluator_f32_evaluate",
+      this.address,
+      ...arrays.setSource("source", source),
+      arrays.layout,
+      ...arrays.destination,
+      arrays.layout,
       0,
       this.rowCount,
-      this.arrays.address,
+      arrays.address,
     );
-    return this.arrays.result(into);
-  }
-
-  /** Prepares evaluations of the rows that depend on a few changed columns. The two share their
-   * results: evaluate() sets all rows, and evaluate() of the changes some of them. */
-  changes(): ChangeEvaluator {
-    const pointer = this.library.create("espalier_change_evaluator_f32_create", this.address);
-    return new ChangeEvaluator(this.library, pointer, this.arrays.share());
+    return arrays.result(into);
   }
 }
 
-/** Evaluates only the rows of a table that depend on a few changed columns. */
-export class ChangeEvaluator extends Handle {
-  constructor(
-    library: CLibrary,
-    pointer: number,
-    private readonly arrays: FloatArrays,
-  ) {
-    super(library, pointer, "change_evaluator_f32");
+/** Deforms the points of a binding, for many poses, in single precision. Points that a pose does not move stay
+ * exactly where they are. */
+export class Deformer extends Handle {
+  private readonly arrays: FloatArrays;
+
+  constructor(library: CLibrary, pointer: number, vertexCount: number, pointCount: number) {
+    const arrays = new FloatArrays(library, vertexCount, pointCount);
+    super(library, pointer, "deformer_f32");
+    this.arrays = arrays;
   }
 
   protected override release(): void {
     this.arrays.free();
   }
 
-  /** Sets the rows that depend on these columns, to the table times the source, plus the addend of
-   * the last evaluation if it had one; returns all rows. */
-  evaluate(source: Float32Array, changed: ArrayLike<number>, into?: Float32Array): Float32Array {
-    const evaluator = this.address;
+  /** The points for a pose: three numbers for each vertex of the lattice.
+   * @param into receives the result, instead of a new array
+   */
+  deform(pose: Float32Array, into?: Float32Array): Float32Array {
+    const { arrays } = this;
+    this.library.call(
+      "espalier_deformer_f32_deform",
+      this.address,
+      ...arrays.setSource("pose", pose),
+      ...arrays.destination,
+    );
+    return arrays.result(into);
+  }
+
+  /** The points for a pose that differs from the last one in these vertices only. */
+  deformChanged(pose: Float32Array, changed: ArrayLike<number>, into?: Float32Array): Float32Array {
+    const { arrays } = this;
     integers("changed", changed);
-    this.arrays.setSource(source);
+    const source = arrays.setSource("pose", pose);
     this.library.scoped((scope) =>
       this.library.call(
-        `espalier_change_evaluator_f32_evaluate${this.arrays.hasAddend ? "_and_add" : ""}`,
-        evaluator,
-        ...this.arrays.parameters(this.arrays.hasAddend),
+        "espalier_deformer_f32_deform_changed",
+        this.address,
+        ...source,
         changed.length,
         scope.integers(changed),
-        this.arrays.address,
+        ...arrays.destination,
       ),
     );
-    return this.arrays.result(into);
+    return arrays.result(into);
   }
 }
 
-/** A workspace, and the source, the result and the addend of evaluations, in the memory of the module. An evaluator
- * and the evaluators of its changes share them; free() by the last of these frees them. */
+/** A workspace, and the source and the result of evaluations, in the memory of the module. */
 class FloatArrays extends Handle {
-  hasAddend = false;
-  private users = 1;
+  /** The address of a buffer layout: offset 0, length 3, stride 3. */
+  readonly layout: number;
+  /** The address and the size of the result, as parameters of a call. */
+  readonly destination: readonly [number, bigint];
   private readonly source: number;
-  private readonly destination: number;
-  private readonly addend: number;
-  private readonly layout: number;
 
   constructor(
     library: CLibrary,
-    private readonly rowCount: number,
-    private readonly columnCount: number,
+    private readonly sourceCount: number,
+    private readonly resultCount: number,
   ) {
     const { core } = library;
-    const sizes = [24, 12 * columnCount, 12 * rowCount, 12 * rowCount];
-    const block = core._malloc(sizes.reduce((sum, size) => sum + size, 0));
-    if (block === 0) throw new EspalierError(3, `there is no memory for ${rowCount} points`);
+    const block = core._malloc(24 + 12 * sourceCount + 12 * resultCount);
+    if (block === 0) throw new EspalierError(3, `there is no memory for ${resultCount} points`);
     super(library, library.create("espalier_workspace_create"), "workspace", [["", block]]);
     this.layout = block;
-    this.source = this.layout + sizes[0];
-    this.destination = this.source + sizes[1];
-    this.addend = this.destination + sizes[2];
-    // offset 0, length 3, stride 3, as 64-bit integers
-    core.HEAP32.set([0, 0, 3, 0, 3, 0], this.layout / 4);
+    this.source = block + 24;
+    this.destination = [this.source + 12 * sourceCount, BigInt(3 * resultCount)];
+    core.HEAP32.set([0, 0, 3, 0, 3, 0], this.layout / 4); // as 64-bit integers
   }
 
-  share(): FloatArrays {
-    ++this.users;
-    return this;
-  }
-
-  override free(): void {
-    if (--this.users === 0) super.free();
-  }
-
-  setSource(values: Float32Array): void {
-    const checked = numbers("source", values, 3 * this.columnCount);
+  /** Copies the source, and returns its address and its size. */
+  setSource(name: string, values: Float32Array): readonly [number, bigint] {
+    const checked = numbers(name, values, 3 * this.sourceCount);
     this.library.core.HEAPF32.set(checked, this.source / 4);
-  }
-
-  setAddend(values: Float32Array): void {
-    const checked = numbers("addend", values, 3 * this.rowCount);
-    this.library.core.HEAPF32.set(checked, this.addend / 4);
-    this.hasAddend = true;
-  }
-
-  /** The parameters from `source` to `destination_layout`. */
-  parameters(withAddend: boolean): (number | bigint)[] {
-    const points = BigInt(3 * this.rowCount);
-    return [
-      this.source,
-      BigInt(3 * this.columnCount),
-      this.layout,
-      ...(withAddend ? [this.addend, points, this.layout] : []),
-      this.destination,
-      points,
-      this.layout,
-    ];
+    return [this.source, BigInt(3 * this.sourceCount)];
   }
 
   result(into?: Float32Array): Float32Array {
-    const count = 3 * this.rowCount;
-    if (into === undefined) return floatsAt(this.library.core, this.destination, count);
-    const at = this.destination / 4;
+    const count = 3 * this.resultCount;
+    const [address] = this.destination;
+    if (into === undefined) return floatsAt(this.library.core, address, count);
     typed("into", into, Float32Array);
     if (into.length < count)
       throw new RangeError(`into: expected ${count} numbers, got ${into.length}`);
-    into.set(this.library.core.HEAPF32.subarray(at, at + count));
+    into.set(this.library.core.HEAPF32.subarray(address / 4, address / 4 + count));
     return into;
   }
 }

@@ -6,7 +6,7 @@
 import {
   load,
   type Binding,
-  type ChangeEvaluator,
+  type Deformer,
   type Espalier,
   type Evaluator,
   type Lattice,
@@ -45,15 +45,13 @@ let bound: Bound | null = null;
 let surface: { level: number; evaluator: Evaluator } | null = null;
 let validity: { check: Validity; cells: Int32Array } | null = null;
 
-/** A binding, and the evaluators of its table. */
+/** A binding, and what applies it. */
 interface Bound {
   binding: Binding;
   /** whether it carries normals and tangents */
   hasGradients: boolean;
   table: Table;
-  evaluator: Evaluator;
-  changes: ChangeEvaluator;
-  restPoints: Float32Array;
+  deformer: Deformer;
 }
 
 function free(...objects: { free(): void }[]): void {
@@ -61,7 +59,7 @@ function free(...objects: { free(): void }[]): void {
 }
 
 function closeBinding(): void {
-  if (bound) free(bound.changes, bound.evaluator, bound.table, bound.binding);
+  if (bound) free(bound.deformer, bound.table, bound.binding);
   bound = null;
 }
 
@@ -241,26 +239,17 @@ function bind(settings: BindSettings): Uint32Array {
     limitTolerance: settings.limit ? 1e-6 : 0,
     gradients: settings.limit && file.hasDirections(),
   });
-  const table = binding.table();
-  const evaluator = table.evaluator();
   bound = {
     binding,
     hasGradients: settings.limit && file.hasDirections(),
-    table,
-    evaluator,
-    changes: evaluator.changes(),
-    restPoints: Float32Array.from(points),
+    table: binding.table(),
+    deformer: binding.deformer(),
   };
   const outside: number[] = [];
   binding.statuses().forEach((status, point) => {
     if (status !== 0) outside.push(point);
   });
   return Uint32Array.from(outside);
-}
-
-function displacements(pose: Float64Array): Float64Array {
-  const { rest } = openLatticeNow();
-  return pose.map((x, i) => x - rest[i]);
 }
 
 /** The points of the model for a pose, as `espalier deform` computes them. */
@@ -277,11 +266,11 @@ function writeModel(pose: Float64Array): Uint8Array {
 }
 
 function pointsInSingle(pose: Float64Array, changedVertices?: Int32Array): Float32Array {
-  const { evaluator, changes, restPoints } = openOr(bound, "binding");
-  const by = Float32Array.from(displacements(pose));
+  const { deformer } = openOr(bound, "binding");
+  const positions = Float32Array.from(pose);
   return changedVertices
-    ? changes.evaluate(by, changedVertices)
-    : evaluator.evaluate(by, restPoints);
+    ? deformer.deformChanged(positions, changedVertices)
+    : deformer.deform(positions);
 }
 
 /** Finer levels of larger lattices would cost more than they show. */

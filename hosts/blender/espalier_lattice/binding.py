@@ -45,18 +45,12 @@ class Bound:
             self.binding = espalier.bind(refiner, self.points, outside=settings.outside, limit=True)
         else:
             self.binding = espalier.bind(refiner, self.points, settings.level, outside=settings.outside)
-        self.compiled = espalier.CompiledTable(self.binding)
         self.moved = np.empty_like(self.points)
         self.written = None  # the coordinates that the shape key has, unless undo has changed them
 
     def deform(self, pose):
         """Returns the points for a pose of the lattice in the coordinates of the object: array (N, 3)."""
-        self.compiled.evaluate(pose - self.rest, self.moved)
-        kept = self.binding.kept
-        if len(kept):
-            self.moved[kept] = 0
-        self.moved += self.points
-        return self.moved
+        return self.binding.deform(pose, self.moved)
 
 
 _bound = {}  # by the name of the object; bound_of() checks that it is still the binding of this object

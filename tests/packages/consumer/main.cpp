@@ -25,7 +25,7 @@ int main() {
     for (Point3& position : pose)
         for (std::size_t c = 0; c < 3; ++c) position[c] += static_cast<double>(c + 1);
 
-    const osd::CompiledTable<double> table(bound.binding.table);
+    const osd::CompiledTable<double> table(bound.table);
     std::vector<Point3> moved(points.size());
     const auto xyz = osd::BufferDescriptor::packed(3);
     table.evaluate({pose.front().data(), 3 * pose.size()}, xyz,

@@ -19,7 +19,7 @@ const refiner = box.refiner();
 const binding = refiner.bind(rest, new Float64Array([0.5, 0.5, 0.5]));
 const table = binding.table();
 const evaluator = table.evaluator();
-const changes = evaluator.changes();
+const deformer = binding.deformer();
 const model = espalier.readModel("p.obj", new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
 const square = { offsets: [0, 4], corners: [0, 1, 2, 3] };
 
@@ -70,11 +70,10 @@ const calls = [
   ["misses: expected 3 numbers, got 1", () => table.fit(box, [0], [0])],
   ["rows: expected an array, got 0", () => table.fit(box, 0, [0, 0, 0])],
   ["source: expected 81 numbers, got 3", () => evaluator.evaluate(new Float32Array(3))],
-  ["addend: expected an array, got 0", () => evaluator.evaluate(new Float32Array(81), 0)],
-  ["into: expected a Float32Array, got an Array", () => evaluator.evaluate(new Float32Array(81), undefined, [0, 0, 0])],
-  ["into: expected 3 numbers, got 1", () =>
-    evaluator.evaluate(new Float32Array(81), undefined, new Float32Array(1))],
-  ["changed: expected an array, got 4", () => changes.evaluate(new Float32Array(81), 4)],
+  ["into: expected a Float32Array, got an Array", () => evaluator.evaluate(new Float32Array(81), [0, 0, 0])],
+  ["into: expected 3 numbers, got 1", () => evaluator.evaluate(new Float32Array(81), new Float32Array(1))],
+  ["pose: expected 81 numbers, got 3", () => deformer.deform(new Float32Array(3))],
+  ["changed: expected an array, got 4", () => deformer.deformChanged(new Float32Array(81), 4)],
   ["gradients: expected 27 numbers, got 9", () => model.write(model.points(), new Float64Array(9))],
   ["faces: expected an object, got undefined", () => espalier.cage(rest)],
   ["faces.corners: expected 4 numbers, got 3", () => espalier.cage(rest, { ...square, corners: [0, 1, 2] })],
@@ -147,18 +146,15 @@ test("an uncaught exception of a progress callback prints itself alone", () => {
   });
 });
 
-test("evaluators share their arrays until the last of them is freed", () => {
-  const of = table.evaluator();
-  const ofChanges = of.changes();
+test("a deformer that has been freed says so, and leaves others alone", () => {
+  const [one, other] = [binding.deformer(), binding.deformer()];
   const source = Float32Array.from(rest);
-  const expected = of.evaluate(source);
-  of.free();
-  of.free();
+  const expected = one.deform(source);
+  one.free();
+  one.free();
   table.evaluator().evaluate(new Float32Array(81)); // takes the memory, if it is free
-  assert.throws(() => of.evaluate(source), /has been freed/);
-  assert.deepEqual(ofChanges.evaluate(source, Int32Array.from({ length: 27 }, (_, i) => i)), expected);
-  ofChanges.free();
-  assert.throws(() => ofChanges.evaluate(source, [0]), /has been freed/);
+  assert.throws(() => one.deform(source), /has been freed/);
+  assert.deepEqual(other.deform(source), expected);
 });
 
 test("`using` frees objects at the end of a block", () => {

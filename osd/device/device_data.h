@@ -113,6 +113,11 @@ struct Evaluation {
     Index destinationFirst;
     Offset length;
     Index first, last;  ///< rows first to last − 1 are evaluated
+
+    /// Component c of row r adds addend[r · addendStride + c % addendLength]; nothing if null.
+    const Real* addend = nullptr;
+    Offset addendStride = 0;
+    Offset addendLength = 0;
 };
 
 /// `count` chunks of the kernel's width, starting at component `from`.

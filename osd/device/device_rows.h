@@ -28,6 +28,14 @@ ESPALIER_DEVICE bool isAnyInRange(const Group& group, const Evaluation<Real>& e)
     return group.highest >= e.first && group.lowest < e.last;
 }
 
+/// Returns a result of a row with what the evaluation adds to it.
+template <class Real>
+ESPALIER_DEVICE Real withAddend(const Evaluation<Real>& e, Index row, Offset component,
+                                Real result) {
+    if (e.addend == nullptr) return result;
+    return result + e.addend[row * e.addendStride + component % e.addendLength];
+}
+
 /// Returns how many numbers a row of an outer product has.
 ESPALIER_DEVICE inline Index productLength(const Group& group) {
     return group.spline == kNoSpline ? group.size[0] + group.size[1] + group.size[2] : 3;

@@ -421,36 +421,12 @@ private:
         warp.each([&](int lane) {
             const Offset row = rowOf(index, lane);
             if (!isInRange(row)) return;
-            Real* to = e.destination +
-                       (numberOfRow(row) - e.destinationFirst) * e.destinationStride + from;
+            const Index number = numberOfRow(row);
+            Real* to = e.destination + (number - e.destinationFirst) * e.destinationStride + from;
             ESPALIER_UNROLL
             for (int c = 0; c < width; ++c)
-                if (((c ^ lane) & (lanes - 1)) == 0) to[c] = sums[lane].of[c];
-        });
-    }
-};
-
-/// Writes the values of some entries: component c of entry rows[i] becomes values[i · length + c].
-template <class Real>
-struct ScatterKernel {
-    static constexpr int kBlocks = 8;
-
-    const Index* rows;
-    Index count;
-    const Real* values;
-    Evaluation<Real> evaluation;
-
-    Index warpCount() const { return (count + kWarp - 1) / kWarp; }
-    unsigned sharedBytes() const { return 0; }
-
-    template <class Warp>
-    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
-        const Evaluation<Real>& e = evaluation;
-        warp.each([&](int lane) {
-            const Offset i = Offset{index} * kWarp + lane;
-            if (i >= count) return;
-            for (Offset c = 0; c < e.length; ++c)
-                e.destination[rows[i] * e.destinationStride + c] = values[i * e.length + c];
+                if (((c ^ lane) & (lanes - 1)) == 0)
+                    to[c] = withAddend(e, number, from + c, sums[lane].of[c]);
         });
     }
 };

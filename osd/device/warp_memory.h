@@ -199,9 +199,10 @@ public:
                 ESPALIER_UNROLL
                 for (int q = 0; q < kRowsPerLane<Real>; ++q) {
                     const Index row = rows[q * kWarp];
-                    const Real number = numbers[q * (kWarp / kRowsPerLane<Real>)*kPitch];
-                    warp.storeIf(static_cast<std::uint32_t>(row - e.first) < rangeSize,
-                                 entryAt(to, distance, row), number);
+                    const bool isStored = static_cast<std::uint32_t>(row - e.first) < rangeSize;
+                    Real number = numbers[q * (kWarp / kRowsPerLane<Real>)*kPitch];
+                    if (isStored) number = withAddend(e, row, from + c, number);
+                    warp.storeIf(isStored, entryAt(to, distance, row), number);
                 }
             }
         });
