@@ -279,13 +279,12 @@ def bound_model(espalier, folder):
     bound = folder / "a.espb"
     subprocess.run([espalier, "bind", model, "--rest", cube, "-n", "1", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
-    # seed-cube and seed-gradients are files of versions 1 and 2, which the program no longer writes.
-    put("espb", "rest", bound.read_bytes())
+    put("espb", "cube", bound.read_bytes())
     # This model has normals, so the bound model has gradients.
     model.write_text("v 0.1 0.2 0.3\nv 5 5 5\nv 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n")
     subprocess.run([espalier, "bind", model, "--rest", cube, "--limit", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
-    put("espb", "rest-gradients", bound.read_bytes())
+    put("espb", "gradients", bound.read_bytes())
 
 
 def meshes():
