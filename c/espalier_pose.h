@@ -180,9 +180,7 @@ ESPALIER_C_API espalier_status espalier_lattice_read_pose(const espalier_lattice
                                                           const char* path, int32_t vertex_count,
                                                           double* pose);
 
-/// Reads a pose of the lattice to which points are bound, in the same way. A binding that was
-/// loaded from an .espb of version 1 to 3 does not know the faces of its lattice: then the faces of
-/// an editor mesh are not compared.
+/// Reads a pose of the lattice to which points are bound, in the same way.
 ESPALIER_C_API espalier_status espalier_binding_read_pose(const espalier_binding* binding,
                                                           const char* path, int32_t vertex_count,
                                                           double* pose);

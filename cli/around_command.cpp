@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "options.h"
 
 namespace espalier::cli {
@@ -60,12 +61,9 @@ shapes::AroundOptions shapeOf(const AroundCommandOptions& options) {
 
 void runAround(const AroundCommandOptions& options) {
     const shapes::AroundOptions shape = shapeOf(options);
-    const std::vector<Input> inputs = inputsOf("MODEL", options.models);
-    checkInputs(inputs);
-    checkOutput(options.output, inputs);
-    io::checkLatticeTarget(options.output);
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"MODEL", options.models}});
+    job.writesLattice(options.output);
+    Stages& stages = job.stages();
     const std::vector<Point3> points = readPoints(options, stages);
     double margin = shape.margin;
     const Lattice lattice = stages.run("building", [&] {

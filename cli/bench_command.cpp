@@ -18,6 +18,7 @@
 #include "bind_model.h"
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "run_report.h"
 
 namespace espalier::cli {
@@ -179,9 +180,8 @@ void print(const RunReport& run, const BenchReport& bench, ReportFormat format) 
 
 void runBench(const BenchOptions& options) {
     checkBasis(options);
-    limitThreads(options.common.threads);
-    checkInputs({{"MODEL", options.model}, {"--rest", options.rest}});
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"MODEL", options.model}, {"--rest", options.rest}});
+    Stages& stages = job.stages();
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     const Lattice lattice = readLattice(options.rest, stages);
     checkRange(options, lattice);

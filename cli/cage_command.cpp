@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "options.h"
 
 namespace espalier::cli {
@@ -22,12 +23,9 @@ struct CageCommandOptions {
 };
 
 void runCage(const CageCommandOptions& options) {
-    const std::vector<Input> inputs = inputsOf("MODEL", options.models);
-    checkInputs(inputs);
-    checkOutput(options.output, inputs);
-    io::checkLatticeTarget(options.output);
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"MODEL", options.models}});
+    job.writesLattice(options.output);
+    Stages& stages = job.stages();
     std::vector<Point3> points;
     io::ModelFaces faces;
     for (const std::string& path : options.models) {

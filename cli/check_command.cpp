@@ -15,6 +15,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "run_report.h"
 
 namespace espalier::cli {
@@ -198,14 +199,9 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
 }
 
 void runCheck(const CheckOptions& options) {
-    limitThreads(options.common.threads);
-    const std::vector<Input> inputs = {{"LATTICE", options.pose}, {"--rest", options.rest}};
-    checkInputs(inputs);
-    if (!options.output.empty()) {
-        checkOutput(options.output, inputs);
-        io::checkLatticeTarget(options.output);
-    }
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"LATTICE", options.pose}, {"--rest", options.rest}});
+    if (!options.output.empty()) job.writesLattice(options.output);
+    Stages& stages = job.stages();
     const Lattice lattice = readLattice(options.rest, stages);
     const auto pose = readPoses({options.pose}, lattice, options.rest, stages).front();
     const far::TopologyRefiner refiner = stages.run("refining", [&] {

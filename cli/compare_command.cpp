@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 
 #include "commands.h"
+#include "job.h"
 
 #ifdef ESPALIER_WITH_COMPARE
 
@@ -102,11 +103,9 @@ void checkAll(const compare::Report& report) {
 }
 
 void runCompare(const CompareOptions& options) {
-    limitThreads(options.common.threads);
-    const std::vector<Input> inputs = inputsOf("FILE", options.files);
-    checkInputs(inputs);
-    if (!options.html.empty()) checkOutput(options.html, inputs);
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"FILE", options.files}});
+    if (!options.html.empty()) job.writes(options.html);
+    Stages& stages = job.stages();
     compare::Report report{
         .title = "Espalier against OpenSubdiv",
         .command = fmt::format("espalier compare [options] -n {} FILE...", options.level),

@@ -19,6 +19,7 @@
 #include "bind_model.h"
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "mesh_check.h"
 #include "run_report.h"
 #include "standard_streams.h"
@@ -34,25 +35,13 @@ struct DeformOptions : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
-/// Returns the output file of each pose; of an animation, its only file. Checks all inputs and
-/// outputs before any work is done.
+/// Returns the output file of each pose; of an animation, its only file.
 std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
+    if (io::isAnimationFile(options.output)) return {options.output};
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
-    const bool isBound = options.rest.empty();
-    std::vector<Input> inputs = {{isBound ? "BINDING" : "MODEL", options.model}};
-    if (!isBound) inputs.push_back({"--rest", options.rest});
-    for (const Input& pose : inputsOf("--to", options.poses)) inputs.push_back(pose);
-    checkInputs(inputs);
-    if (io::isAnimationFile(options.output)) {
-        checkOutput(options.output, inputs);
-        return {options.output};
-    }
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < count; ++i)
         paths.push_back(io::modelTarget(io::numberedPath(options.output, i, count)));
-        checkOutput(paths.back(), inputs);
-    }
-    checkDistinct(paths);
     return paths;
 }
 
@@ -190,9 +179,11 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
 
 void runDeform(const DeformOptions& options) {
     checkBasis(options);
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
+    Job job(options.common,
+            {{"MODEL", options.model}, {"--rest", options.rest}, {"--to", options.poses}});
+    for (const auto& path : paths) job.writes(path);
+    Stages& stages = job.stages();
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
@@ -215,11 +206,9 @@ void runDeform(const DeformOptions& options) {
 
 void runBind(const DeformOptions& options) {
     checkBasis(options);
-    limitThreads(options.common.threads);
-    const std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
-    checkInputs(inputs);
-    checkOutput(options.output, inputs, {".espb"});
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"MODEL", options.model}, {"--rest", options.rest}});
+    job.writes(options.output, {".espb"});
+    Stages& stages = job.stages();
     io::BoundModel file;
     const std::filesystem::path modelPath = io::modelFile(options.model);
     file.modelName = modelPath.filename().string();
@@ -240,9 +229,10 @@ void runBind(const DeformOptions& options) {
 }
 
 void runApply(const DeformOptions& options) {
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
+    Job job(options.common, {{"BINDING", options.model}, {"--to", options.poses}});
+    for (const auto& path : paths) job.writes(path);
+    Stages& stages = job.stages();
     io::BoundModel bound;
     const auto model = stages.read(options.model, [&] {
         bound = io::readBoundModel(options.model);

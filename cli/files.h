@@ -9,7 +9,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,31 +25,6 @@ inline constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "c
 /// file, and the tags override the defaults. Errors name the file.
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
-
-/// A file that a command reads, and the argument that names it: "MODEL", "--rest".
-struct Input {
-    std::string argument;
-    std::string path;
-};
-
-/// Returns one Input for each path of an argument.
-std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::string>& paths);
-
-/// Refuses two inputs that are the same pipe or device: reading the second one would wait for ever.
-/// Refuses "-" unless a file has this name, since the extension of a name tells the format.
-/// \throws FileError naming the file and the arguments
-void checkInputs(const std::vector<Input>& inputs);
-
-/// Refuses an output that is also an input, whose folder does not exist, or that must not be
-/// written to. With `extensions` (".mtx"), refuses other extensions, except for devices and pipes.
-/// To be called before long work. \throws FileError
-void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
-                 const std::vector<std::string>& extensions = {});
-
-/// Refuses outputs of one command that are the same file through links: only the last one written
-/// would remain. Devices and pipes may take several outputs.
-/// \throws io::FileError naming two such outputs
-void checkDistinct(const std::vector<std::filesystem::path>& outputs);
 
 /// Reads a file of this kind in the stage "reading", and prints the notes of its reader to standard
 /// error.

@@ -25,6 +25,7 @@
 #include "bind_model.h"
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "run.h"
 #include "run_report.h"
 
@@ -403,15 +404,12 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
 
 void runFit(const FitCommandOptions& options) {
     checkBasis(options);
-    limitThreads(options.common.threads);
     if (options.targets.empty() && options.pulls.empty())
         throw CLI::ValidationError("--targets or --pull is required: where the points should go");
-    std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
-    if (!options.targets.empty()) inputs.push_back({"--targets", options.targets});
-    checkInputs(inputs);
-    checkOutput(options.output, inputs);
-    io::checkLatticeTarget(options.output);
-    Stages stages(options.common.quiet);
+    Job job(options.common,
+            {{"MODEL", options.model}, {"--rest", options.rest}, {"--targets", options.targets}});
+    job.writesLattice(options.output);
+    Stages& stages = job.stages();
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     Lattice lattice = readLattice(options.rest, stages);
     Wishes wishes = readWishes(options, *model, stages);

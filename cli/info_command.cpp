@@ -31,6 +31,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "model_info.h"
 
 namespace espalier::cli {
@@ -439,8 +440,8 @@ void runModelInfo(const InfoOptions& options, const io::Model& model, Stages& st
 }
 
 void runInfo(const InfoOptions& options) {
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"FILE", options.lattice}});
+    Stages& stages = job.stages();
     const Described described =
         stages.read(options.lattice, [&] { return readDescribed(options); });
     if (!described.lattice) {

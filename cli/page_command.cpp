@@ -18,6 +18,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "options.h"
 
 namespace espalier::cli {
@@ -101,21 +102,19 @@ std::string filesAsJson(const PageOptions& options) {
 }
 
 void runPage(const PageOptions& options) {
-    std::vector<Input> inputs = inputsOf("--to", options.poses);
-    inputs.push_back({"MODEL", options.model});
-    if (!options.rest.empty()) inputs.push_back({"--rest", options.rest});
     const fs::path empty = options.page.empty() ? findPage() : fs::path(options.page);
-    inputs.push_back({"--page", empty.string()});
-    checkInputs(inputs);
-    checkOutput(options.output, inputs, {".html"});
+    Job job(options.common, {{"--to", options.poses},
+                             {"MODEL", options.model},
+                             {"--rest", options.rest},
+                             {"--page", empty.string()}});
+    job.writes(options.output, {".html"});
     const std::string page = io::readFile(empty);
     const std::size_t at = page.find(kFilesElement);
     if (at == std::string::npos || page.find(kFilesElement, at + 1) != std::string::npos)
         throw io::FileError(empty,
                             "is not the empty page of Espalier: it has no place for files. Build "
                             "the page by scripts/web");
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
+    Stages& stages = job.stages();
     const std::string files = stages.run("reading", [&] { return filesAsJson(options); });
     const std::size_t place = at + kFilesElement.find("</script>");
     io::writeFile(options.output, [&](std::ostream& out) {

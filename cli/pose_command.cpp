@@ -20,6 +20,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "options.h"
 
 namespace espalier::cli {
@@ -293,12 +294,9 @@ void checkModifiers(std::span<const Step> steps) {
 
 void runPose(const PoseOptions& options) {
     checkModifiers(options.steps);
-    const std::vector<Input> inputs = {{"LATTICE", options.lattice}};
-    checkInputs(inputs);
-    checkOutput(options.output, inputs);
-    io::checkLatticeTarget(options.output);
-    limitThreads(options.common.threads);
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"LATTICE", options.lattice}});
+    job.writesLattice(options.output);
+    Stages& stages = job.stages();
     Lattice lattice = readLattice(options.lattice, stages);
     Posing posing(lattice);
     stages.run("posing", [&] {

@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "standard_streams.h"
 
 namespace espalier::cli {
@@ -42,9 +43,9 @@ void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) 
 }
 
 void runRefine(const RefineOptions& options) {
-    limitThreads(options.common.threads);
-    checkOutput(options.output, {{"LATTICE|MESH|CURVE", options.lattice}});
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"LATTICE|MESH|CURVE", options.lattice}});
+    job.writes(options.output);
+    Stages& stages = job.stages();
     const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);
     warnOfNonFinite(options.lattice, base);
     const int dimension = base.complex.dimension();

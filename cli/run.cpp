@@ -115,12 +115,6 @@ std::size_t peakMemory() {
     return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
-void limitThreads(int threads) {
-    // Never destroyed: when a limit ends, oneTBB may start threads, and ends the program if there
-    // is no memory for their stacks.
-    [[maybe_unused]] static const auto* const limit = new ThreadLimit(threads);
-}
-
 int threadCount([[maybe_unused]] int limit) {
 #ifdef ESPALIER_WITH_TBB
     const int cores = tbb::info::default_concurrency();

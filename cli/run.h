@@ -121,10 +121,6 @@ std::size_t bytesOf(const stencils::FactoredTable<Real>& table) {
 /// Returns the peak memory of this process so far, in bytes.
 std::size_t peakMemory();
 
-/// Limits the number of threads that work until the process ends. To be called once.
-/// \param threads the limit; 0 or less: none
-void limitThreads(int threads);
-
 /// Returns the number of threads that work under ThreadLimit(limit): at most the number of cores
 /// available to this process, and 1 in a build without oneTBB.
 int threadCount(int limit);

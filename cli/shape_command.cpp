@@ -14,6 +14,7 @@
 
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 #include "options.h"
 
 namespace espalier::cli {
@@ -36,9 +37,9 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
     addOutputOption(command, state->output, "The lattice: .ovm, .vtu or .vtk")->required();
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
     command.callback([state, make] {
-        checkOutput(state->output, {});
-        io::checkLatticeTarget(state->output);
-        Stages stages(state->common.quiet);
+        Job job(state->common, {});
+        job.writesLattice(state->output);
+        Stages& stages = job.stages();
         const Lattice lattice = stages.run("building", [&] { return make(state->shape); });
         stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
         if (!state->common.quiet)
@@ -213,11 +214,9 @@ void requireJoined(const MergeCommandOptions& options, const shapes::MergeJoints
 }
 
 void runMerge(const MergeCommandOptions& options) {
-    const std::vector<Input> inputs = inputsOf("LATTICE", options.lattices);
-    checkInputs(inputs);
-    checkOutput(options.output, inputs);
-    io::checkLatticeTarget(options.output);
-    Stages stages(options.common.quiet);
+    Job job(options.common, {{"LATTICE", options.lattices}});
+    job.writesLattice(options.output);
+    Stages& stages = job.stages();
     std::vector<Lattice> lattices;
     shapes::MergeOptions merge = options.merge;
     for (const std::string& path : options.lattices) {

@@ -14,6 +14,7 @@
 #include "bind_model.h"
 #include "commands.h"
 #include "files.h"
+#include "job.h"
 
 namespace espalier::cli {
 namespace {
@@ -144,23 +145,17 @@ void write(const Export& matrix, const StencilsOptions& options) {
 
 void runStencils(const StencilsOptions& options) {
     checkBasis(options.bind);
-    limitThreads(options.common.threads);
-    std::vector<Input> inputs = {{"LATTICE", options.lattice}};
-    if (!options.points.empty()) inputs.push_back({"--points", options.points});
-    checkInputs(inputs);
+    Job job(options.common, {{"LATTICE", options.lattice}, {"--points", options.points}});
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables",
                                    "there are no level tables before level 1; use -n 1 or more");
-    std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& output : matrixPaths(options)) {
-        checkOutput(output, inputs, io::matrixExtensions());
-        for (const auto& path : io::matrixPaths(output)) {
-            checkOutput(path, inputs);
-            files.push_back(path);
-        }
+        const auto files = io::matrixPaths(output);
+        job.writes(output, io::matrixExtensions());
+        for (const auto& path : files)
+            if (path != output) job.writes(path);
     }
-    checkDistinct(files);
-    Stages stages(options.common.quiet);
+    Stages& stages = job.stages();
     for (const Export& matrix : exports(options, stages)) {
         stages.run("writing", [&] { write(matrix, options); });
         if (!options.common.quiet)
