@@ -62,7 +62,7 @@ void refuseTwice(const std::vector<Argument>& inputs) {
         struct ::stat status;
     };
     std::vector<Special> all;
-    for (const Argument& input : inputs)
+    for (const Argument& input : inputs) {
         for (const std::string& path : input.paths) {
             const auto status = statusOf(path);
             if (!status || S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) continue;
@@ -81,6 +81,7 @@ void refuseTwice(const std::vector<Argument>& inputs) {
                                           ", but can be read only once, since it is not a regular "
                                           "file; copy it to a file first");
         }
+    }
 }
 
 /// Follows all links of a path, including links to files that do not exist yet.

@@ -70,13 +70,14 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
         return true;
     };
     const auto takeTable = [&](std::int64_t entries) {
-        return take(1, 8) && take(header.rows, 8) && take(entries, 8 + 4);
+        return take(1, 8) && take(header.rows, 8) && take(entries, sizeof(double) + sizeof(Index));
     };
     for (const std::int64_t entries : header.gradientEntries)
         if (header.hasGradients ? !takeTable(entries) : entries != 0) return false;
-    return takeTable(header.entries) && take(header.rows, 3 * 8 + 1) &&
-           take(header.columns, 3 * 8) && take(header.faces, 8) && take(header.corners, 4) &&
-           take(header.nameBytes, 1) && take(header.modelBytes, 1) && room == sizeof(std::uint32_t);
+    return takeTable(header.entries) && take(header.rows, sizeof(Point3) + 1) &&
+           take(header.columns, sizeof(Point3)) && take(header.faces, 8) &&
+           take(header.corners, 4) && take(header.nameBytes, 1) && take(header.modelBytes, 1) &&
+           room == sizeof(std::uint32_t);
 }
 
 Header readHeader(ByteInput& in) {

@@ -87,7 +87,7 @@ public:
         for (auto& slot : slots_) {
             Memory<Real>* none = nullptr;
             if (!slot.compare_exchange_strong(none, memory.get())) continue;
-            memory.release();
+            [[maybe_unused]] const auto* const owned = memory.release();
             return;
         }
     }
