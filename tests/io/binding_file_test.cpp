@@ -54,10 +54,11 @@ std::string withChecksum(std::string bytes) {
 }
 
 // Places in the file of sample() without gradients.
-constexpr std::size_t kSizes = 32, kTable = kSizes + 10 * 8, kWeights = kTable + 4 * 8,
-                      kPoints = kWeights + 3 * 8 + 3 * 4, kRest = kPoints + 3 * 24,
-                      kStatuses = kRest + 4 * 24, kEnds = kStatuses + 3, kCorners = kEnds + 2 * 8,
-                      kName = kCorners + 7 * 4, kFileSize = kName + 9 + 10 + 4;
+constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 10 * 8, kWeightsAt = kTableAt + 4 * 8,
+                      kPointsAt = kWeightsAt + 3 * 8 + 3 * 4, kRestAt = kPointsAt + 3 * 24,
+                      kStatusesAt = kRestAt + 4 * 24, kEndsAt = kStatusesAt + 3,
+                      kCornersAt = kEndsAt + 2 * 8, kNameAt = kCornersAt + 7 * 4,
+                      kFileSize = kNameAt + 9 + 10 + 4;
 
 TEST(BindingFile, RoundTripIsExact) {
     const TemporaryFolder folder;
@@ -166,10 +167,10 @@ TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
 
 TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
-    for (const char version : {1, 4, 6}) {
+    for (const int version : {1, 4, 6}) {
         std::string other = bytes;
-        other[8] = version;
-        expectRefused(other, concat("is a bound model of version ", int{version},
+        other[8] = char(version);
+        expectRefused(other, concat("is a bound model of version ", version,
                                     ", and this program reads version 5: bind the model again"));
     }
 }
@@ -178,16 +179,16 @@ TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
 TEST_P(DamagedBindingFile, HugeClaimedSizesAreRefused) {
     for (std::size_t field = 0; field < 10; ++field) {
         std::string damaged = bytes;
-        damaged[kSizes + 8 * field + 7] = 0x0d;
+        damaged[kSizesAt + 8 * field + 7] = 0x0d;
         expectRefused(damaged, "its size is not what its header says");
-        damaged[kSizes + 8 * field + 7] = char(0xff);
+        damaged[kSizesAt + 8 * field + 7] = char(0xff);
         expectRefused(damaged, "its size is not what its header says");
     }
 }
 
 TEST_P(DamagedBindingFile, AWrongFlagIsRefused) {
     std::string other = bytes;
-    other[12] = !GetParam();
+    other[12] = char(!GetParam());
     expectRefused(withChecksum(other), "its size is not what its header says");
     other[12] = 2;
     expectRefused(withChecksum(other), "has the flag 2 for gradients");
@@ -202,13 +203,13 @@ TEST_P(DamagedBindingFile, NumbersThatAreNotFiniteAreRefused) {
         }
     };
     const std::size_t more = bytes.size() - kFileSize;
-    refused(kSizes - 8, "has a largest residual that is not a length");
-    refused(kWeights + 8, "has a weight that is not finite: number 1 of its table");
-    refused(kPoints + more + 24 + 8, "has a position that is not finite: point 1");
-    refused(kRest + more + 24,
+    refused(kSizesAt - 8, "has a largest residual that is not a length");
+    refused(kWeightsAt + 8, "has a weight that is not finite: number 1 of its table");
+    refused(kPointsAt + more + 24 + 8, "has a position that is not finite: point 1");
+    refused(kRestAt + more + 24,
             "has a position that is not finite: vertex of the lattice at rest 1");
     if (GetParam())
-        refused(kPoints + 4 * 8, "has a weight that is not finite: number 0 of its table");
+        refused(kPointsAt + 4 * 8, "has a weight that is not finite: number 0 of its table");
 }
 
 INSTANTIATE_TEST_SUITE_P(BindingFile, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {
@@ -226,13 +227,13 @@ TEST(BindingFile, DamagedFacesAndStatusesAreRefused) {
         std::ofstream(path, std::ios::binary) << withChecksum(damaged);
         EXPECT_THAT(messageOf<FileError>([&] { readBoundModel(path); }), HasSubstr(why));
     };
-    expectRefused(kStatuses + 1, std::uint8_t{3}, "has the status 3 for point 1");
-    expectRefused(kEnds, std::int64_t{-1}, "ends face 0 of the lattice at corner -1");
-    expectRefused(kEnds, std::int64_t{8}, "ends face 0 of the lattice at corner 8");
-    expectRefused(kEnds + 8, std::int64_t{2}, "ends face 1 of the lattice at corner 2");
-    expectRefused(kEnds + 8, std::int64_t{6}, "has 7 corners of faces; the faces use 6");
-    expectRefused(kCorners, Index{4}, "has a face of the lattice with vertex 4");
-    expectRefused(kCorners, Index{-1}, "has a face of the lattice with vertex -1");
+    expectRefused(kStatusesAt + 1, std::uint8_t{3}, "has the status 3 for point 1");
+    expectRefused(kEndsAt, std::int64_t{-1}, "ends face 0 of the lattice at corner -1");
+    expectRefused(kEndsAt, std::int64_t{8}, "ends face 0 of the lattice at corner 8");
+    expectRefused(kEndsAt + 8, std::int64_t{2}, "ends face 1 of the lattice at corner 2");
+    expectRefused(kEndsAt + 8, std::int64_t{6}, "has 7 corners of faces; the faces use 6");
+    expectRefused(kCornersAt, Index{4}, "has a face of the lattice with vertex 4");
+    expectRefused(kCornersAt, Index{-1}, "has a face of the lattice with vertex -1");
 }
 
 TEST(BindingFile, MissingFileIsNamed) {
