@@ -156,6 +156,7 @@ void deform(benchmark::State& state, const Tables<double>& tables, int poses, bo
     for (Index row = 0; row < tables.table.rowCount(); ++row)
         binding.points.push_back({0.001 * (row % 1000), 0.5, 0.25});
     binding.rest.resize(tables.table.columnCount());
+    binding.statuses.resize(tables.table.rowCount());
     const osd::Deformer<Real> deformer(binding);
     std::vector<Real> source(poses * binding.rest.size() * 3, Real(0.5)),
         result(poses * binding.points.size() * 3);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/bind/bind.h>
+#include <espalier/embed/row_bound.h>
 #include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 namespace espalier::bind {
@@ -19,7 +21,13 @@ struct Binder {
     Binding operator()(const Level& target) const {
         const embed::BindingOptions chosen{target.level, options.embedding, options.progress};
         Binding binding = made(embed::bindPoints(lattice, points, chosen));
-        if (target.factors) binding.factors = embed::bindFactored(lattice, points, chosen).table;
+        if (!target.factors) return binding;
+        auto factors =
+            embed::bindFactored(lattice, points, {target.level, options.embedding, {}}).table;
+        // The two searches may disagree at the tolerance. A point that stays in place by D does so
+        // by the factors.
+        factors.points = embed::emptyRows(std::move(factors.points), binding.table.emptyRows());
+        binding.factors = std::move(factors);
         return binding;
     }
 
@@ -59,6 +67,25 @@ private:
 
 Index Binding::count(embed::PointStatus status) const {
     return static_cast<Index>(std::ranges::count(statuses, status));
+}
+
+void Binding::checkParts() const {
+    const Index rows = table.rowCount(), columns = table.columnCount();
+    const auto refuse = [&](const std::string& what) {
+        throw Error(
+            concat("a binding of ", rows, " points and ", columns, " lattice vertices has ", what));
+    };
+    const auto checkShape = [&](const char* what, Index ownRows, Index ownColumns) {
+        if (ownRows != rows || ownColumns != columns)
+            refuse(concat(what, " of ", ownRows, " points and ", ownColumns, " vertices"));
+    };
+    if (gradients)
+        for (const auto& each : *gradients)
+            checkShape("gradients", each.rowCount(), each.columnCount());
+    if (factors) checkShape("factors", factors->points.rowCount(), factors->vertices.columnCount());
+    if (std::ssize(points) != rows) refuse(concat(points.size(), " points at rest"));
+    if (std::ssize(rest) != columns) refuse(concat(rest.size(), " vertices at rest"));
+    if (std::ssize(statuses) != rows) refuse(concat(statuses.size(), " statuses"));
 }
 
 Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,

@@ -28,8 +28,10 @@ namespace espalier::bind {
 
 /// A level of the lattice.
 struct Level {
-    int level = 3;         ///< 1 to embed::kMaxLevelOfPoints
-    bool factors = false;  ///< makes Binding::factors
+    int level = 3;  ///< 1 to embed::kMaxLevelOfPoints
+
+    /// Makes Binding::factors. The points are then searched twice.
+    bool factors = false;
 };
 
 /// The limit volume, which the levels converge to.
@@ -73,6 +75,12 @@ struct Binding {
 
     /// Returns the number of points with a status.
     Index count(embed::PointStatus status) const;
+
+    /// Checks that the parts fit together, for a binding that was not made by bindPoints().
+    /// \throws Error unless each table, and the product of the factors, has the rows and the
+    /// columns
+    ///         of D, and there is one position for each of them and one status for each row
+    ESPALIER_API void checkParts() const;
 
     friend bool operator==(const Binding&, const Binding&) = default;
 };

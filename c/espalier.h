@@ -597,6 +597,7 @@ ESPALIER_C_API void espalier_binding_destroy(espalier_binding* binding);
 /// Writes a binding without loss (.espb, io/binding_file.h), for espalier_binding_load() and for
 /// `espalier apply`, which writes the points as a model points.obj if the binding was not loaded
 /// with a model. An existing file is replaced only after everything has been written.
+/// \retval ESPALIER_ERROR_INPUT a point is not finite
 ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* binding,
                                                      const char* path);
 
@@ -636,9 +637,9 @@ ESPALIER_C_API espalier_status espalier_binding_rest(const espalier_binding* bin
                                                      int32_t* point_count, const double** points);
 
 /// Computes the points for a pose of the lattice: x + D · (p' − p), where x and p are the points
-/// and the lattice at rest. So points that no moved vertex influences, and points outside, stay
-/// exactly where they were. For many poses a deformer is faster; its results differ by rounding,
-/// since it adds the products of a row in another order.
+/// and the lattice at rest. So points that no moved vertex influences, and points whose row of D
+/// is empty, stay exactly where they were. For many poses a deformer is faster; its results differ
+/// by rounding, since it adds the products of a row in another order.
 ///
 /// \param vertex_count number of vertices of the lattice
 /// \param pose positions of the vertices, 3 · vertex_count numbers
@@ -784,9 +785,10 @@ ESPALIER_C_API void espalier_deformer_f64_destroy(espalier_deformer_f64* deforme
 ESPALIER_C_API void espalier_deformer_f32_destroy(espalier_deformer_f32* deformer);
 
 /// Computes the points for one or more poses of the lattice: x + D · (p' − p), where x and p are
-/// the points and the lattice at rest. So points that no moved vertex influences, and points
-/// outside, stay exactly where they were. After the first call with as many poses, calls allocate
-/// nothing.
+/// the points and the lattice at rest, rounded to the precision of the deformer. So points that no
+/// moved vertex influences, and points whose row of D is empty, stay exactly there. A pose alone
+/// and among others may differ by rounding. A call allocates only if it needs more memory than
+/// earlier calls, or if more calls run at once than before (osd/deformer.h).
 ///
 /// \param poses the positions of all vertices, one pose after the other
 /// \param poses_size 3 · vertices numbers for each pose
@@ -805,7 +807,7 @@ ESPALIER_C_API espalier_status espalier_deformer_f32_deform(const espalier_defor
 /// dragged, with the same results. If `points` has the points of one pose, and the next pose
 /// differs from it in these vertices only, it then has the points of the next pose.
 ///
-/// \param pose positions of all vertices, 3 · vertices numbers
+/// \param pose positions of all vertices, 3 · vertices numbers; they must be finite
 /// \param changed vertices, in any order
 /// \retval ESPALIER_ERROR_INPUT a size is wrong, or a vertex is not in the lattice
 /// \cost O(entries of these rows), and O(points / 64). The first call also takes O(entries of D)

@@ -12,6 +12,7 @@
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -179,9 +180,9 @@ void print(const RunReport& report, const MeshReports& meshes, const DeformOptio
 
 void runDeform(const DeformOptions& options) {
     checkBasis(options);
-    const auto paths = posePaths(options);
     Job job(options.common,
             {{"MODEL", options.model}, {"--rest", options.rest}, {"--to", options.poses}});
+    const auto paths = posePaths(options);
     for (const auto& path : paths) job.writes(path);
     Stages& stages = job.stages();
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
@@ -217,6 +218,14 @@ void runBind(const DeformOptions& options) {
         stages.addBytes(file.modelBytes.size());
         return io::readModel(modelPath, file.modelBytes);
     });
+    // A bound model cannot hold such a point; deform can leave it as it is.
+    for (std::size_t i = 0; i < model->positions().size(); ++i)
+        for (const double coordinate : model->positions()[i])
+            if (!std::isfinite(coordinate))
+                throw io::FileError(options.model, concat("point ", i,
+                                                          " is not finite, and a bound model can "
+                                                          "hold finite points only; use espalier "
+                                                          "deform"));
     const Lattice rest = readLattice(options.rest, stages);
     file.binding = bindModel(options, model->positions(), rest, stages,
                              options.limit && model->hasDirections());
@@ -229,14 +238,14 @@ void runBind(const DeformOptions& options) {
 }
 
 void runApply(const DeformOptions& options) {
-    const auto paths = posePaths(options);
     Job job(options.common, {{"BINDING", options.model}, {"--to", options.poses}});
+    const auto paths = posePaths(options);
     for (const auto& path : paths) job.writes(path);
     Stages& stages = job.stages();
     io::BoundModel bound;
     const auto model = stages.read(options.model, [&] {
         bound = io::readBoundModel(options.model);
-        return io::modelOf(bound);
+        return io::modelOf(bound, options.model);
     });
     if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {

@@ -411,7 +411,7 @@ Described readDescribed(const InfoOptions& options) {
     const std::filesystem::path path = io::modelFile(options.lattice);
     Described result;
     if (io::lowerCase(path.extension().string()) == ".espb") {
-        result.model = io::modelOf(io::readBoundModel(path));
+        result.model = io::modelOf(io::readBoundModel(path), path);
         return result;
     }
     const bool isModel = io::isModelFile(path), isLattice = io::isLatticeFile(path);

@@ -125,15 +125,12 @@ void Job::refuseInput(const std::filesystem::path& output) const {
 
 void Job::refuseEarlier(const std::filesystem::path& output) {
     if (isSpecial(output)) return;
-    std::filesystem::path file = behindLinks(output);
-    const auto same =
-        std::ranges::find_if(outputs_, [&](const auto& other) { return other.first == file; });
-    if (same != outputs_.end())
+    const auto [other, isNew] = outputs_.try_emplace(behindLinks(output), output);
+    if (!isNew)
         throw io::FileError(output,
                             fmt::format("is the same file as {}, through a link, and one would "
                                         "overwrite the other; remove the link",
-                                        printable(same->second.string())));
-    outputs_.emplace_back(std::move(file), output);
+                                        printable(other->second.string())));
 }
 
 void Job::writes(const std::filesystem::path& output, const std::vector<std::string>& extensions) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,9 +42,9 @@ public:
     /// does not exist, or that must not be written to; and an output that is the same file as an
     /// earlier one through links, since only the last one written would remain. Devices and pipes
     /// may take several outputs.
-    /// \param extensions if there are any (".mtx"), other extensions are refused, except for
-    /// devices
-    ///        and pipes
+    /// \param extensions if there are any (".mtx"), the output must have one of them, unless it is
+    /// a
+    ///        device or a pipe
     /// \throws FileError
     void writes(const std::filesystem::path& output,
                 const std::vector<std::string>& extensions = {});
@@ -58,8 +59,8 @@ private:
     void refuseEarlier(const std::filesystem::path& output);
 
     std::vector<Argument> inputs_;
-    std::vector<std::pair<std::filesystem::path, std::filesystem::path>>
-        outputs_;  ///< the files behind links, and their names
+    std::map<std::filesystem::path, std::filesystem::path>
+        outputs_;  ///< for each file, behind all links, its name
     Stages stages_;
 };
 

@@ -151,9 +151,9 @@ void runStencils(const StencilsOptions& options) {
                                    "there are no level tables before level 1; use -n 1 or more");
     for (const std::filesystem::path& output : matrixPaths(options)) {
         const auto files = io::matrixPaths(output);
-        job.writes(output, io::matrixExtensions());
         for (const auto& path : files)
-            if (path != output) job.writes(path);
+            job.writes(path,
+                       path == files.front() ? io::matrixExtensions() : std::vector<std::string>());
     }
     Stages& stages = job.stages();
     for (const Export& matrix : exports(options, stages)) {

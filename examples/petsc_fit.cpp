@@ -131,7 +131,7 @@ PetscErrorCode fit(const Paths& paths) {
     std::vector<double> ownPose(ownRest.begin(), ownRest.end()), ownMoved(misses.size());
     for (std::size_t i = 0; i < ownPose.size(); ++i) ownPose[i] += ownMoves[i];
     // 3 numbers for each own vertex and point.
-    table.evaluate(ownMoves, ownMoved, numbersOf(own.points));
+    table.evaluate(ownMoves, ownMoved, numbersOf(ownPoints));
 
     const auto moved = gather(ranks, ownMoved, pointCount);
     lattice.positions = gather(ranks, ownPose, lattice.positions.size());

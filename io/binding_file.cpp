@@ -2,6 +2,7 @@
 #include <espalier/io/binding_file.h>
 #include <espalier/io/files/file.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <ostream>
@@ -254,41 +255,36 @@ BoundModel readBoundModel(const std::filesystem::path& path, std::string_view by
     return decodeFile(path, [&] { return decodeBoundModel(bytes); });
 }
 
-std::unique_ptr<Model> modelOf(const BoundModel& model) {
+std::unique_ptr<Model> modelOf(const BoundModel& model, const std::filesystem::path& path) {
     if (model.modelName.empty()) return readModel("points.obj", objOf(model.binding.points));
     auto read = readModel(model.modelName, model.modelBytes);
     if (read->positions().size() != model.binding.points.size())
-        throw FileError(model.modelName, concat("has ", read->positions().size(), " points, and ",
-                                                model.binding.points.size(), " points were bound"));
+        throw FileError(path, concat("is damaged: the number of points of its model is ",
+                                     read->positions().size(), ", and ",
+                                     model.binding.points.size(), " points were bound"));
     return read;
 }
 
 void checkBoundModel(const BoundModel& model) {
     const bind::Binding& binding = model.binding;
-    const Index rows = binding.table.rowCount(), columns = binding.table.columnCount();
-    const auto refuse = [&](const std::string& what) {
-        throw Error(concat("a bound model of ", rows, " points and ", columns,
-                           " lattice vertices has ", what));
-    };
-    if (binding.gradients)
-        for (const auto& each : *binding.gradients)
-            if (each.rowCount() != rows || each.columnCount() != columns)
-                refuse(concat("gradients of ", each.rowCount(), " points and ", each.columnCount(),
-                              " vertices"));
-    const auto checkPositions = [&](const std::vector<Point3>& positions, Index count,
-                                    const std::string& what) {
-        if (std::ssize(positions) != count)
-            refuse(concat(positions.size(), " positions at rest for them: one for each ", what,
-                          " is needed"));
+    binding.checkParts();
+    const auto refuse = [](const std::string& what) { throw Error("a bound model has " + what); };
+    const auto checkFinite = [&](const std::vector<Point3>& positions, const std::string& what) {
         for (std::size_t i = 0; i < positions.size(); ++i)
             for (const double coordinate : positions[i])
                 if (!std::isfinite(coordinate)) refuse(concat(what, " ", i, " that is not finite"));
     };
-    checkPositions(binding.points, rows, "point");
-    checkPositions(binding.rest, columns, "vertex");
-    if (std::ssize(binding.statuses) != rows) refuse(concat(binding.statuses.size(), " statuses"));
-    for (const Index corner : model.faces.corners)
-        if (corner < 0 || corner >= columns) refuse(concat("a face of vertex ", corner));
+    checkFinite(binding.points, "point");
+    checkFinite(binding.rest, "vertex");
+    if (!(binding.largestResidual >= 0) || !std::isfinite(binding.largestResidual))
+        refuse("a largest residual that is not a length");
+    const ModelFaces& faces = model.faces;
+    if (!std::ranges::is_sorted(faces.ends) ||
+        faces.corners.size() != (faces.ends.empty() ? 0 : faces.ends.back()))
+        refuse("faces that do not divide their corners");
+    for (const Index corner : faces.corners)
+        if (corner < 0 || corner >= binding.table.columnCount())
+            refuse(concat("a face of vertex ", corner));
 }
 
 }  // namespace espalier::io

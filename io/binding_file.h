@@ -73,14 +73,15 @@ ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path, std::s
 
 /// Reads the model of a bound model, to write it in a pose. Points that are of no file are a model
 /// points.obj.
-/// \throws FileError that names the model if it cannot be read, or has another number of points
-///         than the binding; MemoryError as readModel()
-ESPALIER_API std::unique_ptr<Model> modelOf(const BoundModel& model);
+/// \param path of the bound model, for messages
+/// \throws FileError if the model cannot be read, or has another number of points than the binding;
+///         MemoryError as readModel()
+ESPALIER_API std::unique_ptr<Model> modelOf(const BoundModel& model,
+                                            const std::filesystem::path& path);
 
-/// Checks that the parts of a bound model fit together, as writeBoundModel() does.
-/// \throws Error unless each table has the binding's points as rows and its lattice vertices as
-///         columns, there is one finite position and one status for each, and the faces name no
-///         other vertices
+/// Checks a bound model, as writeBoundModel() does.
+/// \throws Error as bind::Binding::checkParts(); if a position or the largest residual is not
+///         finite; if the faces do not divide their corners, or name other vertices
 ESPALIER_API void checkBoundModel(const BoundModel& model);
 
 }  // namespace espalier::io

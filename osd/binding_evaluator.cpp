@@ -10,6 +10,7 @@ namespace {
 /// Returns p' − p, three numbers for each vertex.
 /// \throws Error unless the pose has the vertices of the lattice
 std::vector<double> displacements(const bind::Binding& binding, std::span<const Point3> pose) {
+    binding.checkParts();
     if (std::ssize(pose) != binding.table.columnCount())
         throw Error(concat("the pose has ", pose.size(),
                            " vertices; the model is bound to a lattice of ",

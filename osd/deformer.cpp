@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -27,7 +28,7 @@ constexpr Offset kTogether = 4;
 /// once then saves more than it costs to part the results of the poses: tables of irregular models
 /// (40 numbers) took 0.6 to 0.7 of the time; of regular ones (13) 1.17, and factors (8) 1.0
 /// (bench/apply_benchmark.cpp).
-constexpr std::size_t kManyNumbers = 24;
+constexpr Offset kManyNumbers = 24;
 
 template <class Real>
 using Form = std::variant<CompiledTable<Real>, CompiledChain<Real>>;
@@ -107,7 +108,7 @@ struct Deformer<Real>::Data {
     mutable Lazy<ChangeEvaluator<Real>> changes = {};
 
     explicit Data(const bind::Binding& binding)
-        : form(fasterForm<Real>(binding)),
+        : form((binding.checkParts(), fasterForm<Real>(binding))),
           points(coordinates<Real>(binding.points)),
           rest(coordinates<Real>(binding.rest)),
           pointCount(static_cast<Index>(std::ssize(binding.points))),
@@ -134,7 +135,8 @@ struct Deformer<Real>::Data {
     /// Writes p' − p of several poses side by side, and returns the layout.
     BufferDescriptor setDisplacements(Memory<Real>& memory, const Real* poses, Offset count) const {
         const BufferDescriptor layout{0, 3 * count, paddedLength(3 * count)};
-        memory.displacements.resize(static_cast<std::size_t>(vertexCount * layout.stride));
+        // The kernels read the padding after the components, so it must have values.
+        memory.displacements.assign(static_cast<std::size_t>(vertexCount * layout.stride), 0);
         for (Offset v = 0; v < vertexCount; ++v)
             for (Offset pose = 0; pose < count; ++pose)
                 for (Offset c = 0; c < 3; ++c)
@@ -202,8 +204,8 @@ std::size_t Deformer<Real>::byteCount() const {
 template <class Real>
 void Deformer<Real>::deform(Values<Real> poses, MutableValues<Real> points) const {
     const Offset count = data_->poseCount(poses, points);
-    const std::size_t many = kManyNumbers * sizeof(Real) * static_cast<std::size_t>(pointCount());
-    const Offset together = data_->formBytes() > many ? kTogether : 1;
+    const Offset numbers = static_cast<Offset>(data_->formBytes() / sizeof(Real));
+    const Offset together = numbers > kManyNumbers * pointCount() ? kTogether : 1;
     auto memory = data_->pool.take();
     for (Offset pose = 0; pose < count; pose += together)
         data_->deform(poses.data() + pose * std::ssize(data_->rest),
@@ -217,6 +219,10 @@ void Deformer<Real>::deformChanged(Values<Real> pose, std::span<const Index> cha
                                    MutableValues<Real> points) const {
     if (const Offset count = data_->poseCount(pose, points); count != 1)
         throw Error(concat("a change is of one pose; got ", count));
+    for (const Index vertex : changed)
+        if (vertex < 0 || vertex >= vertexCount())
+            throw Error(concat("vertex ", vertex, " is not in the lattice, which has ",
+                               vertexCount(), " vertices"));
     auto memory = data_->pool.take();
     if (const auto* table = std::get_if<CompiledTable<Real>>(&data_->form))
         data_->deformChanged(*table, pose.data(), changed, points, *memory);

@@ -16,15 +16,16 @@ namespace espalier::osd {
 ///     deformer.deform(pose, points);                  // for each pose, or for all at once
 ///
 /// It owns all that this takes: D in the form that is fastest to evaluate, the points and the
-/// lattice at rest, and temporary memory, so the binding may be destroyed. Points outside the
-/// lattice stay exactly where they are.
+/// lattice at rest, and temporary memory, so the binding may be destroyed. Points whose row of D is
+/// empty stay exactly where they are.
 ///
 /// For other layouts, ranges of rows or values that are not positions, use CompiledTable or
 /// CompiledChain, which a deformer calls.
 ///
 /// Any number of threads may use a deformer at once. Copies share the data. A call takes no lock if
-/// it runs on the calling thread (SerialExecutor), and allocates only if it needs more memory than
-/// earlier ones. So it suits real time.
+/// it runs on the calling thread (SerialExecutor). It allocates memory only if it needs more than
+/// earlier calls, or if more calls run at once than before; more than eight at once always
+/// allocate. The first deformChanged() allocates, too. So call both once before real time.
 ///
 /// \tparam Real float or double, the precision of poses and results
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
@@ -32,8 +33,8 @@ template <class Real>
 class ESPALIER_API Deformer {
 public:
     /// Compiles D; and its factors, if the binding has them. Of the two, it keeps the form that
-    /// takes less memory. \cost O(entries + rows log rows); memory for the compiled form, about a
-    /// tenth to two thirds
+    /// takes less memory. \throws Error as bind::Binding::checkParts() \cost O(entries + rows log
+    /// rows); memory for the compiled form, about a tenth to two thirds
     ///       of D, and for the points and the lattice at rest as Real
     explicit Deformer(const bind::Binding& binding);
 
@@ -63,7 +64,7 @@ public:
     /// dragged, with the same results. If `points` has the points of one pose, and the next pose
     /// differs from it in these vertices only, it then has the points of the next pose.
     ///
-    /// \param pose positions of all vertices
+    /// \param pose positions of all vertices; they must be finite
     /// \param changed vertices, in any order; duplicates count once
     /// \throws Error as above, for one pose; if a vertex is not in the lattice
     /// \cost of ChangeEvaluator, which the first call makes; of deform() if the binding has factors

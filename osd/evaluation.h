@@ -14,18 +14,22 @@
 // osd/ evaluates tables: it multiplies a sparse table by source values. It knows tables and no
 // topology.
 //
-// Input: a table, source values and their layout. Output: values, in memory of the caller.
+// Input: a binding and poses; or a table, source values and their layout. Output: values, in memory
+// of the caller.
 //
 // Types:
+// - Deformer moves the points of a bind::Binding, for many poses; evaluateBinding() for one pose;
 // - BufferDescriptor describes the layout of a buffer;
 // - CpuEvaluator is the plain product on all threads, ReferenceEvaluator the oracle of the tests;
 // - CompiledTable holds the same weights in a form that is evaluated several times as fast
 //   (compile/ builds it, kernels/ evaluate it);
+// - CompiledChain evaluates the two factors of a table;
 // - CompiledAdjoint evaluates the transpose;
 // - ChangeEvaluator evaluates the rows that depend on some changed columns;
 // - CudaEvaluator (cuda/) evaluates on a GPU.
 //
-// Read this header first, then cpu_evaluator.h, compiled_table.h and compile/table_compiler.h.
+// Read deformer.h; then this header, cpu_evaluator.h, compiled_table.h and
+// compile/table_compiler.h.
 
 namespace espalier::osd {
 

@@ -69,8 +69,9 @@ BoundPointer load(const std::filesystem::path& path) {
 
 /// Evaluates D or its adjoint: in float for an array of float32, otherwise in double.
 /// \tparam Form osd::Deformer or osd::CompiledAdjoint
-/// \param make makes the form; called with the type of its numbers
-/// \param evaluation evaluates it; without `run`
+/// \param make makes the form; called with a number of its precision
+/// \param run called with the form, the source and the result: of all sets if `runTakesAllSets`,
+///        otherwise of each set
 template <template <class> class Form, class Make, class Run>
 py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
                        const ArrayLike& values, const std::optional<ArrayLike>& out, Make make,
@@ -186,6 +187,7 @@ exactly where they were.
 pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
 out  : array (N, 3), or (P, N, 3), in C order, for the result; by default a new array
 An array of float32 is evaluated in float32, with x and p rounded to float32; any other in float64.
+P poses in one call and in P calls may differ by rounding.
 
 The first call compiles D (see CompiledTable); the compiled form is kept for later calls. It adds the
 products of a row in another order than `espalier deform`, `espalier apply` and

@@ -23,7 +23,7 @@ struct ArrayEvaluation {
     std::optional<Offset> components =
         {};  ///< required number of components; nothing for any number
 
-    /// Evaluates one set.
+    /// Evaluates one set, or all of them.
     std::function<void(std::span<const Real>, const osd::BufferDescriptor&, std::span<Real>)> run;
 
     bool runTakesAllSets = false;  ///< true if `run` evaluates all sets in one call

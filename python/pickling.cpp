@@ -285,8 +285,6 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     auto& faces = result->bound.faces;
     faces.ends = numbersOf<std::vector<std::size_t>>(state[9]);
     faces.corners = numbersOf<std::vector<Index>>(state[10]);
-    requireState(std::ranges::is_sorted(faces.ends) &&
-                 faces.corners.size() == (faces.ends.empty() ? 0 : faces.ends.back()));
     io::checkBoundModel(result->bound);
     return result;
 }

@@ -275,9 +275,8 @@ public:
     /// buffers and workspace must live as long as the graph, and nothing else may use the workspace
     /// while the graph runs.
     ///
-    /// \throws Error as checkEvaluation() and checkAddend() say, if the workspace belongs to
-    /// another
-    ///         device, or as CudaWorkspace::reserve() says; CudaError if CUDA rejects a copy or a
+    /// \throws Error as checkEvaluation() and checkAddend() say; if the workspace is of another
+    ///         device; as CudaWorkspace::reserve() says; CudaError if CUDA rejects a copy or a
     ///         kernel
     /// \cost O(entries of the range × components), and one check for each group and for each row
     ///       that is in no group; memory of the workspace for what is copied

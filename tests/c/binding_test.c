@@ -177,7 +177,7 @@ static void test_deformers(void) {
     CHECK(memcmp(result, whole, sizeof whole) == 0);
     CHECK(memcmp(result_f32, whole_f32, sizeof whole_f32) == 0);
     INVALID(espalier_deformer_f64_deform_changed(f64, poses, POSE, 1, &bad, result, MODEL),
-            "column 27 is not in a table of 27");
+            "vertex 27 is not in the lattice, which has 27 vertices");
 
     INVALID(espalier_deformer_f64_deform(f64, poses, POSE - 1, result, MODEL),
             "each pose of 27 vertices has 81 numbers; got 80");

@@ -32,7 +32,7 @@ LISTS = {
 # Words for the program alone.
 ONLY_HERE = {"ReportFormat", "PetscInt"}
 
-# Differences, with their reasons. ("C", word): the word in C; None if it has none.
+# The word in C, where it differs; None if C has none.
 IN_C = {
     "rats": None,  # rules for meshes; C has lattices only
     "subdivision": None,  # another function binds by a basis

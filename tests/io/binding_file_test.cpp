@@ -78,21 +78,25 @@ TEST(BindingFile, PartsThatDoNotFitAreNotWritten) {
     const auto expectRefused = [&](const std::string& why, auto change) {
         BoundModel model = sample(true);
         change(model);
-        EXPECT_REFUSED(Error, "a bound model of 3 points and 4 lattice vertices has " + why,
-                       writeBoundModel(folder / "a.espb", model));
+        EXPECT_REFUSED(Error, why, writeBoundModel(folder / "a.espb", model));
     };
-    expectRefused("gradients of 0 points and 0 vertices",
+    expectRefused("of 3 points and 4 lattice vertices has gradients of 0 points and 0 vertices",
                   [](BoundModel& model) { (*model.binding.gradients)[1] = {}; });
-    expectRefused("3 positions at rest for them: one for each vertex",
+    expectRefused("has 3 vertices at rest",
                   [](BoundModel& model) { model.binding.rest.pop_back(); });
-    expectRefused("2 positions at rest for them: one for each point",
+    expectRefused("has 2 points at rest",
                   [](BoundModel& model) { model.binding.points.pop_back(); });
-    expectRefused("point 1 that is not finite",
+    expectRefused("has point 1 that is not finite",
                   [](BoundModel& model) { model.binding.points[1][2] = kNan; });
-    expectRefused("vertex 3 that is not finite",
+    expectRefused("has vertex 3 that is not finite",
                   [](BoundModel& model) { model.binding.rest[3][0] = kInfinity; });
-    expectRefused("4 statuses", [](BoundModel& model) { model.binding.statuses.push_back({}); });
-    expectRefused("a face of vertex 4", [](BoundModel& model) { model.faces.corners[2] = 4; });
+    expectRefused("has 4 statuses",
+                  [](BoundModel& model) { model.binding.statuses.push_back({}); });
+    expectRefused("has a largest residual that is not a length",
+                  [](BoundModel& model) { model.binding.largestResidual = -1; });
+    expectRefused("has faces that do not divide their corners",
+                  [](BoundModel& model) { model.faces.ends[1] = 6; });
+    expectRefused("has a face of vertex 4", [](BoundModel& model) { model.faces.corners[2] = 4; });
     EXPECT_FALSE(std::filesystem::exists(folder / "a.espb"));
 }
 
@@ -100,14 +104,17 @@ TEST(BindingFile, PartsThatDoNotFitAreNotWritten) {
 TEST(BindingFile, PointsBecomeAModel) {
     BoundModel model = sample();
     model.modelName.clear();
-    const auto points = modelOf(model);
+    const auto points = modelOf(model, "a.espb");
     EXPECT_THAT(points->positions(), ::testing::ElementsAreArray(model.binding.points));
     model.modelName = "bunny.obj";
     model.modelBytes = "v 1 2 3\nv 0 0 0\nv 1 1 1\n";
-    EXPECT_EQ(modelOf(model)->positions()[0], (Point3{1, 2, 3}));
+    EXPECT_EQ(modelOf(model, "a.espb")->positions()[0], (Point3{1, 2, 3}));
     model.modelBytes = "v 1 2 3\n";
-    EXPECT_REFUSED(FileError, "bunny.obj: has 1 points, and 3 points were bound", modelOf(model));
-    EXPECT_REFUSED(FileError, "the model has no points", modelOf(BoundModel()));
+    EXPECT_REFUSED(
+        FileError,
+        "a.espb: is damaged: the number of points of its model is 1, and 3 points were bound",
+        modelOf(model, "a.espb"));
+    EXPECT_REFUSED(FileError, "the model has no points", modelOf(BoundModel(), "a.espb"));
 }
 
 TEST(BindingFile, MemoryThatAModelLacksIsNoFaultOfTheFile) {
@@ -117,9 +124,9 @@ TEST(BindingFile, MemoryThatAModelLacksIsNoFaultOfTheFile) {
         ->write(folder / "a.vtu", std::vector<Point3>(3));
     model.modelName = "a.vtu";
     model.modelBytes = readFile(folder / "a.vtu");
-    EXPECT_EQ(modelOf(model)->positions().size(), 3U);
+    EXPECT_EQ(modelOf(model, "a.espb")->positions().size(), 3U);
     const MemoryLimit limit(1);
-    EXPECT_THROW(modelOf(model), MemoryError);
+    EXPECT_THROW(modelOf(model, "a.espb"), MemoryError);
 }
 
 TEST(BindingFile, RoundTripKeepsEmptyParts) {
@@ -170,8 +177,9 @@ TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     for (const int version : {1, 4, 6}) {
         std::string other = bytes;
         other[8] = char(version);
-        expectRefused(other, concat("is a bound model of version ", version,
-                                    ", and this program reads version 5: bind the model again"));
+        expectRefused(other,
+                      concat("is a bound model of version ", version,
+                             ", and this program reads version 5 only: bind the model again"));
     }
 }
 

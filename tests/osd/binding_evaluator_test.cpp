@@ -36,6 +36,7 @@ TEST(Binding, GradientsOfAnEdge) {
     const std::vector<Point3> rest = {{5, 0, 0}, {6, 0, 0}}, pose = {{5, 0, 0}, {7, 3, 0}};
     bind::Binding binding{along};
     binding.points.resize(2);
+    binding.statuses.resize(2);
     binding.rest = rest;
     EXPECT_REFUSED(Error, "has no gradients", evaluateGradients(binding, pose));
     binding.gradients = {along, none, none};

@@ -108,9 +108,11 @@ TYPED_TEST(DeformerTest, ChangesLeadToTheSamePoints) {
             deformer.deformChanged(pose, changed, points);
             EXPECT_EQ(points, deformed(deformer, pose));
         }
-        if (hasFactors) continue;
-        const std::vector<Index> none = {scene.binding.table.columnCount()};
-        EXPECT_THROW(deformer.deformChanged(pose, none, points), Error);
+        const Index count = scene.binding.table.columnCount();
+        for (const Index none : {count, -1})
+            EXPECT_REFUSED(Error,
+                           concat("vertex ", none, " is not in the lattice, which has ", count),
+                           deformer.deformChanged(pose, std::vector<Index>{none}, points));
     }
 }
 
@@ -156,6 +158,11 @@ TEST(Deformer, RefusesOtherSizesAndWritesNothing) {
     EXPECT_REFUSED(Error, "a change is of one pose; got 2",
                    deformer.deformChanged(poses, std::vector<Index>{0}, points));
     EXPECT_EQ(points, std::vector<double>(2 * 900, 7));
+    bind::Binding other = scene.binding;
+    other.rest.pop_back();
+    EXPECT_REFUSED(Error, concat(pose / 3, " lattice vertices has ", pose / 3 - 1, " vertices"),
+                   Deformer<float>{other});
+    EXPECT_THROW(evaluateBinding(other, scene.lattice.positions), Error);
     // No pose is fine, and so is a binding without points or without a lattice.
     deformer.deform({}, {});
     Deformer<double>(bind::Binding()).deform({}, {});
