@@ -90,7 +90,7 @@ Header readHeader(ByteInput& in) {
     if (version != kBindingVersion)
         throw CodingError(concat("is a bound model of version ", version,
                                  ", and this program reads version ", kBindingVersion,
-                                 ": bind the model again (espalier bind)"));
+                                 " only: bind the model again (espalier bind)"));
     if (in.left() < kAfterVersion) throw CodingError("is truncated");
     Header header;
     const auto flag = in.number<std::uint32_t>();
@@ -279,7 +279,7 @@ void checkBoundModel(const BoundModel& model) {
     if (!(binding.largestResidual >= 0) || !std::isfinite(binding.largestResidual))
         refuse("a largest residual that is not a length");
     const ModelFaces& faces = model.faces;
-    if (!std::ranges::is_sorted(faces.ends) ||
+    if (!std::is_sorted(faces.ends.begin(), faces.ends.end()) ||
         faces.corners.size() != (faces.ends.empty() ? 0 : faces.ends.back()))
         refuse("faces that do not divide their corners");
     for (const Index corner : faces.corners)
