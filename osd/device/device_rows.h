@@ -3,6 +3,8 @@
 
 #include <espalier/osd/kernels/kernels.h>
 
+#include <cstdint>
+
 #include "device_code.h"
 #include "device_data.h"
 
@@ -33,7 +35,10 @@ template <class Real>
 ESPALIER_DEVICE Real withAddend(const Evaluation<Real>& e, Index row, Offset component,
                                 Real result) {
     if (e.addend == nullptr) return result;
-    return result + e.addend[row * e.addendStride + component % e.addendLength];
+    // Lengths are below 2³¹ (checkLength()), and a division of 64 bits is slow on a device.
+    const auto place =
+        static_cast<std::uint32_t>(component) % static_cast<std::uint32_t>(e.addendLength);
+    return result + e.addend[row * e.addendStride + place];
 }
 
 /// Returns how many numbers a row of an outer product has.
