@@ -40,8 +40,8 @@ struct Limit {
     bool gradients = false;                     ///< makes Binding::gradients
 };
 
-/// What points are bound to: a level or the limit of subdivision; or a Bézier or B-spline basis,
-/// whose lattice must be a box.
+/// Points are bound to a level of subdivision, to the limit, or to a Bézier or B-spline basis. A
+/// basis needs a lattice that is a box.
 using Target = std::variant<Level, Limit, embed::Basis>;
 
 struct BindOptions {
@@ -76,10 +76,9 @@ struct Binding {
     /// Returns the number of points with a status.
     Index count(embed::PointStatus status) const;
 
-    /// Checks that the parts fit together, for a binding that was not made by bindPoints().
-    /// \throws Error unless each table, and the product of the factors, has the rows and the
-    /// columns
-    ///         of D, and there is one position for each of them and one status for each row
+    /// Checks that the parts fit together. Bindings by bindPoints() need no check.
+    /// \throws Error unless the gradients and the factors have the rows and the columns of D, each
+    ///         row has a point and a status, and each column has a vertex at rest
     ESPALIER_API void checkParts() const;
 
     friend bool operator==(const Binding&, const Binding&) = default;

@@ -747,8 +747,8 @@ ESPALIER_C_API void espalier_workspace_destroy(espalier_workspace* workspace);
 ///     destination[row][c] = Σ_k weights(row)[k] · source[columns(row)[k]][c]
 ///
 /// Row i goes to entry i of the destination, whatever the range. Numbers between entries are not
-/// written. A row without entries gives 0. One call serves any number of components. For the points
-/// of a binding use a deformer, which adds the points at rest.
+/// written. A row without entries gives 0. One call serves any number of components. A deformer
+/// computes the points of a binding, and leaves points without entries where they are.
 ///
 /// \param source, destination buffers that do not overlap: one entry for each column, and one for
 ///        each row

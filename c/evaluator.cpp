@@ -55,11 +55,7 @@ struct Buffer {
 /// \tparam Form osd::CompiledTable or osd::CompiledAdjoint
 template <template <class> class Form, class Real>
 Form<Real> compiled(const espalier_table* table) {
-    const auto& own = *deref(table, "table").table;
-    if constexpr (std::is_same_v<Real, double>)
-        return Form<Real>(own);
-    else
-        return Form<Real>(stencils::convertTable<Real>(own));
+    return osd::compile<Form, Real>(*deref(table, "table").table);
 }
 
 template <class Real>

@@ -42,9 +42,8 @@ public:
     /// does not exist, or that must not be written to; and an output that is the same file as an
     /// earlier one through links, since only the last one written would remain. Devices and pipes
     /// may take several outputs.
-    /// \param extensions if there are any (".mtx"), the output must have one of them, unless it is
-    /// a
-    ///        device or a pipe
+    /// \param extensions the output must have one of them (".mtx"); devices and pipes need none. If
+    ///        the list is empty, any extension will do
     /// \throws FileError
     void writes(const std::filesystem::path& output,
                 const std::vector<std::string>& extensions = {});

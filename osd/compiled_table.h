@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 
 namespace espalier::osd {
 
@@ -106,5 +107,16 @@ private:
 
     friend class ChangeEvaluator<Real>;
 };
+
+/// Compiles a table or its factors, which are in double, in the precision Real.
+/// \tparam Form CompiledTable, CompiledAdjoint or CompiledChain
+/// \throws Error, \cost as the constructor of the form
+template <template <class> class Form, class Real, class Table>
+Form<Real> compile(const Table& table) {
+    if constexpr (std::is_same_v<Real, double>)
+        return Form<Real>(table);
+    else
+        return Form<Real>(stencils::convertTable<Real>(table));
+}
 
 }  // namespace espalier::osd

@@ -11,7 +11,6 @@
 #include <array>
 #include <atomic>
 #include <memory>
-#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -25,29 +24,20 @@ namespace {
 constexpr Offset kTogether = 4;
 
 /// Poses are evaluated together if D takes more than this many numbers for each point. Reading D
-/// once then saves more than it costs to part the results of the poses: tables of irregular models
-/// (40 numbers) took 0.6 to 0.7 of the time; of regular ones (13) 1.17, and factors (8) 1.0
-/// (bench/apply_benchmark.cpp).
+/// once then saves more than it costs to part the results of the poses: in float, the table of an
+/// irregular model (40 numbers) took 0.67 of the time, the table of a regular one (13) 1.17, and
+/// factors (8) 1.0 (bench/apply_benchmark.cpp).
 constexpr Offset kManyNumbers = 24;
 
 template <class Real>
 using Form = std::variant<CompiledTable<Real>, CompiledChain<Real>>;
 
-/// Compiles a table, or factors.
-template <class Compiled, class Real, class Table>
-Compiled compiled(const Table& table) {
-    if constexpr (std::is_same_v<Real, double>)
-        return Compiled(table);
-    else
-        return Compiled(stencils::convertTable<Real>(table));
-}
-
 /// Returns the form that needs fewer bytes, which takes less time as a rule.
 template <class Real>
 Form<Real> fasterForm(const bind::Binding& binding) {
-    auto table = compiled<CompiledTable<Real>, Real>(binding.table);
+    auto table = compile<CompiledTable, Real>(binding.table);
     if (!binding.factors) return table;
-    auto chain = compiled<CompiledChain<Real>, Real>(*binding.factors);
+    auto chain = compile<CompiledChain, Real>(*binding.factors);
     if (chain.byteCount() < table.byteCount()) return chain;
     return table;
 }

@@ -33,9 +33,11 @@ template <class Real>
 class ESPALIER_API Deformer {
 public:
     /// Compiles D; and its factors, if the binding has them. Of the two, it keeps the form that
-    /// takes less memory. \throws Error as bind::Binding::checkParts() \cost O(entries + rows log
-    /// rows); memory for the compiled form, about a tenth to two thirds
-    ///       of D, and for the points and the lattice at rest as Real
+    /// takes less memory.
+    ///
+    /// \throws Error as bind::Binding::checkParts()
+    /// \cost O(entries + rows log rows). The compiled form takes a tenth to two thirds of the bytes
+    ///       of D; x and p take three numbers for each point and each vertex
     explicit Deformer(const bind::Binding& binding);
 
     Index pointCount() const;

@@ -14,8 +14,8 @@
 // osd/ evaluates tables: it multiplies a sparse table by source values. It knows tables and no
 // topology.
 //
-// Input: a binding and poses; or a table, source values and their layout. Output: values, in memory
-// of the caller.
+// Input: a binding and poses; or a table, source values and their layout. The results are written
+// to memory of the caller.
 //
 // Types:
 // - Deformer moves the points of a bind::Binding, for many poses; evaluateBinding() for one pose;

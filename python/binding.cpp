@@ -118,7 +118,8 @@ py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
     };
     return evaluateForm<osd::CompiledAdjoint>(
         self, "gradients", table.rowCount(), table.columnCount(), gradients, out,
-        [&]<class Real>(Real) { return compile<osd::CompiledAdjoint, Real>(table); }, run, false);
+        [&]<class Real>(Real) { return osd::compile<osd::CompiledAdjoint, Real>(table); }, run,
+        false);
 }
 
 void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
@@ -210,8 +211,7 @@ Precision, compiling and rounding are as in deform().
             "path"_a,
             "Writes the binding (.espb), for load_binding() and `espalier apply`. For a Model that "
             "was bound with limit=True, apply also deforms its normals and tangents. Of points "
-            "that "
-            "did not come from a Model, apply makes a model points.obj.")
+            "that did not come from a Model, apply makes a model points.obj.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.binding().table;
             return concat("<espalier.Binding: ", table.rowCount(), " points x ",

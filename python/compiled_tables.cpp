@@ -100,8 +100,8 @@ void addCompiled(py::module_& module, const char* name, const char* text,
                  const auto table = tableOf(like);
                  const bool single = isSingle(dtype);
                  return withoutGil([&] {
-                     return Either(single ? Variant(compile<Compiled, float>(*table))
-                                          : Variant(compile<Compiled, double>(*table)));
+                     return Either(single ? Variant(osd::compile<Compiled, float>(*table))
+                                          : Variant(osd::compile<Compiled, double>(*table)));
                  });
              }),
              "table"_a, py::kw_only(), "dtype"_a = "float64")

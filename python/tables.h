@@ -22,15 +22,6 @@ using TableLike = Like<TableKind>;
 /// \throws py::type_error if it is none of these; Error for a matrix that is not a valid table
 std::shared_ptr<Table> tableOf(const TableLike& object);
 
-/// Compiles a table in a precision. Compiled is osd::CompiledTable or osd::CompiledAdjoint.
-template <template <class> class Compiled, class Real>
-Compiled<Real> compile(const Table& table) {
-    if constexpr (std::is_same_v<Real, double>)
-        return Compiled<Real>(table);
-    else
-        return Compiled<Real>(stencils::convertTable<Real>(table));
-}
-
 /// Returns a table as a scipy.sparse.csr_matrix over the same memory.
 py::object csrOf(const std::shared_ptr<Table>& table);
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# The name of each list: the prefix of its constants in C; the name of its type or its parameter in the stubs
-# of Python; the field of its type on npm; its property in Blender. None where a front end has no choice.
+# Each list has a name in each front end: a prefix of constants in C, a type or a parameter in Python's stubs,
+# a field or a type on npm, and a property in Blender. None means that a front end does not offer the list.
 LISTS = {
     "Rules": ("RULES", "_Rules", "rules", "rules"),
     "Boundary": ("BOUNDARY", "_Boundary", "boundary", None),
