@@ -23,15 +23,16 @@ if(ESPALIER_PREBUILT)
                     BYPRODUCTS ${files} VERBATIM)
 endif()
 
-# espalier_library(NAME [FOLDER name] SOURCES ... HEADERS ... DEPENDS ...)
+# espalier_library(NAME [FOLDER name] HEADERS ... [INTERNAL ...] SOURCES ... DEPENDS ...)
 #
 # Adds the library of a folder, which is one component of the package: espalier_NAME, with the alias
-# espalier::NAME. HEADERS are the public headers, which are installed. They are included as
-# <espalier/FOLDER/header.h>; FOLDER is NAME by default. The include path has a link to each public header of
-# this library and of the libraries that it depends on, and nothing else. So no other folder can include a
-# private header, and no include can go against the data flow.
+# espalier::NAME. HEADERS are the public headers, which users need and which are installed; INTERNAL are headers for
+# other folders of this repository, which are not installed; private headers are among the SOURCES. Public and
+# internal headers are included as <espalier/FOLDER/header.h>; FOLDER is NAME by default. The include path has a
+# link to each of them, of this library and of the libraries that it depends on, and nothing else. So no other folder
+# can include a private header, and no include can go against the data flow.
 function(espalier_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "SOURCES;HEADERS;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "HEADERS;INTERNAL;SOURCES;DEPENDS")
   set(target espalier_${name})
   if(NOT arg_FOLDER)
     set(arg_FOLDER ${name})
@@ -52,13 +53,13 @@ function(espalier_library name)
 
   set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
   file(REMOVE_RECURSE ${include_dir})
-  foreach(header IN LISTS arg_HEADERS)
+  foreach(header IN LISTS arg_HEADERS arg_INTERNAL)
     cmake_path(GET header PARENT_PATH inner)
     file(MAKE_DIRECTORY ${include_dir}/espalier/${arg_FOLDER}/${inner})
     file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${header}
                      ${include_dir}/espalier/${arg_FOLDER}/${header} SYMBOLIC)
   endforeach()
-  target_sources(${target} PRIVATE ${arg_HEADERS})
+  target_sources(${target} PRIVATE ${arg_HEADERS} ${arg_INTERNAL})
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${include_dir}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   set_property(GLOBAL PROPERTY ESPALIER_${name}_FOLDER ${arg_FOLDER})
