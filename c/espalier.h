@@ -208,10 +208,9 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
 
-/// Reads a lattice and its marks from a file: .ovm, .vtu or .vtk, by the extension, or the mesh of
-/// a simulation: .msh, .mesh, .su2, .xyz, .p3d, .fmt, or an OpenFOAM case (io/lattice_file.h).
-/// Vertices that belong to no cell are dropped, which lowers the numbers of the vertices after
-/// them.
+/// Reads a lattice and its marks from a file whose extension names the format, or from the mesh of
+/// a simulation (docs/file-formats.md). Vertices that belong to no cell are dropped, which lowers
+/// the numbers of the vertices after them.
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
 
 /// Writes a lattice in the format of the extension, so that reading it gives the same lattice. An

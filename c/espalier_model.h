@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-/// A file with points: .obj, .ply, .stl, .vtu, .vtp or .vtk. Immutable.
+/// A file with points, such as .obj (docs/file-formats.md). Immutable.
 typedef struct espalier_model espalier_model;
 
 /// Reads a model in the format that its extension names.

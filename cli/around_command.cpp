@@ -83,7 +83,8 @@ void runAround(const AroundCommandOptions& options) {
 void addAroundCommand(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "around", "A box of hexahedra around the points of one or more models", runAround);
-    command.add_option("MODEL", options.models, "The models: " + kModelFiles)
+    command
+        .add_option("MODEL", options.models, "The models: " + filesToRead(io::FileContent::Model))
         ->required()
         ->expected(1, 1000);
     CLI::Option* const cells =
@@ -107,7 +108,9 @@ void addAroundCommand(CLI::App& shape) {
     addNumbers(command, "--around-part", options.part, "X0 Y0 Z0 X1 Y1 Z1",
                "Use only the points in the box with these two opposite corners")
         ->expected(6);
-    addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output,
+                    "The lattice: " + filesToWrite(io::FileContent::Lattice))
+        ->required();
     addRunOptions(command, options.common);
 }
 

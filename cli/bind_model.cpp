@@ -58,10 +58,12 @@ std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
 }  // namespace
 
 void addModelAndRest(CLI::App& command, BindOptions& options) {
-    command.add_option("MODEL", options.model, "The model: " + kModelFiles)->required();
+    command.add_option("MODEL", options.model, "The model: " + filesToRead(io::FileContent::Model))
+        ->required();
     command
-        .add_option("--rest", options.rest,
-                    "The lattice at rest, around the model: " + kLatticeFiles)
+        .add_option(
+            "--rest", options.rest,
+            "The lattice at rest, around the model: " + filesToRead(io::FileContent::Lattice))
         ->required();
 }
 

@@ -57,7 +57,8 @@ void addCageCommand(CLI::App& shape) {
     const auto [command, options] =
         addCommand(shape, "cage",
                    "A lattice of hexahedra that follows the shape of one or more models", runCage);
-    command.add_option("MODEL", options.models, "The models: .obj, .ply, .stl, .vtu, .vtp or .vtk")
+    command
+        .add_option("MODEL", options.models, "The models: " + filesToWrite(io::FileContent::Model))
         ->required()
         ->expected(1, 1000);
     CLI::Option* const vertices =
@@ -86,7 +87,9 @@ void addCageCommand(CLI::App& shape) {
         ->check(aboveZero());
     command.add_flag("--keep-apart", options.cage.keepApart,
                      "Keep parts of the model separate that are nearer to each other than a cell");
-    addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output,
+                    "The lattice: " + filesToWrite(io::FileContent::Lattice))
+        ->required();
     addRunOptions(command, options.common);
 }
 

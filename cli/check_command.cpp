@@ -236,7 +236,8 @@ void addCheckCommand(CLI::App& program) {
                    runCheck);
     command
         .add_option("LATTICE", options.pose,
-                    "The pose: .ovm, .vtu or .vtk, or an editor mesh (.obj, .ply)")
+                    "The pose: " + filesToWrite(io::FileContent::Lattice) +
+                        ", or an editor mesh (" + filesToWrite(io::FileContent::EditorMesh) + ")")
         ->required();
     command
         .add_option("--rest", options.rest, "The lattice at rest, with the topology of the pose")
@@ -260,7 +261,8 @@ void addCheckCommand(CLI::App& program) {
     addOutputOption(command, options.output,
                     "Write the pose at level N (level 0 with --limit) with two vertex attributes: "
                     "volume_ratio, the smallest of the cells at the vertex, and bad_at_rest, the "
-                    "number of these cells that are flat or folded at rest: .ovm, .vtu or .vtk");
+                    "number of these cells that are flat or folded at rest: " +
+                        filesToWrite(io::FileContent::Lattice));
     addRefinementOptions(command, options.common);
     addRunOptions(command, options.common);
     addReportOption(command, options.report);

@@ -139,7 +139,10 @@ void addCompareCommand(CLI::App& program) {
         "Refine meshes, and boundary surfaces of lattices, with Espalier and with OpenSubdiv, and "
         "compare the levels; exit code 3 if they differ",
         runCompare);
-    command.add_option("FILE", options.files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
+    command
+        .add_option("FILE", options.files,
+                    "Meshes: " + filesToRead(io::FileContent::Mesh) +
+                        "; lattices: " + filesToWrite(io::FileContent::Lattice))
         ->required();
     addLevelOption(command, options.level, 1);
     addOutputOption(command, options.html,

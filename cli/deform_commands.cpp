@@ -36,9 +36,13 @@ struct DeformOptions : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
+bool isAnimation(const DeformOptions& options) {
+    return io::isFileOf(io::FileContent::Animation, options.output, io::FileUse::Write);
+}
+
 /// Returns the output file of each pose; of an animation, its only file.
 std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
-    if (io::isAnimationFile(options.output)) return {options.output};
+    if (isAnimation(options)) return {options.output};
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
     for (int i = 0; i < count; ++i)
@@ -125,7 +129,7 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
         });
         return points;
     };
-    if (io::isAnimationFile(options.output)) {
+    if (isAnimation(options)) {
         // Frames are applied while the file is written; the stages cannot be nested.
         std::vector<std::vector<Point3>> frames;
         for (std::size_t i = 0; i < poses.size(); ++i) frames.push_back(pointsOf(i));
@@ -186,7 +190,7 @@ void runDeform(const DeformOptions& options) {
     for (const auto& path : paths) job.writes(path);
     Stages& stages = job.stages();
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
-    if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
+    if (!isAnimation(options)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const bind::Binding binding = bindModel(options, model->positions(), rest, stages,
@@ -247,7 +251,7 @@ void runApply(const DeformOptions& options) {
         bound = io::readBoundModel(options.model);
         return io::modelOf(bound, options.model);
     });
-    if (!io::isAnimationFile(options.output)) checkTarget(*model, paths.front());
+    if (!isAnimation(options)) checkTarget(*model, paths.front());
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
         return io::readPose(path, bound, printable(options.model), notes);
     };
@@ -266,14 +270,15 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         .add_option(
             "--to", options.poses,
             "The poses: one or more deformed lattices with the topology of the lattice at rest, or "
-            "editor meshes of it (.obj, .ply)")
+            "editor meshes of it (" +
+                filesToWrite(io::FileContent::EditorMesh) + ")")
         ->required();
     addOutputOption(
         command, options.output,
         "The deformed model, in the format of MODEL or, by its extension, in another model format. "
         "With several poses, %04d in the name stands for the number of the pose, and .0000, .0001 "
-        "... is added without it. Or all poses in one file: a point cache (.pc2, .mdd), or glTF "
-        "with morph targets (.glb)")
+        "... is added without it. Or all poses in one file, an animation: " +
+            filesToWrite(io::FileContent::Animation))
         ->required();
     command
         .add_option("--frame-rate", options.framesPerSecond, "Poses per second in an .mdd or .glb")

@@ -177,12 +177,6 @@ struct Wishes {
     }
 };
 
-/// Returns whether a file is a list of targets. Other files hold the whole model in the wanted
-/// shape.
-bool isList(const std::string& path) {
-    return io::lowerCase(std::filesystem::path(path).extension().string()) == ".txt";
-}
-
 /// Adds a target for each --pull: the point nearest to its place moves by its displacement.
 /// \throws Error naming a point that has a target already
 void addPulls(const FitCommandOptions& options, std::span<const Point3> points, Wishes& wishes) {
@@ -219,7 +213,7 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
     const auto points = model.positions();
     Wishes wishes;
     if (options.targets.empty()) return wishes;
-    if (isList(options.targets)) {
+    if (io::isFileOf(io::FileContent::Targets, options.targets)) {
         const auto targets = stages.read(options.targets, [&] {
             return io::readTargets(options.targets, static_cast<Index>(points.size()));
         });
@@ -481,7 +475,8 @@ void addFitCommand(CLI::App& program) {
         command, "--undetermined", options.fit.undetermined, solve::kUndeterminedWords,
         "If the targets do not determine all vertices. smallest: take the "
         "smallest displacements; refuse: that is an error");
-    addOutputOption(command, options.output, "The pose: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output, "The pose: " + filesToWrite(io::FileContent::Lattice))
+        ->required();
     addRunOptions(command, options.common);
     addReportOption(command, options.report);
 }

@@ -405,16 +405,17 @@ struct Described {
     io::ReadNotes notes;
 };
 
-/// Reads a lattice or a model. A .vtu or .vtk without volume cells is a model, and with --model
-/// every .vtu or .vtk is one.
+/// Reads a lattice or a model. A file that can be both is a model if it has no cells of a volume,
+/// or with --model.
 Described readDescribed(const InfoOptions& options) {
     const std::filesystem::path path = io::modelFile(options.lattice);
     Described result;
-    if (io::lowerCase(path.extension().string()) == ".espb") {
+    if (io::isFileOf(io::FileContent::BoundModel, path)) {
         result.model = io::modelOf(io::readBoundModel(path), path);
         return result;
     }
-    const bool isModel = io::isModelFile(path), isLattice = io::isLatticeFile(path);
+    const bool isModel = io::isFileOf(io::FileContent::Model, path);
+    const bool isLattice = io::isFileOf(io::FileContent::Lattice, path);
     std::string bytes = io::readFile(path);
     if (!isModel || (isLattice && !options.asModel)) {
         try {
@@ -477,7 +478,8 @@ void addInfoCommand(CLI::App& program) {
                    runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     command.get_option("LATTICE")->description(
-        "A lattice: " + kLatticeFiles + "; a model: " + kModelFiles +
+        "A lattice: " + filesToRead(io::FileContent::Lattice) +
+        "; a model: " + filesToRead(io::FileContent::Model) +
         "; or a bound model: .espb. A file that may be either is a lattice if it has cells of a "
         "volume");
     command.add_flag("--model", options.asModel,

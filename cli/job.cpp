@@ -4,6 +4,7 @@
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <fmt/format.h>
@@ -142,7 +143,7 @@ void Job::writes(const std::filesystem::path& output, const std::vector<std::str
                             "cannot be written: there is no folder " + io::shownPath(folder));
     io::checkWritable(output);
     if (!extensions.empty() && !isSpecial(output) &&
-        std::ranges::count(extensions, output.extension().string()) == 0)
+        std::ranges::count(extensions, io::lowerCase(output.extension().string())) == 0)
         throw io::FileError(output,
                             fmt::format("is not of a format that can be written here; expected {}",
                                         fmt::join(extensions, ", ")));

@@ -119,8 +119,9 @@ bool MeshCheck::isSound(const solve::PoseValidity& validity,
 }
 
 std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
-    return io::isAnimationFile(output_) ? io::storedInAnimation(output_, model_, std::move(points))
-                                        : model_.stored(std::move(points));
+    return io::isFileOf(io::FileContent::Animation, output_, io::FileUse::Write)
+               ? io::storedInAnimation(output_, model_, std::move(points))
+               : model_.stored(std::move(points));
 }
 
 MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& poseName,

@@ -13,8 +13,9 @@ void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options
     const bool isAny = kind == FileKind::Refinable;
     command
         .add_option(isAny ? "LATTICE|MESH|CURVE" : "LATTICE", options.lattice,
-                    isAny ? "A lattice: " + kLatticeFiles + "; or a mesh or a curve: .obj"
-                          : "The lattice: " + kLatticeFiles)
+                    isAny ? "A lattice: " + filesToRead(io::FileContent::Lattice) +
+                                "; or a mesh or a curve: " + filesToRead(io::FileContent::Mesh)
+                          : "The lattice: " + filesToRead(io::FileContent::Lattice))
         ->required();
     addLevelOption(command, options.level, 0);
     addRefinementOptions(command, options.common, isAny ? RulesFor::Anything : RulesFor::Lattices);
@@ -93,6 +94,14 @@ CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::st
         },
         "");
     return command.add_option(name, path, help)->check(isNotDash);
+}
+
+std::string filesToRead(io::FileContent content) {
+    return io::listOfFormats(content, io::FileUse::Read);
+}
+
+std::string filesToWrite(io::FileContent content) {
+    return io::listOfFormats(content, io::FileUse::Write);
 }
 
 std::string shown(const std::string& word) {

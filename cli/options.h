@@ -7,6 +7,7 @@
 #include <espalier/embed/embedding.h>
 #include <espalier/far/strata.h>
 #include <espalier/far/topology_refiner.h>
+#include <espalier/io/formats.h>
 #include <espalier/shapes/lattice.h>
 
 #include <CLI/CLI.hpp>
@@ -19,12 +20,9 @@
 
 namespace espalier::cli {
 
-/// The files that lattices and models are read from, for help texts.
-inline const std::string kLatticeFiles =
-    ".ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, an OpenFOAM case)";
-inline const std::string kModelFiles =
-    ".obj, .ply, .stl, .vtu, .vtp or .vtk, or the mesh of a simulation (.msh, .mesh, .su2, .xyz, "
-    ".cgns, an OpenFOAM case)";
+/// Returns the formats of files with this content, for help texts.
+std::string filesToRead(io::FileContent content);
+std::string filesToWrite(io::FileContent content);
 
 /// Returns a word as messages show it: "nothing" for an empty word.
 std::string shown(const std::string& word);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
@@ -57,16 +58,18 @@ fs::path findPage() {
         "ESPALIER_PAGE");
 }
 
-/// Reads a file that the page will hold.
-std::string readForPage(const std::string& path, const std::vector<std::string>& extensions) {
+/// Reads a file that the page will hold. It opens files of formats that Espalier also writes.
+std::string readForPage(const std::string& path, std::initializer_list<io::FileContent> contents) {
     std::error_code unknown;
     if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown))
         throw io::FileError(path, "is not a file that a page can hold");
-    const std::string extension = fs::path(path).extension().string();
     std::string known;
-    for (const std::string& each : extensions) known += (known.empty() ? "" : ", ") + each;
-    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
-        throw io::FileError(path, "a page opens files that end in " + known);
+    bool isKnown = false;
+    for (const io::FileContent content : contents) {
+        isKnown = isKnown || io::isFileOf(content, path, io::FileUse::Write);
+        known += (known.empty() ? "" : ", ") + filesToWrite(content);
+    }
+    if (!isKnown) throw io::FileError(path, "a page opens files that end in " + known);
     return io::readFile(path);
 }
 
@@ -77,18 +80,17 @@ nlohmann::ordered_json fileToJson(const std::string& path, const std::string& by
 
 /// Returns the files as JSON without the character "<", which could end the element.
 std::string filesAsJson(const PageOptions& options) {
-    const std::vector<std::string> lattices = {".ovm", ".vtu", ".vtk"};
-    const std::string model =
-        readForPage(options.model, {".obj", ".ply", ".stl", ".vtu", ".vtp", ".vtk"});
+    const std::string model = readForPage(options.model, {io::FileContent::Model});
     io::readModel(options.model, model);
     nlohmann::ordered_json json = {{"version", 1}, {"model", fileToJson(options.model, model)}};
     auto poses = nlohmann::ordered_json::array();
     if (!options.rest.empty()) {
-        const std::string bytes = readForPage(options.rest, lattices);
+        const std::string bytes = readForPage(options.rest, {io::FileContent::Lattice});
         const Lattice rest = io::readLattice(options.rest, bytes);
         json["rest"] = fileToJson(options.rest, bytes);
         for (const std::string& path : options.poses) {
-            const std::string pose = readForPage(path, {".ovm", ".vtu", ".vtk", ".obj", ".ply"});
+            const std::string pose =
+                readForPage(path, {io::FileContent::Lattice, io::FileContent::EditorMesh});
             io::readPose(path, rest, options.rest);
             poses.push_back(fileToJson(path, pose));
         }
@@ -133,15 +135,16 @@ void addPageCommand(CLI::App& program) {
                    "A web page that shows a model and its poses, and poses it further, without a "
                    "server",
                    runPage);
-    command.add_option("MODEL", options.model, "The model: .obj, .ply, .stl, .vtu, .vtp or .vtk")
-        ->required();
-    CLI::Option* const rest =
-        command.add_option("--rest", options.rest, "The lattice at rest: .ovm, .vtu or .vtk");
     command
-        .add_option(
-            "--to", options.poses,
-            "Poses: the lattice with moved vertices, .ovm, .vtu or .vtk, or editor meshes of it, "
-            ".obj or .ply")
+        .add_option("MODEL", options.model, "The model: " + filesToWrite(io::FileContent::Model))
+        ->required();
+    CLI::Option* const rest = command.add_option(
+        "--rest", options.rest, "The lattice at rest: " + filesToWrite(io::FileContent::Lattice));
+    command
+        .add_option("--to", options.poses,
+                    "Poses: the lattice with moved vertices, " +
+                        filesToWrite(io::FileContent::Lattice) + ", or editor meshes of it, " +
+                        filesToWrite(io::FileContent::EditorMesh))
         ->needs(rest);
     CLI::Option* const limit = command.add_flag(
         "--limit", options.limit, "Bind the model to the limit of refinement, instead of level N");

@@ -485,10 +485,14 @@ void addPoseCommand(CLI::App& program) {
         "Pose a lattice: move, rotate, scale, twist, bend or taper its vertices, in the order of "
         "the options",
         runPose);
-    command.add_option("LATTICE", options.lattice, "The lattice: " + kLatticeFiles)->required();
+    command
+        .add_option("LATTICE", options.lattice,
+                    "The lattice: " + filesToRead(io::FileContent::Lattice))
+        ->required();
     addSelections(command, options.steps);
     addOperations(command, options.steps);
-    addOutputOption(command, options.output, "The pose: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output, "The pose: " + filesToWrite(io::FileContent::Lattice))
+        ->required();
     addRunOptions(command, options.common);
 }
 

@@ -49,7 +49,8 @@ void runRefine(const RefineOptions& options) {
     const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);
     warnOfNonFinite(options.lattice, base);
     const int dimension = base.complex.dimension();
-    const bool isEditorMesh = dimension == 3 && io::isEditorMeshFile(options.output);
+    const bool isEditorMesh =
+        dimension == 3 && io::isFileOf(io::FileContent::EditorMesh, options.output);
     if (!isEditorMesh) io::checkRefinableTarget(options.output, dimension);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, base, options.common, options.level);
@@ -77,9 +78,11 @@ void addRefineCommand(CLI::App& program) {
         "Refine a lattice, a mesh or a curve N times, and write it with its attributes and marks",
         runRefine);
     addLatticeOptions(command, FileKind::Refinable, options);
-    addOutputOption(command, options.output,
-                    "The refined lattice (.ovm, .vtu or .vtk), or its faces for mesh "
-                    "editors (.obj or .ply); the refined mesh or curve (.obj)")
+    addOutputOption(
+        command, options.output,
+        "The refined lattice (" + filesToWrite(io::FileContent::Lattice) +
+            "), or its faces for mesh editors (" + filesToWrite(io::FileContent::EditorMesh) +
+            "); the refined mesh or curve (" + filesToWrite(io::FileContent::Mesh) + ")")
         ->required();
     addChoice<far::FaceVaryingLinear>(
         command, "--face-varying", options.faceVarying, far::kFaceVaryingLinearWords,

@@ -34,7 +34,9 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
     auto state = std::make_shared<State>();
     CLI::App& command = *parent.add_subcommand(name, help);
     addOptions(command, state->shape);
-    addOutputOption(command, state->output, "The lattice: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, state->output,
+                    "The lattice: " + filesToWrite(io::FileContent::Lattice))
+        ->required();
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
     command.callback([state, make] {
         Job job(state->common, {});
@@ -240,7 +242,9 @@ void runMerge(const MergeCommandOptions& options) {
 void addMerge(CLI::App& shape) {
     const auto [command, options] = addCommand(
         shape, "merge", "Merge lattices into one: vertices at the same place are joined", runMerge);
-    command.add_option("LATTICE", options.lattices, "Two or more lattices: " + kLatticeFiles)
+    command
+        .add_option("LATTICE", options.lattices,
+                    "Two or more lattices: " + filesToRead(io::FileContent::Lattice))
         ->required()
         ->expected(2, 1000);
     add(command, "--tolerance", options.merge.tolerance,
@@ -249,7 +253,9 @@ void addMerge(CLI::App& shape) {
     command.add_flag("--allow-separate", options.allowSeparate,
                      "Accept lattices that share no face with the others; otherwise they are an "
                      "error");
-    addOutputOption(command, options.output, "The lattice: .ovm, .vtu or .vtk")->required();
+    addOutputOption(command, options.output,
+                    "The lattice: " + filesToWrite(io::FileContent::Lattice))
+        ->required();
     command.add_flag("--quiet", options.common.quiet, "Print nothing but errors");
 }
 

@@ -137,7 +137,7 @@ std::string namesOf(const std::filesystem::path& path) {
 void write(const Export& matrix, const StencilsOptions& options) {
     const io::MatrixFileOptions format{{matrix.description}, options.petscIntegers};
     // Devices and pipes have no extension that tells the format: they get Matrix Market.
-    if (std::ranges::count(io::matrixExtensions(), matrix.path.extension().string()) == 0)
+    if (!io::isFileOf(io::FileContent::Matrix, matrix.path, io::FileUse::Write))
         io::writeMatrixMarket(matrix.path, matrix.table, format.comments);
     else
         io::writeMatrix(matrix.path, matrix.table, format);
@@ -152,8 +152,9 @@ void runStencils(const StencilsOptions& options) {
     for (const std::filesystem::path& output : matrixPaths(options)) {
         const auto files = io::matrixPaths(output);
         for (const auto& path : files)
-            job.writes(path,
-                       path == files.front() ? io::matrixExtensions() : std::vector<std::string>());
+            job.writes(path, path == files.front()
+                                 ? io::extensionsOf(io::FileContent::Matrix, io::FileUse::Write)
+                                 : std::vector<std::string>());
     }
     Stages& stages = job.stages();
     for (const Export& matrix : exports(options, stages)) {

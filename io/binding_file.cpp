@@ -13,6 +13,7 @@
 
 #include "files/bytes.h"
 #include "files/text_output.h"
+#include "format.h"
 
 namespace espalier::io {
 namespace {
@@ -286,5 +287,7 @@ void checkBoundModel(const BoundModel& model) {
         if (corner < 0 || corner >= binding.table.columnCount())
             refuse(concat("a face of vertex ", corner));
 }
+
+const Format kBoundModelFormat = {.extensions = {".espb"}, .isBoundModel = true};
 
 }  // namespace espalier::io

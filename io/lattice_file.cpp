@@ -2,19 +2,13 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/io/lattices/ovm.h>
-#include <espalier/io/meshes/gmsh.h>
-#include <espalier/io/meshes/medit.h>
-#include <espalier/io/meshes/openfoam.h>
-#include <espalier/io/meshes/plot3d.h>
-#include <espalier/io/meshes/su2.h>
-#include <espalier/io/models/obj_mesh.h>
 #include <espalier/io/read_notes.h>
-#include <espalier/io/vtk/vtk_legacy.h>
 
 #include <algorithm>
 #include <string>
 #include <string_view>
+
+#include "format.h"
 
 namespace espalier::io {
 
@@ -68,105 +62,48 @@ namespace {
 
 using Path = std::filesystem::path;
 
-using LatticeReader = Lattice (*)(const Path&, std::string_view bytes, ReadNotes*);
-
-struct LatticeFormat {
-    std::string_view extension;  ///< or the name of the file
-    LatticeReader read;
-    void (*write)(const Path&, const Lattice&, const WriteLatticeOptions&) = nullptr;
-};
-
-constexpr LatticeFormat kFormats[] = {
-    {".ovm", readOvm,
-     [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
-         writeOvm(path, lattice);
-     }},
-    {".vtu", readVtu,
-     [](const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
-         writeVtu(path, lattice, options.vtuEncoding);
-     }},
-    {".vtk", readVtkLegacy,
-     [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
-         writeVtkLegacy(path, lattice);
-     }},
-    {".msh", readGmsh},
-    {".mesh", readMedit},
-    {".su2", readSu2},
-    {".xyz", readPlot3d},
-    {".p3d", readPlot3d},
-    {".fmt", readPlot3d},
-    {kFoamPoints, readFoam}};
-
-constexpr std::string_view kMeshExtension = ".obj";
-
-std::string extensionOf(const Path& path) {
-    return lowerCase(path.extension().string());
+/// Returns a format of lattices, which may be one that is only read.
+/// \param use what the caller wants to do, for the message
+const Format& formatOf(const Path& path, FileUse use) {
+    if (const Format* format = findFormat(path, FileContent::Lattice)) return *format;
+    throw FileError(path, (isFileOf(FileContent::Mesh, path)
+                               ? "an OBJ file holds a mesh or a curve, not a lattice"
+                               : "is not of a known lattice format") +
+                              ("; expected " + listOfFormats(FileContent::Lattice, use)));
 }
 
-/// Returns ".ovm, .vtu, .vtk" for writing; for reading more.
-std::string latticeExtensions(bool areWritten = false) {
-    std::string names;
-    for (const LatticeFormat& format : kFormats)
-        if (format.write || (!areWritten && format.read != readFoam))
-            names += (names.empty() ? "" : ", ") + std::string(format.extension);
-    return areWritten ? names : names + " or an OpenFOAM case";
-}
-
-/// The format that a path names; null if it names none.
-const LatticeFormat* findFormat(const Path& path) {
-    const std::string extension = extensionOf(path);
-    for (const LatticeFormat& format : kFormats)
-        if (format.extension == extension || (format.read == readFoam && isFoamPath(path)))
-            return &format;
-    return nullptr;
-}
-
-bool isMeshFile(const Path& path) {
-    return extensionOf(path) == kMeshExtension;
-}
-
-const LatticeFormat& formatOf(const Path& path, bool isWritten = false) {
-    if (const LatticeFormat* format = findFormat(path)) return *format;
-    throw FileError(path, (isMeshFile(path) ? "an OBJ file holds a mesh or a curve, not a lattice"
-                                            : "is not of a known lattice format") +
-                              ("; expected " + latticeExtensions(isWritten)));
-}
-
-const LatticeFormat& writableFormatOf(const Path& path) {
-    const LatticeFormat& format = formatOf(path, true);
-    if (!format.write)
+const Format& writableFormatOf(const Path& path) {
+    const Format& format = formatOf(path, FileUse::Write);
+    if (!format.writeLattice)
         throw FileError(path,
-                        concat("a lattice cannot be written in this format, which is only read; "
-                               "expected ",
-                               latticeExtensions(true)));
+                        "a lattice cannot be written in this format, which is only read; "
+                        "expected " +
+                            listOfFormats(FileContent::Lattice, FileUse::Write));
     return format;
 }
 
 LatticeReader refinableReaderOf(const Path& path) {
-    if (isMeshFile(path)) return readObjMesh;
-    if (const LatticeFormat* format = findFormat(path)) return format->read;
+    if (const Format* format = findFormat(path, FileContent::Mesh)) return format->readMesh;
+    if (const Format* format = findFormat(path, FileContent::Lattice)) return format->readLattice;
     throw FileError(path, "is not of a known format of curves, meshes or lattices; expected " +
-                              std::string(kMeshExtension) + ", " + latticeExtensions());
+                              listOfFormats(FileContent::Mesh, FileUse::Read) + ", " +
+                              listOfFormats(FileContent::Lattice, FileUse::Read));
 }
 
 }  // namespace
 
-bool isLatticeFile(const Path& path) {
-    return findFormat(path) != nullptr;
-}
-
 Lattice readLattice(const Path& path, ReadNotes* notes) {
-    const LatticeFormat& format = formatOf(path);
-    const Path file = foamPointsOf(path);
-    return format.read(file, readFile(file), notes);
+    const Format& format = formatOf(path, FileUse::Read);
+    const Path file = modelFile(path);
+    return format.readLattice(file, readFile(file), notes);
 }
 
 Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    return formatOf(path).read(path, bytes, notes);
+    return formatOf(path, FileUse::Read).readLattice(path, bytes, notes);
 }
 
 void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
-    writableFormatOf(path).write(path, lattice, options);
+    writableFormatOf(path).writeLattice(path, lattice, options);
 }
 
 void checkLatticeTarget(const Path& path) {
@@ -175,7 +112,7 @@ void checkLatticeTarget(const Path& path) {
 
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
     const LatticeReader read = refinableReaderOf(path);
-    const Path file = foamPointsOf(path);
+    const Path file = modelFile(path);
     return read(file, readFile(file), notes);
 }
 
@@ -185,25 +122,23 @@ Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes
 
 void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
     checkRefinableTarget(path, lattice.complex.dimension());
-    if (isMeshFile(path))
-        writeObjMesh(path, lattice);
+    if (const Format* format = findFormat(path, FileContent::Mesh, FileUse::Write))
+        format->writeMesh(path, lattice);
     else
         writeLattice(path, lattice, options);
 }
 
 void checkRefinableTarget(const Path& path, int dimension) {
-    if ((dimension == 1 || dimension == 2) && !isMeshFile(path))
-        throw FileError(path, std::string(dimension == 1 ? "a curve" : "a mesh") +
-                                  " cannot be written in this format; expected " +
-                                  std::string(kMeshExtension));
-    const LatticeFormat* format = findFormat(path);
-    if (dimension == 3 && (!format || !format->write))
-        throw FileError(path, "a lattice cannot be written in this format; expected " +
-                                  latticeExtensions(true));
     if (dimension < 1 || dimension > 3)
         throw FileError(path, concat("a complex of dimension ", dimension,
                                      " cannot be written; expected a curve (1), a mesh (2) or a "
                                      "lattice (3)"));
+    const FileContent content = dimension == 3 ? FileContent::Lattice : FileContent::Mesh;
+    constexpr const char* kNames[] = {"a curve", "a mesh", "a lattice"};
+    if (!isFileOf(content, path, FileUse::Write))
+        throw FileError(
+            path, concat(kNames[dimension - 1], " cannot be written in this format; expected ",
+                         listOfFormats(content, FileUse::Write)));
 }
 
 }  // namespace espalier::io

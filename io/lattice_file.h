@@ -20,7 +20,7 @@
 // vtk/, models/, lattices/ and matrices/ have the formats. A reader checks everything that it reads
 // and names the file and the line in its errors.
 //
-// Read this header, files/file.h, then lattices/ovm_reader.cpp as the simplest reader.
+// Read this header, formats.h, files/file.h, then lattices/ovm_reader.cpp as the simplest reader.
 namespace espalier::io {
 
 /// Options of writeLattice() and writeRefinable().
@@ -28,14 +28,9 @@ struct WriteLatticeOptions {
     VtuEncoding vtuEncoding = VtuEncoding::Compressed;
 };
 
-/// Returns true if the extension names a format of lattices, in upper or lower case, or if the path
-/// is one of OpenFOAM (isFoamPath()). All but .ovm may hold a model instead.
-ESPALIER_API bool isLatticeFile(const std::filesystem::path& path);
-
-/// Reads a lattice in the format that the extension names, in upper or lower case: .ovm (ovm.h),
-/// .vtu (vtu.h) or .vtk (vtk_legacy.h); or the volume mesh of a simulation: .msh (meshes/gmsh.h),
-/// .mesh (meshes/medit.h), .su2 (meshes/su2.h), .xyz, .p3d or .fmt (meshes/plot3d.h), the folder of
-/// a case of OpenFOAM or its file of points (meshes/openfoam.h).
+/// Reads a lattice in the format that the path names (formats.h), such as .ovm (ovm.h), .vtu
+/// (vtu.h) or .vtk (vtk_legacy.h); or the volume mesh of a simulation. Files of these formats,
+/// except .ovm, may hold a model instead.
 ///
 /// Vertices that no cell uses are dropped, with their attributes, integers and marks; the vertices
 /// after them get lower numbers. A lattice and its pose lose the same vertices and so still match.
@@ -51,7 +46,7 @@ ESPALIER_API Lattice readLattice(const std::filesystem::path& path, ReadNotes* n
 ESPALIER_API Lattice readLattice(const std::filesystem::path& path, std::string_view bytes,
                                  ReadNotes* notes = nullptr);
 
-/// Writes a lattice in the format that the extension names, .ovm, .vtu or .vtk, so that
+/// Writes a lattice in the format that the extension names (FileContent::Lattice), so that
 /// readLattice() returns the same lattice. Vertices and cells keep their numbers, and cells their
 /// faces; positions and attributes are equal bit for bit (NaN stays NaN), integers are equal, and
 /// marks come back in canonical order.

@@ -4,85 +4,29 @@
 #include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/meshes/gmsh.h>
-#include <espalier/io/meshes/medit.h>
-#include <espalier/io/meshes/openfoam.h>
-#include <espalier/io/meshes/plot3d.h>
-#include <espalier/io/meshes/su2.h>
 #include <espalier/io/model.h>
-#include <espalier/io/models/obj.h>
-#include <espalier/io/models/ply.h>
-#include <espalier/io/models/stl.h>
-#include <espalier/io/vtk/vtk_legacy.h>
-#include <espalier/io/vtk/vtu.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "format.h"
+#include "meshes/openfoam.h"
 #include "models/coordinates.h"
 #include "models/model_conversion.h"
-#include "models/surface_writers.h"
-#include "vtk/vtk_surface_writers.h"
 
 namespace espalier::io {
 namespace {
 
-using Normals = SurfaceFormat::Normals;
-
-struct ModelFormat {
-    SurfaceFormat surfaces;  ///< has no function write for the meshes of volumes
-    ModelReader read;
-
-    std::string_view extension() const { return surfaces.extension; }
-};
-
-/// Returns all formats, with the formats of optional components.
-std::vector<ModelFormat>& modelFormats() {
-    static std::vector<ModelFormat> formats = {
-        {{".obj", Normals::Corners, writeObjSurface}, readObj},
-        {{".ply", Normals::Points, writePlySurface}, readPly},
-        {{".stl", Normals::Facets, writeStlSurface}, readStl},
-        {{".vtu", Normals::Points, writeVtuSurface}, readVtuModel},
-        {{".vtp", Normals::Points, writeVtpSurface}, readVtpModel},
-        {{".vtk", Normals::Points, writeVtkLegacySurface}, readVtkLegacyModel},
-        {{".su2", Normals::Points, nullptr}, readSu2Model},
-        {{".msh", Normals::Points, nullptr}, readGmshModel},
-        {{".mesh", Normals::Points, nullptr}, readMeditModel},
-        {{".xyz", Normals::Points, nullptr}, readPlot3dModel},
-        {{".p3d", Normals::Points, nullptr}, readPlot3dModel},
-        {{".fmt", Normals::Points, nullptr}, readPlot3dModel},
-        {{kFoamPoints, Normals::Points, nullptr}, readFoamModel}};
-    return formats;
-}
-
-const ModelFormat* findModelFormat(const std::filesystem::path& path) {
-    const std::string extension = lowerCase(path.extension().string());
-    for (const ModelFormat& format : modelFormats())
-        if (format.extension() == extension || (format.read == readFoamModel && isFoamPath(path)))
-            return &format;
-    return nullptr;
-}
-
-/// Returns the extensions of the formats to which models can be converted, or of all others but
-/// OpenFOAM's.
-std::string extensionsOf(bool areTargets) {
-    std::string known;
-    for (const ModelFormat& format : modelFormats())
-        if ((format.surfaces.write != nullptr) == areTargets && format.read != readFoamModel)
-            known.append(known.empty() ? "" : ", ").append(format.extension());
-    return known;
-}
-
 /// Returns the format to which a model is converted if it is written to `path`; null if it is
 /// written in its own.
 /// \throws FileError if the model, or any model, cannot be written under this name
-const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::path& path) {
-    if (model.extension() == kFoamPoints) return nullptr;
-    const ModelFormat* format = findModelFormat(path);
-    if (!format || format->extension() == model.extension()) return nullptr;
-    if (!format->surfaces.write)
+const Format* conversionFor(const Model& model, const std::filesystem::path& path) {
+    if (&model.format() == &kFoamFormat) return nullptr;
+    const Format* format = findFormat(path, FileContent::Model);
+    if (!format || format == &model.format()) return nullptr;
+    if (!format->writeSurface)
         throw FileError(
             path,
             concat("a model that was read as ", model.extension(), " cannot be written as ",
@@ -90,18 +34,25 @@ const SurfaceFormat* conversionFor(const Model& model, const std::filesystem::pa
                    ", because this is a format of meshes with cells, and only ",
                    "the coordinates of such a mesh can be replaced; name the output ",
                    shownPath(std::filesystem::path(path).replace_extension(model.extension()))));
-    return &format->surfaces;
+    return format;
 }
 
-const ModelFormat& requireFormat(const std::filesystem::path& path) {
-    if (const ModelFormat* format = findModelFormat(path)) return *format;
+const Format& requireFormat(const std::filesystem::path& path) {
+    if (const Format* format = findFormat(path, FileContent::Model)) return *format;
     constexpr std::string_view kIndices[] = {".vtm", ".pvd", ".pvtu", ".pvtp"};
     if (std::ranges::count(kIndices, lowerCase(path.extension().string())) > 0)
-        throw FileError(path,
-                        "lists other files; name one of these files (" + extensionsOf(true) + ")");
-    throw FileError(path, "is not of a known model format; expected " + extensionsOf(true) +
-                              ", or the mesh of a simulation: " + extensionsOf(false) +
-                              " or an OpenFOAM case");
+        throw FileError(path, "lists other files; name one of these files (" +
+                                  listOfFormats(FileContent::Model, FileUse::Write) + ")");
+    throw FileError(path, "is not of a known model format; expected " +
+                              listOfFormats(FileContent::Model, FileUse::Read));
+}
+
+/// Returns the extension of the format that a path has; the first of the format if it has none.
+std::string_view extensionOf(const Format& format, const std::filesystem::path& path) {
+    const auto extension =
+        std::ranges::find(format.extensions, lowerCase(path.extension().string()));
+    return extension == format.extensions.end() || extension->empty() ? format.extension()
+                                                                      : *extension;
 }
 
 /// Returns true for the number of a pose: ".0001".
@@ -151,6 +102,9 @@ ModelFaces boundaryFaces(const far::VolumeMesh& mesh) {
     return faces;
 }
 
+Model::Model(const Format& format, const std::filesystem::path& path)
+    : format_(format), extension_(extensionOf(format, path)) {}
+
 std::vector<Point3> Model::stored(std::vector<Point3> points) const {
     if (storage() == CoordinateStorage::Float)
         for (Point3& point : points)
@@ -160,14 +114,16 @@ std::vector<Point3> Model::stored(std::vector<Point3> points) const {
 
 std::string Model::checkTarget(const std::filesystem::path& name) const {
     const std::filesystem::path path = modelTarget(name);
-    if (const SurfaceFormat* surfaces = conversionFor(*this, path))
-        return conversionTo(*surfaces, path)->losses(path);
+    if (const Format* other = conversionFor(*this, path))
+        return conversionTo(*other, path)->losses(path);
     checkOwnTarget(path);
     const std::string word = path.extension().string();
-    if (extension() != kFoamPoints && !findModelFormat(path) && !word.empty() && !isNumber(word))
+    if (&format_ != &kFoamFormat && !isFileOf(FileContent::Model, path) && !word.empty() &&
+        !isNumber(word))
         return concat(shownPath(path), ": is written as ", extension(),
                       ", the format of the model, because ", printable(word),
-                      " is no known model format; known are ", extensionsOf(true));
+                      " is no known model format; known are ",
+                      listOfFormats(FileContent::Model, FileUse::Write));
     return {};
 }
 
@@ -187,33 +143,23 @@ void Model::write(const std::filesystem::path& path, std::span<const Point3> mov
 
 void Model::writeInFormat(const std::filesystem::path& path, std::span<const Point3> moved,
                           std::span<const DeformationGradient> gradients) const {
-    if (const SurfaceFormat* surfaces = conversionFor(*this, path))
-        return conversionTo(*surfaces, path)->write(path, moved, gradients);
+    if (const Format* other = conversionFor(*this, path))
+        return conversionTo(*other, path)->write(path, moved, gradients);
     checkOwnTarget(path);
     writeChecked(path, moved, gradients);
 }
 
 std::shared_ptr<const ModelConversion> Model::conversionTo(
-    const SurfaceFormat& format, const std::filesystem::path& path) const {
+    const Format& format, const std::filesystem::path& path) const {
     {
         const std::lock_guard lock(conversionMutex_);
-        if (conversion_ && conversion_->extension() == format.extension) return conversion_;
+        if (conversion_ && &conversion_->format() == &format) return conversion_;
     }
     // Made without the lock, so that no thread waits. Several threads may make equal conversions.
     auto made = std::make_shared<const ModelConversion>(*this, format, path);
     const std::lock_guard lock(conversionMutex_);
     conversion_ = made;
     return made;
-}
-
-void addModelFormat(std::string_view extension, ModelReader read) {
-    for (const ModelFormat& format : modelFormats())
-        if (format.extension() == extension) return;
-    modelFormats().push_back({{extension, Normals::Points, nullptr}, read});
-}
-
-bool isModelFile(const std::filesystem::path& path) {
-    return findModelFormat(path) != nullptr;
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
@@ -223,7 +169,8 @@ std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {
-    std::unique_ptr<Model> model = requireFormat(path).read(path, std::move(bytes));
+    const Format& format = requireFormat(path);
+    std::unique_ptr<Model> model = format.readModel(format, path, std::move(bytes));
     if (model->positions().empty()) throw FileError(path, "the model has no points");
     return model;
 }

@@ -102,7 +102,7 @@ private:
 };
 
 class ModelConversion;
-struct SurfaceFormat;
+struct Format;
 
 /// How a file stores its coordinates: as text, which can hold any number; or rounded to a type.
 enum class CoordinateStorage { Text, Float, Double, Integer };
@@ -124,8 +124,8 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 /// with shapes that faces cannot describe, such as the cells of a volume, is not converted.
 ///
 /// Directions at the points, that is normals and tangents, are kept as well, unless write() is
-/// given a deformation gradient per point. The headers obj.h, ply.h, vtu.h (readVtuModel) and
-/// vtk_legacy.h (readVtkLegacyModel) say which numbers of a file are directions.
+/// given a deformation gradient per point. docs/file-formats.md says which numbers of a file are
+/// directions; the source of each format says it in full (io/models/obj.cpp).
 ///
 /// The model keeps its converted surface, so that several poses in one other format convert it
 /// once.
@@ -143,8 +143,7 @@ public:
     /// Reads the surface from the file, which the model keeps; the result is not stored, so that a
     /// model whose surface nobody asks for costs no memory for it.
     ///
-    /// The headers of the formats say what a face is. In an STL, corners at equal places are one
-    /// point: the first of them.
+    /// In an STL, corners at equal positions are one point: the first of them.
     ///
     /// \throws FileError if a face is malformed, or names a point that does not exist
     /// \cost one pass over the file; O(n log n) for an STL
@@ -169,9 +168,11 @@ public:
     /// infinite for a coordinate that write() refuses. Formats of text and doubles change nothing.
     virtual std::vector<Point3> stored(std::vector<Point3> points) const;
 
-    /// Extension of the format, in lower case: ".obj"; "points" for OpenFOAM, whose file has this
+    /// Extension of the file in lower case: ".obj"; "points" for OpenFOAM, whose file has this
     /// name.
-    virtual std::string_view extension() const = 0;
+    std::string_view extension() const { return extension_; }
+
+    const Format& format() const { return format_; }
 
     /// Returns true if the file has directions that write() can carry by gradients. The normals of
     /// an STL do not count: they always follow the points.
@@ -215,14 +216,16 @@ public:
                std::span<const DeformationGradient> gradients) const;
 
 protected:
-    Model() = default;
+    /// \param format must outlive the model
+    /// \param path of the file that was read
+    Model(const Format& format, const std::filesystem::path& path);
 
 private:
     void writeInFormat(const std::filesystem::path& path, std::span<const Point3> positions,
                        std::span<const DeformationGradient> gradients) const;
 
     /// Returns the conversion to another format. Keeps the last one for later calls.
-    std::shared_ptr<const ModelConversion> conversionTo(const SurfaceFormat& format,
+    std::shared_ptr<const ModelConversion> conversionTo(const Format& format,
                                                         const std::filesystem::path& path) const;
 
     /// Throws unless the model may be written to a file in its own format.
@@ -233,6 +236,8 @@ private:
     virtual void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                               std::span<const DeformationGradient> gradients) const = 0;
 
+    const Format& format_;
+    std::string_view extension_;
     mutable std::mutex conversionMutex_;
     mutable std::shared_ptr<const ModelConversion> conversion_;
 };
@@ -245,22 +250,6 @@ ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
 /// Returns the file that Model::write() writes for a path: likewise the points for a folder.
 /// \throws FileError if a folder has no mesh of OpenFOAM
 ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
-
-/// The function that reads a model of a format.
-/// \param path for messages
-/// \param bytes the whole file
-using ModelReader = std::unique_ptr<Model> (*)(const std::filesystem::path& path,
-                                               std::string bytes);
-
-/// Makes readModel() know another format, for optional components. To be called before other
-/// threads read models.
-///
-/// \param extension in lower case: ".cgns"; must live for ever
-ESPALIER_API void addModelFormat(std::string_view extension, ModelReader read);
-
-/// Returns true if the extension names a format of models, in upper or lower case, or if the path
-/// is one of OpenFOAM (isFoamPath()).
-ESPALIER_API bool isModelFile(const std::filesystem::path& path);
 
 /// Reads a model in the format that its extension names, in upper or lower case.
 /// \throws FileError if the extension is not known, if the file cannot be read or is malformed

@@ -3,7 +3,6 @@
 #include <espalier/base/error.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
-#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/pose_file.h>
@@ -12,6 +11,7 @@
 #include <ostream>
 #include <span>
 
+#include "format.h"
 #include "lattices/lattice_parts.h"
 #include "models/surface_writers.h"
 
@@ -20,10 +20,6 @@ namespace {
 
 using Path = std::filesystem::path;
 using LoopView = std::span<const Index>;
-
-bool isPly(const Path& path) {
-    return lowerCase(path.extension().string()) == ".ply";
-}
 
 [[noreturn]] void refuse(const Path& path, const std::string& name, const std::string& cause) {
     throw FileError(path, "is not a pose of " + name + cause);
@@ -133,7 +129,7 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
     const far::CellComplex& complex = rest.complex;
     if (complex.dimension() < 2)
         throw Error("a pose needs a lattice or a mesh at rest, got a curve or nothing");
-    if (isEditorMeshFile(path))
+    if (isFileOf(FileContent::EditorMesh, path))
         return readMesh(path, restName, complex.count(0), [&](const ModelFaces& faces) {
             checkFaces(path, restName, faces, facesOf(complex));
         });
@@ -147,7 +143,7 @@ std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
                              const std::string& bindingName, ReadNotes* notes) {
     const std::string name = "the lattice of " + bindingName;
     const Index vertexCount = bound.binding.table.columnCount();
-    if (isEditorMeshFile(path))
+    if (isFileOf(FileContent::EditorMesh, path))
         return readMesh(path, name, vertexCount, [&](const ModelFaces& faces) {
             checkFaces(path, name, faces, bound.faces);
         });
@@ -169,20 +165,15 @@ ModelFaces facesOf(const far::CellComplex& complex) {
     return faces;
 }
 
-bool isEditorMeshFile(const Path& path) {
-    return isPly(path) || lowerCase(path.extension().string()) == ".obj";
-}
-
 void writeEditorMesh(const Path& path, const Lattice& lattice) {
-    if (!isEditorMeshFile(path))
-        throw FileError(path,
-                        "an editor mesh cannot be written in this format; expected .obj or .ply");
+    const Format* format = findFormat(path, FileContent::EditorMesh, FileUse::Write);
+    if (!format)
+        throw FileError(path, "an editor mesh cannot be written in this format; expected " +
+                                  listOfFormats(FileContent::EditorMesh, FileUse::Write));
     checkedForWriting(path, lattice);
     const ModelFaces faces = facesOf(lattice.complex);
     const SurfaceView surface{lattice.positions, faces};
-    writeFile(path, [&](std::ostream& out) {
-        isPly(path) ? writePlySurface(out, surface) : writeObjSurface(out, surface);
-    });
+    writeFile(path, [&](std::ostream& out) { format->writeSurface(out, surface); });
 }
 
 }  // namespace espalier::io

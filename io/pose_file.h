@@ -45,14 +45,12 @@ ESPALIER_API std::vector<Point3> readPose(const std::filesystem::path& path,
 /// Returns the faces of a lattice or a mesh as loops of its vertices, for BoundModel::faces.
 ESPALIER_API ModelFaces facesOf(const far::CellComplex& complex);
 
-/// Returns true if the extension is .obj or .ply, in upper or lower case.
-ESPALIER_API bool isEditorMeshFile(const std::filesystem::path& path);
-
 /// Writes a lattice as an editor mesh: its vertices in their order, and all its faces, interior
 /// ones too. readPose() reads the positions back, bit for bit. Cells, attributes and marks are not
 /// written.
 ///
-/// \throws FileError unless isEditorMeshFile(path), if the lattice is not of dimension 3 or a
+/// \throws FileError unless isFileOf(FileContent::EditorMesh, path), if the lattice is not of
+/// dimension 3 or a
 ///         position is not finite, or if the file cannot be written
 ESPALIER_API void writeEditorMesh(const std::filesystem::path& path, const Lattice& lattice);
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "format.h"
+
 namespace espalier::io {
 
 std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount) {
@@ -46,5 +48,7 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
             "has no target; expected the number of a point and three coordinates on each line");
     return targets;
 }
+
+const Format kTargetsFormat = {.extensions = {".txt"}, .isTargets = true};
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/io/formats.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/pose_file.h>
 #include <espalier/shapes/lattice.h>
@@ -382,7 +383,8 @@ linear : array (3, 3); translation : 3 float
                 withoutGil([&] { io::writeRefinable(path, self); });
             },
             "path"_a,
-            "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). An existing file is "
+            "Writes a lattice (.ovm, .vtu or .vtk), or a mesh or a curve (.obj). An existing file "
+            "is "
             "replaced only when the new one is complete.")
         .def(
             "write_editor_mesh",
@@ -404,11 +406,12 @@ linear : array (3, 3); translation : 3 float
             return lattice;
         },
         "path"_a,
-        "Reads a Lattice from .ovm, .vtu or .vtk, or from the mesh of a simulation (.msh, .mesh, "
-        ".su2, "
-        ".xyz, an OpenFOAM case), or a mesh or a curve from .obj. Vertices in no "
-        "cell of a lattice, or no line of a curve, are dropped with a UserWarning; the vertices "
-        "after them get lower numbers.");
+        ("Reads a Lattice from " + io::listOfFormats(io::FileContent::Lattice, io::FileUse::Read) +
+         "; or a mesh or a curve from " +
+         io::listOfFormats(io::FileContent::Mesh, io::FileUse::Read) +
+         ". Vertices in no cell of a lattice, or no line of a curve, are dropped with a "
+         "UserWarning; the vertices after them get lower numbers.")
+            .c_str());
     module.def(
         "read_pose",
         [](const std::filesystem::path& path, const Lattice& rest) {
@@ -420,9 +423,8 @@ linear : array (3, 3); translation : 3 float
         },
         "path"_a, "rest"_a,
         "Reads the positions of a pose of the Lattice `rest`: array (V, 3) of float64. The file is "
-        "a lattice (.ovm, .vtu, .vtk) with the same topology, or an editor mesh (.obj, .ply): one "
-        "point "
-        "per vertex, in the order of the vertices, and faces that are faces of the lattice. "
+        "a lattice with the same topology, or an editor mesh (.obj, .ply): one point per vertex, "
+        "in the order of the vertices, and faces that are faces of the lattice. "
         "Lattice.write_editor_mesh() writes an editor mesh.");
 }
 

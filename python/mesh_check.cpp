@@ -77,7 +77,7 @@ void addMeshCheck(py::module_& module) {
 Finds the cells of a volume mesh that a deformation turns inside out. A cell is checked all over its map:
 trilinear for a hexahedron; for a polyhedron linear on the tetrahedra of OpenFOAM's decomposition.
 
-model : Model with cells of a volume, such as the mesh of an OpenFOAM case, or a .msh, .su2 or .vtu
+model : Model with cells of a volume, such as the mesh of an OpenFOAM case, or a .su2
 )")
         .def(py::init([](std::shared_ptr<const ModelFile> model) {
                  return withoutGil([&] { return std::make_unique<MeshCheck>(std::move(model)); });

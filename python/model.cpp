@@ -2,6 +2,7 @@
 #include <espalier/base/number_text.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/formats.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <filesystem>
@@ -79,10 +80,9 @@ the faces and the normals, and a UserWarning names the data that are not written
                     ModelFile{file.filename().string(), std::move(bytes), std::move(model)});
             });
         },
-        "path"_a, R"(
-Reads a Model from .obj, .ply, .stl, .vtu, .vtp or .vtk, or from the mesh of a simulation: .msh, .mesh,
-.su2, .xyz, .p3d, .fmt, .cgns (if built with CGNS), or the folder of an OpenFOAM case.
-)");
+        "path"_a,
+        ("Reads a Model from " + io::listOfFormats(io::FileContent::Model, io::FileUse::Read) + ".")
+            .c_str());
 }
 
 }  // namespace espalier::python

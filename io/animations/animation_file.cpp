@@ -8,43 +8,56 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <ostream>
 #include <string>
 #include <string_view>
 
 #include "../files/bytes.h"
+#include "../format.h"
 #include "morph_targets.h"
 
 namespace espalier::io {
 namespace {
 
-enum class AnimationFormat { Pc2, Mdd, Glb };
-
-AnimationFormat animationFormatOf(const std::filesystem::path& path) {
-    const std::string extension = lowerCase(path.extension().string());
-    if (extension == ".pc2") return AnimationFormat::Pc2;
-    if (extension == ".mdd") return AnimationFormat::Mdd;
-    if (extension == ".glb") return AnimationFormat::Glb;
-    throw FileError(path, "is not of a known format of animations; expected .pc2, .mdd or .glb");
+const Format& formatOf(const std::filesystem::path& path) {
+    if (const Format* format = findFormat(path, FileContent::Animation, FileUse::Write))
+        return *format;
+    throw FileError(path, "is not of a known format of animations; expected " +
+                              listOfFormats(FileContent::Animation, FileUse::Write));
 }
 
-/// Writes the header of a point cache. Returns the byte order of the format.
-std::endian writeHeader(std::ostream& out, AnimationFormat format, std::int32_t pointCount,
-                        const Animation& animation) {
-    const auto frameCount = static_cast<std::int32_t>(animation.frameCount);
-    if (format == AnimationFormat::Pc2) {
+/// Writes a point cache: a header, and the points of all frames.
+void writeCache(const std::filesystem::path& path, const Model& model, const Animation& animation,
+                std::endian order, const std::function<void(ByteOutput&)>& writeHeader) {
+    writeFile(path, [&](std::ostream& out) {
+        ByteOutput bytes(out, order);
+        writeHeader(bytes);
+        for (std::size_t frame = 0; frame < animation.frameCount; ++frame)
+            bytes.numbers(std::span<const float>(
+                floatsOf(animation.frame(frame), model.positions().size(), frame)));
+    });
+}
+
+void writePointCache(const std::filesystem::path& path, const Model& model,
+                     const Animation& animation) {
+    writeCache(path, model, animation, std::endian::little, [&](ByteOutput& bytes) {
         using namespace std::string_view_literals;
-        ByteOutput bytes(out, std::endian::little);
         bytes.bytes("POINTCACHE2\0"sv);
         // Version, points, first frame, frames per sample, samples.
-        bytes.number(std::int32_t{1}, pointCount, 0.0F, 1.0F, frameCount);
-        return std::endian::little;
-    }
-    ByteOutput bytes(out, std::endian::big);
-    bytes.number(frameCount, pointCount);
-    bytes.numbers(std::span<const float>(timesOf(animation)));
-    return std::endian::big;
+        bytes.number(std::int32_t{1}, static_cast<std::int32_t>(model.positions().size()), 0.0F,
+                     1.0F, static_cast<std::int32_t>(animation.frameCount));
+    });
+}
+
+void writeMotionDesigner(const std::filesystem::path& path, const Model& model,
+                         const Animation& animation) {
+    writeCache(path, model, animation, std::endian::big, [&](ByteOutput& bytes) {
+        bytes.number(static_cast<std::int32_t>(animation.frameCount),
+                     static_cast<std::int32_t>(model.positions().size()));
+        bytes.numbers(std::span<const float>(timesOf(animation)));
+    });
 }
 
 }  // namespace
@@ -89,25 +102,25 @@ std::vector<float> timesOf(const Animation& animation) {
 
 std::vector<Point3> storedInAnimation(const std::filesystem::path& path, const Model& model,
                                       std::vector<Point3> points) {
-    const bool isGlb = animationFormatOf(path) == AnimationFormat::Glb;
+    const bool isMovement = &formatOf(path) == &kGltfFormat;
     for (std::size_t point = 0; point < points.size(); ++point)
         for (std::size_t axis = 0; axis < 3; ++axis) {
             double& coordinate = points[point][axis];
             const auto now = static_cast<float>(coordinate);
             const auto rest = static_cast<float>(model.positions()[point][axis]);
-            coordinate = isGlb ? rest + (now - rest) : now;
+            coordinate = isMovement ? rest + (now - rest) : now;
         }
     return points;
 }
 
-bool isAnimationFile(const std::filesystem::path& path) {
-    const std::string extension = lowerCase(path.extension().string());
-    return extension == ".pc2" || extension == ".mdd" || extension == ".glb";
-}
+const Format kPointCacheFormat = {.extensions = {".pc2"}, .writeAnimation = writePointCache};
+const Format kMotionDesignerFormat = {.extensions = {".mdd"},
+                                      .writeAnimation = writeMotionDesigner};
+const Format kGltfFormat = {.extensions = {".glb"}, .writeAnimation = writeMorphTargets};
 
 void writeAnimation(const std::filesystem::path& path, const Model& model,
                     const Animation& animation) {
-    const AnimationFormat format = animationFormatOf(path);
+    const Format& format = formatOf(path);
     constexpr std::size_t kMaxCount = std::numeric_limits<std::int32_t>::max();
     const std::size_t pointCount = model.positions().size();
     if (animation.frameCount == 0 || animation.frameCount > kMaxCount || pointCount > kMaxCount)
@@ -115,15 +128,7 @@ void writeAnimation(const std::filesystem::path& path, const Model& model,
                            " points cannot be written; expected 1 to ", kMaxCount));
     if (!(animation.framesPerSecond > 0 && std::isfinite(animation.framesPerSecond)))
         throw Error("the number of frames per second is not a number above 0");
-    if (format == AnimationFormat::Glb) return writeMorphTargets(path, model, animation);
-    writeFile(path, [&](std::ostream& out) {
-        const std::endian order =
-            writeHeader(out, format, static_cast<std::int32_t>(pointCount), animation);
-        ByteOutput bytes(out, order);
-        for (std::size_t frame = 0; frame < animation.frameCount; ++frame)
-            bytes.numbers(
-                std::span<const float>(floatsOf(animation.frame(frame), pointCount, frame)));
-    });
+    format.writeAnimation(path, model, animation);
 }
 
 }  // namespace espalier::io

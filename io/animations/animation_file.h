@@ -36,9 +36,6 @@ struct Animation {
     double framesPerSecond = 24;
 };
 
-/// Returns true if the extension names one of the formats, in upper or lower case.
-ESPALIER_API bool isAnimationFile(const std::filesystem::path& path);
-
 /// Returns a frame as programs that read the file see it: rounded to floats, and in a .glb the
 /// sum of the rounded rest and the rounded movement. A coordinate that is too large for a float
 /// becomes infinite.

@@ -22,6 +22,7 @@
 #include "../files/coding.h"
 #include "../files/descriptor.h"
 #include "../files/number_types.h"
+#include "../format.h"
 #include "../meshes/surface_faces.h"
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
@@ -458,8 +459,8 @@ private:
 
 class CgnsModel final : public Model {
 public:
-    CgnsModel(std::filesystem::path path, std::string bytes)
-        : path_(std::move(path)), bytes_(std::move(bytes)) {
+    CgnsModel(const Format& format, const std::filesystem::path& path, std::string bytes)
+        : Model(format, path), path_(path), bytes_(std::move(bytes)) {
         const std::lock_guard lock(libraryMutex());
         const TemporaryFile file(bytes_);
         checkCgnsFile(path_, bytes_, file.path());
@@ -469,7 +470,6 @@ public:
     }
 
     std::span<const Point3> positions() const override { return positions_; }
-    std::string_view extension() const override { return ".cgns"; }
     bool hasDirections() const override { return false; }
 
     CoordinateStorage storage() const override {
@@ -598,14 +598,17 @@ private:
     std::vector<Point3> positions_;
 };
 
+constexpr Format kCgnsFormat = {
+    .extensions = {".cgns"},
+    .readModel = [](const Format& format, const std::filesystem::path& path,
+                    std::string bytes) -> std::unique_ptr<Model> {
+        return std::make_unique<CgnsModel>(format, path, std::move(bytes));
+    }};
+
 }  // namespace
 
-std::unique_ptr<Model> readCgnsModel(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<CgnsModel>(path, std::move(bytes));
-}
-
 void addCgnsModels() {
-    addModelFormat(".cgns", readCgnsModel);
+    addFormat(kCgnsFormat);
 }
 
 }  // namespace espalier::io

@@ -2,19 +2,12 @@
 #pragma once
 
 #include <espalier/base/api.h>
-#include <espalier/io/model.h>
-
-#include <filesystem>
-#include <memory>
-#include <string>
 
 /// \file
 /// Reads CGNS files (.cgns) as models, by CGNS's own library: an optional component, since only it
 /// needs that library. Files may be of either storage, HDF5 or ADF.
-
-namespace espalier::io {
-
-/// Reads the coordinates of all zones of all bases as a model: zone after zone, the arrays
+///
+/// The points of a model are the coordinates of all zones of all bases: zone after zone, the arrays
 /// CoordinateX, CoordinateY and CoordinateZ of GridCoordinates. New coordinates are written into
 /// these arrays in place; all other bytes of the file stay. Points that zones share are points of
 /// each.
@@ -24,18 +17,17 @@ namespace espalier::io {
 /// NFACE_n are faces.
 ///
 /// CGNS's library is not made for hostile files: read files of strangers in a process of their own.
-/// Any number of threads may call this; they wait for each other, as the library is not
+/// Any number of threads may read files; they wait for each other, as the library is not
 /// thread-safe.
 ///
-/// \param path for messages; the bytes are read, from a temporary file
-/// \param bytes the whole file
-/// \throws FileError if the library refuses the file, if a zone has no Cartesian coordinates of
-///         single or double precision, or if a coordinate is not finite
-ESPALIER_API std::unique_ptr<Model> readCgnsModel(const std::filesystem::path& path,
-                                                  std::string bytes);
+/// The bytes are read from a temporary file. Reading throws FileError if the library refuses the
+/// file, if a zone has no Cartesian coordinates of single or double precision, or if a coordinate
+/// is not finite.
+
+namespace espalier::io {
 
 /// Makes readModel() know the extension .cgns. To be called once, by a program that is linked with
-/// this component.
+/// this component, before other threads read files.
 ESPALIER_API void addCgnsModels();
 
 }  // namespace espalier::io

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../files/text_output.h"
+#include "../format.h"
 #include "../vtk/vtk_xml.h"
 #include "lattice_parts.h"
 
@@ -145,5 +146,11 @@ void writeOvm(const std::filesystem::path& path, const Lattice& lattice) {
     }
     writeFile(path, [&](std::ostream& out) { OvmWriter(out).write(lattice, marks); });
 }
+
+const Format kOvmFormat = {
+    .extensions = {".ovm"},
+    .readLattice = readOvm,
+    .writeLattice = [](const std::filesystem::path& path, const Lattice& lattice,
+                       const WriteLatticeOptions&) { writeOvm(path, lattice); }};
 
 }  // namespace espalier::io

@@ -4,56 +4,84 @@
 #include <espalier/io/matrices/matrix_market.h>
 #include <espalier/io/matrices/numpy_matrix.h>
 
+#include <type_traits>
+
+#include "../format.h"
+
 namespace espalier::io {
 
 using stencils::StencilTable;
 
 namespace {
 
-using Reader = StencilTable<double> (*)(const std::filesystem::path&, std::string_view bytes);
+using Path = std::filesystem::path;
+using Reader = StencilTable<double> (*)(const Path&, std::string_view bytes);
 
-Reader readerOf(const std::filesystem::path& path) {
-    const std::string extension = path.extension().string();
-    if (extension == ".mtx") return readMatrixMarket;
-    if (extension == ".npz") return readNpz;
-    if (extension == ".petsc") return readPetscBinary;
-    if (extension == ".npy")
+/// A format whose function `write` takes tables of both precisions.
+template <class Write>
+constexpr Format formatOfMatrices(std::string_view extension, Reader read, Write) {
+    return {
+        .extensions = {extension},
+        .readMatrix = read,
+        .writeFloats = [](const Path& path, const StencilTable<float>& table,
+                          const MatrixFileOptions& options) { Write{}(path, table, options); },
+        .writeDoubles = [](const Path& path, const StencilTable<double>& table,
+                           const MatrixFileOptions& options) { Write{}(path, table, options); }};
+}
+
+Reader readerOf(const Path& path) {
+    if (const Format* format = findFormat(path, FileContent::Matrix)) return format->readMatrix;
+    const std::string expected = "; expected " + listOfFormats(FileContent::Matrix, FileUse::Read);
+    if (findFormat(path) == &kNumpyArraysFormat)
         throw FileError(path,
                         "cannot be read as a matrix: arrays in .npy files do not have its "
-                        "number of columns; expected .mtx, .npz or .petsc");
-    throw FileError(path,
-                    "is not of a matrix format that can be read; expected .mtx, .npz or .petsc");
+                        "number of columns" +
+                            expected);
+    throw FileError(path, "is not of a matrix format that can be read" + expected);
 }
 
 }  // namespace
 
-std::vector<std::string> matrixExtensions() {
-    return {".mtx", ".npz", ".npy", ".petsc"};
-}
+const Format kMatrixMarketFormat = formatOfMatrices(
+    ".mtx", readMatrixMarket, [](const Path& path, const auto& table, const auto& options) {
+        writeMatrixMarket(path, table, options.comments);
+    });
+const Format kNumpyArchiveFormat = formatOfMatrices(
+    ".npz", readNpz,
+    [](const Path& path, const auto& table, const auto&) { writeNpz(path, table); });
+const Format kNumpyArraysFormat = formatOfMatrices(
+    ".npy", nullptr,
+    [](const Path& path, const auto& table, const auto&) { writeNpyArrays(path, table); });
+const Format kPetscBinaryFormat = formatOfMatrices(
+    ".petsc", readPetscBinary, [](const Path& path, const auto& table, const auto& options) {
+        writePetscBinary(path, table, options.petscIntegers);
+    });
 
-std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path) {
-    if (path.extension() != ".npy") return {path};
+std::vector<Path> matrixPaths(const Path& path) {
+    if (findFormat(path) != &kNumpyArraysFormat) return {path};
     const auto paths = npyPaths(path);
     return {paths.begin(), paths.end()};
 }
 
 template <class Real>
-void writeMatrix(const std::filesystem::path& path, const StencilTable<Real>& table,
+void writeMatrix(const Path& path, const StencilTable<Real>& table,
                  const MatrixFileOptions& options) {
-    const std::string extension = path.extension().string();
-    if (extension == ".mtx") return writeMatrixMarket(path, table, options.comments);
-    if (extension == ".npz") return writeNpz(path, table);
-    if (extension == ".npy") return writeNpyArrays(path, table);
-    if (extension == ".petsc") return writePetscBinary(path, table, options.petscIntegers);
-    throw FileError(path, "is not of a matrix format; expected .mtx, .npz, .npy or .petsc");
+    const Format* format = findFormat(path, FileContent::Matrix, FileUse::Write);
+    if (!format)
+        throw FileError(path, "is not of a matrix format; expected " +
+                                  listOfFormats(FileContent::Matrix, FileUse::Write));
+    if constexpr (std::is_same_v<Real, float>)
+        format->writeFloats(path, table, options);
+    else
+        format->writeDoubles(path, table, options);
 }
 
-StencilTable<double> readMatrix(const std::filesystem::path& path) {
+StencilTable<double> readMatrix(const Path& path) {
     const Reader read = readerOf(path);
     return read(path, readFile(path));
 }
 
-StencilTable<double> readMatrix(const std::filesystem::path& path, std::string_view bytes) {
+StencilTable<double> readMatrix(const Path& path, std::string_view bytes) {
     return readerOf(path)(path, bytes);
 }
 

@@ -21,9 +21,6 @@ struct MatrixFileOptions {
     PetscInt petscIntegers = PetscInt::Bits32;  ///< for .petsc
 };
 
-/// Returns the extensions that writeMatrix() accepts: .mtx, .npz, .npy and .petsc.
-ESPALIER_API std::vector<std::string> matrixExtensions();
-
 /// Returns the files that writeMatrix() writes for a path: the path itself, or three files for
 /// .npy.
 ESPALIER_API std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path);

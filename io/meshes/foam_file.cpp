@@ -138,28 +138,27 @@ double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& place)
                           order_, axis, point, path_);
 }
 
-PlacedPoints FoamFile::points() {
-    PlacedPoints points;
+FileNumbers FoamFile::points() {
+    FileNumbers numbers;
     if (isBinary_) {
-        points.order = order_;
-        points.precision = scalarBytes_ == 4 ? Precision::Float : Precision::Double;
+        numbers.setBinary(order_, scalarBytes_ == 4 ? Precision::Float : Precision::Double);
     }
     const std::size_t size = count("the number of points", isBinary_ ? 3 * scalarBytes_ : 7);
-    if (size == 0) return points;
+    if (size == 0) return numbers;
     const std::string_view mark = word("( before the points");
     if (mark == "{")
         fail("all points are the same ({...} after their number); a mesh needs different ones");
     if (mark != "(") fail("expected ( before the points, got " + inQuotes(mark));
-    points.positions.resize(size);
-    points.places.resize(size);
+    numbers.points.resize(size);
     for (std::size_t point = 0; point < size; ++point) {
         if (!isBinary_) expect("(");
         for (std::size_t axis = 0; axis < 3; ++axis)
-            points.positions[point][axis] = scalar(axis, point, points.places[point][axis]);
+            numbers.points.values[point][axis] =
+                scalar(axis, point, numbers.points.offsets[point][axis]);
         if (!isBinary_) expect(")");
     }
     expect(")");
-    return points;
+    return numbers;
 }
 
 std::vector<Index> FoamFile::labels(const char* what, std::size_t limit, const char* limited,

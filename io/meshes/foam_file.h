@@ -26,8 +26,8 @@ public:
     /// The class that the header names: "vectorField".
     const std::string& className() const { return className_; }
 
-    /// Reads a list of vectors.
-    PlacedPoints points();
+    /// Reads a list of points.
+    FileNumbers points();
 
     /// Reads a list of numbers from 0 to the largest Index. Twelve bytes can claim any number of
     /// equal ones ("1000000{0}"), so the number is compared with `limit` before memory is taken.

@@ -3,7 +3,6 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/meshes/gmsh.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +13,16 @@
 #include "../files/bytes.h"
 #include "../files/number_types.h"
 #include "mesh_format.h"
+
+// Reads meshes of Gmsh (.msh) of the versions 2.2 and 4.1, ASCII and binary.
+//
+// The points are the nodes, in the order of the file; the tags of nodes may be any numbers. The
+// elements of the types 4 (tetrahedron), 5 (hexahedron), 6 (prism) and 7 (pyramid) are cells; the
+// types 2 (triangle) and 3 (quadrangle) are faces. Elements of higher order are curved. In ASCII,
+// elements of types that are not known here are counted; in binary they are refused, since their
+// length is not known. Version 2.2 may have $ParametricNodes instead of $Nodes.
+//
+// Elements of a volume that are curved cannot be cells of a lattice.
 
 namespace espalier::io {
 namespace {
@@ -85,17 +94,17 @@ public:
         expectEnd("$EndMeshFormat");
     }
 
-    PlacedPoints readPoints() {
-        PlacedPoints points;
-        points.order = order_;
+    FileNumbers readPoints() {
+        FileNumbers numbers;
+        if (order_) numbers.setBinary(*order_, Precision::Double);
         readNodes([&](std::int64_t) {
-            Point3& position = points.positions.emplace_back();
-            CoordinatePlaces& places = points.places.emplace_back();
+            Point3& position = numbers.points.values.emplace_back();
+            CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();
             for (std::size_t axis = 0; axis < 3; ++axis)
-                std::tie(position[axis], places[axis]) =
-                    coordinate(axis, points.positions.size() - 1);
+                std::tie(position[axis], offsets[axis]) =
+                    coordinate(axis, numbers.points.values.size() - 1);
         });
-        return points;
+        return numbers;
     }
 
     void readCells(CellVisitor& visitor) {
@@ -399,8 +408,7 @@ private:
     std::vector<Index> nodes_;                          ///< of the current element
 };
 
-constexpr MeshFormat kGmsh = {
-    ".msh",
+constexpr MeshFormat kGmshMesh = {
     [](const std::filesystem::path& path, std::string_view bytes) {
         return GmshReader(path, bytes).readPoints();
     },
@@ -410,12 +418,8 @@ constexpr MeshFormat kGmsh = {
 
 }  // namespace
 
-std::unique_ptr<Model> readGmshModel(const std::filesystem::path& path, std::string bytes) {
-    return readMeshModel(kGmsh, path, std::move(bytes));
-}
-
-Lattice readGmsh(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
-    return readMeshLattice(kGmsh, path, bytes, notes);
-}
+const Format kGmshFormat = {.extensions = {".msh"},
+                            .readModel = readMeshModel<kGmshMesh>,
+                            .readLattice = readMeshLattice<kGmshMesh>};
 
 }  // namespace espalier::io

@@ -48,10 +48,13 @@ far::ComplexBuilder LatticeCells::takeBuilder() {
     return std::move(builder_);
 }
 
-Lattice readMeshLattice(const MeshFormat& format, const std::filesystem::path& path,
-                        std::string_view bytes, ReadNotes* notes) {
+Lattice readLatticeOfMesh(const MeshFormat& format, const std::filesystem::path& path,
+                          std::string_view bytes, ReadNotes* notes) {
     Lattice parts;
-    parts.positions = std::move(format.readPoints(path, bytes).positions);
+    {
+        const FileNumbers numbers = format.readPoints(path, bytes);
+        parts.positions.assign(numbers.points.values.begin(), numbers.points.values.end());
+    }
     const Index count = checkedIndex(path, parts.positions.size(), "points");
     LatticeCells cells(path, count);
     format.readCells(path, bytes, count, cells);

@@ -2,13 +2,20 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/meshes/medit.h>
 
 #include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "mesh_format.h"
+
+// Reads meshes of Medit in ASCII (.mesh), of two or three dimensions, as Gmsh, MMG and FreeFEM
+// write them.
+//
+// The points are the Vertices. Tetrahedra, Pyramids, Prisms and Hexahedra are cells; Triangles and
+// Quadrilaterals are faces. All other sections are skipped.
+//
+// A mesh of two dimensions has no z, so new positions must have z = 0.
 
 namespace espalier::io {
 namespace {
@@ -50,27 +57,27 @@ public:
         text_.number<std::int64_t>("the version of the format");
     }
 
-    PlacedPoints readPoints() {
-        PlacedPoints points;
+    FileNumbers readPoints() {
+        FileNumbers numbers;
         while (const auto keyword = nextKeyword()) {
             if (*keyword != "Vertices") continue;
-            points.dimension = dimension();
+            numbers.dimension = dimension();
             const std::size_t count =
-                text_.count("the number of vertices", 2 * (points.dimension + 1));
+                text_.count("the number of vertices", 2 * (numbers.dimension + 1));
             for (std::size_t i = 0; i < count; ++i) {
-                Point3& position = points.positions.emplace_back(Point3{0, 0, 0});
-                CoordinatePlaces& places = points.places.emplace_back();
-                for (std::size_t axis = 0; axis < points.dimension; ++axis) {
+                Point3& position = numbers.points.values.emplace_back(Point3{0, 0, 0});
+                CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();
+                for (std::size_t axis = 0; axis < numbers.dimension; ++axis) {
                     const std::string_view word = text_.token("a coordinate");
                     position[axis] =
                         parseCoordinate(word, axis, Precision::Double, path_, text_.line());
-                    places[axis] = word.data() - bytes_.data();
+                    offsets[axis] = word.data() - bytes_.data();
                 }
                 text_.token("the reference of a vertex");
             }
             readSection_ = *keyword;
             nextKeyword();  // Refuses further rows.
-            return points;
+            return numbers;
         }
         text_.fail("the file ends; expected Vertices");
     }
@@ -143,8 +150,7 @@ private:
     std::string_view readSection_;  ///< keyword of the section that was read last, until the next
 };
 
-constexpr MeshFormat kMedit = {
-    ".mesh",
+constexpr MeshFormat kMeditMesh = {
     [](const std::filesystem::path& path, std::string_view bytes) {
         return MeditReader(path, bytes).readPoints();
     },
@@ -153,12 +159,8 @@ constexpr MeshFormat kMedit = {
 
 }  // namespace
 
-std::unique_ptr<Model> readMeditModel(const std::filesystem::path& path, std::string bytes) {
-    return readMeshModel(kMedit, path, std::move(bytes));
-}
-
-Lattice readMedit(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
-    return readMeshLattice(kMedit, path, bytes, notes);
-}
+const Format kMeditFormat = {.extensions = {".mesh"},
+                             .readModel = readMeshModel<kMeditMesh>,
+                             .readLattice = readMeshLattice<kMeditMesh>};
 
 }  // namespace espalier::io

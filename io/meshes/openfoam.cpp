@@ -3,7 +3,6 @@
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/meshes/openfoam.h>
 
 #include <algorithm>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "../lattices/lattice_parts.h"
 #include "foam_file.h"
 #include "mesh_format.h"
+#include "openfoam.h"
 
 namespace espalier::io {
 namespace {
@@ -135,11 +135,11 @@ far::VolumeMesh meshOf(const Path& points, Index pointCount, FoamCells cells) {
     });
 }
 
-PlacedPoints readPoints(const Path& path, std::string_view bytes) {
+FileNumbers readPoints(const Path& path, std::string_view bytes) {
     FoamFile file(path, bytes);
-    PlacedPoints points = file.points();
+    FileNumbers numbers = file.points();
     file.expectEnd();
-    return points;
+    return numbers;
 }
 
 far::VolumeMesh readVolume(const Path& path, Index pointCount) {
@@ -163,7 +163,8 @@ void readCells(const Path& path, std::string_view, Index pointCount, CellVisitor
 
 /// Throws unless the points of a mesh may be written to a path: to a device, or to a file "points"
 /// that belongs to the same mesh or to none.
-void checkTarget(const Path& source, const Path& target, Index pointCount) {
+void checkTarget(const FileView& file, const Path& target) {
+    const Path& source = file.path;
     std::error_code ignored;
     const auto status = std::filesystem::status(target, ignored);
     const bool isFile = std::filesystem::is_regular_file(status);
@@ -188,12 +189,12 @@ void checkTarget(const Path& source, const Path& target, Index pointCount) {
     // The points of a binding come without their faces.
     if (!isFile) return;
     const std::size_t count =
-        readFoamFile(target, [](FoamFile& file) { return file.points(); }).positions.size();
-    if (count != static_cast<std::size_t>(pointCount))
-        refuse(concat("which has ", count, " points, and not ", pointCount));
+        readFoamFile(target, [](FoamFile& other) { return other.points(); }).points.values.size();
+    if (count != file.numbers.points.values.size())
+        refuse(concat("which has ", count, " points, and not ", file.pointCount()));
 }
 
-constexpr MeshFormat kFoam = {kFoamPoints, readPoints, readCells, readVolume, checkTarget};
+constexpr MeshFormat kFoamMesh = {readPoints, readCells, readVolume, checkTarget};
 
 /// Returns the folder polyMesh that a folder means; nothing if there is none.
 std::optional<Path> polyMeshOf(const Path& folder) {
@@ -247,16 +248,22 @@ std::filesystem::path foamTargetOf(const Path& path) {
                         shownPath(path));
 }
 
-std::unique_ptr<Model> readFoamModel(const Path& path, std::string bytes) {
-    return readMeshModel(kFoam, path, std::move(bytes));
-}
+namespace {
 
 Lattice readFoam(const Path& path, std::string_view bytes, ReadNotes* notes) {
     if (!facesFolder(path))
         throw FileError(path,
                         "has no file 'faces' beside it, nor in constant/polyMesh of its case; a "
                         "lattice needs the files faces, owner and neighbour");
-    return readMeshLattice(kFoam, path, bytes, notes);
+    return readLatticeOfMesh(kFoamMesh, path, bytes, notes);
 }
+
+}  // namespace
+
+const Format kFoamFormat = {.extensions = {kFoamPoints},
+                            .words = "an OpenFOAM case",
+                            .isPath = isFoamPath,
+                            .readModel = readMeshModel<kFoamMesh>,
+                            .readLattice = readFoam};
 
 }  // namespace espalier::io

@@ -2,14 +2,8 @@
 #pragma once
 
 #include <espalier/base/api.h>
-#include <espalier/far/topology_error.h>
-#include <espalier/io/model.h>
-#include <espalier/io/read_notes.h>
-#include <espalier/shapes/lattice.h>
 
 #include <filesystem>
-#include <memory>
-#include <string>
 #include <string_view>
 
 /// \file
@@ -19,6 +13,14 @@
 /// The points are in the file "points". The faces and cells are in the files "faces", "owner" and
 /// "neighbour" beside it; or in constant/polyMesh of the case, if "points" is in TIME/polyMesh.
 /// Files that the user has not named must be regular ones.
+///
+/// The faces of a model are the boundary faces of the mesh; it has no cells if there is no file
+/// "faces". Only coordinates are replaced on writing, in a file that has the same faces, owner and
+/// neighbour beside it, or none; points without such files beside them replace the points of a mesh
+/// with the same number of points.
+///
+/// The cells of a lattice may be any polyhedra. Points that no cell uses are dropped. Two boundary
+/// faces with the same points (a baffle) become one face.
 
 namespace espalier::io {
 
@@ -40,28 +42,5 @@ ESPALIER_API std::filesystem::path foamPointsOf(const std::filesystem::path& pat
 ///
 /// \throws FileError if a folder has no folder polyMesh and is none, or if this folder has no faces
 ESPALIER_API std::filesystem::path foamTargetOf(const std::filesystem::path& path);
-
-/// Reads the points as a model. Only their coordinates are replaced on writing, in a file that has
-/// the same faces, owner and neighbour beside it, or none; points without such files beside them
-/// replace those of a mesh with the same number of points. The faces of the
-/// model are the boundary faces of the mesh. The volume is read from the files beside `path`; it
-/// has no cells if there is no file "faces".
-///
-/// \param path the file "points"
-/// \param bytes the whole file
-/// \throws FileError with the line, if the file is malformed, or a coordinate is not finite
-ESPALIER_API std::unique_ptr<Model> readFoamModel(const std::filesystem::path& path,
-                                                  std::string bytes);
-
-/// Reads the cells as a lattice; they may be any polyhedra. Points that no cell uses are dropped.
-/// Two boundary faces with the same points (a baffle) become one face.
-///
-/// \param path the file "points"
-/// \param bytes the whole file
-/// \param notes receives the dropped vertices; may be null
-/// \throws FileError naming the file and the line, if one of the files is missing or malformed;
-///        TopologyError, with the path in its message, if the cells do not form a lattice
-ESPALIER_API Lattice readFoam(const std::filesystem::path& path, std::string_view bytes,
-                              ReadNotes* notes = nullptr);
 
 }  // namespace espalier::io

@@ -4,7 +4,6 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/meshes/plot3d.h>
 #include <espalier/shapes/merge.h>
 
 #include <algorithm>
@@ -16,6 +15,19 @@
 #include "../files/number_types.h"
 #include "../lattices/lattice_parts.h"
 #include "mesh_format.h"
+
+// Reads grids of PLOT3D (.xyz, .p3d, .fmt): text, Fortran's unformatted records, or plain binary.
+// A grid has one block or several, two or three dimensions, single or double precision, either
+// byte order, and may have iblank. The file does not state these properties; its length tells
+// them.
+//
+// The points are those of all blocks, block after block, i fastest. Coordinates that blocks share
+// are points of each of them.
+//
+// A grid of two dimensions has no z, so new positions must have z = 0. Blocks of more than one
+// layer are cells; blocks of one layer are faces, and no lattice has them. A lattice welds points
+// of different blocks that coincide, as shapes::merge() does. A text with repeat counts (3*0.0) is
+// refused, since they cannot be replaced in place.
 
 namespace espalier::io {
 namespace {
@@ -38,10 +50,10 @@ constexpr Variant kVariants[] = {{true, 3, false},  {true, 3, true},  {false, 3,
                                  {false, 3, true},  {true, 2, false}, {true, 2, true},
                                  {false, 2, false}, {false, 2, true}};
 
-/// A grid: its blocks, and the places of its coordinates.
+/// A grid: its blocks, and its numbers.
 struct Grid {
     std::vector<Extent> blocks;
-    PlacedPoints points;
+    FileNumbers numbers;
 };
 
 /// Reads numbers of a text, between spaces or commas.
@@ -127,18 +139,18 @@ private:
 
     Grid gridOf(const Variant& variant, const std::vector<Extent>& blocks) {
         Grid grid{blocks, {}};
-        PlacedPoints& points = grid.points;
-        points.dimension = variant.dimension;
+        FileNumbers& numbers = grid.numbers;
+        numbers.dimension = variant.dimension;
         for (const Extent& extent : blocks) {
-            const std::size_t first = points.positions.size(), count = pointCountOf(extent);
-            points.positions.resize(first + count, {0, 0, 0});
-            points.places.resize(first + count);
+            const std::size_t first = numbers.points.values.size(), count = pointCountOf(extent);
+            numbers.points.values.resize(first + count, {0, 0, 0});
+            numbers.points.offsets.resize(first + count);
             for (std::size_t axis = 0; axis < variant.dimension; ++axis)
                 for (std::size_t i = first; i < first + count; ++i) {
                     const std::string_view number = word();
-                    points.places[i][axis] = number.data() - bytes_.data();
-                    points.positions[i][axis] = parseCoordinate(withExponent(number), axis,
-                                                                Precision::Double, path_, line_);
+                    numbers.points.offsets[i][axis] = number.data() - bytes_.data();
+                    numbers.points.values[i][axis] = parseCoordinate(
+                        withExponent(number), axis, Precision::Double, path_, line_);
                 }
             for (std::size_t i = 0; variant.hasBlank && i < count; ++i) word();
         }
@@ -223,28 +235,27 @@ private:
         }
         if (bytes_.size() - position_ != expected || !marker(headerBytes)) return std::nullopt;
 
-        PlacedPoints& points = grid.points;
-        points.dimension = variant.dimension;
-        points.precision = precision;
-        points.order = order_;
+        FileNumbers& numbers = grid.numbers;
+        numbers.dimension = variant.dimension;
+        numbers.setBinary(order_, precision);
         for (const Extent& extent : grid.blocks) {
-            const std::size_t first = points.positions.size(), count = pointCountOf(extent);
+            const std::size_t first = numbers.points.values.size(), count = pointCountOf(extent);
             if (!marker(count * perPoint)) return std::nullopt;
-            points.positions.resize(first + count, {0, 0, 0});
-            points.places.resize(first + count);
+            numbers.points.values.resize(first + count, {0, 0, 0});
+            numbers.points.offsets.resize(first + count);
             for (std::size_t axis = 0; axis < variant.dimension; ++axis)
                 for (std::size_t i = first; i < first + count; ++i) {
-                    points.places[i][axis] = position_;
+                    numbers.points.offsets[i][axis] = position_;
                     position_ += width;
                 }
             if (variant.hasBlank) position_ += count * sizeof(std::int32_t);
             if (!marker(count * perPoint)) return std::nullopt;
         }
-        for (std::size_t i = 0; i < points.places.size(); ++i) {
+        for (std::size_t i = 0; i < numbers.points.offsets.size(); ++i) {
             checkCancelledEvery(i, 14);
             for (std::size_t axis = 0; axis < variant.dimension; ++axis)
-                points.positions[i][axis] = loadCoordinate(bytes_, points.places[i][axis],
-                                                           precision, order_, axis, i, path_);
+                numbers.points.values[i][axis] = loadCoordinate(
+                    bytes_, numbers.points.offsets[i][axis], precision, order_, axis, i, path_);
         }
         return grid;
     }
@@ -304,42 +315,28 @@ void forEachQuadrilateral(const Extent& extent, std::size_t first, Visit visit) 
         }
 }
 
-constexpr MeshFormat formatNamed(std::string_view extension) {
-    return {
-        extension,
-        [](const std::filesystem::path& path, std::string_view bytes) {
-            return readGrid(path, bytes).points;
-        },
-        [](const std::filesystem::path& path, std::string_view bytes, Index, CellVisitor& visitor) {
-            const Grid grid = readGrid(path, bytes);
-            std::size_t first = 0;
-            for (const Extent& extent : grid.blocks) {
-                if (isVolume(extent))
-                    forEachHexahedron(extent, first, [&](const auto& points) {
-                        visitor.cell(far::StandardCell::Hexahedron, points);
-                    });
-                else
-                    forEachQuadrilateral(extent, first,
-                                         [&](const auto& points) { visitor.face(points); });
-                first += pointCountOf(extent);
-            }
-        }};
-}
-
-constexpr MeshFormat kFormats3d[] = {formatNamed(".xyz"), formatNamed(".p3d"), formatNamed(".fmt")};
-
-}  // namespace
-
-std::unique_ptr<Model> readPlot3dModel(const std::filesystem::path& path, std::string bytes) {
-    const std::string extension = lowerCase(path.extension().string());
-    for (const MeshFormat& format : kFormats3d)
-        if (format.extension == extension) return readMeshModel(format, path, std::move(bytes));
-    return readMeshModel(kFormats3d[0], path, std::move(bytes));
-}
+constexpr MeshFormat kPlot3dMesh = {
+    [](const std::filesystem::path& path, std::string_view bytes) {
+        return readGrid(path, bytes).numbers;
+    },
+    [](const std::filesystem::path& path, std::string_view bytes, Index, CellVisitor& visitor) {
+        const Grid grid = readGrid(path, bytes);
+        std::size_t first = 0;
+        for (const Extent& extent : grid.blocks) {
+            if (isVolume(extent))
+                forEachHexahedron(extent, first, [&](const auto& points) {
+                    visitor.cell(far::StandardCell::Hexahedron, points);
+                });
+            else
+                forEachQuadrilateral(extent, first,
+                                     [&](const auto& points) { visitor.face(points); });
+            first += pointCountOf(extent);
+        }
+    }};
 
 Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, ReadNotes*) {
     const Grid grid = readGrid(path, bytes);
-    checkedIndex(path, grid.points.positions.size(), "points");
+    checkedIndex(path, grid.numbers.points.values.size(), "points");
     std::vector<Lattice> blocks;
     shapes::MergeOptions options;
     std::size_t first = 0;
@@ -356,7 +353,7 @@ Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, Re
         });
         Lattice block;
         block.complex = builder.build();
-        const auto begin = grid.points.positions.begin() + static_cast<std::ptrdiff_t>(first);
+        const auto begin = grid.numbers.points.values.begin() + static_cast<std::ptrdiff_t>(first);
         block.positions.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
         options.names.push_back(concat("block ", blocks.size()));
         blocks.push_back(std::move(block));
@@ -364,5 +361,11 @@ Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, Re
     }
     return withPathInErrors(path, [&] { return shapes::merge(blocks, options); });
 }
+
+}  // namespace
+
+const Format kPlot3dFormat = {.extensions = {".xyz", ".p3d", ".fmt"},
+                              .readModel = readMeshModel<kPlot3dMesh>,
+                              .readLattice = readPlot3d};
 
 }  // namespace espalier::io

@@ -2,13 +2,21 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/meshes/su2.h>
 
 #include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "mesh_format.h"
+
+// Reads meshes of SU2 (.su2), of two or three dimensions, with one zone or several.
+//
+// The points are the lines of NPOIN=, zone after zone. The elements of NELEM= of the types 10
+// (tetrahedron), 12 (hexahedron), 13 (wedge) and 14 (pyramid) are cells; triangles (5) and
+// quadrilaterals (9) of NELEM= and of the markers are faces. Elements of other types are counted.
+//
+// A mesh of two dimensions has no z, so new positions must have z = 0. Points of different zones
+// are not welded.
 
 namespace espalier::io {
 namespace {
@@ -19,8 +27,8 @@ public:
     Su2Reader(const std::filesystem::path& path, std::string_view bytes)
         : path_(path), bytes_(bytes), text_(path, bytes) {}
 
-    PlacedPoints readPoints() {
-        PlacedPoints points;
+    FileNumbers readPoints() {
+        FileNumbers numbers;
         bool isFound = false;
         forEachSection([&](std::string_view keyword, std::string_view value) {
             if (keyword != "NPOIN") return false;
@@ -28,20 +36,20 @@ public:
             const std::size_t pointCount = countOf(value, "NPOIN", 2 * dimension());
             for (std::size_t i = 0; i < pointCount; ++i) {
                 std::string_view line = nextLine("a point");
-                Point3& position = points.positions.emplace_back(Point3{0, 0, 0});
-                CoordinatePlaces& places = points.places.emplace_back();
+                Point3& position = numbers.points.values.emplace_back(Point3{0, 0, 0});
+                CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();
                 for (std::size_t axis = 0; axis < dimension(); ++axis) {
                     const std::string_view word = takeWord(line);
                     position[axis] =
                         parseCoordinate(word, axis, Precision::Double, path_, text_.line());
-                    places[axis] = word.data() - bytes_.data();
+                    offsets[axis] = word.data() - bytes_.data();
                 }
             }
             return true;
         });
         if (!isFound) text_.fail("the file ends; expected NPOIN=");
-        points.dimension = dimension();
-        return points;
+        numbers.dimension = dimension();
+        return numbers;
     }
 
     void readCells(Index pointCount, CellVisitor& visitor) {
@@ -218,8 +226,7 @@ private:
     std::vector<Index> nodes_;  ///< of the current element
 };
 
-constexpr MeshFormat kSu2 = {
-    ".su2",
+constexpr MeshFormat kSu2Mesh = {
     [](const std::filesystem::path& path, std::string_view bytes) {
         return Su2Reader(path, bytes).readPoints();
     },
@@ -228,12 +235,8 @@ constexpr MeshFormat kSu2 = {
 
 }  // namespace
 
-std::unique_ptr<Model> readSu2Model(const std::filesystem::path& path, std::string bytes) {
-    return readMeshModel(kSu2, path, std::move(bytes));
-}
-
-Lattice readSu2(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
-    return readMeshLattice(kSu2, path, bytes, notes);
-}
+const Format kSu2Format = {.extensions = {".su2"},
+                           .readModel = readMeshModel<kSu2Mesh>,
+                           .readLattice = readMeshLattice<kSu2Mesh>};
 
 }  // namespace espalier::io

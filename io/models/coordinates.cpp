@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "../files/bytes.h"
 #include "../files/text_output.h"
@@ -107,76 +109,64 @@ std::optional<double> VectorChange::at(std::size_t point, std::size_t axis) cons
     return value == old ? std::nullopt : std::optional(value);
 }
 
-TextChanges::TextChanges(std::string_view text, std::span<const VectorChange> changes)
+TextChanges::TextChanges(std::string_view text, std::span<const VectorChange> changes,
+                         std::size_t dimension)
     : text_(text) {
     for (const VectorChange& change : changes)
-        for (std::size_t axis = 0; axis < 3 && !change.places.empty(); ++axis)
-            numbers_.push_back({&change, axis});
-    const auto placeOf = [](const Number& number) {
-        return number.change->places.front()[number.axis];
-    };
-    std::sort(numbers_.begin(), numbers_.end(),
-              [&](const Number& a, const Number& b) { return placeOf(a) < placeOf(b); });
+        for (std::size_t axis = 0; axis < dimension; ++axis) {
+            Column column{&change, axis};
+            const auto offsetOf = [&](std::size_t point) { return change.offsets[point][axis]; };
+            std::size_t inOrder = 1;  // points, from the first, that are in the order of the text
+            while (inOrder < change.offsets.size() && offsetOf(inOrder - 1) < offsetOf(inOrder))
+                checkCancelledEvery(inOrder++, 16);
+            if (inOrder < change.offsets.size()) {
+                column.order.resize(change.offsets.size());
+                std::iota(column.order.begin(), column.order.end(), std::size_t{0});
+                sortCancellably(
+                    column.order.begin(), column.order.end(),
+                    [&](std::size_t a, std::size_t b) { return offsetOf(a) < offsetOf(b); });
+            }
+            columns_.push_back(std::move(column));
+        }
 }
 
-void TextChanges::apply(TextPatch& patch, std::size_t point) const {
-    for (const auto& [change, axis] : numbers_) {
-        const std::optional<double> value = change->at(point, axis);
-        if (!value) continue;
-        const std::string_view old = numberAt(text_, change->places[point][axis]);
-        if (change->precisions[axis] == Precision::Float)
-            patch.replace(old, static_cast<float>(*value));
-        else
-            patch.replace(old, *value);
+void TextChanges::applyUpTo(TextPatch& patch, std::size_t end) {
+    for (std::size_t count = 0;; ++count) {
+        checkCancelledEvery(count, 16);
+        Column* first = nullptr;
+        std::size_t begin = end;
+        for (Column& column : columns_)
+            if (!column.atEnd() && column.offset() < begin) {
+                first = &column;
+                begin = column.offset();
+            }
+        if (!first) return;
+        if (const auto value = first->change->at(first->point(), first->axis)) {
+            const std::string_view old = numberAt(text_, begin);
+            if (first->change->precisions[first->axis] == Precision::Float)
+                patch.replace(old, static_cast<float>(*value));
+            else
+                patch.replace(old, *value);
+        }
+        ++first->next;
     }
 }
 
 void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
-                  VectorOrder order) {
+                  std::size_t dimension) {
     TextPatch patch(out, text);
-    const auto apply = [&](std::span<const VectorChange> together) {
-        const TextChanges points(text, together);
-        for (std::size_t point = 0; point < together.front().places.size(); ++point) {
-            checkCancelledEvery(point, 14);
-            points.apply(patch, point);
-        }
-    };
-    if (order == VectorOrder::PointAfterPoint)
-        apply(changes);
-    else
-        for (const VectorChange& change : changes) apply({&change, 1});
-    patch.finish();
-}
-
-void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const VectorChange& change,
-                            std::size_t dimension) {
-    struct Number {
-        std::size_t place, point, axis;
-        bool operator<(const Number& other) const { return place < other.place; }
-    };
-    std::vector<Number> numbers;
-    for (std::size_t point = 0; point < change.places.size(); ++point) {
-        checkCancelledEvery(point, 14);
-        for (std::size_t axis = 0; axis < dimension; ++axis)
-            if (change.at(point, axis))
-                numbers.push_back({change.places[point][axis], point, axis});
-    }
-    if (!std::is_sorted(numbers.begin(), numbers.end()))
-        sortCancellably(numbers.begin(), numbers.end());
-    TextPatch patch(out, text);
-    for (const auto& [place, point, axis] : numbers)
-        patch.replace(numberAt(text, place), *change.at(point, axis));
+    TextChanges(text, changes, dimension).applyUpTo(patch, text.size());
     patch.finish();
 }
 
 void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
                         std::endian order, std::size_t dimension) {
     for (const VectorChange& change : changes)
-        for (std::size_t point = 0; point < change.places.size(); ++point) {
+        for (std::size_t point = 0; point < change.offsets.size(); ++point) {
             checkCancelledEvery(point, 14);
             for (std::size_t axis = 0; axis < dimension; ++axis)
                 if (const auto value = change.at(point, axis))
-                    storeCoordinate(bytes, change.places[point][axis], *value,
+                    storeCoordinate(bytes, change.offsets[point][axis], *value,
                                     change.precisions[axis], order);
         }
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

@@ -17,9 +17,8 @@
 #include <string_view>
 #include <vector>
 
-// Functions that all model formats use to read coordinates and to write changed ones.
-
-// Functions that all model formats use for directions.
+// Functions that all model formats use to read coordinates and directions, and to write changed
+// ones.
 
 namespace espalier::io {
 
@@ -33,7 +32,7 @@ inline CoordinateStorage storageOf(Precision precision) {
 }
 
 /// Offsets of x, y and z of one point in the bytes of its file.
-using CoordinatePlaces = std::array<std::size_t, 3>;
+using CoordinateOffsets = std::array<std::size_t, 3>;
 
 /// Returns the name of an axis in messages: "x", "y" or "z".
 ESPALIER_API const char* axisName(std::size_t axis);
@@ -77,9 +76,9 @@ bool isSame(double a, double b);
 /// A change of one vector at every point of a file: its position, or a direction there. All spans
 /// have one entry per point.
 struct VectorChange {
-    std::span<const CoordinatePlaces> places;  ///< where the file has the vectors
-    std::span<const Point3> before;            ///< the vectors in the file
-    std::span<const Point3> now;               ///< the vectors to be written
+    std::span<const CoordinateOffsets> offsets;  ///< where the file has the vectors
+    std::span<const Point3> before;              ///< the vectors in the file
+    std::span<const Point3> now;                 ///< the vectors to be written
     std::array<Precision, 3> precisions = {Precision::Double, Precision::Double, Precision::Double};
 
     /// Returns the rounded number to be written; nothing if it does not change.
@@ -87,43 +86,43 @@ struct VectorChange {
     std::optional<double> at(std::size_t point, std::size_t axis) const;
 };
 
-/// Replaces numbers in a text.
+/// Replaces changed numbers in a text. All other numbers keep their text.
 class TextChanges {
 public:
-    /// \param text, changes must outlive this. The text has all numbers of a point, of all changes,
-    ///        before those of the next point, and in the same order for each point.
-    TextChanges(std::string_view text, std::span<const VectorChange> changes);
+    /// \param text, changes must outlive this
+    /// \param dimension number of axes that the text has
+    /// \cost O(1) if the text has the numbers of each axis in the order of the points; otherwise
+    ///       they are sorted
+    TextChanges(std::string_view text, std::span<const VectorChange> changes,
+                std::size_t dimension = 3);
 
-    /// Replaces the changed numbers of one point. All other numbers keep their text.
+    /// Replaces the changed numbers that begin before the offset `end` and follow the last call.
     /// \param patch patch of the text; it must not have gone past these numbers
-    void apply(TextPatch& patch, std::size_t point) const;
+    /// \throws Error as roundTo()
+    /// \cost O(numbers · axes of all changes)
+    void applyUpTo(TextPatch& patch, std::size_t end);
 
 private:
-    struct Number {
+    /// The numbers of one axis of a change, in the order of the text.
+    struct Column {
         const VectorChange* change;
         std::size_t axis;
+        std::vector<std::size_t> order = {};  ///< points; empty if they are in order
+        std::size_t next = 0;
+
+        std::size_t point() const { return order.empty() ? next : order[next]; }
+        std::size_t offset() const { return change->offsets[point()][axis]; }
+        bool atEnd() const { return next == change->offsets.size(); }
     };
 
     std::string_view text_;
-    std::vector<Number> numbers_;  ///< the numbers of one point, in the order of the file
+    std::vector<Column> columns_;
 };
 
-/// The order in which a text has the vectors of several changes.
-enum class VectorOrder {
-    PointAfterPoint,  ///< all vectors of a point before those of the next, as for TextChanges
-    OneAfterTheOther  ///< the vectors of the first change at all points, then of the second, ...
-};
-
-/// Writes `text` with all changes.
-/// \param changes at least one
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
-                  VectorOrder order = VectorOrder::PointAfterPoint);
-
-/// Writes `text` with the changes of one vector per point, whose numbers may be in any order in the
-/// text.
+/// Writes `text` with all changes, whose numbers may be in any order in it.
 /// \param dimension number of axes that the text has
-void writeChangedInAnyOrder(std::ostream& out, std::string_view text, const VectorChange& change,
-                            std::size_t dimension);
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
+                  std::size_t dimension = 3);
 
 /// Writes binary data with all changes, in this byte order.
 /// \param dimension number of axes that the data has

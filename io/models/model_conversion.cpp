@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "coordinates.h"
+#include "surface_writers.h"
 #include "triangulation.h"
 
 namespace espalier::io {
@@ -55,10 +56,10 @@ std::vector<Value> at(const std::vector<Index>& points, std::span<const Value> v
 
 }  // namespace
 
-ModelConversion::ModelConversion(const Model& model, const SurfaceFormat& format,
+ModelConversion::ModelConversion(const Model& model, const Format& format,
                                  const std::filesystem::path& path)
     : model_(model), format_(format), surface_(model.readSurface()) {
-    const std::string from(model.extension()), to(format.extension);
+    const std::string from(model.extension()), to(format.extension());
     if (!surface_.otherShapes.empty())
         throw FileError(path, "a " + to + " cannot hold " + listOfShapes(surface_.otherShapes) +
                                   " of the model; name the output " +
@@ -75,8 +76,8 @@ ModelConversion::ModelConversion(const Model& model, const SurfaceFormat& format
         if (!std::ranges::all_of(normal, [](double x) { return std::isfinite(x); }))
             normal = {0, 0, 0};
     if (surface_.repeatsPoints) dropRepeatedPoints();
-    if (format.normals == SurfaceFormat::Normals::Points) moveNormalsToPoints();
-    if (format.normals == SurfaceFormat::Normals::Corners) moveNormalsToCorners();
+    if (format.normals == Format::Normals::Points) moveNormalsToPoints();
+    if (format.normals == Format::Normals::Corners) moveNormalsToCorners();
     if (!format.isFacets()) return;
     if (!surface_.normals.empty()) surface_.addOther("normals (triangles have their own)");
     splitIntoTriangles();
@@ -168,7 +169,7 @@ void ModelConversion::moveNormalsToPoints() {
     if (splitCount == 0) return;
     surface_.normals.clear();
     surface_.addOther(concat("normals (", counted(splitCount, "point has", "points have"),
-                             " several, of which a ", format_.extension, " holds one)"));
+                             " several, of which a ", format_.extension(), " holds one)"));
 }
 
 /// Gives each corner the normal of its point.
@@ -203,7 +204,7 @@ void ModelConversion::write(const std::filesystem::path& path, std::span<const P
     std::vector<Point3> written;
     if (points_) positions = written = at(*points_, positions);
     writeFile(path, [&](std::ostream& out) {
-        format_.write(out, {positions, surface_.faces, normals, normalCorners});
+        format_.writeSurface(out, {positions, surface_.faces, normals, normalCorners});
     });
 }
 

@@ -6,44 +6,27 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <iosfwd>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "surface_writers.h"
+#include "../format.h"
 
 namespace espalier::io {
-
-/// Writes surfaces in a format.
-struct SurfaceFormat {
-    /// Where a file of the format has normals. Facets have those that follow from their corners.
-    enum class Normals { Facets, Points, Corners };
-
-    std::string_view extension;
-    Normals normals;
-    void (*write)(std::ostream&, const SurfaceView&);
-
-    /// Returns true if a file is a list of triangles in single precision, and nothing else.
-    bool isFacets() const { return normals == Normals::Facets; }
-};
 
 /// Writes a model in another format: its points, faces and normals. May write any number of files.
 class ModelConversion {
 public:
     /// Reads the surface of the model.
     ///
-    /// \param model must outlive the conversion
+    /// \param model, format must outlive the conversion
     /// \param path name of a new file, for messages
     /// \throws FileError if the format lacks a shape of the model, or has no place for points
     ///         without faces; if a face of the model is malformed
-    ModelConversion(const Model& model, const SurfaceFormat& format,
-                    const std::filesystem::path& path);
+    ModelConversion(const Model& model, const Format& format, const std::filesystem::path& path);
 
-    /// Returns the extension of the new format.
-    std::string_view extension() const { return format_.extension; }
+    const Format& format() const { return format_; }
 
     /// Returns one line for the user: the data of the model that the new file lacks, and the
     /// changes. Empty if the new file lacks nothing and nothing is changed.
@@ -65,7 +48,7 @@ private:
                       std::vector<Index>& normalCorners) const;
 
     const Model& model_;
-    SurfaceFormat format_;
+    const Format& format_;
     ModelSurface surface_;                      ///< with the faces and normals of the new file
     std::optional<std::vector<Index>> points_;  ///< the points that are written, if not all are
     std::vector<std::string> changes_;

@@ -5,7 +5,7 @@
 #include <espalier/base/vector3.h>
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
-#include <espalier/io/models/obj.h>
+#include <espalier/io/models/obj_mesh.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,14 +24,42 @@
 #include <vector>
 
 #include "../files/text_output.h"
-#include "coordinates.h"
+#include "file_model.h"
 #include "obj_statements.h"
+#include "surface_writers.h"
 
-// Corners of several points may share one `vn`, and the gradients at these points may carry it to
-// different normals. These are the versions of the normal: the first version replaces the old `vn`,
-// each other version gets a new line. A new line shifts the numbers of later normals, and the
-// numbers that count back across it. A corner is rewritten only if its number no longer names its
-// version.
+// Wavefront OBJ. Its points are the `v` statements, and its directions the `vn`
+// statements. All other statements, and everything in a `v` besides x, y and z (w, colours,
+// spacing, comments, line ends), are kept and not interpreted.
+//
+// A backslash at the end of a line continues the statement on the next line, except in a comment.
+// A coordinate that changes is written as the shortest text that reads back as the same double; a
+// coordinate that does not change keeps its text. A file without `v` is a model without points.
+//
+// A `vn` has no point of its own. It is used at corners of `f`, `fo` and `surf`, and the gradients
+// of the points at these corners carry it. The result is rounded to nine digits after the decimal
+// point for a unit normal; a component that does not change at this precision keeps its text.
+//
+// - If all corners of a normal agree on the result, the normal is rewritten in place. A normal
+//   without corners stays.
+// - If they differ, the result at the first corner replaces the normal under its number, and each
+//   other result gets a new `vn`. The new line follows the last `vn` before the corner that first
+//   needs it, because many readers fail if a corner precedes its normal. (If the corner already
+//   precedes its own `vn` in the old file, the new line follows that `vn`.)
+// - A corner whose number no longer names the right normal is rewritten; a number that counts back
+//   still counts back. If all normals precede the faces, the rewritten corners are those that need
+//   a new normal, and all corners whose numbers count back.
+// - A corner that names no normal of the file stays. A corner that names a normal but no point of
+//   the file keeps its normal, and does not count as a corner of this normal above.
+//
+// The faces are the statements `f` and `fo`.
+//
+// The text and 48 bytes per point are kept. Writing takes one pass. With gradients it takes three,
+// and temporarily 8 bytes per corner and about 80 per `vn`: corners of several points may share one
+// `vn`, and the gradients at these points may carry it to different normals. These are the versions
+// of the normal: the first version replaces the old `vn`, each other version gets a new line. A new
+// line shifts the numbers of later normals, and the numbers that count back across it. A corner is
+// rewritten only if its number no longer names its version.
 //
 //     normals_    the `vn` of the file, in its order, with the first version of each
 //     additions_  the other versions, in the order of their first use
@@ -180,11 +208,14 @@ public:
     }
 
     void write(std::ostream& out, const VectorChange& points) const {
-        const TextChanges moves(text_, {&points, 1});
+        TextChanges moves(text_, {&points, 1});
         TextPatch patch(out, text_);
         std::size_t corners = 0;
         walk(
-            path_, text_, [&](const CountsBefore& before) { moves.apply(patch, before.points); },
+            path_, text_,
+            [&](const CountsBefore& before) {
+                moves.applyUpTo(patch, points.offsets[before.points][2] + 1);
+            },
             [&](ObjWords& words, const CountsBefore& before) {
                 replaceNormal(patch, words, normals_[before.normals]);
                 insertAdditions(patch, words.end(), before.normals);
@@ -298,154 +329,130 @@ private:
     std::vector<std::size_t> additionsBefore_;  ///< number before each normal; the total at the end
 };
 
-/// Writes an OBJ with moved points and carried normals. readObj() describes the result and the
-/// cost.
-///
-/// \param path path of the file that was read
-/// \param points change of the `v` statements
-/// \param gradients one per point
-void writeWithNormals(std::ostream& out, const std::filesystem::path& path, std::string_view text,
-                      const VectorChange& points, std::span<const DeformationGradient> gradients) {
-    NormalWriter(path, text, gradients).write(out, points);
+FileNumbers readObjNumbers(const std::filesystem::path& path, std::string_view text) {
+    FileNumbers numbers;
+    const std::size_t expected = expectedPoints(text);
+    requireMemory(expected * (sizeof(Point3) + sizeof(CoordinateOffsets)),
+                  shownPath(path) + ": a list of its points");
+    numbers.points.values.reserve(expected);
+    numbers.points.offsets.reserve(expected);
+    forEachObjStatement(path, text, [&](ObjWords& words, std::size_t line) {
+        const std::string_view keyword = readObjKeyword(words, path, line);
+        if (keyword == "vn") numbers.hasDirections = true;
+        if (keyword != "v") return;
+        const ObjPoint point = readObjPoint(words, path, line);
+        numbers.points.values.push_back(point.position);
+        CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            offsets[axis] = point.words[axis].data() - text.data();
+    });
+    return numbers;
 }
 
-class ObjModel final : public Model {
-public:
-    ObjModel(const std::filesystem::path& path, std::string text)
-        : path_(path), text_(std::move(text)) {
-        const std::size_t expected = expectedPoints(text_);
-        requireMemory(expected * (sizeof(Point3) + sizeof(CoordinatePlaces)),
-                      shownPath(path) + ": a list of its points");
-        positions_.reserve(expected);
-        places_.reserve(expected);
-        forEachObjStatement(path, text_, [&](ObjWords& words, std::size_t line) {
-            const std::string_view keyword = readObjKeyword(words, path, line);
-            if (keyword == "v") addPoint(readObjPoint(words, path, line));
-            if (keyword == "vn") hasNormals_ = true;
-        });
+/// Returns true if the statement has more than `count` words.
+bool hasMoreThan(std::size_t count, ObjWords& words) {
+    while (!words.next().empty())
+        if (count-- == 0) return true;
+    return false;
+}
+
+/// Adds a face, and the normals of its corners. Returns false if a corner names no normal.
+bool addFace(const FileView& file, ObjWords& words, std::size_t line, const CountsBefore& before,
+             ModelSurface& surface) {
+    const std::size_t pointCount = file.numbers.points.values.size();
+    bool haveNormals = true;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+        const auto point = referenceOf(word.substr(0, word.find('/')), before.points, pointCount);
+        if (!point)
+            throw FileError(file.path, line,
+                            concat("a face has the corner ", inQuotes(word),
+                                   ", which names no point; there are ", before.points,
+                                   " before it and ", pointCount, " in the file"));
+        surface.faces.corners.push_back(static_cast<Index>(point->index));
+        const auto corner = cornerOf(word);
+        const auto normal =
+            corner ? referenceOf(corner->normal, before.normals, kMaxIndex) : std::nullopt;
+        haveNormals = haveNormals && normal;
+        if (haveNormals) surface.normalCorners.push_back(static_cast<Index>(normal->index));
     }
+    surface.faces.endFace();
+    return haveNormals;
+}
 
-    std::span<const Point3> positions() const override { return positions_; }
-    std::string_view extension() const override { return ".obj"; }
-    bool hasDirections() const override { return hasNormals_; }
-    CoordinateStorage storage() const override { return CoordinateStorage::Text; }
+void nameOtherData(std::string_view keyword, ModelSurface& surface) {
+    constexpr std::pair<std::string_view, const char*> kKinds[] = {{"vt", "texture coordinates"},
+                                                                   {"g", "groups"},
+                                                                   {"o", "names of objects"},
+                                                                   {"s", "smoothing groups"},
+                                                                   {"usemtl", "materials"},
+                                                                   {"mtllib", "materials"},
+                                                                   {"l", "lines"},
+                                                                   {"p", "point elements"},
+                                                                   {"t", "tags of subdivision"}};
+    constexpr std::string_view kFreeForm[] = {"curv", "curv2", "surf"};
+    if (std::ranges::count(kFreeForm, keyword) > 0) {
+        const std::string name = "free-form curves and surfaces";
+        if (std::ranges::count(surface.otherShapes, name) == 0) surface.otherShapes.push_back(name);
+        return;
+    }
+    for (const auto& [known, kind] : kKinds)
+        if (known == keyword) return surface.addOther(kind);
+    surface.addOther("statements", std::string(keyword));
+}
 
-    ModelSurface readSurface() const override {
-        ModelSurface surface;
-        bool haveAllNormals = hasNormals_;
-        CountsBefore before;
-        forEachObjStatement(path_, text_, [&](ObjWords& words, std::size_t line) {
-            const std::string_view keyword = words.next();
-            if (keyword == "v") {
-                ++before.points;
-                if (hasMoreThan(3, words)) surface.addOther("weights or colours of points");
-            } else if (keyword == "vn") {
-                ++before.normals;
-                surface.normals.push_back(readObjNormal(words));
-            } else if (keyword == "f" || keyword == "fo") {
-                haveAllNormals = addFace(words, line, before, surface) && haveAllNormals;
-            } else if (!keyword.empty()) {
-                nameOtherData(keyword, surface);
-            }
-        });
-        // A corner may name a normal that follows it, so the numbers are checked at the end.
-        const auto isNormal = [&](Index normal) {
-            return 0 <= normal && static_cast<std::size_t>(normal) < surface.normals.size();
-        };
-        if (haveAllNormals && !surface.normalCorners.empty() &&
-            std::ranges::all_of(surface.normalCorners, isNormal))
-            return surface;
-        if (hasNormals_)
-            surface.addOther(surface.faces.count() == 0 ? "normals (the model has no faces)"
-                                                        : "normals (some corners have none)");
-        surface.normals.clear();
-        surface.normalCorners.clear();
+ModelSurface readObjSurface(const FileView& file) {
+    ModelSurface surface;
+    bool haveAllNormals = file.numbers.hasDirections;
+    CountsBefore before;
+    forEachObjStatement(file.path, file.bytes, [&](ObjWords& words, std::size_t line) {
+        const std::string_view keyword = words.next();
+        if (keyword == "v") {
+            ++before.points;
+            if (hasMoreThan(3, words)) surface.addOther("weights or colours of points");
+        } else if (keyword == "vn") {
+            ++before.normals;
+            surface.normals.push_back(readObjNormal(words));
+        } else if (keyword == "f" || keyword == "fo") {
+            haveAllNormals = addFace(file, words, line, before, surface) && haveAllNormals;
+        } else if (!keyword.empty()) {
+            nameOtherData(keyword, surface);
+        }
+    });
+    // A corner may name a normal that follows it, so the numbers are checked at the end.
+    const auto isNormal = [&](Index normal) {
+        return 0 <= normal && static_cast<std::size_t>(normal) < surface.normals.size();
+    };
+    if (haveAllNormals && !surface.normalCorners.empty() &&
+        std::ranges::all_of(surface.normalCorners, isNormal))
         return surface;
-    }
+    if (file.numbers.hasDirections)
+        surface.addOther(surface.faces.count() == 0 ? "normals (the model has no faces)"
+                                                    : "normals (some corners have none)");
+    surface.normals.clear();
+    surface.normalCorners.clear();
+    return surface;
+}
 
-private:
-    /// Returns true if the statement has more than `count` words.
-    static bool hasMoreThan(std::size_t count, ObjWords& words) {
-        while (!words.next().empty())
-            if (count-- == 0) return true;
-        return false;
-    }
+void writeObj(std::ostream& out, const FileView& file, std::span<const Point3> moved,
+              std::span<const DeformationGradient> gradients) {
+    if (gradients.empty() || !file.numbers.hasDirections)
+        writeNumbers(out, file, moved, {});
+    else
+        NormalWriter(file.path, file.bytes, gradients)
+            .write(out, file.numbers.points.changeTo(moved));
+}
 
-    /// Adds a face, and the normals of its corners. Returns false if a corner names no normal.
-    bool addFace(ObjWords& words, std::size_t line, const CountsBefore& before,
-                 ModelSurface& surface) const {
-        bool haveNormals = true;
-        for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-            const auto point =
-                referenceOf(word.substr(0, word.find('/')), before.points, positions_.size());
-            if (!point)
-                throw FileError(path_, line,
-                                concat("a face has the corner ", inQuotes(word),
-                                       ", which names no point; there are ", before.points,
-                                       " before it and ", positions_.size(), " in the file"));
-            surface.faces.corners.push_back(static_cast<Index>(point->index));
-            const auto corner = cornerOf(word);
-            const auto normal =
-                corner ? referenceOf(corner->normal, before.normals, kMaxIndex) : std::nullopt;
-            haveNormals = haveNormals && normal;
-            if (haveNormals) surface.normalCorners.push_back(static_cast<Index>(normal->index));
-        }
-        surface.faces.endFace();
-        return haveNormals;
-    }
-
-    static void nameOtherData(std::string_view keyword, ModelSurface& surface) {
-        constexpr std::pair<std::string_view, const char*> kKinds[] = {
-            {"vt", "texture coordinates"},
-            {"g", "groups"},
-            {"o", "names of objects"},
-            {"s", "smoothing groups"},
-            {"usemtl", "materials"},
-            {"mtllib", "materials"},
-            {"l", "lines"},
-            {"p", "point elements"},
-            {"t", "tags of subdivision"}};
-        constexpr std::string_view kFreeForm[] = {"curv", "curv2", "surf"};
-        if (std::ranges::count(kFreeForm, keyword) > 0) {
-            const std::string name = "free-form curves and surfaces";
-            if (std::ranges::count(surface.otherShapes, name) == 0)
-                surface.otherShapes.push_back(name);
-            return;
-        }
-        for (const auto& [known, kind] : kKinds)
-            if (known == keyword) return surface.addOther(kind);
-        surface.addOther("statements", std::string(keyword));
-    }
-
-    void addPoint(const ObjPoint& point) {
-        positions_.push_back(point.position);
-        CoordinatePlaces& place = places_.emplace_back();
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            place[axis] = point.words[axis].data() - text_.data();
-    }
-
-    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient> gradients) const override {
-        const VectorChange points{places_, positions_, moved};
-        writeFile(path, [&](std::ostream& out) {
-            if (gradients.empty() || !hasNormals_)
-                writeChanged(out, text_, {&points, 1});
-            else
-                writeWithNormals(out, path_, text_, points, gradients);
-        });
-    }
-
-    std::filesystem::path path_;  ///< path of the file that was read
-    std::string text_;
-    Array<Point3> positions_;
-    Array<CoordinatePlaces> places_;
-    bool hasNormals_ = false;
-};
+constexpr FileModelFormat kObjModel = {readObjNumbers, readObjSurface, nullptr, nullptr, writeObj};
 
 }  // namespace
 
-std::unique_ptr<Model> readObj(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<ObjModel>(path, std::move(bytes));
-}
+const Format kObjFormat = {.extensions = {".obj"},
+                           .readModel = readFileModel<kObjModel>,
+                           .writeSurface = writeObjSurface,
+                           .normals = Format::Normals::Corners,
+                           .readMesh = readObjMesh,
+                           .writeMesh = [](const std::filesystem::path& path,
+                                           const Lattice& mesh) { writeObjMesh(path, mesh); },
+                           .isEditorMesh = true};
 
 }  // namespace espalier::io

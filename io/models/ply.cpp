@@ -4,7 +4,6 @@
 #include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/models/ply.h>
 
 #include <algorithm>
 #include <array>
@@ -17,24 +16,27 @@
 #include <vector>
 
 #include "../files/bytes.h"
-#include "coordinates.h"
+#include "file_model.h"
 #include "ply_header.h"
+#include "surface_writers.h"
+
+// PLY: ASCII, or binary of either byte order. Its points are the properties x,
+// y and z of the element `vertex`, of type float or double. All other data is kept and not
+// interpreted.
+//
+// The properties nx, ny and nz are a normal, and tx, ty and tz a tangent, if each of the three
+// exists once and is a float or a double. In these properties a word that is no number is not an
+// error.
+//
+// The faces are the rows of the element `face`: its lists `vertex_indices` or `vertex_index`.
+//
+// The file must have exactly the rows that its header claims. In ASCII a row is a line; empty
+// lines between and after rows are kept and ignored. In binary one line end may follow the rows.
+//
+// Refused: x, y or z of an integer type, which could not hold a deformed position.
 
 namespace espalier::io {
 namespace {
-
-/// A vector of each vertex, and the offsets of its numbers in the file.
-struct PlyVectors {
-    std::array<Precision, 3> precisions;
-    std::vector<Point3> values;
-    std::vector<CoordinatePlaces> places;
-};
-
-struct PlyPoints {
-    PlyVectors positions;
-    /// One entry for each direction of the header. A word that is no number is NaN.
-    std::vector<PlyVectors> directions;
-};
 
 /// Returns true if a list of the element `face` has the corners of the faces.
 bool isCornerList(const PlyProperty& property) {
@@ -54,16 +56,18 @@ public:
           header_(header),
           faces_(faces),
           slots_(header.vertices().properties.size()) {
-        points_.directions.resize(header.directions.size());
-        setSlots(header.axes, points_.positions);
-        for (std::size_t i = 0; i < header.directions.size(); ++i)
-            setSlots(header.directions[i].columns, points_.directions[i]);
+        numbers_.directions.resize(header.directions.size());
+        setSlots(header.axes, numbers_.points);
+        for (std::size_t i = 0; i < header.directions.size(); ++i) {
+            setSlots(header.directions[i].columns, numbers_.directions[i]);
+            numbers_.directions[i].carry = header.directions[i].carry;
+        }
     }
     RowReader(const RowReader&) = delete;
     RowReader& operator=(const RowReader&) = delete;
     virtual ~RowReader() = default;
 
-    PlyPoints read() {
+    FileNumbers read() {
         for (const PlyElement& element : header_.elements) {
             isVertex_ = &element == &header_.vertices();
             isFace_ = element.name == "face";
@@ -71,16 +75,16 @@ public:
             if (element.properties.empty()) continue;
             checkClaim(element);
             if (!isVertex_ && skipRows(element)) continue;
-            if (isVertex_) addVertices(points_.positions, element.count);
-            for (PlyVectors& direction : points_.directions)
-                if (isVertex_) addVertices(direction, element.count);
+            if (isVertex_) numbers_.points.resize(element.count);
+            for (FileVectors& direction : numbers_.directions)
+                if (isVertex_) direction.resize(element.count);
             for (row_ = 0; row_ < element.count; ++row_) {
                 checkCancelledEvery(row_, 12);
                 readRow(element);
             }
         }
         checkEnd();
-        return std::move(points_);
+        return std::move(numbers_);
     }
 
 protected:
@@ -97,7 +101,7 @@ protected:
 
     /// The vector and axis that a column of the vertices belongs to.
     struct Slot {
-        PlyVectors* vectors = nullptr;  ///< null if the column is skipped
+        FileVectors* vectors = nullptr;  ///< null if the column is skipped
         std::size_t axis = 0;
         Precision precision() const { return vectors->precisions[axis]; }
     };
@@ -107,11 +111,11 @@ protected:
         return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
     }
 
-    bool isPosition(const Slot& slot) const { return slot.vectors == &points_.positions; }
+    bool isPosition(const Slot& slot) const { return slot.vectors == &numbers_.points; }
 
-    void set(const Slot& slot, double value, std::size_t place) {
+    void set(const Slot& slot, double value, std::size_t offset) {
         slot.vectors->values[row_][slot.axis] = value;
-        slot.vectors->places[row_][slot.axis] = place;
+        slot.vectors->offsets[row_][slot.axis] = offset;
     }
 
     /// Returns true if a list of the current element has the corners of a face that is wanted.
@@ -145,17 +149,12 @@ protected:
     std::size_t row_ = 0;  ///< current row of the current element
 
 private:
-    void setSlots(const std::array<std::size_t, 3>& columns, PlyVectors& vectors) {
+    void setSlots(const std::array<std::size_t, 3>& columns, FileVectors& vectors) {
         vectors.precisions = header_.precisions(columns);
         for (std::size_t axis = 0; axis < 3; ++axis) slots_[columns[axis]] = {&vectors, axis};
     }
 
-    static void addVertices(PlyVectors& vectors, std::size_t count) {
-        vectors.values.resize(count);
-        vectors.places.resize(count);
-    }
-
-    PlyPoints points_;
+    FileNumbers numbers_;
     ModelFaces* faces_;
     std::vector<Slot> slots_;  ///< one for each column of the vertices
     bool isVertex_ = false;
@@ -334,98 +333,63 @@ private:
 /// \param faces receives the faces; may be null
 /// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
 ///         than the header claims, if a row is malformed, or if a position is not finite
-PlyPoints readPlyRows(const std::filesystem::path& path, std::string_view bytes,
-                      const PlyHeader& header, ModelFaces* faces = nullptr) {
+FileNumbers readPlyRows(const std::filesystem::path& path, std::string_view bytes,
+                        const PlyHeader& header, ModelFaces* faces = nullptr) {
     if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header, faces).read();
     return BinaryRows(path, bytes, header, faces).read();
 }
 
-class PlyModel final : public Model {
-public:
-    PlyModel(const std::filesystem::path& path, std::string bytes)
-        : path_(path),
-          bytes_(std::move(bytes)),
-          header_(parsePlyHeader(path, bytes_)),
-          points_(readPlyRows(path, bytes_, header_)) {}
+FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view bytes) {
+    const PlyHeader header = parsePlyHeader(path, bytes);
+    FileNumbers numbers = readPlyRows(path, bytes, header);
+    if (header.format != PlyFormat::Ascii) numbers.order = header.byteOrder();
+    numbers.storage = storageOf(*std::ranges::min_element(numbers.points.precisions));
+    return numbers;
+}
 
-    std::span<const Point3> positions() const override { return points_.positions.values; }
-    std::string_view extension() const override { return ".ply"; }
-    bool hasDirections() const override { return !points_.directions.empty(); }
-    CoordinateStorage storage() const override {
-        return storageOf(narrowest(points_.positions.precisions));
-    }
-
-    ModelSurface readSurface() const override {
-        ModelSurface surface;
-        readPlyRows(path_, bytes_, header_, &surface.faces);
-        const auto normals =
-            std::ranges::find(header_.directions, Carry{carryNormal}, &PlyDirection::carry);
-        std::vector<std::size_t> used(header_.axes.begin(), header_.axes.end());
-        if (normals != header_.directions.end()) {
-            surface.normals = points_.directions[normals - header_.directions.begin()].values;
-            used.insert(used.end(), normals->columns.begin(), normals->columns.end());
-        }
-        for (const PlyElement& element : header_.elements) nameOtherData(element, used, surface);
-        return surface;
-    }
-
-private:
-    /// \param used numbers of the properties of vertices that are points or normals
-    void nameOtherData(const PlyElement& element, const std::vector<std::size_t>& used,
-                       ModelSurface& surface) const {
-        if (element.count == 0) return;
-        if (element.name == "tristrips")
-            surface.otherShapes.push_back("strips of triangles");
-        else if (&element != &header_.vertices() && element.name != "face")
-            surface.addOther("elements", element.name);
-        else
-            for (std::size_t column = 0; column < element.properties.size(); ++column) {
-                const PlyProperty& property = element.properties[column];
-                if (&element == &header_.vertices()) {
-                    if (std::ranges::count(used, column) == 0)
-                        surface.addOther("properties of points", property.name);
-                } else if (!isCornerList(property)) {
-                    surface.addOther("properties of faces", property.name);
-                }
+/// Names the data of an element that are neither points, faces nor normals.
+/// \param used numbers of the properties of vertices that are points or normals
+void nameOtherData(const PlyHeader& header, const PlyElement& element,
+                   const std::vector<std::size_t>& used, ModelSurface& surface) {
+    if (element.count == 0) return;
+    if (element.name == "tristrips")
+        surface.otherShapes.push_back("strips of triangles");
+    else if (&element != &header.vertices() && element.name != "face")
+        surface.addOther("elements", element.name);
+    else
+        for (std::size_t column = 0; column < element.properties.size(); ++column) {
+            const PlyProperty& property = element.properties[column];
+            if (&element == &header.vertices()) {
+                if (std::ranges::count(used, column) == 0)
+                    surface.addOther("properties of points", property.name);
+            } else if (!isCornerList(property)) {
+                surface.addOther("properties of faces", property.name);
             }
-    }
-
-    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient> gradients) const override {
-        std::vector<VectorChange> changes = {changeOf(points_.positions, moved)};
-        std::vector<std::vector<Point3>> turned;
-        for (std::size_t i = 0; i < points_.directions.size() && !gradients.empty(); ++i) {
-            const PlyVectors& vectors = points_.directions[i];
-            turned.push_back(carried(vectors.values, gradients, header_.directions[i].carry,
-                                     narrowest(vectors.precisions)));
-            changes.push_back(changeOf(vectors, turned.back()));
         }
-        writeFile(path, [&](std::ostream& out) {
-            if (header_.format == PlyFormat::Ascii)
-                writeChanged(out, bytes_, changes);
-            else
-                writeChangedBinary(out, bytes_, changes, header_.byteOrder());
-        });
-    }
+}
 
-    static VectorChange changeOf(const PlyVectors& vectors, std::span<const Point3> now) {
-        return {vectors.places, vectors.values, now, vectors.precisions};
+ModelSurface readPlySurface(const FileView& file) {
+    const PlyHeader header = parsePlyHeader(file.path, file.bytes);
+    ModelSurface surface;
+    readPlyRows(file.path, file.bytes, header, &surface.faces);
+    std::vector<std::size_t> used(header.axes.begin(), header.axes.end());
+    surface.normals = normalsOf(file.numbers);
+    if (!surface.normals.empty()) {
+        const auto normals =
+            std::ranges::find(header.directions, Carry{carryNormal}, &PlyDirection::carry);
+        used.insert(used.end(), normals->columns.begin(), normals->columns.end());
     }
+    for (const PlyElement& element : header.elements) nameOtherData(header, element, used, surface);
+    return surface;
+}
 
-    static Precision narrowest(const std::array<Precision, 3>& precisions) {
-        return *std::min_element(precisions.begin(), precisions.end());
-    }
-
-    std::filesystem::path path_;  ///< path of the file that was read
-    std::string bytes_;
-    PlyHeader header_;
-    PlyPoints points_;
-};
+constexpr FileModelFormat kPlyModel = {readPlyNumbers, readPlySurface};
 
 }  // namespace
 
-std::unique_ptr<Model> readPly(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<PlyModel>(path, std::move(bytes));
-}
+const Format kPlyFormat = {.extensions = {".ply"},
+                           .readModel = readFileModel<kPlyModel>,
+                           .writeSurface = writePlySurface,
+                           .isEditorMesh = true};
 
 }  // namespace espalier::io

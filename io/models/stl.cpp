@@ -4,7 +4,6 @@
 #include <espalier/base/progress.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/models/stl.h>
 
 #include <algorithm>
 #include <bit>
@@ -20,8 +19,20 @@
 
 #include "../files/bytes.h"
 #include "../files/text_output.h"
-#include "coordinates.h"
+#include "file_model.h"
 #include "surface_writers.h"
+
+// STL, ASCII or binary. Its points are the three corners of each facet, facet
+// after facet; so a vertex of the surface is repeated for each facet around it.
+//
+// A file is binary if it has exactly the 84 + 50 · n bytes of the n facets that it claims, even if
+// its header begins with "solid". A binary file holds floats.
+//
+// On writing, a facet with a corner that moved gets the normal of its new corners, or 0 0 0 if
+// they lie on a line. All other facets keep their normals. Headers, names and attribute bytes are
+// kept.
+//
+// The file is kept, with 24 bytes per point (binary) or 72 (ASCII).
 
 namespace espalier::io {
 namespace {
@@ -65,203 +76,201 @@ void storeVector(std::string& bytes, std::size_t place, const Point3& vector) {
                         std::endian::little);
 }
 
-/// The base of both kinds of STL: holds the corners, and tells which facets move.
-class StlModel : public Model {
-public:
-    std::span<const Point3> positions() const override { return positions_; }
-    std::string_view extension() const override { return ".stl"; }
-    bool hasDirections() const override { return false; }
+bool isMoved(const FileView& file, std::size_t facet, std::span<const Point3, 3> corners) {
+    return !std::equal(corners.begin(), corners.end(),
+                       file.numbers.points.values.data() + 3 * facet);
+}
 
-    ModelSurface readSurface() const override {
-        ModelSurface surface;
-        surface.repeatsPoints = true;
-        surface.faces = weldedFacets();
-        nameOtherData(surface);
-        return surface;
+/// Returns the facets. Corners at one place are the first corner there.
+ModelFaces weldedFacets(std::span<const Point3> positions) {
+    std::vector<std::size_t> order(positions.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    sortCancellably(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::tie(positions[a], a) < std::tie(positions[b], b);
+    });
+    ModelFaces faces;
+    faces.corners.resize(positions.size());
+    std::size_t first = 0;  // the first of all corners at a place
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i == 0 || positions[order[i]] != positions[first]) first = order[i];
+        faces.corners[order[i]] = static_cast<Index>(first);
     }
+    for (std::size_t end = 3; end <= positions.size(); end += 3) faces.ends.push_back(end);
+    return faces;
+}
 
-protected:
-    explicit StlModel(std::string bytes) : bytes_(std::move(bytes)) {}
+// Binary.
 
-    std::size_t facetCount() const { return positions_.size() / 3; }
+std::size_t normalOffset(std::size_t facet) {
+    return kFirstFacet + facet * kFacetSize;
+}
 
-    bool isMoved(std::size_t facet, std::span<const Point3, 3> corners) const {
-        return !std::equal(corners.begin(), corners.end(), positions_.data() + 3 * facet);
+std::size_t cornerOffset(std::size_t point) {
+    return normalOffset(point / 3) + (point % 3 + 1) * kVectorSize;
+}
+
+/// Has no table of offsets, since cornerOffset() gives them.
+FileNumbers readBinary(const std::filesystem::path& path, std::string_view bytes) {
+    FileNumbers numbers;
+    numbers.setBinary(std::endian::little, Precision::Float);
+    auto& points = numbers.points.values;
+    points.resize(3 * ((bytes.size() - kFirstFacet) / kFacetSize));
+    for (std::size_t point = 0; point < points.size(); ++point) {
+        checkCancelledEvery(point, 14);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            points[point][axis] =
+                loadCoordinate(bytes, cornerOffset(point) + axis * sizeof(float), Precision::Float,
+                               std::endian::little, axis, point, path);
     }
+    return numbers;
+}
 
-    std::string bytes_;
-    std::vector<Point3> positions_;
-
-private:
-    virtual void nameOtherData(ModelSurface& surface) const = 0;
-
-    /// Returns the facets. Corners at one place are the first corner there.
-    ModelFaces weldedFacets() const {
-        std::vector<std::size_t> order(positions_.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        sortCancellably(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return std::tie(positions_[a], a) < std::tie(positions_[b], b);
-        });
-        ModelFaces faces;
-        faces.corners.resize(positions_.size());
-        std::size_t first = 0;  // the first of all corners at a place
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            if (i == 0 || positions_[order[i]] != positions_[first]) first = order[i];
-            faces.corners[order[i]] = static_cast<Index>(first);
-        }
-        for (std::size_t facet = 1; facet <= facetCount(); ++facet) faces.ends.push_back(3 * facet);
-        return faces;
-    }
-};
-
-class BinaryStl final : public StlModel {
-public:
-    BinaryStl(const std::filesystem::path& path, std::string bytes) : StlModel(std::move(bytes)) {
-        const std::size_t pointCount = 3 * ((bytes_.size() - kFirstFacet) / kFacetSize);
-        positions_.resize(pointCount);
-        for (std::size_t point = 0; point < pointCount; ++point) {
-            checkCancelledEvery(point, 14);
+void writeBinary(std::ostream& out, const FileView& file, std::span<const Point3> moved) {
+    std::string bytes(file.bytes);
+    for (std::size_t facet = 0; facet < moved.size() / 3; ++facet) {
+        checkCancelledEvery(facet, 12);
+        const std::span<const Point3, 3> corners(moved.data() + 3 * facet, 3);
+        std::array<Point3, 3> rounded;
+        for (std::size_t corner = 0; corner < 3; ++corner)
             for (std::size_t axis = 0; axis < 3; ++axis)
-                positions_[point][axis] =
-                    loadCoordinate(bytes_, placeOf(point, axis), Precision::Float,
-                                   std::endian::little, axis, point, path);
-        }
+                rounded[corner][axis] =
+                    roundTo(Precision::Float, corners[corner][axis], 3 * facet + corner);
+        if (!isMoved(file, facet, rounded)) continue;
+        // The normal is computed from the corners before rounding: rounding may turn a small facet,
+        // or give a direction to one whose corners lie on a line.
+        storeVector(bytes, normalOffset(facet), facetNormal(corners));
+        for (std::size_t corner = 0; corner < 3; ++corner)
+            storeVector(bytes, cornerOffset(3 * facet + corner), rounded[corner]);
     }
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
 
-    CoordinateStorage storage() const override { return CoordinateStorage::Float; }
+// Text.
 
-private:
-    static std::size_t normalPlace(std::size_t facet) { return kFirstFacet + facet * kFacetSize; }
-    static std::size_t placeOf(std::size_t point, std::size_t axis) {
-        return normalPlace(point / 3) + (point % 3 + 1) * kVectorSize + axis * sizeof(float);
-    }
-
-    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient>) const override {
-        std::string bytes = bytes_;
-        for (std::size_t facet = 0; facet < facetCount(); ++facet) {
-            checkCancelledEvery(facet, 12);
-            const std::span<const Point3, 3> corners(moved.data() + 3 * facet, 3);
-            std::array<Point3, 3> rounded;
-            for (std::size_t corner = 0; corner < 3; ++corner)
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    rounded[corner][axis] =
-                        roundTo(Precision::Float, corners[corner][axis], 3 * facet + corner);
-            if (!isMoved(facet, rounded)) continue;
-            // The normal is computed from the corners before rounding: rounding may turn a small
-            // facet, or give a direction to one whose corners lie on a line.
-            storeVector(bytes, normalPlace(facet), facetNormal(corners));
-            for (std::size_t corner = 0; corner < 3; ++corner)
-                storeVector(bytes, placeOf(3 * facet + corner, 0), rounded[corner]);
-        }
-        writeFile(path, [&](std::ostream& out) {
-            out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        });
-    }
-
-    void nameOtherData(ModelSurface& surface) const override {
-        for (std::size_t facet = 0; facet < facetCount(); ++facet)
-            if (const std::size_t end = normalPlace(facet + 1);
-                bytes_[end - 2] != 0 || bytes_[end - 1] != 0)
-                return surface.addOther("attribute bytes");
-    }
-};
-
-/// An ASCII STL. Keywords may be in upper case, as some programs write them.
-class AsciiStl final : public StlModel {
+/// Reads an ASCII STL. Keywords may be in upper case, as some programs write them.
+class TextStl {
 public:
-    AsciiStl(const std::filesystem::path& path, std::string bytes) : StlModel(std::move(bytes)) {
-        TextReader reader(path, bytes_);
-        while (!reader.atEnd()) {
-            readSolid(reader, path);
-            ++solidCount_;
+    TextStl(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), bytes_(bytes), reader_(path, bytes) {
+        while (!reader_.atEnd()) {
+            readSolid();
+            ++solidCount;
         }
     }
 
-    CoordinateStorage storage() const override { return CoordinateStorage::Text; }
+    FileNumbers numbers;
+    /// One per facet. The words are not parsed, because some programs write no numbers here.
+    std::vector<std::array<std::string_view, 3>> normals;
+
+    std::size_t solidCount = 0;
 
 private:
-    using Place = std::array<std::string_view, 3>;
-
-    static void expect(TextReader& reader, const char* keyword) {
-        const std::string_view word = reader.token(keyword);
+    void expect(const char* keyword) {
+        const std::string_view word = reader_.token(keyword);
         if (lowerCase(word) != keyword)
-            reader.fail("expected " + inQuotes(keyword) + ", got " + inQuotes(word));
+            reader_.fail("expected " + inQuotes(keyword) + ", got " + inQuotes(word));
     }
 
-    void readSolid(TextReader& reader, const std::filesystem::path& path) {
-        expect(reader, "solid");
-        reader.restOfLine();  // the name
+    void readSolid() {
+        expect("solid");
+        reader_.restOfLine();  // the name
         while (true) {
-            const std::string_view word = reader.token("facet or endsolid");
+            const std::string_view word = reader_.token("facet or endsolid");
             if (lowerCase(word) == "endsolid") break;
             if (lowerCase(word) != "facet")
-                reader.fail(inQuotes(word) + "; expected 'facet' or 'endsolid'");
-            readFacet(reader, path);
+                reader_.fail(inQuotes(word) + "; expected 'facet' or 'endsolid'");
+            readFacet();
         }
-        reader.restOfLine();  // the name again
+        reader_.restOfLine();  // the name again
     }
 
-    void readFacet(TextReader& reader, const std::filesystem::path& path) {
-        expect(reader, "normal");
-        // The words are not parsed: they are not used, and some programs write no numbers here.
-        for (std::string_view& word : normals_.emplace_back())
-            word = reader.token("a component of a normal");
-        expect(reader, "outer");
-        expect(reader, "loop");
+    void readFacet() {
+        expect("normal");
+        for (std::string_view& word : normals.emplace_back())
+            word = reader_.token("a component of a normal");
+        expect("outer");
+        expect("loop");
         for (std::size_t corner = 0; corner < 3; ++corner) {
-            expect(reader, "vertex");
-            Point3& point = positions_.emplace_back();
-            Place& place = places_.emplace_back();
+            expect("vertex");
+            Point3& point = numbers.points.values.emplace_back();
+            CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                place[axis] = reader.token("a coordinate of a vertex");
-                point[axis] =
-                    parseCoordinate(place[axis], axis, Precision::Double, path, reader.line());
+                const std::string_view word = reader_.token("a coordinate of a vertex");
+                offsets[axis] = word.data() - bytes_.data();
+                point[axis] = parseCoordinate(word, axis, Precision::Double, path_, reader_.line());
             }
         }
-        expect(reader, "endloop");
-        expect(reader, "endfacet");
+        expect("endloop");
+        expect("endfacet");
     }
 
-    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient>) const override {
-        writeFile(path, [&](std::ostream& out) {
-            TextPatch patch(out, bytes_);
-            for (std::size_t facet = 0; facet < facetCount(); ++facet) {
-                const std::span<const Point3, 3> corners(moved.data() + 3 * facet, 3);
-                if (isMoved(facet, corners)) replaceFacet(patch, facet, corners);
-            }
-            patch.finish();
-        });
-    }
-
-    void nameOtherData(ModelSurface& surface) const override {
-        if (solidCount_ > 1) surface.addOther("solids");
-    }
-
-    void replaceFacet(TextPatch& patch, std::size_t facet,
-                      std::span<const Point3, 3> corners) const {
-        const Point3 normal = facetNormal(corners);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            patch.replace(normals_[facet][axis], normal[axis]);
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const std::size_t point = 3 * facet + corner;
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                if (corners[corner][axis] != positions_[point][axis])
-                    patch.replace(places_[point][axis], corners[corner][axis]);
-        }
-    }
-
-    std::size_t solidCount_ = 0;
-    // Views of bytes_. They stay valid because a model is never copied or moved.
-    std::vector<Place> places_;   ///< one per point
-    std::vector<Place> normals_;  ///< one per facet
+    const std::filesystem::path& path_;
+    std::string_view bytes_;
+    TextReader reader_;
 };
+
+void writeText(std::ostream& out, const FileView& file, std::span<const Point3> moved) {
+    const TextStl stl(file.path, file.bytes);
+    const VectorChange points = file.numbers.points.changeTo(moved);
+    TextChanges moves(file.bytes, {&points, 1});
+    TextPatch patch(out, file.bytes);
+    for (std::size_t facet = 0; facet < stl.normals.size(); ++facet) {
+        const std::span<const Point3, 3> corners(moved.data() + 3 * facet, 3);
+        if (!isMoved(file, facet, corners)) continue;
+        const Point3 normal = facetNormal(corners);
+        const auto& words = stl.normals[facet];
+        moves.applyUpTo(patch, words[0].data() - file.bytes.data());
+        for (std::size_t axis = 0; axis < 3; ++axis) patch.replace(words[axis], normal[axis]);
+    }
+    moves.applyUpTo(patch, file.bytes.size());
+    patch.finish();
+}
+
+// Both.
 
 bool beginsWithSolid(std::string_view bytes) {
     const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
     return begin != std::string_view::npos && lowerCase(bytes.substr(begin, 5)) == "solid";
 }
+
+FileNumbers readStlNumbers(const std::filesystem::path& path, std::string_view bytes) {
+    std::uint64_t binarySize = kFirstFacet;
+    if (bytes.size() >= kFirstFacet)
+        binarySize += kFacetSize * std::uint64_t{loadNumber<std::uint32_t>(
+                                       bytes.data() + kHeaderSize, std::endian::little)};
+    if (bytes.size() == binarySize) return readBinary(path, bytes);
+    // A text has no byte 0, and nearly every binary file has one.
+    if (beginsWithSolid(bytes) && bytes.find('\0') == std::string::npos)
+        return std::move(TextStl(path, bytes).numbers);
+    throw FileError(path,
+                    concat("not an ASCII STL, which begins with 'solid', and not a binary one, ",
+                           "which would have ", binarySize, " bytes; got ", bytes.size()));
+}
+
+ModelSurface readStlModelSurface(const FileView& file) {
+    ModelSurface surface;
+    surface.repeatsPoints = true;
+    surface.faces = weldedFacets(file.numbers.points.values);
+    if (!file.numbers.order) {
+        if (TextStl(file.path, file.bytes).solidCount > 1) surface.addOther("solids");
+        return surface;
+    }
+    for (std::size_t facet = 0; facet < surface.faces.count(); ++facet)
+        if (const std::size_t end = normalOffset(facet + 1);
+            file.bytes[end - 2] != 0 || file.bytes[end - 1] != 0) {
+            surface.addOther("attribute bytes");
+            break;
+        }
+    return surface;
+}
+
+void writeStl(std::ostream& out, const FileView& file, std::span<const Point3> moved,
+              std::span<const DeformationGradient>) {
+    (file.numbers.order ? writeBinary : writeText)(out, file, moved);
+}
+
+constexpr FileModelFormat kStlModel = {readStlNumbers, readStlModelSurface, nullptr, nullptr,
+                                       writeStl};
 
 }  // namespace
 
@@ -288,18 +297,9 @@ void writeStlSurface(std::ostream& out, const SurfaceView& surface) {
     }
 }
 
-std::unique_ptr<Model> readStl(const std::filesystem::path& path, std::string bytes) {
-    std::uint64_t binarySize = kFirstFacet;
-    if (bytes.size() >= kFirstFacet)
-        binarySize += kFacetSize * std::uint64_t{loadNumber<std::uint32_t>(
-                                       bytes.data() + kHeaderSize, std::endian::little)};
-    if (bytes.size() == binarySize) return std::make_unique<BinaryStl>(path, std::move(bytes));
-    // A text has no byte 0, and nearly every binary file has one.
-    if (beginsWithSolid(bytes) && bytes.find('\0') == std::string::npos)
-        return std::make_unique<AsciiStl>(path, std::move(bytes));
-    throw FileError(path,
-                    concat("not an ASCII STL, which begins with 'solid', and not a binary one, ",
-                           "which would have ", binarySize, " bytes; got ", bytes.size()));
-}
+const Format kStlFormat = {.extensions = {".stl"},
+                           .readModel = readFileModel<kStlModel>,
+                           .writeSurface = writeStlSurface,
+                           .normals = Format::Normals::Facets};
 
 }  // namespace espalier::io

@@ -43,20 +43,4 @@ ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::strin
 ///         file cannot be written; TopologyError if a mark names an entity that does not exist
 ESPALIER_API void writeVtkLegacy(const std::filesystem::path& path, const Lattice& lattice);
 
-/// Reads a surface (POLYDATA) or an unstructured grid as a model. Its points, of type float or
-/// double, and the directions at them are replaced on writing; everything else is kept byte for
-/// byte. The faces are the cells of POLYGONS and TRIANGLE_STRIPS, or the cells of the types 5 to 9.
-///
-/// Directions are arrays of POINT_DATA with 3 components of float or double. An array holds normals
-/// if it has the keyword NORMALS or the name "Normals", and tangents if it has the name "Tangents",
-/// in a FIELD too. A changed number of a text is the shortest that reads back as the same number.
-///
-/// \param path for messages
-/// \param bytes the whole file
-/// \throws FileError with the line, if a section is malformed or unknown, if the points are not
-///         float or double, if a point is not finite, or if the number of directions is not the
-///         number of points
-ESPALIER_API std::unique_ptr<Model> readVtkLegacyModel(const std::filesystem::path& path,
-                                                       std::string bytes);
-
 }  // namespace espalier::io

@@ -13,20 +13,21 @@
 
 #include "../lattices/lattice_parts.h"
 #include "../meshes/volume_cells.h"
-#include "../models/coordinates.h"
+#include "../models/file_model.h"
 #include "vtk_cells.h"
 #include "vtk_legacy_parts.h"
+#include "vtk_surface_writers.h"
+
+// A surface (POLYDATA) or an unstructured grid as a model. Its points, of type float or
+// double, and the directions at them are replaced on writing; everything else is kept byte for
+// byte. The faces are the cells of POLYGONS and TRIANGLE_STRIPS, or the cells of the types 5 to 9.
+//
+// Directions are arrays of POINT_DATA with 3 components of float or double. An array holds normals
+// if it has the keyword NORMALS or the name "Normals", and tangents if it has the name "Tangents",
+// in a FIELD too. A changed number of a text is the shortest that reads back as the same number.
 
 namespace espalier::io {
 namespace {
-
-/// Vectors of a legacy file, one per point, and the offsets of their numbers.
-struct LegacyVectors {
-    Precision precision = Precision::Double;
-    Carry carry = nullptr;  ///< null for the points themselves
-    std::vector<Point3> values;
-    std::vector<CoordinatePlaces> places;
-};
 
 /// Returns the precision of a type of real numbers; nothing for other types.
 std::optional<Precision> realPrecisionOf(const std::string& type) {
@@ -50,16 +51,18 @@ public:
     LegacyVectorReader(const std::filesystem::path& path, std::string_view bytes)
         : LegacyParts(path, bytes), path_(path), bytes_(bytes) {}
 
-    /// Returns the points and then the directions, in the order of the file.
-    std::vector<LegacyVectors> read() {
+    FileNumbers read() {
         readParts();
-        if (vectors_.empty()) text().fail("the file ends; expected POINTS");
-        return std::move(vectors_);
+        if (!havePoints_) text().fail("the file ends; expected POINTS");
+        if (isBinary()) numbers_.order = std::endian::big;
+        numbers_.storage = storageOf(numbers_.points.precisions[0]);
+        return std::move(numbers_);
     }
 
-    bool isBinary() const { return data().isBinary(); }
-
 private:
+    bool isBinary() const { return data().isBinary(); }
+    std::size_t pointCount() const { return numbers_.points.values.size(); }
+
     void beginDataSet(const std::string&) override {}
     void readRows(const std::string&) override { data().skipRows(); }
     void readCellTypes(std::size_t count) override {
@@ -67,35 +70,37 @@ private:
     }
 
     void readPoints(std::size_t count, const std::string& type) override {
-        if (!vectors_.empty()) text().fail("a second section POINTS");
+        if (havePoints_) text().fail("a second section POINTS");
         const auto precision = realPrecisionOf(type);
         if (!precision)
             text().fail("the points are of type " + inQuotes(type) +
                         ", which cannot hold a deformed position; expected float or double");
-        readVectors(count, *precision, nullptr);
+        havePoints_ = true;
+        readVectors(count, *precision, nullptr, numbers_.points);
     }
 
     void beginData(LegacyArray::Owner owner, std::size_t tuples) override {
         if (owner != LegacyArray::Owner::Points) return;
-        if (vectors_.empty()) text().fail("POINT_DATA stands before POINTS");
-        const std::size_t points = vectors_[0].values.size();
-        if (tuples != points)
-            text().fail(concat("the data are for ", tuples, " points, but there are ", points));
+        if (!havePoints_) text().fail("POINT_DATA stands before POINTS");
+        if (tuples != pointCount())
+            text().fail(
+                concat("the data are for ", tuples, " points, but there are ", pointCount()));
     }
 
     void readArray(const LegacyArray& array) override {
         const Carry carry = legacyCarry(array);
         if (!carry) return data().skipValues(array.type, array.size(), "a number");
-        if (array.tuples != vectors_[0].values.size())
+        if (array.tuples != pointCount())
             text().fail(concat("the array ", inQuotes(array.name), " has ", array.tuples,
-                               " tuples for ", vectors_[0].values.size(), " points"));
-        readVectors(array.tuples, *realPrecisionOf(array.type), carry);
+                               " tuples for ", pointCount(), " points"));
+        readVectors(array.tuples, *realPrecisionOf(array.type), carry,
+                    numbers_.directions.emplace_back());
     }
 
-    void readVectors(std::size_t count, Precision precision, Carry carry) {
+    void readVectors(std::size_t count, Precision precision, Carry carry, FileVectors& vectors) {
         const char* const what = carry ? "a component of a direction" : "a coordinate";
         const std::size_t width = precision == Precision::Float ? sizeof(float) : sizeof(double);
-        std::size_t next = 0;  // place of the next binary number
+        std::size_t next = 0;  // offset of the next binary number
         if (isBinary()) {
             data().beginBinary();
             next = text().position();
@@ -103,21 +108,21 @@ private:
         } else {
             data().checkRoom(saturatingProduct(3, count), what);
         }
-        LegacyVectors& vectors = vectors_.emplace_back(LegacyVectors{precision, carry, {}, {}});
-        vectors.values.resize(count);
-        vectors.places.resize(count);
+        vectors.precisions.fill(precision);
+        vectors.carry = carry;
+        vectors.resize(count);
         for (std::size_t point = 0; point < count; ++point)
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                std::size_t& place = vectors.places[point][axis];
+                std::size_t& offset = vectors.offsets[point][axis];
                 double& value = vectors.values[point][axis];
                 if (isBinary()) {
-                    place = std::exchange(next, next + width);
-                    value = carry ? loadReal(bytes_, place, precision, std::endian::big)
-                                  : loadCoordinate(bytes_, place, precision, std::endian::big, axis,
-                                                   point, path_);
+                    offset = std::exchange(next, next + width);
+                    value = carry ? loadReal(bytes_, offset, precision, std::endian::big)
+                                  : loadCoordinate(bytes_, offset, precision, std::endian::big,
+                                                   axis, point, path_);
                 } else {
                     const std::string_view word = text().token(what);
-                    place = word.data() - bytes_.data();
+                    offset = word.data() - bytes_.data();
                     value = carry ? direction(word, precision)
                                   : parseCoordinate(word, axis, precision, path_, text().line());
                 }
@@ -133,7 +138,8 @@ private:
 
     const std::filesystem::path& path_;
     std::string_view bytes_;
-    std::vector<LegacyVectors> vectors_;
+    bool havePoints_ = false;
+    FileNumbers numbers_;
 };
 
 /// Reads the faces of a file, and names its arrays.
@@ -240,70 +246,33 @@ private:
     std::vector<std::int64_t> types_;
 };
 
-class VtkLegacyModel final : public Model {
-public:
-    VtkLegacyModel(const std::filesystem::path& path, std::string bytes)
-        : path_(path), bytes_(std::move(bytes)) {
-        LegacyVectorReader reader(path_, bytes_);
-        vectors_ = reader.read();
-        isBinary_ = reader.isBinary();
-    }
+FileNumbers readLegacyNumbers(const std::filesystem::path& path, std::string_view bytes) {
+    return LegacyVectorReader(path, bytes).read();
+}
 
-    std::span<const Point3> positions() const override { return points().values; }
-    std::string_view extension() const override { return ".vtk"; }
-    bool hasDirections() const override { return vectors_.size() > 1; }
-    CoordinateStorage storage() const override { return storageOf(points().precision); }
-    ModelSurface readSurface() const override {
-        ModelSurface surface = LegacySurfaceReader(path_, bytes_).read();
-        const auto normals = std::ranges::find(vectors_, Carry{carryNormal}, &LegacyVectors::carry);
-        if (normals != vectors_.end()) surface.normals = normals->values;
-        return surface;
-    }
+ModelSurface readLegacySurface(const FileView& file) {
+    ModelSurface surface = LegacySurfaceReader(file.path, file.bytes).read();
+    surface.normals = normalsOf(file.numbers);
+    return surface;
+}
 
-    ModelVolume readVolume() const override {
-        VolumeCells volume;
-        VtkCellReader cells(path_, checkedIndex(path_, positions().size(), "points"), volume, true);
-        LegacyVolumeReader(path_, bytes_).read(path_, cells);
-        return withPathInErrors(path_, [&] { return volume.finish(positions()); });
-    }
+ModelVolume readLegacyVolume(const FileView& file) {
+    VolumeCells volume;
+    VtkCellReader cells(file.path, file.pointCount(), volume, true);
+    LegacyVolumeReader(file.path, file.bytes).read(file.path, cells);
+    return withPathInErrors(file.path, [&] { return volume.finish(file.numbers.points.values); });
+}
 
-private:
-    const LegacyVectors& points() const { return vectors_.front(); }
-
-    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient> gradients) const override {
-        std::vector<std::vector<Point3>> turned;
-        for (std::size_t i = 1; i < vectors_.size() && !gradients.empty(); ++i) {
-            const LegacyVectors& vectors = vectors_[i];
-            turned.push_back(carried(vectors.values, gradients, vectors.carry, vectors.precision));
-        }
-        std::vector<VectorChange> changes;
-        for (std::size_t i = 0; i <= turned.size(); ++i) {
-            const LegacyVectors& vectors = vectors_[i];
-            const std::span<const Point3> now = i == 0 ? moved : turned[i - 1];
-            changes.push_back({vectors.places,
-                               vectors.values,
-                               now,
-                               {vectors.precision, vectors.precision, vectors.precision}});
-        }
-        writeFile(path, [&](std::ostream& out) {
-            if (isBinary_)
-                writeChangedBinary(out, bytes_, changes, std::endian::big);
-            else
-                writeChanged(out, bytes_, changes, VectorOrder::OneAfterTheOther);
-        });
-    }
-
-    std::filesystem::path path_;  ///< path of the file that was read
-    std::string bytes_;
-    bool isBinary_ = false;
-    std::vector<LegacyVectors> vectors_;  ///< the points, and then the directions
-};
+constexpr FileModelFormat kLegacyModel = {readLegacyNumbers, readLegacySurface, readLegacyVolume};
 
 }  // namespace
 
-std::unique_ptr<Model> readVtkLegacyModel(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<VtkLegacyModel>(path, std::move(bytes));
-}
+const Format kVtkLegacyFormat = {
+    .extensions = {".vtk"},
+    .readModel = readFileModel<kLegacyModel>,
+    .writeSurface = writeVtkLegacySurface,
+    .readLattice = readVtkLegacy,
+    .writeLattice = [](const std::filesystem::path& path, const Lattice& lattice,
+                       const WriteLatticeOptions&) { writeVtkLegacy(path, lattice); }};
 
 }  // namespace espalier::io

@@ -65,28 +65,6 @@ ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view
 ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lattice,
                            VtuEncoding encoding = VtuEncoding::Compressed);
 
-/// Reads an unstructured grid as a model. Only its points and their directions are read, and only
-/// they are replaced on writing. Everything else in the file, whatever cells and arrays it has, is
-/// kept byte for byte, raw appended data included.
-///
-/// Directions are arrays of PointData with 3 components of Float32 or Float64. An array holds
-/// normals if its name is "Normals" or if it is the active Normals of the piece; tangents likewise
-/// by "Tangents". All other arrays are kept.
-///
-/// The faces are the cells of the types 5 to 9: triangles, strips, polygons, pixels and
-/// quadrilaterals. Cells of a volume have no faces here.
-///
-/// A changed array of Points is written inline, with the same number type (Float64 if it held
-/// integers): ascii if it was ascii, else base64, compressed if the file is. In a piece where no
-/// point has moved, the array stays as it was. The same holds for arrays of directions.
-///
-/// \param path for messages
-/// \param bytes the whole file
-/// \throws FileError if the file is malformed, has a point that is not finite, or has an array of
-///         directions whose length is not the number of points
-ESPALIER_API std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path,
-                                                 std::string bytes);
-
 /// The same for VTK's XML files of surfaces (.vtp, PolyData), which OpenFOAM writes. The faces are
 /// the cells of Polys, and the triangles of Strips.
 ESPALIER_API std::unique_ptr<Model> readVtpModel(const std::filesystem::path& path,

@@ -9,12 +9,32 @@
 #include <vector>
 
 #include "../files/bytes.h"
+#include "../format.h"
 #include "../lattices/lattice_parts.h"
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "vtk_cells.h"
+#include "vtk_surface_writers.h"
 #include "vtk_xml.h"
 #include "vtu_cells.h"
+
+// An unstructured grid (.vtu) as a model. Only its points and their directions are read, and only
+// they are replaced on writing. Everything else in the file, whatever cells and arrays it has, is
+// kept byte for byte, raw appended data included.
+//
+// Directions are arrays of PointData with 3 components of Float32 or Float64. An array holds
+// normals if its name is "Normals" or if it is the active Normals of the piece; tangents likewise
+// by "Tangents". All other arrays are kept.
+//
+// The faces are the cells of the types 5 to 9: triangles, strips, polygons, pixels and
+// quadrilaterals. Cells of a volume have no faces here.
+//
+// A changed array of Points is written inline, with the same number type (Float64 if it held
+// integers): ascii if it was ascii, else base64, compressed if the file is. In a piece where no
+// point has moved, the array stays as it was. The same holds for arrays of directions.
+//
+// The same for VTK's XML files of surfaces (.vtp, PolyData), which OpenFOAM writes. The faces are
+// the cells of Polys, and the triangles of Strips.
 
 namespace espalier::io {
 namespace {
@@ -75,8 +95,8 @@ bool areSame(std::span<const Point3> a, std::span<const Point3> b) {
 /// A .vtu (UnstructuredGrid) or a .vtp (PolyData): their points are stored alike.
 class VtkXmlModel final : public Model {
 public:
-    VtkXmlModel(const std::filesystem::path& path, std::string bytes, std::string_view extension)
-        : extension_(extension),
+    VtkXmlModel(const Format& format, const std::filesystem::path& path, std::string bytes)
+        : Model(format, path),
           file_(VtkXmlFile::read(path, std::move(bytes),
                                  isGrid() ? "UnstructuredGrid" : "PolyData")) {
         for (const VtkPiece& piece : file_.pieces()) {
@@ -94,7 +114,6 @@ public:
     }
 
     std::span<const Point3> positions() const override { return positions_; }
-    std::string_view extension() const override { return extension_; }
     bool hasDirections() const override {
         return std::any_of(arrays_.begin(), arrays_.end(),
                            [](const PlacedArray& a) { return a.carry != nullptr; });
@@ -161,7 +180,7 @@ private:
         std::vector<Point3> directions;
     };
 
-    bool isGrid() const { return extension_ == ".vtu"; }
+    bool isGrid() const { return &format() == &kVtuFormat; }
 
     /// Returns the first normals of each piece, if each piece with points has some.
     std::vector<Point3> normals() const {
@@ -257,20 +276,29 @@ private:
         });
     }
 
-    std::string_view extension_;
     VtkXmlFile file_;
     std::vector<PlacedArray> arrays_;  ///< in the order of the file
     std::vector<Point3> positions_;
 };
 
+std::unique_ptr<Model> readVtkXmlModel(const Format& format, const std::filesystem::path& path,
+                                       std::string bytes) {
+    return std::make_unique<VtkXmlModel>(format, path, std::move(bytes));
+}
+
 }  // namespace
 
-std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<VtkXmlModel>(path, std::move(bytes), ".vtu");
-}
+const Format kVtuFormat = {
+    .extensions = {".vtu"},
+    .readModel = readVtkXmlModel,
+    .writeSurface = writeVtuSurface,
+    .readLattice = readVtu,
+    .writeLattice = [](const std::filesystem::path& path, const Lattice& lattice,
+                       const WriteLatticeOptions& options) {
+        writeVtu(path, lattice, options.vtuEncoding);
+    }};
 
-std::unique_ptr<Model> readVtpModel(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<VtkXmlModel>(path, std::move(bytes), ".vtp");
-}
+const Format kVtpFormat = {
+    .extensions = {".vtp"}, .readModel = readVtkXmlModel, .writeSurface = writeVtpSurface};
 
 }  // namespace espalier::io

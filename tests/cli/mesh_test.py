@@ -319,7 +319,7 @@ class Mesh(CliTest):
             values = [tuple(round(float(c), 9) for c in line.split())
                       for line in self.text("out.su2").splitlines()[4:8]]
             self.assertIn(tuple(map(float, point.split())), values)
-        self.assertIn("a lattice cannot be written in this format; expected .ovm, .vtu, .vtk",
+        self.assertIn("a lattice cannot be written in this format; expected .ovm, .vtu or .vtk",
                       self.error_of("refine", "lattice.msh", "-o", "x.msh"))
 
 

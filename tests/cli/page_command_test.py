@@ -100,7 +100,7 @@ class Page(CliTest):
         self.refused("broken.obj:1", "broken.obj")
         self.refused("--rest", "model.obj", "--to", "pose.vtu", code=2)
         self.refused("--limit", "model.obj", "--limit", "-n", 2, code=2)
-        self.refused("a page opens files that end in .ovm, .vtu, .vtk", "model.obj", "--rest", "editor.obj")
+        self.refused("a page opens files that end in .ovm, .vtu or .vtk", "model.obj", "--rest", "editor.obj")
         self.run_program("shape", "star", "-o", "star.vtu")
         self.refused("is not a pose of rest.vtu", "model.obj", "--rest", "rest.vtu", "--to", "star.vtu")
         os.mkdir(self.path / "case.obj")

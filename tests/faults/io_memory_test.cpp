@@ -101,7 +101,7 @@ TEST_F(IoMemory, Models) {
     stl += std::string("\1\0\0\0", 4) + std::string(50, '\0');
     std::vector<std::pair<std::string, std::string>> files = {{"b.ply", ply}, {"b.stl", stl}};
     files.emplace_back("faces.obj", test::modelText(".obj", 3) + test::facesOfObj(3));
-    for (const std::string extension : test::kModelExtensions)
+    for (const std::string& extension : test::modelExtensions())
         files.emplace_back("a" + extension, test::modelText(extension, 3));
     for (const std::string extension : test::kMeshExtensions)
         files.emplace_back(test::fileOfMesh(extension), test::meshText(extension, 3));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // tests/hosts reads these files by Blender and three.js.
 #include <espalier/io/animations/animation_file.h>
+#include <espalier/io/formats.h>
 #include <io/model_files.h>
 
 #include <cstring>
@@ -102,7 +103,7 @@ TEST(Animation, WrongFramesAndFilesAreRefused) {
         EXPECT_FALSE(std::filesystem::exists(folder / name));
     };
     for (const char* name : {"a.pc2", "a.mdd", "a.glb"}) {
-        EXPECT_TRUE(isAnimationFile(name));
+        EXPECT_TRUE(isFileOf(FileContent::Animation, name, FileUse::Write));
         expectRefused(name, {framePoints, 0, 24}, "an animation of 0 frames of 4 points");
         expectRefused(name, {framePoints, 2, 0}, "frames per second is not a number above 0");
         expectRefused(name, {[](std::size_t) { return std::vector<Point3>(3); }, 2, 24},
@@ -136,7 +137,7 @@ TEST(Animation, WrongFramesAndFilesAreRefused) {
         std::size_t{1} << 20, 24};
     EXPECT_REFUSED(FileError, "a .glb file of 1048576 poses would have",
                    writeAnimation(folder / "a.glb", *model, large));
-    EXPECT_FALSE(isAnimationFile("a.abc"));
+    EXPECT_FALSE(isFileOf(FileContent::Animation, "a.abc", FileUse::Write));
     expectRefused("a.abc", {framePoints, 2, 24}, "expected .pc2, .mdd or .glb");
     EXPECT_REFUSED(FileError, "the model has no faces",
                    animationBytes("a.glb", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"));

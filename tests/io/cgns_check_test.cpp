@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/cgns/cgns_model.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/model.h>
 #include <hdf5.h>
 #include <io/cgns_samples.h>
 
@@ -13,7 +14,7 @@ namespace espalier::io {
 namespace {
 
 void read(const std::filesystem::path& path) {
-    readCgnsModel(path, readFile(path))->readVolume();
+    readModel(path, readFile(path))->readVolume();
 }
 
 /// Writes a sample in HDF5 and changes it by HDF5's library.
@@ -45,14 +46,13 @@ TEST(CgnsCheck, PartsOfFilesAreRefused) {
         const TemporaryFolder folder;
         writeSample(folder / "a.cgns", storage);
         const std::string bytes = readFile(folder / "a.cgns");
-        EXPECT_NO_THROW(readCgnsModel("a.cgns", bytes));
+        EXPECT_NO_THROW(readModel("a.cgns", bytes));
         // Each length of a header, and some of the rest. ADF pads files to whole blocks.
         for (std::size_t size = 0; size + 4096 < bytes.size(); size += size < 300 ? 1 : 97)
-            EXPECT_THAT(
-                messageOf<FileError>([&] { readCgnsModel("a.cgns", bytes.substr(0, size)); }),
-                AllOf(StartsWith("a.cgns: "), Not(HasSubstr("CGNS's library"))))
+            EXPECT_THAT(messageOf<FileError>([&] { readModel("a.cgns", bytes.substr(0, size)); }),
+                        AllOf(StartsWith("a.cgns: "), Not(HasSubstr("CGNS's library"))))
                 << size;
-        EXPECT_NO_THROW(readCgnsModel("a.cgns", bytes));
+        EXPECT_NO_THROW(readModel("a.cgns", bytes));
     }
 }
 
@@ -61,16 +61,15 @@ TEST(CgnsCheck, AHeaderOfAdfIsWhole) {
     writeSample(folder / "a.cgns", CG_FILE_ADF);
     const std::string good = readFile(folder / "a.cgns");
     const auto refused = [&](std::size_t place, const std::string& text, const char* message) {
-        EXPECT_REFUSED(
-            FileError, message,
-            readCgnsModel("a.cgns", std::string(good).replace(place, text.size(), text)));
+        EXPECT_REFUSED(FileError, message,
+                       readModel("a.cgns", std::string(good).replace(place, text.size(), text)));
     };
     refused(4, "BDF", "is neither an HDF5 file nor an ADF file");
     refused(64, "AdF9", "cut short or damaged: it lacks 'AdF1' at byte 64");
     refused(182, "AdF4", "it lacks 'AdF5' at byte 182");
     refused(146, "7FFFFFFF", "is cut short: its header says that it has more than");
     refused(146, "-0000001", "byte 146: the header of the ADF file has no number here");
-    EXPECT_REFUSED(FileError, "is neither an HDF5 file", readCgnsModel("a.cgns", ""));
+    EXPECT_REFUSED(FileError, "is neither an HDF5 file", readModel("a.cgns", ""));
 }
 
 TEST(CgnsCheck, LinksToOtherFilesAreRefused) {

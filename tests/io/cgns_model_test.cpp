@@ -43,7 +43,7 @@ TEST(CgnsModel, CoordinatesAreReplacedInPlace) {
         moved[17][2] = double{0.7f};
         EXPECT_EQ(copyOf(again->positions()), moved);
         // A binding keeps the bytes, and not the file.
-        EXPECT_EQ(copyOf(readCgnsModel("none/a.cgns", before)->positions()),
+        EXPECT_EQ(copyOf(readModel("none/a.cgns", before)->positions()),
                   copyOf(model->positions()));
     }
 }
@@ -52,7 +52,7 @@ TEST(CgnsModel, HasTheCellsAndFacesOfAllZones) {
     for (const int storage : {CG_FILE_HDF5, CG_FILE_ADF}) {
         const TemporaryFolder folder;
         writeSample(folder / "a.cgns", storage);
-        const auto model = readCgnsModel(folder / "a.cgns", readFile(folder / "a.cgns"));
+        const auto model = readModel(folder / "a.cgns", readFile(folder / "a.cgns"));
         const ModelVolume volume = model->readVolume();
         EXPECT_EQ(volume.curvedCells, 1);
         ASSERT_EQ(volume.mesh.cellCount(), 2 + 2 + 1);
@@ -79,19 +79,19 @@ TEST(CgnsModel, PlanesHaveNoZ) {
         file.coordinates<double>(zone, "CoordinateX", {0, 1, 0, 1});
         file.coordinates<double>(zone, "CoordinateY", {0, 0, 1, 1});
     }
-    const auto model = readCgnsModel("a.cgns", readFile(folder / "a.cgns"));
+    const auto model = readModel("a.cgns", readFile(folder / "a.cgns"));
     EXPECT_EQ(model->readSurface().faces.count(), 1u);
     EXPECT_EQ(model->readVolume().mesh.cellCount(), 0);
     auto moved = copyOf(model->positions());
     moved[3] = {2, 2, 0};
-    EXPECT_EQ(copyOf(readCgnsModel("b.cgns", written(*model, moved))->positions()), moved);
+    EXPECT_EQ(copyOf(readModel("b.cgns", written(*model, moved))->positions()), moved);
     moved[3][2] = 1;
     EXPECT_REFUSED(Error, "point 3 has a z other than 0", written(*model, moved));
 }
 
 TEST(CgnsModel, BadFilesAreRefused) {
     EXPECT_REFUSED(FileError, "a.cgns: is neither an HDF5 file nor an ADF file",
-                   readCgnsModel("a.cgns", "no CGNS file"));
+                   readModel("a.cgns", "no CGNS file"));
     const TemporaryFolder folder;
     {
         CgnsFile file(folder / "a.cgns", CG_FILE_HDF5);
@@ -99,7 +99,7 @@ TEST(CgnsModel, BadFilesAreRefused) {
         file.coordinates<double>(zone, "CoordinateR", {0, 1});
     }
     EXPECT_REFUSED(FileError, "the zone 'Polar' has no coordinates CoordinateX and CoordinateY",
-                   readCgnsModel("a.cgns", readFile(folder / "a.cgns")));
+                   readModel("a.cgns", readFile(folder / "a.cgns")));
     {
         CgnsFile file(folder / "b.cgns", CG_FILE_HDF5);
         const int zone = file.unstructured("Z", 4, 1);
@@ -108,7 +108,7 @@ TEST(CgnsModel, BadFilesAreRefused) {
         file.section(zone, "Cells", CGNS_ENUMV(TETRA_4), 1, 1, {1, 2, 3, 5});
     }
     EXPECT_REFUSED(FileError, "x of point 3 is not finite",
-                   readCgnsModel("b.cgns", readFile(folder / "b.cgns")));
+                   readModel("b.cgns", readFile(folder / "b.cgns")));
     {
         CgnsFile file(folder / "c.cgns", CG_FILE_HDF5);
         const int zone = file.unstructured("Z", 4, 1);
@@ -117,7 +117,7 @@ TEST(CgnsModel, BadFilesAreRefused) {
         file.section(zone, "Cells", CGNS_ENUMV(TETRA_4), 1, 1, {1, 2, 3, 5});
     }
     EXPECT_REFUSED(FileError, "an element names point 5; there are 4, counted from 1",
-                   readCgnsModel("c.cgns", readFile(folder / "c.cgns"))->readVolume());
+                   readModel("c.cgns", readFile(folder / "c.cgns"))->readVolume());
 }
 
 // The library does not check the types of the elements in a MIXED section.
@@ -137,8 +137,8 @@ TEST(CgnsModel, ElementsOfUnknownTypesAreRefused) {
         return std::string(reinterpret_cast<const char*>(row), sizeof row);
     };
     const auto volumeOf = [&](cgsize_t type) {
-        return readCgnsModel("a.cgns",
-                             replaced(good, bytesOfType(CGNS_ENUMV(TETRA_4)), bytesOfType(type)))
+        return readModel("a.cgns",
+                         replaced(good, bytesOfType(CGNS_ENUMV(TETRA_4)), bytesOfType(type)))
             ->readVolume();
     };
     EXPECT_EQ(volumeOf(CGNS_ENUMV(TETRA_4)).mesh.cellCount(), 1);
@@ -166,11 +166,11 @@ TEST(CgnsModel, EachArrayRoundsByItsOwnPrecision) {
         file.coordinates<float>(zone, "CoordinateY", {0, 1});
         file.coordinates<double>(zone, "CoordinateZ", {0, 1});
     }
-    const auto model = readCgnsModel("a.cgns", readFile(folder / "a.cgns"));
+    const auto model = readModel("a.cgns", readFile(folder / "a.cgns"));
     const std::vector<Point3> moved = {{0.1, 0.1, 0.1}, {0.7, 0.7, 0.7}};
     const std::vector<Point3> stored = {{0.1, double{0.1F}, 0.1}, {0.7, double{0.7F}, 0.7}};
     EXPECT_EQ(model->stored(moved), stored);
-    EXPECT_EQ(copyOf(readCgnsModel("a.cgns", written(*model, moved))->positions()), stored);
+    EXPECT_EQ(copyOf(readModel("a.cgns", written(*model, moved))->positions()), stored);
 }
 
 TEST(CgnsModel, ErrorsOfTheTemporaryFileNameIt) {
@@ -181,7 +181,7 @@ TEST(CgnsModel, ErrorsOfTheTemporaryFileNameIt) {
     const std::string old = before ? before : "";
     const auto expectRefused = [&](const std::string& message) {
         try {
-            readCgnsModel("a.cgns", bytes);
+            readModel("a.cgns", bytes);
             ADD_FAILURE();
         } catch (const FileError& error) {
             EXPECT_THAT(error.what(), HasSubstr(message));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cgnslib.h>
+#include <espalier/io/cgns/cgns_model.h>
 
 #include <filesystem>
 #include <string>
@@ -10,6 +11,12 @@
 #include "support/test.h"
 
 namespace espalier::test {
+
+// All tests read files by readModel().
+inline const bool kCgnsAdded = [] {
+    io::addCgnsModels();
+    return true;
+}();
 
 /// Writes files by CGNS's library.
 class CgnsFile {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/io/binding_file.h>
+#include <espalier/io/formats.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/model.h>
@@ -13,6 +14,8 @@
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "support/temporary_folder.h"
 
 // One writer of each format, for tests of behaviour that all writers share.
 
@@ -49,7 +52,19 @@ inline Lattice rowOfCells(Index count) {
     return withMarksAndAttributes(withAwkwardPositions(builder.build()));
 }
 
-inline constexpr const char* kModelExtensions[] = {".obj", ".ply", ".stl", ".vtu", ".vtp", ".vtk"};
+/// Returns the extensions of the formats in which new models are written.
+inline std::vector<std::string> modelExtensions() {
+    return io::extensionsOf(io::FileContent::Model, io::FileUse::Write);
+}
+
+/// Returns a triangle with a normal for every three points.
+inline std::string facesOfObj(int pointCount) {
+    std::string faces = "vn 0 0 1\n";
+    for (int i = 1; i <= pointCount; i += 3)
+        faces += "f " + std::to_string(i) + "//1 " + std::to_string(i + 1) + "//1 " +
+                 std::to_string(i + 2) + "//1\n";
+    return faces;
+}
 
 /// Returns a model of `pointCount` points, as the text of a file.
 inline std::string modelText(const std::string& extension, int pointCount) {
@@ -70,6 +85,14 @@ inline std::string modelText(const std::string& extension, int pointCount) {
     if (extension == ".ply")
         return "ply\nformat ascii 1.0\nelement vertex " + count +
                "\nproperty double x\nproperty double y\nproperty double z\nend_header\n" + points;
+    if (extension != ".vtu" && extension != ".vtp") {
+        // A later format: what its own writer writes.
+        const TemporaryFolder folder;
+        const auto obj =
+            io::readModel("a.obj", modelText(".obj", pointCount) + facesOfObj(pointCount));
+        obj->write(folder / ("a" + extension), obj->positions());
+        return io::readFile(folder / ("a" + extension));
+    }
     const std::string type = extension == ".vtp" ? "PolyData" : "UnstructuredGrid";
     return "<VTKFile type='" + type + "' version='1.0' byte_order='LittleEndian'>\n<" + type +
            "><Piece NumberOfPoints='" + count +
@@ -114,27 +137,21 @@ inline std::string meshText(const std::string& extension, int pointCount) {
                                            : "");
 }
 
-/// Returns a triangle with a normal for every three points.
-inline std::string facesOfObj(int pointCount) {
-    std::string faces = "vn 0 0 1\n";
-    for (int i = 1; i <= pointCount; i += 3)
-        faces += "f " + std::to_string(i) + "//1 " + std::to_string(i + 1) + "//1 " +
-                 std::to_string(i + 2) + "//1\n";
-    return faces;
-}
-
 /// \param size number of rows, cells and points that they write; a multiple of 3
 inline std::vector<Writer> everyWriter(int size) {
     std::vector<Writer> writers;
     const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));
-    for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
-        writers.push_back({name, [=](const auto& path) { io::writeLattice(path, *lattice); }});
-    for (const std::string mesh : {"editor.obj", "editor.ply"})
-        writers.push_back({mesh, [=](const auto& path) { io::writeEditorMesh(path, *lattice); }});
+    for (const std::string& each : io::extensionsOf(io::FileContent::Lattice, io::FileUse::Write))
+        writers.push_back(
+            {"a" + each, [=](const auto& path) { io::writeLattice(path, *lattice); }});
+    for (const std::string& each :
+         io::extensionsOf(io::FileContent::EditorMesh, io::FileUse::Write))
+        writers.push_back(
+            {"editor" + each, [=](const auto& path) { io::writeEditorMesh(path, *lattice); }});
     const std::shared_ptr<const io::Model> stl = io::readModel("a.stl", modelText(".stl", size));
     const std::shared_ptr<const io::Model> obj =
         io::readModel("a.obj", modelText(".obj", size) + facesOfObj(size));
-    for (const std::string extension : kModelExtensions) {
+    for (const std::string& extension : modelExtensions()) {
         const std::shared_ptr<const io::Model> model =
             io::readModel("a" + extension, modelText(extension, size));
         std::vector<Point3> moved(model->positions().begin(), model->positions().end());
@@ -154,7 +171,8 @@ inline std::vector<Writer> everyWriter(int size) {
         writers.push_back({name, [=](const auto& path) { model->write(path, moved); }});
     }
     const auto table = std::make_shared<const stencils::StencilTable<double>>(bandTable(size));
-    for (const std::string& extension : io::matrixExtensions())
+    for (const std::string& extension :
+         io::extensionsOf(io::FileContent::Matrix, io::FileUse::Write))
         writers.push_back(
             {"D" + extension, [=](const auto& path) { io::writeMatrix(path, *table); }});
     const auto bound = std::make_shared<io::BoundModel>();

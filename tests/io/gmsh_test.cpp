@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mesh_model_test.cpp has the tests that all formats of meshes share.
-#include <espalier/io/meshes/gmsh.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
 #include <io/mesh_samples.h>
 #include <io/replaced.h>
 
@@ -14,18 +15,18 @@ TEST(Gmsh, QuadraticElementsAreCurved) {
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
         "5 .5 0 0\n6 .5 .5 0\n7 0 .5 0\n8 0 0 .5\n9 0 .5 .5\n10 .5 0 .5\n$EndNodes\n$Elements\n2\n"
         "1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n2 9 2 0 1 1 2 3 5 6 7\n$EndElements\n";
-    const ModelVolume volume = readGmshModel("a.msh", text)->readVolume();
+    const ModelVolume volume = readModel("a.msh", text)->readVolume();
     EXPECT_EQ(volume.curvedCells, 1);
     EXPECT_EQ(volume.mesh.cellCount(), 0);
     EXPECT_REFUSED(FileError, "a.msh: cell 0 of the volume has curved edges",
-                   readGmsh("a.msh", text));
+                   readLattice("a.msh", text));
 }
 
 TEST(Gmsh, UnusedNodesAreDropped) {
     ReadNotes notes;
     const std::string without =
         replaced(sampleGmsh2(), "8 4 2 0 1 6 10 11 12\n", "8 2 2 0 1 6 10 11\n");
-    const Lattice lattice = readGmsh("a.msh", without, &notes);
+    const Lattice lattice = readLattice("a.msh", without, &notes);
     EXPECT_EQ(lattice.complex.count(3), 3);
     EXPECT_THAT(notes.droppedVertices, ElementsAre(11));
 }
@@ -34,11 +35,11 @@ TEST(Gmsh, ElementsOfUnknownTypesAreCounted) {
     const std::string two = replaced(sampleGmsh2(), "6 7 2 0 1", "6 555 2 0 1 77");
     const std::string four = replaced(sampleGmsh4(), "3 1 7 1", "3 1 555 1");
     for (const std::string& text : {two, four}) {
-        const ModelVolume volume = readGmshModel("a.msh", text)->readVolume();
+        const ModelVolume volume = readModel("a.msh", text)->readVolume();
         EXPECT_EQ(volume.mesh.cellCount(), 3);
         EXPECT_EQ(volume.unknownElements, 1);
         EXPECT_REFUSED(FileError, "an element has the type 555, which is not known here",
-                       readGmsh("a.msh", text));
+                       readLattice("a.msh", text));
     }
 }
 
@@ -51,7 +52,7 @@ TEST(Gmsh, NodesOfVersion2MayHaveParameters) {
         text = replaced(text, "\n" + std::to_string(i + 1) + " " + coordinates(i) + "\n",
                         "\n" + std::to_string(i + 1) + " " + coordinates(i) +
                             std::array{" 0 5\n", " 1 5 0.5\n", " 2 5 0.5 0.25\n", " 3 5\n"}[i % 4]);
-    const auto model = readGmshModel("a.msh", text);
+    const auto model = readModel("a.msh", text);
     EXPECT_EQ(copyOf(model->positions()), samplePoints());
     EXPECT_EQ(model->readVolume().mesh.cellCount(), 4);
     auto moved = copyOf(model->positions());
@@ -62,7 +63,7 @@ TEST(Gmsh, NodesOfVersion2MayHaveParameters) {
 TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
     const std::string good = sampleGmsh2();
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readGmshModel("a.msh", bytes)->readVolume());
+        EXPECT_REFUSED(FileError, message, readModel("a.msh", bytes)->readVolume());
     };
     expectRefused("", "a.msh:1: the file ends; expected $MeshFormat");
     expectRefused("(0 \"Fluent\")", "a.msh:1: expected a section such as $Nodes, got '(0'");

@@ -137,11 +137,12 @@ TEST(LatticeFiles, UnknownExtensionsAreRefused) {
             EXPECT_EQ(messageOf<io::FileError>([&] { call(); }),
                       std::string(name) +
                           ": is not of a known lattice format; expected "
-                          ".ovm, .vtu, .vtk" +
+                          ".ovm, .vtu or .vtk" +
                           others);
         };
         expectRefusal([&] { io::readLattice(name); },
-                      ", .msh, .mesh, .su2, .xyz, .p3d, .fmt or an OpenFOAM case");
+                      ", or the mesh of a simulation (.msh, .su2, .mesh, .xyz, .p3d, .fmt or an "
+                      "OpenFOAM case)");
         expectRefusal([&] { io::writeLattice(name, boxLattice()); });
         expectRefusal([&] { io::checkLatticeTarget(name); });
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/formats.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/numpy_matrix.h>
 #include <io/matrix_samples.h>
@@ -116,7 +117,7 @@ TEST(MatrixFile, LongArraysAreConvertedInBlocks) {
 
 TEST(MatrixFile, ExtensionChoosesTheFormat) {
     const TemporaryFolder folder;
-    for (const std::string& extension : matrixExtensions()) {
+    for (const std::string& extension : extensionsOf(FileContent::Matrix, FileUse::Write)) {
         const auto path = folder / ("a" + extension);
         writeMatrix(path, sample<float>());
         for (const auto& each : matrixPaths(path)) EXPECT_TRUE(std::filesystem::exists(each));
@@ -154,7 +155,7 @@ TEST(MatrixFile, ReadsBackByTheExtension) {
 
 TEST(MatrixFile, RefusesWeightsThatAreNotFiniteAndLeavesTheOldFile) {
     const StencilTable<double> bad(2, {0, 1, 2}, {0, 1}, {1, kNan});
-    for (const std::string& extension : matrixExtensions()) {
+    for (const std::string& extension : extensionsOf(FileContent::Matrix, FileUse::Write)) {
         const TemporaryFolder folder;
         const auto path = folder / ("a" + extension);
         putFile(path, "old");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mesh_model_test.cpp has the tests that all formats of meshes share.
-#include <espalier/io/meshes/medit.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
 #include <io/mesh_samples.h>
 
 #include "support/test.h"
@@ -12,7 +13,7 @@ TEST(Medit, MeshesOfTwoDimensionsHaveNoZ) {
     const std::string text =
         "MeshVersionFormatted 1\nDimension 2\nVertices\n4\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
         "Quadrilaterals 1\n1 2 3 4 0\nEnd\n";
-    const auto model = readMeditModel("a.mesh", text);
+    const auto model = readModel("a.mesh", text);
     EXPECT_EQ(model->readSurface().faces.count(), 1u);
     auto moved = copyOf(model->positions());
     moved[2][0] = 1.5;
@@ -25,8 +26,8 @@ TEST(Medit, QuadraticElementsAreCurved) {
     std::string text = sampleMedit();
     text.replace(text.find("End\n"), 4,
                  "TetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 0\nEdgesP2 1 1 2 3 0\n");
-    EXPECT_EQ(readMeditModel("a.mesh", text)->readVolume().curvedCells, 1);
-    EXPECT_REFUSED(FileError, "cell 4 of the volume has curved edges", readMedit("a.mesh", text));
+    EXPECT_EQ(readModel("a.mesh", text)->readVolume().curvedCells, 1);
+    EXPECT_REFUSED(FileError, "cell 4 of the volume has curved edges", readLattice("a.mesh", text));
 }
 
 TEST(Medit, MalformedFilesAreRefusedWithTheLine) {
@@ -36,7 +37,7 @@ TEST(Medit, MalformedFilesAreRefusedWithTheLine) {
         return text.replace(text.find(before), before.size(), after);
     };
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readMeditModel("a.mesh", bytes)->readVolume());
+        EXPECT_REFUSED(FileError, message, readModel("a.mesh", bytes)->readVolume());
     };
     expectRefused(std::string("\1\0\0\0", 4), "the file does not begin with MeshVersionFormatted");
     expectRefused("MeshVersionFormatted 2\n", "the file ends; expected Vertices");

@@ -159,9 +159,9 @@ TEST(MeshModel, CannotBeWrittenAsALattice) {
     const Lattice lattice = readLattice("a.su2", sampleSu2());
     for (const char* name :
          {"a.su2", "a.msh", "a.mesh", "a.xyz", "a.p3d", "a.fmt", "points", "/tmp"}) {
-        EXPECT_REFUSED(FileError, "which is only read; expected .ovm, .vtu, .vtk",
+        EXPECT_REFUSED(FileError, "which is only read; expected .ovm, .vtu or .vtk",
                        writeLattice(name, lattice));
-        EXPECT_REFUSED(FileError, "expected .ovm, .vtu, .vtk", writeRefinable(name, lattice));
+        EXPECT_REFUSED(FileError, "expected .ovm, .vtu or .vtk", writeRefinable(name, lattice));
     }
 }
 

@@ -7,6 +7,8 @@
 #include <atomic>
 #include <set>
 
+#include "io/format.h"
+
 namespace espalier::io {
 namespace {
 
@@ -294,7 +296,7 @@ TEST(ModelConversion, OtherNamesKeepTheFormat) {
     EXPECT_EQ(
         model->checkTarget("b.gltf"),
         "b.gltf: is written as .obj, the format of the model, because .gltf is no known model "
-        "format; known are .obj, .ply, .stl, .vtu, .vtp, .vtk");
+        "format; known are .obj, .ply, .stl, .vtu, .vtp or .vtk");
     // A number at the end names a pose, not a format.
     for (const char* name : {"b.0001", "b.7"}) EXPECT_EQ(model->checkTarget(name), "");
     EXPECT_NE(model->checkTarget("b."), "");
@@ -307,6 +309,8 @@ TEST(ModelConversion, OtherNamesKeepTheFormat) {
 /// A square. Counts how often its surface is read.
 class CountingModel final : public Model {
 public:
+    CountingModel() : Model(kObjFormat, "a.obj") {}
+
     std::span<const Point3> positions() const override { return positions_; }
     ModelSurface readSurface() const override {
         ++reads;
@@ -316,7 +320,6 @@ public:
         return surface;
     }
     CoordinateStorage storage() const override { return CoordinateStorage::Double; }
-    std::string_view extension() const override { return ".obj"; }
     bool hasDirections() const override { return false; }
 
     mutable std::atomic<int> reads = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/models/obj.h>
+#include <espalier/io/model.h>
 #include <io/model_files.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST(Obj, ChecksTheMemoryOfItsPointsFirst) {
     for (int i = 0; i < 1'000'000; ++i) text += "v 0 0 0\n";
     const MemoryLimit limit(residentMemory() + (20 << 20));
     EXPECT_REFUSED(MemoryError, "a.obj: a list of its points takes about 48.0 MB",
-                   readObj("a.obj", text));
+                   readModel("a.obj", text));
 }
 
 TEST(Obj, IsUnchangedIfNoPointMoves) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/formats.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/io/meshes/openfoam.h>
+#include <espalier/io/model.h>
 #include <io/mesh_samples.h>
 #include <io/replaced.h>
 #include <sys/stat.h>
@@ -59,7 +60,7 @@ TEST(OpenFoam, TheVolumeIsBesideThePoints) {
              {folder / ".", points, folder / "constant/polyMesh", folder / "any.foam"}) {
             EXPECT_EQ(std::filesystem::canonical(modelFile(path)),
                       std::filesystem::canonical(points));
-            EXPECT_TRUE(isModelFile(path));
+            EXPECT_TRUE(isFileOf(FileContent::Model, path));
             const auto model = readModel(path);
             const ModelVolume volume = model->readVolume();
             ASSERT_EQ(volume.mesh.cellCount(), 4);

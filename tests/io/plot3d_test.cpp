@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/lattice_file.h>
-#include <espalier/io/meshes/plot3d.h>
+#include <espalier/io/model.h>
 #include <io/mesh_samples.h>
 
 #include "support/test.h"

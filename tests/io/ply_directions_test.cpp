@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/text_reader.h>
-#include <espalier/io/models/ply.h>
+#include <espalier/io/model.h>
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/models/ply.h>
+#include <espalier/io/model.h>
 #include <io/model_files.h>
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/topology_match.h>
+#include <espalier/io/formats.h>
 #include <espalier/io/model.h>
 #include <espalier/io/pose_file.h>
 #include <espalier/stencils/stencil_table.h>
@@ -177,10 +178,10 @@ TEST(PoseFile, BoundModelsCompareTheNumberOfPointsTheCellsAndTheFaces) {
 }
 
 TEST(PoseFile, OnlyObjAndPlyAreEditorMeshes) {
-    EXPECT_TRUE(io::isEditorMeshFile("a.Obj"));
-    EXPECT_TRUE(io::isEditorMeshFile("a.ply"));
+    EXPECT_TRUE(io::isFileOf(io::FileContent::EditorMesh, "a.Obj"));
+    EXPECT_TRUE(io::isFileOf(io::FileContent::EditorMesh, "a.ply"));
     for (const char* name : {"a.vtu", "a.stl", "a"}) {
-        EXPECT_FALSE(io::isEditorMeshFile(name));
+        EXPECT_FALSE(io::isFileOf(io::FileContent::EditorMesh, name));
         EXPECT_EQ(messageOf<io::FileError>([&] { io::writeEditorMesh(name, cube()); }),
                   name + std::string(
                              ": an editor mesh cannot be written in this format; expected .obj or "

@@ -42,7 +42,7 @@ TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
         expectRefused(name, taggedMesh(), "a mesh cannot be written in this format; expected .obj");
     for (const char* name : {"a.obj", "a.stl", "a"})
         expectRefused(name, boxLattice(),
-                      "a lattice cannot be written in this format; expected .ovm, .vtu, .vtk");
+                      "a lattice cannot be written in this format; expected .ovm, .vtu or .vtk");
     Lattice curve;
     curve.complex = far::buildCurve(3, false);
     for (const char* name : {"a.ovm", "a.vtu", "a"})
@@ -53,8 +53,8 @@ TEST(Refinable, FormatsOfTheWrongDimensionAreRefused) {
         "lattice (3)");
     EXPECT_EQ(messageOf<io::FileError>([&] { io::readRefinable("a.stl"); }),
               "a.stl: is not of a known format of curves, meshes or lattices; "
-              "expected .obj, .ovm, .vtu, .vtk, .msh, .mesh, .su2, .xyz, .p3d, .fmt or an "
-              "OpenFOAM case");
+              "expected .obj, .ovm, .vtu or .vtk, or the mesh of a simulation (.msh, .su2, .mesh, "
+              ".xyz, .p3d, .fmt or an OpenFOAM case)");
 }
 
 /// Lattices have no holes, and a mark that the file cannot hold is not dropped silently.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mesh_model_test.cpp has the tests that all formats of meshes share.
-#include <espalier/io/meshes/su2.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
 #include <io/mesh_samples.h>
 
 #include "support/test.h"
@@ -13,7 +14,7 @@ const std::string kPlane =
     "NMARK= 1\nMARKER_TAG= a\nMARKER_ELEMS= 1\n3 0 1\n";
 
 TEST(Su2, MeshesOfTwoDimensionsHaveNoZ) {
-    const auto model = readSu2Model("a.su2", kPlane);
+    const auto model = readModel("a.su2", kPlane);
     EXPECT_EQ(model->positions().size(), 5u);
     EXPECT_EQ(model->positions()[4], (Point3{-1, 0.5, 0}));
     EXPECT_EQ(model->readSurface().faces.count(), 2u);
@@ -30,7 +31,7 @@ TEST(Su2, MeshesOfTwoDimensionsHaveNoZ) {
     EXPECT_REFUSED(far::TopologyError,
                    "there is no cell of a volume; the file has 0 vertex cells, 1 "
                    "lines and 2 surface cells",
-                   readSu2("a.su2", kPlane));
+                   readLattice("a.su2", kPlane));
 }
 
 // The elements of a zone number the points of their zone.
@@ -38,14 +39,14 @@ TEST(Su2, ZonesFollowEachOther) {
     const std::string zone =
         "NDIME= 3\nNELEM= 1\n10 0 1 2 3 0\nNPOIN= 4\n0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n";
     std::string text = "NZONE= 2\nIZONE= 1\n" + zone + "IZONE= 2\n" + zone;
-    const auto model = readSu2Model("a.su2", text);
+    const auto model = readModel("a.su2", text);
     EXPECT_EQ(model->positions().size(), 8u);
     const auto mesh = model->readVolume().mesh;
     EXPECT_THAT(mesh.corners(1), ElementsAre(4, 5, 6, 7));
-    EXPECT_EQ(readSu2("a.su2", text).complex.count(3), 2);
+    EXPECT_EQ(readLattice("a.su2", text).complex.count(3), 2);
     text.replace(text.rfind("10 0 1 2 3"), 10, "10 0 1 2 4");
     EXPECT_REFUSED(FileError, "a.su2:14: an element names point 4; there are 4",
-                   readSu2Model("a.su2", text)->readVolume());
+                   readModel("a.su2", text)->readVolume());
 }
 
 // A zone may list its elements before its points.
@@ -57,24 +58,24 @@ TEST(Su2, ElementsNameThePointsOfTheirZone) {
     };
     for (const bool pointsFirst : {false, true}) {
         const std::string good = zone("0 1 2 3", pointsFirst), bad = zone("0 1 2 4", pointsFirst);
-        EXPECT_REFUSED(FileError,
-                       concat("a.su2:", pointsFirst ? 10 : 5,
-                              ": an element names point 4; there are 4 in its zone"),
-                       readSu2Model("a.su2", "NZONE= 2\nIZONE= 1\n" + bad + "IZONE= 2\n" + good)
-                           ->readVolume());
+        EXPECT_REFUSED(
+            FileError,
+            concat("a.su2:", pointsFirst ? 10 : 5,
+                   ": an element names point 4; there are 4 in its zone"),
+            readModel("a.su2", "NZONE= 2\nIZONE= 1\n" + bad + "IZONE= 2\n" + good)->readVolume());
     }
 }
 
 TEST(Su2, ElementsOfUnknownTypesAreCounted) {
     std::string text = kPlane;
     text.replace(text.find("5 0 1 2 0"), 9, "7 0 1 2 5");
-    const auto model = readSu2Model("a.su2", text);
+    const auto model = readModel("a.su2", text);
     EXPECT_EQ(model->readVolume().unknownElements, 1);
     EXPECT_EQ(model->readSurface().faces.count(), 1u);
     EXPECT_THAT(model->readSurface().otherShapes, ElementsAre("1 element of unknown types"));
     EXPECT_REFUSED(FileError,
                    "a.su2:3: an element has the type 7; expected 1, 3, 5, 9, 10, 12, 13 or 14",
-                   readSu2("a.su2", text));
+                   readLattice("a.su2", text));
 }
 
 // Meshes of one of several processes, as SU2 4 and before wrote them: the marker has one more line,
@@ -84,10 +85,9 @@ TEST(Su2, MarkersOfSharedPointsAreVertices) {
     text.replace(text.find("NMARK= 1"), 8, "NMARK= 2");
     text += "MARKER_TAG= SEND_RECEIVE\nMARKER_ELEMS= 2\nSEND_RECV= 1\n1 3 0\n1 4 0\n";
     EXPECT_REFUSED(far::TopologyError, "the file has 2 vertex cells, 1 lines and 2 surface cells",
-                   readSu2("a.su2", text));
-    EXPECT_EQ(
-        written(*readSu2Model("a.su2", text), copyOf(readSu2Model("a.su2", text)->positions())),
-        text);
+                   readLattice("a.su2", text));
+    EXPECT_EQ(written(*readModel("a.su2", text), copyOf(readModel("a.su2", text)->positions())),
+              text);
 }
 
 TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
@@ -97,7 +97,7 @@ TEST(Su2, MalformedFilesAreRefusedWithTheLine) {
         return text.replace(text.find(before), before.size(), after);
     };
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
-        EXPECT_REFUSED(FileError, message, readSu2Model("a.su2", bytes)->readSurface());
+        EXPECT_REFUSED(FileError, message, readModel("a.su2", bytes)->readSurface());
     };
     expectRefused("% nothing\n", "a.su2:1: the file ends; expected NPOIN=");
     expectRefused("NPOIN= 0\n", "a.su2:1: the points come before NDIME=");

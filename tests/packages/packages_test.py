@@ -135,8 +135,10 @@ class Packages(InstalledBuild):
     def test_cgns(self):
         self.check_optional_component(
             "cgns", "#include <espalier/io/cgns/cgns_model.h>\n"
+                    "#include <espalier/io/formats.h>\n"
                     "int main() { espalier::io::addCgnsModels();\n"
-                    "             return espalier::io::isModelFile(\"a.cgns\") ? 0 : 1; }\n")
+                    "             using enum espalier::io::FileContent;\n"
+                    "             return espalier::io::isFileOf(Model, \"a.cgns\") ? 0 : 1; }\n")
 
     def test_headers_of_c(self):
         path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
@@ -169,9 +171,14 @@ class Packages(InstalledBuild):
                    for path in self.prefix.glob("include/espalier/**/*.h")}
         self.assertIn("embed/local_binding.h", headers)
         for name in ("limit/limit_search.h", "io/files/zip.h", "solve/bernstein.h",
-                     "osd/cuda/cuda_launch.h"):
+                     "osd/cuda/cuda_launch.h", "embed/box_tree.h"):  # private, and one internal header
             self.assertTrue((HERE.parents[1] / name).is_file(), name)
             self.assertNotIn(name, headers)
+
+    def test_only_headers_about_eigen_include_eigen(self):
+        found = {str(path.relative_to(self.prefix / "include/espalier"))
+                 for path in self.prefix.glob("include/espalier/**/*.h") if "#include <Eigen/" in path.read_text()}
+        self.assertEqual(found, {"stencils/sparse_matrix.h", "embed/trilinear.h"})
 
 
 class Headers(InstalledBuild):

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/formats.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/matrices/matrix_file.h>
+#include <espalier/io/model.h>
+#include <espalier/io/read_notes.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <array>
+#include <filesystem>
+#include <iosfwd>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace espalier::io {
+
+struct Animation;
+struct SurfaceView;
+
+/// Reads a lattice, or a curve or a mesh, from the bytes of a file.
+/// \param path for messages
+/// \param notes may be null
+using LatticeReader = Lattice (*)(const std::filesystem::path& path, std::string_view bytes,
+                                  ReadNotes* notes);
+
+/// A format of files: all that Espalier knows of it. A function is null if the format lacks this
+/// content, or if Espalier does not read or write it.
+struct Format {
+    /// In lower case: ".obj". Most formats have one.
+    std::array<std::string_view, 3> extensions = {};
+
+    /// What users call the format, if it has no extension: "an OpenFOAM case".
+    std::string_view words = {};
+
+    /// Returns true for further paths of the format.
+    bool (*isPath)(const std::filesystem::path&) = nullptr;
+
+    // Models.
+
+    /// \param format this format
+    /// \param path for messages
+    std::unique_ptr<Model> (*readModel)(const Format& format, const std::filesystem::path& path,
+                                        std::string bytes) = nullptr;
+
+    /// Writes a new file from points, faces and normals.
+    void (*writeSurface)(std::ostream&, const SurfaceView&) = nullptr;
+
+    /// Where a new file has normals. Facets have normals that follow from their corners.
+    enum class Normals { Facets, Points, Corners } normals = Normals::Points;
+
+    /// Returns true if a new file is a list of triangles in single precision, and nothing else.
+    bool isFacets() const { return normals == Normals::Facets; }
+
+    // Lattices, curves and meshes.
+
+    LatticeReader readLattice = nullptr;
+    void (*writeLattice)(const std::filesystem::path&, const Lattice&,
+                         const WriteLatticeOptions&) = nullptr;
+    LatticeReader readMesh = nullptr;
+    void (*writeMesh)(const std::filesystem::path&, const Lattice&) = nullptr;
+    bool isEditorMesh = false;
+
+    // Matrices.
+
+    stencils::StencilTable<double> (*readMatrix)(const std::filesystem::path&,
+                                                 std::string_view bytes) = nullptr;
+    void (*writeFloats)(const std::filesystem::path&, const stencils::StencilTable<float>&,
+                        const MatrixFileOptions&) = nullptr;
+    void (*writeDoubles)(const std::filesystem::path&, const stencils::StencilTable<double>&,
+                         const MatrixFileOptions&) = nullptr;
+
+    // Other content.
+
+    void (*writeAnimation)(const std::filesystem::path&, const Model&, const Animation&) = nullptr;
+
+    bool isBoundModel = false;
+    bool isTargets = false;
+
+    /// The first extension, or the name of the file if the format has none.
+    std::string_view extension() const { return extensions[0]; }
+
+    /// Returns true if Espalier reads or writes this content in the format.
+    bool holds(FileContent content, FileUse use) const;
+};
+
+// All formats. Each is defined beside its reader or writer. A new one also has a line in the list
+// of formats.cpp.
+extern const Format kOvmFormat, kObjFormat, kPlyFormat, kStlFormat, kVtuFormat, kVtpFormat,
+    kVtkLegacyFormat;
+extern const Format kGmshFormat, kSu2Format, kMeditFormat, kPlot3dFormat, kFoamFormat;
+extern const Format kMatrixMarketFormat, kNumpyArchiveFormat, kNumpyArraysFormat,
+    kPetscBinaryFormat;
+extern const Format kPointCacheFormat, kMotionDesignerFormat, kGltfFormat;
+extern const Format kBoundModelFormat, kTargetsFormat;
+
+/// Returns the format that a path names; null if it names none.
+const Format* findFormat(const std::filesystem::path& path);
+
+/// Returns the format that a path names if the format holds this content; null otherwise.
+const Format* findFormat(const std::filesystem::path& path, FileContent content,
+                         FileUse use = FileUse::Read);
+
+/// Adds the format of an optional component. To be called before other threads use files.
+/// \param format must live for ever
+ESPALIER_API void addFormat(const Format& format);
+
+}  // namespace espalier::io

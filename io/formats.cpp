@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/formats.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "format.h"
+
+namespace espalier::io {
+namespace {
+
+/// All formats, in the order in which messages list them; and the formats of optional components.
+std::vector<const Format*>& formats() {
+    static std::vector<const Format*> formats = {
+        &kOvmFormat,          &kObjFormat,          &kPlyFormat,
+        &kStlFormat,          &kVtuFormat,          &kVtpFormat,
+        &kVtkLegacyFormat,    &kGmshFormat,         &kSu2Format,
+        &kMeditFormat,        &kPlot3dFormat,       &kFoamFormat,
+        &kMatrixMarketFormat, &kNumpyArchiveFormat, &kNumpyArraysFormat,
+        &kPetscBinaryFormat,  &kPointCacheFormat,   &kMotionDesignerFormat,
+        &kGltfFormat,         &kBoundModelFormat,   &kTargetsFormat};
+    return formats;
+}
+
+/// Returns ".ovm, .vtu or .vtk".
+std::string joined(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+    return text;
+}
+
+}  // namespace
+
+bool Format::holds(FileContent content, FileUse use) const {
+    const bool isRead = use == FileUse::Read;
+    switch (content) {
+        case FileContent::Lattice:
+            return isRead ? readLattice != nullptr : writeLattice != nullptr;
+        case FileContent::Mesh:
+            return isRead ? readMesh != nullptr : writeMesh != nullptr;
+        case FileContent::Model:
+            return isRead ? readModel != nullptr : writeSurface != nullptr;
+        case FileContent::EditorMesh:
+            return isEditorMesh;
+        case FileContent::Matrix:
+            return isRead ? readMatrix != nullptr : writeDoubles != nullptr;
+        case FileContent::Animation:
+            return !isRead && writeAnimation;
+        case FileContent::BoundModel:
+            return isBoundModel;
+        case FileContent::Targets:
+            return isRead && isTargets;
+    }
+    return false;
+}
+
+const Format* findFormat(const std::filesystem::path& path) {
+    const std::string extension = lowerCase(path.extension().string());
+    for (const Format* format : formats())
+        if ((!extension.empty() && std::ranges::count(format->extensions, extension) > 0) ||
+            (format->isPath && format->isPath(path)))
+            return format;
+    return nullptr;
+}
+
+const Format* findFormat(const std::filesystem::path& path, FileContent content, FileUse use) {
+    const Format* const format = findFormat(path);
+    return format && format->holds(content, use) ? format : nullptr;
+}
+
+void addFormat(const Format& format) {
+    if (std::ranges::count(formats(), &format) == 0) formats().push_back(&format);
+}
+
+bool isFileOf(FileContent content, const std::filesystem::path& path, FileUse use) {
+    return findFormat(path, content, use) != nullptr;
+}
+
+std::vector<std::string> extensionsOf(FileContent content, FileUse use) {
+    std::vector<std::string> extensions;
+    for (const Format* format : formats())
+        if (format->holds(content, use) && format->words.empty())
+            for (const std::string_view extension : format->extensions)
+                if (!extension.empty()) extensions.emplace_back(extension);
+    return extensions;
+}
+
+std::string listOfFormats(FileContent content, FileUse use) {
+    std::vector<std::string> written, onlyRead;
+    for (const Format* format : formats()) {
+        if (!format->holds(content, use)) continue;
+        // Of lattices and models, meshes of simulations are the formats that are only read.
+        const bool isMesh = (content == FileContent::Lattice || content == FileContent::Model) &&
+                            !format->holds(content, FileUse::Write);
+        auto& names = isMesh ? onlyRead : written;
+        if (!format->words.empty()) {
+            names.emplace_back(format->words);
+            continue;
+        }
+        for (const std::string_view extension : format->extensions)
+            if (!extension.empty()) names.emplace_back(extension);
+    }
+    if (onlyRead.empty()) return joined(written);
+    return joined(written) + ", or the mesh of a simulation (" + joined(onlyRead) + ")";
+}
+
+}  // namespace espalier::io

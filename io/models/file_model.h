@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/array.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/io/directions.h>
+#include <espalier/io/model.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <filesystem>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "../format.h"
+#include "coordinates.h"
+
+// The model of a file whose numbers are replaced where they stand; all other bytes are kept. A
+// format gives functions that find the numbers and read the faces.
+
+namespace espalier::io {
+
+/// Vectors in a file, one per point: the points, or directions at them.
+struct FileVectors {
+    Array<Point3> values;
+    Array<CoordinateOffsets> offsets;  ///< where the file has the numbers of each vector
+    std::array<Precision, 3> precisions = {Precision::Double, Precision::Double, Precision::Double};
+    Carry carry = nullptr;  ///< null for the points
+
+    /// Makes room for `count` vectors, whose numbers are not set.
+    void resize(std::size_t count) {
+        values.resize(count);
+        offsets.resize(count);
+    }
+
+    /// Returns the change to other vectors.
+    VectorChange changeTo(std::span<const Point3> now) const {
+        return {offsets, values, now, precisions};
+    }
+};
+
+/// The numbers of a file that follow a lattice.
+struct FileNumbers {
+    FileVectors points;
+    std::vector<FileVectors> directions;
+
+    std::optional<std::endian> order = {};  ///< byte order of binary numbers; nothing for text
+    std::size_t dimension = 3;              ///< 2 or 3; in two dimensions, all z are 0
+    CoordinateStorage storage = CoordinateStorage::Text;
+    bool hasDirections = false;  ///< true also for directions that the format writes itself
+
+    /// Says that the file is binary, with points of this precision.
+    void setBinary(std::endian byteOrder, Precision precision) {
+        order = byteOrder;
+        points.precisions.fill(precision);
+        storage = storageOf(precision);
+    }
+};
+
+/// Returns the normals of a file, one per point; empty if it has none.
+std::vector<Point3> normalsOf(const FileNumbers& numbers);
+
+/// A file that was read.
+struct FileView {
+    const std::filesystem::path& path;
+    std::string_view bytes;
+    const FileNumbers& numbers;
+
+    Index pointCount() const { return static_cast<Index>(numbers.points.values.size()); }
+};
+
+/// The functions of a format of such models. Each throws FileError if the file is malformed.
+struct FileModelFormat {
+    FileNumbers (*readNumbers)(const std::filesystem::path& path, std::string_view bytes);
+
+    ModelSurface (*readSurface)(const FileView& file);
+
+    /// Null if the format has no cells.
+    ModelVolume (*readVolume)(const FileView& file) = nullptr;
+
+    /// Throws unless the numbers may be written to `target`; null if any name will do.
+    void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;
+
+    /// Writes the file, for formats with numbers that follow from others; null if writeNumbers()
+    /// does it.
+    /// \param gradients one per point, or empty
+    void (*write)(std::ostream& out, const FileView& file, std::span<const Point3> moved,
+                  std::span<const DeformationGradient> gradients) = nullptr;
+};
+
+/// Writes the file with moved points, and with directions that are carried by gradients, if there
+/// are any.
+/// \throws Error naming the point, if a file of two dimensions would get a z, or as roundTo()
+void writeNumbers(std::ostream& out, const FileView& file, std::span<const Point3> moved,
+                  std::span<const DeformationGradient> gradients);
+
+/// Makes the model of a file.
+/// \param functions must live for ever
+std::unique_ptr<Model> makeFileModel(const FileModelFormat& functions, const Format& format,
+                                     const std::filesystem::path& path, std::string bytes);
+
+/// Format::readModel of a format that has these functions.
+template <const FileModelFormat& functions>
+std::unique_ptr<Model> readFileModel(const Format& format, const std::filesystem::path& path,
+                                     std::string bytes) {
+    return makeFileModel(functions, format, path, std::move(bytes));
+}
+
+}  // namespace espalier::io
