@@ -306,36 +306,6 @@ static void test_points_outside(void) {
     tear_down(&f);
 }
 
-/* Returns the largest distance between the points of a pose and the points in the limit. */
-static double distance_from_limit(const fixture* f, int32_t level) {
-    espalier_bind_options options = espalier_default_bind_options();
-    double moved[2][3 * POINTS], largest = 0;
-    options.level = level;
-    for (int i = 0; i < 2; ++i) {
-        espalier_binding* binding = NULL;
-        options.limit_tolerance = i == 0 ? 0 : 1e-9;
-        OK(espalier_binding_create(f->refiner, BOX_VERTICES, f->rest, POINTS, points, &options,
-                                   &binding));
-        apply(binding, f->pose, moved[i]);
-        espalier_binding_destroy(binding);
-    }
-    for (int i = 0; i < 3 * POINTS; ++i) {
-        const double d = fabs(moved[0][i] - moved[1][i]);
-        if (d > largest) largest = d;
-    }
-    return largest;
-}
-
-/* Each level is about four times as close to the limit as the one before. */
-static void test_levels_converge_to_the_limit(void) {
-    fixture f = set_up();
-    for (int32_t level = 4; level < 6; ++level) {
-        const double quotient = distance_from_limit(&f, level) / distance_from_limit(&f, level + 1);
-        CHECK(quotient > 3 && quotient < 5);
-    }
-    tear_down(&f);
-}
-
 static espalier_binding* bind_with_gradients(const fixture* f, const double* at) {
     espalier_bind_options options = espalier_default_bind_options();
     options.limit_tolerance = 1e-6;
@@ -458,7 +428,6 @@ int main(int count, char** arguments) {
     test_adjoint();
     test_save_and_load(arguments[1]);
     test_points_outside();
-    test_levels_converge_to_the_limit();
     test_gradients_of_an_affine_pose();
     test_gradients_are_difference_quotients();
     test_gradients_that_are_missing();

@@ -44,26 +44,6 @@ class Basis(CliTest):
                          *options)
         return self.read_points("out.obj")
 
-    def test_bspline_is_the_limit_of_open_lattices(self):
-        limit = self.deformed("--basis", "bspline")
-        self.assertGreater(max(map(math.dist, limit, self.points)), 0.1)
-        errors = [max(map(math.dist, limit, self.deformed("--boundary", "open", "-n", level)))
-                  for level in range(1, 5)]
-        # The order is 2: the control net and its trilinear interpolation are both off by h^2.
-        for coarse, fine in zip(errors[1:], errors[2:]):
-            self.assertAlmostEqual(math.log2(coarse / fine), 2, delta=0.1)
-        self.assertLess(errors[-1], 5e-3)
-
-    def test_rest_pose_gives_the_model_back(self):
-        for basis in ["bezier", "bspline"]:
-            self.assert_close(self.deformed("--basis", basis, pose="rest.ovm"), self.points, 1e-13)
-
-    def test_each_basis_is_another_deformation(self):
-        outputs = {tuple(self.deformed("--basis", basis))
-                   for basis in ["subdivision", "bezier", "bspline"]}
-        self.assertEqual(len(outputs), 3)
-        self.assertEqual(self.deformed("--basis", "subdivision", "-n", 2), self.deformed("-n", 2))
-
     def test_bezier_lattice_of_one_cell_is_trilinear(self):
         self.write_box("cube.ovm", (1, 1, 1))
         # The corner at (1, 1, 1) goes by (8, 16, 24), and a point by xyz of that.
@@ -72,13 +52,6 @@ class Basis(CliTest):
         self.write_model([(0.5, 0.5, 0.5), (1, 0.5, 0.25), (0, 1, 1)])
         self.assert_close(self.deformed("--basis", "bezier", rest="cube.ovm", pose="corner.ovm"),
                           [(1.5, 2.5, 3.5), (2, 2.5, 3.25), (0, 1, 1)], 1e-14)
-
-    def test_bind_and_apply_do_what_deform_does(self):
-        for basis in ["bezier", "bspline"]:
-            self.deformed("--basis", basis)
-            self.bind("model.obj", "rest.ovm", "--basis", basis, out="m.espb")
-            self.run_program("apply", "m.espb", "--to", "pose.ovm", "-o", "applied.obj")
-            self.assertEqual(self.bytes("applied.obj"), self.bytes("out.obj"))
 
     def test_points_outside(self):
         self.write_pose("affine.ovm", "rest.ovm", lambda p: (2 * p[0], p[1] - p[2], p[2] + 1))

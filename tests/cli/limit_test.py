@@ -76,29 +76,6 @@ class LimitTest(CliTest):
         self.assert_near(self.vectors("out.obj", "vn"),
                          [turn(n) for n in self.vectors("model.obj", "vn")], 3e-9)
 
-    def test_levels_tend_to_it(self):
-        self.pose(bend)
-        limit = self.deform("--limit")
-        distances = []
-        for level in (2, 3, 4, 5):
-            points = self.deform("-n", level)
-            distances.append(max(math.dist(a, b) for a, b in zip(points, limit)))
-        self.assertGreater(distances[0], 1e-5)
-        # Asymptotically, the difference falls by four for each level.
-        self.assertLess(distances[3], distances[0] / 20)
-
-    def test_bind_and_apply_do_the_same(self):
-        self.pose(bend)
-        expected = self.deform("--limit")
-        report = json.loads(self.run_program("bind", "model.obj", "--rest", "rest.ovm", "--limit",
-                                             "--tolerance", "1e-6", "-o", "bound.espb",
-                                             "--report", "json").stdout)
-        self.assertEqual(report["points"], {"inside": 4, "outside": 0, "not_converged": 0})
-        self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
-        self.assertEqual(self.vectors("applied.obj", "v"), expected)
-        self.assertEqual(self.bytes("applied.obj"), self.bytes("out.obj"))
-        self.assertNotEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))
-
     def models_with_directions(self):
         """The points of model.obj with normals and tangents, in all formats that carry them, and
         one in which nothing is carried."""

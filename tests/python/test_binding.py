@@ -83,16 +83,6 @@ def test_points_outside(rest, points, pose):
     assert nearest.largest_residual < 1e-9 <= wide.largest_residual or len(wide.kept) == 1
 
 
-def test_rules_come_with_a_refiner(points):
-    star = espalier.shapes.star(layers=2, core="wedges")
-    inside = points * 0.1
-    usual = espalier.bind(star, inside, level=2).matrix
-    other = espalier.bind(espalier.Refiner(star, rules="cse96"), inside, level=2).matrix
-    same = espalier.bind(espalier.Refiner(star), inside, level=2).matrix
-    assert (usual != same).nnz == 0
-    assert abs(usual - other).max() > 1e-4
-
-
 def test_the_lattices_that_came_before(points, rest, pose):
     bezier = espalier.bind(rest, points, basis="bezier")
     # The basis is Bernstein polynomials of degrees 2, 2 and 3. None is 0 inside.
