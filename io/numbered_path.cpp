@@ -20,14 +20,14 @@ bool isDigit(char c) {
 }
 
 /// A %d or %0Nd in a text.
-struct NumberPlace {
+struct NumberPattern {
     std::size_t begin;
     std::size_t size;
     std::size_t width;
 };
 
-/// Returns the place whose % is at `begin`; nothing if the % begins neither %d nor %0Nd.
-std::optional<NumberPlace> placeAt(const std::string& text, std::size_t begin) {
+/// Returns the pattern whose % is at `begin`; nothing if the % begins neither %d nor %0Nd.
+std::optional<NumberPattern> patternAt(const std::string& text, std::size_t begin) {
     std::size_t end = begin + 1;
     std::size_t width = 0;
     if (text.compare(end, 1, "0") == 0) {
@@ -37,7 +37,7 @@ std::optional<NumberPlace> placeAt(const std::string& text, std::size_t begin) {
         if (width == 0) return std::nullopt;
     }
     if (text.compare(end, 1, "d") != 0) return std::nullopt;
-    return NumberPlace{begin, end + 1 - begin, width};
+    return NumberPattern{begin, end + 1 - begin, width};
 }
 
 }  // namespace
@@ -60,12 +60,12 @@ std::filesystem::path numberedPath(const std::filesystem::path& pattern, int num
         const std::string name = pattern.stem().string() + "." + padded(number, 4);
         return pattern.parent_path() / (name + pattern.extension().string());
     }
-    const std::optional<NumberPlace> place = placeAt(text, percent);
-    if (!place) refuse("has a % that does not begin %d, or %04d for four digits");
-    if (text.find('%', place->begin + place->size) != std::string::npos)
+    const std::optional<NumberPattern> found = patternAt(text, percent);
+    if (!found) refuse("has a % that does not begin %d, or %04d for four digits");
+    if (text.find('%', found->begin + found->size) != std::string::npos)
         refuse("has more than one %; expected one place for the number of a pose");
-    return text.substr(0, place->begin) + padded(number, place->width) +
-           text.substr(place->begin + place->size);
+    return text.substr(0, found->begin) + padded(number, found->width) +
+           text.substr(found->begin + found->size);
 }
 
 }  // namespace espalier::io

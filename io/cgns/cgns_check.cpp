@@ -35,7 +35,7 @@ bool isHdf5(std::string_view bytes) {
 
 /// Throws unless a file begins with a whole header of ADF and is as long as this says.
 ///
-/// The header has a tag at each of these places. Before the last one are two addresses: those of
+/// The header has a tag at each of these offsets. Before the last one are two addresses: those of
 /// the root node and of the end of the file, each as the hexadecimal number of a block of 4096
 /// bytes (8 digits) and of a byte in it (4 digits).
 void checkAdfHeader(const Path& shown, std::string_view bytes) {
@@ -50,17 +50,17 @@ void checkAdfHeader(const Path& shown, std::string_view bytes) {
     if (bytes.size() < kTags[0].first ||
         !kTags[0].second.starts_with(bytes.substr(kTags[0].first, kTags[0].second.size())))
         throw FileError(shown, "is neither an HDF5 file nor an ADF file, as CGNS files are");
-    for (const auto& [place, tag] : kTags)
-        if (bytes.size() < place || !bytes.substr(place).starts_with(tag))
+    for (const auto& [offset, tag] : kTags)
+        if (bytes.size() < offset || !bytes.substr(offset).starts_with(tag))
             throw FileError(shown, concat("the header of the ADF file is cut short or damaged: it "
                                           "lacks ",
-                                          inQuotes(tag), " at byte ", place));
-    const auto hexadecimal = [&](std::size_t place, std::size_t digits) {
+                                          inQuotes(tag), " at byte ", offset));
+    const auto hexadecimal = [&](std::size_t offset, std::size_t digits) {
         std::uint64_t number = 0;
-        const char* const end = bytes.data() + place + digits;
-        if (std::from_chars(bytes.data() + place, end, number, 16).ptr != end)
+        const char* const end = bytes.data() + offset + digits;
+        if (std::from_chars(bytes.data() + offset, end, number, 16).ptr != end)
             throw FileError(
-                shown, concat("byte ", place, ": the header of the ADF file has no number here"));
+                shown, concat("byte ", offset, ": the header of the ADF file has no number here"));
         return number;
     };
     const std::uint64_t size = hexadecimal(kEnd, kDigits) * kBlock + hexadecimal(kEnd + kDigits, 4);

@@ -91,11 +91,11 @@ public:
         position_ = begin + old.size();
     }
 
-    /// Inserts text before the byte at `place`, which must not precede the last replaced part.
-    void insert(std::size_t place, std::string_view added) {
-        out_.put(text_.substr(position_, place - position_));
+    /// Inserts text before the byte at `offset`, which must not precede the last replaced part.
+    void insert(std::size_t offset, std::string_view added) {
+        out_.put(text_.substr(position_, offset - position_));
         out_.put(added);
-        position_ = place;
+        position_ = offset;
     }
 
     /// Copies the rest of the text.

@@ -18,11 +18,11 @@ ByteInput inputAt(std::string_view bytes) {
     return {bytes, std::endian::little};
 }
 
-/// Returns the bytes from offset `place` on. Throws if the archive is shorter.
-std::string_view bytesFrom(std::string_view archive, std::uint64_t place) {
-    if (place > archive.size())
-        throw CodingError(concat("is damaged: it refers to byte ", place, " of ", archive.size()));
-    return archive.substr(place);
+/// Returns the bytes from this offset on. Throws if the archive is shorter.
+std::string_view bytesFrom(std::string_view archive, std::uint64_t offset) {
+    if (offset > archive.size())
+        throw CodingError(concat("is damaged: it refers to byte ", offset, " of ", archive.size()));
+    return archive.substr(offset);
 }
 
 /// Returns the offset of the last record, the end of the directory. Only a comment follows it.
@@ -42,7 +42,7 @@ std::size_t findDirectoryEnd(std::string_view archive) {
 }
 
 struct Directory {
-    std::uint64_t count, size, place;
+    std::uint64_t count, size, offset;
 };
 
 /// Reads where the directory is from ZIP64's record. A locator before the end of the directory
@@ -58,7 +58,7 @@ std::optional<Directory> findZip64Directory(std::string_view archive, std::size_
     // Skips the size, two versions, two disk numbers, and the number of members on this disk.
     in.bytes(8 + 2 + 2 + 4 + 4 + 8);
     Directory directory{};
-    for (std::uint64_t* number : {&directory.count, &directory.size, &directory.place})
+    for (std::uint64_t* number : {&directory.count, &directory.size, &directory.offset})
         *number = in.number<std::uint64_t>();
     return directory;
 }
@@ -71,8 +71,9 @@ Directory findDirectory(std::string_view archive) {
     Directory directory{};
     directory.count = in.number<std::uint16_t>();
     directory.size = in.number<std::uint32_t>();
-    directory.place = in.number<std::uint32_t>();
-    if (directory.count == kZipAll16 || directory.size == kZipAll32 || directory.place == kZipAll32)
+    directory.offset = in.number<std::uint32_t>();
+    if (directory.count == kZipAll16 || directory.size == kZipAll32 ||
+        directory.offset == kZipAll32)
         return findZip64Directory(archive, end).value_or(directory);
     return directory;
 }
@@ -99,7 +100,7 @@ constexpr std::uint16_t kNoTime = 0, kFirstDay = (1 << 5) | 1;
 
 ZipReader::ZipReader(std::string_view archive) : archive_(archive) {
     const Directory directory = findDirectory(archive);
-    ByteInput in = inputAt(inputAt(bytesFrom(archive, directory.place)).bytes(directory.size));
+    ByteInput in = inputAt(inputAt(bytesFrom(archive, directory.offset)).bytes(directory.size));
     // Overlapping members could make a small archive inflate to a huge size.
     std::uint64_t left = archive.size();
     for (std::uint64_t i = 0; i < directory.count; ++i) {
@@ -128,9 +129,9 @@ ZipReader::Member ZipReader::readMember(ByteInput& in, std::string& name) {
     const auto extraSize = in.number<std::uint16_t>();
     const auto commentSize = in.number<std::uint16_t>();
     in.bytes(2 + 2 + 4);  // disk, attributes
-    member.place = in.number<std::uint32_t>();
+    member.offset = in.number<std::uint32_t>();
     name = in.bytes(nameSize);
-    widen(in.bytes(extraSize), {&member.size, &member.compressedSize, &member.place});
+    widen(in.bytes(extraSize), {&member.size, &member.compressedSize, &member.offset});
     in.bytes(commentSize);
     return member;
 }
@@ -138,7 +139,7 @@ ZipReader::Member ZipReader::readMember(ByteInput& in, std::string& name) {
 /// Returns the compressed bytes of a member. The member's local header precedes them; its sizes may
 /// be missing, so the directory's are used.
 std::string_view ZipReader::compressedBytes(std::string_view name, const Member& member) const {
-    ByteInput in = inputAt(bytesFrom(archive_, member.place));
+    ByteInput in = inputAt(bytesFrom(archive_, member.offset));
     if (in.number<std::uint32_t>() != kZipLocalHeader)
         throw CodingError("is damaged: it is not at the place that the directory names");
     in.bytes(5 * 2 + 3 * 4);  // as in the directory
@@ -216,18 +217,18 @@ void ZipWriter::finish() {
     constexpr std::uint32_t kWideDisk = 0, kWideAttributes = 0, kDiskCount = 1;
     const std::uint64_t begin = out_.count();
     for (const Member& member : members_) {
-        const bool hasSize = isLarge(member.size), hasPlace = isLarge(member.place);
-        const auto extra = static_cast<std::uint16_t>((hasSize ? 16 : 0) + (hasPlace ? 8 : 0));
+        const bool hasSize = isLarge(member.size), hasOffset = isLarge(member.offset);
+        const auto extra = static_cast<std::uint16_t>((hasSize ? 16 : 0) + (hasOffset ? 8 : 0));
         const bool isZip64 = extra > 0;
         const std::uint16_t madeBy = isZip64 ? kZip64Version : kVersion;
         out_.number(kZipDirectoryEntry, madeBy);
         writeSharedFields(member, isZip64, isZip64 ? static_cast<std::uint16_t>(extra + 4) : 0);
         out_.number(kNoComment, kDisk, kAttributes, kWideAttributes,
-                    hasPlace ? kZipAll32 : static_cast<std::uint32_t>(member.place));
+                    hasOffset ? kZipAll32 : static_cast<std::uint32_t>(member.offset));
         out_.bytes(member.name);
         if (isZip64) out_.number(kZip64Extra, extra);
         if (hasSize) out_.number(member.size, member.size);
-        if (hasPlace) out_.number(member.place);
+        if (hasOffset) out_.number(member.offset);
     }
     const std::uint64_t end = out_.count(), size = end - begin, count = members_.size();
     const bool isZip64 = isLarge(begin) || isLarge(size) || count >= kZipAll16;

@@ -57,7 +57,7 @@ private:
     struct Member {
         std::uint16_t flags, method;
         std::uint32_t checksum;
-        std::uint64_t compressedSize, size, place;
+        std::uint64_t compressedSize, size, offset;
     };
 
     const Member& member(std::string_view name) const;
@@ -89,7 +89,7 @@ public:
 private:
     struct Member {
         std::string name;
-        std::uint64_t size, place;
+        std::uint64_t size, offset;
         std::uint32_t checksum;
     };
     bool isLarge(std::uint64_t number) const;

@@ -124,17 +124,17 @@ Index FoamFile::label(const char* what, Index least) {
     return static_cast<Index>(number);
 }
 
-double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& place) {
+double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& offset) {
     if (!isBinary_) {
         const std::string_view text = word("a coordinate");
-        place = static_cast<std::size_t>(text.data() - bytes_.data());
+        offset = static_cast<std::size_t>(text.data() - bytes_.data());
         return parseCoordinate(text, axis, Precision::Double, path_, line_);
     }
     checkCancelledEvery(items_++, 12);
     if (bytes_.size() - position_ < scalarBytes_) fail("the file ends; expected a coordinate");
-    place = position_;
+    offset = position_;
     position_ += scalarBytes_;
-    return loadCoordinate(bytes_, place, scalarBytes_ == 4 ? Precision::Float : Precision::Double,
+    return loadCoordinate(bytes_, offset, scalarBytes_ == 4 ? Precision::Float : Precision::Double,
                           order_, axis, point, path_);
 }
 

@@ -153,12 +153,12 @@ private:
         }
     }
 
-    /// Skips to a place, and counts the lines before it.
-    void skipTo(std::size_t place) {
-        while (text_.position() < place) {
+    /// Skips to an offset, and counts the lines before it.
+    void skipTo(std::size_t offset) {
+        while (text_.position() < offset) {
             const std::size_t end = bytes_.find('\n', text_.position());
-            if (end >= place) {
-                text_.bytes(place - text_.position(), "the end of a section");
+            if (end >= offset) {
+                text_.bytes(offset - text_.position(), "the end of a section");
                 break;
             }
             text_.restOfLine();
@@ -191,17 +191,17 @@ private:
         return static_cast<std::size_t>(number);
     }
 
-    /// Reads a coordinate, and tells its place.
+    /// Reads a coordinate, and tells its offset.
     std::pair<double, std::size_t> coordinate(std::size_t axis, std::size_t point) {
         if (!isBinary_) {
             const std::string_view word = text_.token("a coordinate");
             return {parseCoordinate(word, axis, Precision::Double, path_, text_.line()),
                     static_cast<std::size_t>(word.data() - bytes_.data())};
         }
-        const std::size_t place = text_.position();
+        const std::size_t offset = text_.position();
         text_.bytes(sizeof(double), "a coordinate");
-        return {loadCoordinate(bytes_, place, Precision::Double, *order_, axis, point, path_),
-                place};
+        return {loadCoordinate(bytes_, offset, Precision::Double, *order_, axis, point, path_),
+                offset};
     }
 
     /// Reads $Nodes. Calls readCoordinates(tag) for each node, which must read three coordinates.

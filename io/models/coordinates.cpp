@@ -26,15 +26,15 @@ bool isTooLarge(Precision precision, double value) {
            std::abs(value) > std::numeric_limits<float>::max();
 }
 
-/// Returns the text of the number at `place`. It was read as a number before, so white space, a
+/// Returns the text of the number at `offset`. It was read as a number before, so white space, a
 /// comment, a backslash, a bracket or a comma ends it.
-std::string_view numberAt(std::string_view text, std::size_t place) {
+std::string_view numberAt(std::string_view text, std::size_t offset) {
     const auto ends = [](char c) {
         if ('-' <= c && c <= '9') return false;  // most bytes: digits, the point and the sign
         return c <= ' ' || c == '#' || c == '\\' || c == ')' || c == ',';
     };
-    const auto begin = text.begin() + static_cast<std::ptrdiff_t>(place);
-    return text.substr(place, std::find_if(begin, text.end(), ends) - begin);
+    const auto begin = text.begin() + static_cast<std::ptrdiff_t>(offset);
+    return text.substr(offset, std::find_if(begin, text.end(), ends) - begin);
 }
 
 }  // namespace
@@ -52,28 +52,29 @@ double roundTo(Precision precision, double value, std::size_t point) {
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
-double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order) {
-    const char* at = bytes.data() + place;
+double loadReal(std::string_view bytes, std::size_t offset, Precision precision,
+                std::endian order) {
+    const char* at = bytes.data() + offset;
     return precision == Precision::Float ? loadNumber<float>(at, order)
                                          : loadNumber<double>(at, order);
 }
 
-double loadCoordinate(std::string_view bytes, std::size_t place, Precision precision,
+double loadCoordinate(std::string_view bytes, std::size_t offset, Precision precision,
                       std::endian order, std::size_t axis, std::size_t point,
                       const std::filesystem::path& path) {
-    const double value = loadReal(bytes, place, precision, order);
+    const double value = loadReal(bytes, offset, precision, order);
     if (!std::isfinite(value))
-        throw FileError(path, concat("byte ", place, ": ", axisName(axis), " of point ", point,
+        throw FileError(path, concat("byte ", offset, ": ", axisName(axis), " of point ", point,
                                      " is not finite"));
     return value;
 }
 
-void storeCoordinate(std::string& bytes, std::size_t place, double value, Precision precision,
+void storeCoordinate(std::string& bytes, std::size_t offset, double value, Precision precision,
                      std::endian order) {
     if (precision == Precision::Float)
-        storeNumber(bytes.data() + place, static_cast<float>(value), order);
+        storeNumber(bytes.data() + offset, static_cast<float>(value), order);
     else
-        storeNumber(bytes.data() + place, value, order);
+        storeNumber(bytes.data() + offset, value, order);
 }
 
 double parseReal(std::string_view word, Precision precision) {

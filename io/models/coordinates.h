@@ -47,18 +47,18 @@ inline void roundToFloat(double& coordinate) {
     coordinate = static_cast<float>(coordinate);
 }
 
-/// Reads the number at offset `place` of binary data; it may be infinite or NaN.
-double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order);
+/// Reads the number at an offset of binary data; it may be infinite or NaN.
+double loadReal(std::string_view bytes, std::size_t offset, Precision precision, std::endian order);
 
-/// Reads the coordinate at offset `place` of binary data.
+/// Reads the coordinate at an offset of binary data.
 /// \param point number of the point, for messages
 /// \throws FileError if the coordinate is not finite
-double loadCoordinate(std::string_view bytes, std::size_t place, Precision precision,
+double loadCoordinate(std::string_view bytes, std::size_t offset, Precision precision,
                       std::endian order, std::size_t axis, std::size_t point,
                       const std::filesystem::path& path);
 
 /// Writes a coordinate into binary data. roundTo() must have returned it.
-void storeCoordinate(std::string& bytes, std::size_t place, double value, Precision precision,
+void storeCoordinate(std::string& bytes, std::size_t offset, double value, Precision precision,
                      std::endian order);
 
 /// Parses a word as a number of this precision; NaN if it is no number or too large.

@@ -186,8 +186,8 @@ struct VersionHash {
 /// A version that gets a new line.
 struct Addition {
     Point3 value;
-    std::size_t anchor;     ///< the normal whose line it follows
-    std::size_t place = 0;  ///< among all additions, in the order of the new file
+    std::size_t anchor;    ///< the normal whose line it follows
+    std::size_t rank = 0;  ///< its number in the order of the new file
 };
 
 class NormalWriter {
@@ -204,7 +204,7 @@ public:
                  if (const auto normal = normalOf(corner, before))
                      targets_.push_back(targetOf(corner, normal->index, before));
              });
-        placeAdditions();
+        orderAdditions();
     }
 
     void write(std::ostream& out, const VectorChange& points) const {
@@ -256,16 +256,16 @@ private:
         return at->second;
     }
 
-    void placeAdditions() {
+    void orderAdditions() {
         order_.resize(additions_.size());
         std::iota(order_.begin(), order_.end(), std::size_t{0});
         stableSortCancellably(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
             return additions_[a].anchor < additions_[b].anchor;
         });
         additionsBefore_.assign(normals_.size() + 1, 0);
-        for (std::size_t place = 0; place < order_.size(); ++place) {
-            Addition& addition = additions_[order_[place]];
-            addition.place = place;
+        for (std::size_t rank = 0; rank < order_.size(); ++rank) {
+            Addition& addition = additions_[order_[rank]];
+            addition.rank = rank;
             ++additionsBefore_[addition.anchor + 1];
         }
         std::partial_sum(additionsBefore_.begin(), additionsBefore_.end(),
@@ -281,7 +281,7 @@ private:
             index = target + additionsBefore_[target];
         } else {
             const Addition& addition = additions_[target - normals_.size()];
-            index = addition.anchor + 1 + addition.place;
+            index = addition.anchor + 1 + addition.rank;
         }
         const std::size_t nowBefore = before.normals + additionsBefore_[before.normals];
         return static_cast<std::int64_t>(index) -
@@ -303,11 +303,11 @@ private:
         const std::size_t first = additionsBefore_[anchor];
         const std::size_t last = additionsBefore_[anchor + 1];
         if (first == last) return;
-        const std::size_t place = end - text_.data();
-        const std::string_view lineEnd = text_.substr(place).starts_with("\r\n") ? "\r\n" : "\n";
-        const auto add = [&](std::string_view text) { patch.insert(place, text); };
+        const std::size_t offset = end - text_.data();
+        const std::string_view lineEnd = text_.substr(offset).starts_with("\r\n") ? "\r\n" : "\n";
+        const auto add = [&](std::string_view text) { patch.insert(offset, text); };
         // If the file ends in a backslash, it must not continue the statement with the new line.
-        if (text_[place - 1] == '\\') add(lineEnd);
+        if (text_[offset - 1] == '\\') add(lineEnd);
         for (std::size_t i = first; i < last; ++i) {
             add(lineEnd);
             add("vn");

@@ -304,8 +304,8 @@ private:
         const std::size_t size = byteSize(property.type);
         const std::size_t begin = take(static_cast<std::uint64_t>(length), size, property);
         if (!isFaceList(property)) return;
-        for (std::size_t place = begin; place < at_; place += size) {
-            const std::int64_t point = loadInteger(bytes_.data() + place, property.type, order_);
+        for (std::size_t offset = begin; offset < at_; offset += size) {
+            const std::int64_t point = loadInteger(bytes_.data() + offset, property.type, order_);
             if (!addCorner(point))
                 fail(concat("a face has the corner ", point, ", which is not the number of ",
                             nameOfPoints()));

@@ -70,9 +70,9 @@ Point3 facetNormal(std::span<const Point3, 3> corners) {
     return {normal[0] / size + 0.0, normal[1] / size + 0.0, normal[2] / size + 0.0};
 }
 
-void storeVector(std::string& bytes, std::size_t place, const Point3& vector) {
+void storeVector(std::string& bytes, std::size_t offset, const Point3& vector) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-        storeCoordinate(bytes, place + axis * sizeof(float), vector[axis], Precision::Float,
+        storeCoordinate(bytes, offset + axis * sizeof(float), vector[axis], Precision::Float,
                         std::endian::little);
 }
 
@@ -81,7 +81,7 @@ bool isMoved(const FileView& file, std::size_t facet, std::span<const Point3, 3>
                        file.numbers.points.values.data() + 3 * facet);
 }
 
-/// Returns the facets. Corners at one place are the first corner there.
+/// Returns the facets. Corners at one position are the first corner there.
 ModelFaces weldedFacets(std::span<const Point3> positions) {
     std::vector<std::size_t> order(positions.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -90,7 +90,7 @@ ModelFaces weldedFacets(std::span<const Point3> positions) {
     });
     ModelFaces faces;
     faces.corners.resize(positions.size());
-    std::size_t first = 0;  // the first of all corners at a place
+    std::size_t first = 0;  // the first of all corners at a position
     for (std::size_t i = 0; i < order.size(); ++i) {
         if (i == 0 || positions[order[i]] != positions[first]) first = order[i];
         faces.corners[order[i]] = static_cast<Index>(first);

@@ -14,13 +14,13 @@
 namespace espalier::io {
 namespace {
 
-/// Finds the line number of a byte. Successive calls must have ascending places.
+/// Finds the line number of a byte. Successive calls must have ascending offsets.
 class LineCounter {
 public:
     explicit LineCounter(std::string_view text) : text_(text) {}
 
-    std::size_t at(std::size_t place) {
-        for (; position_ < std::min(place, text_.size()); ++position_)
+    std::size_t at(std::size_t offset) {
+        for (; position_ < std::min(offset, text_.size()); ++position_)
             if (text_[position_] == '\n') ++line_;
         return line_;
     }
@@ -31,7 +31,7 @@ private:
     std::size_t line_ = 1;
 };
 
-/// Returns the place after the ">" of the tag that begins at `begin`; the end of the text if there
+/// Returns the offset after the ">" of the tag that begins at `begin`; the end of the text if there
 /// is no ">".
 std::size_t endOfTag(std::string_view text, std::size_t begin) {
     char quote = 0;
@@ -46,9 +46,9 @@ std::size_t endOfTag(std::string_view text, std::size_t begin) {
     return text.size();
 }
 
-/// Returns the place of a closing tag, "</DataArray", outside other tags and comments; the end of
+/// Returns the offset of a closing tag, "</DataArray", outside other tags and comments; the end of
 /// the text if there is none.
-std::size_t placeOfClosingTag(std::string_view text, std::size_t from, std::string_view tag) {
+std::size_t offsetOfClosingTag(std::string_view text, std::size_t from, std::string_view tag) {
     while (true) {
         const std::size_t at = text.find('<', from);
         if (at == std::string_view::npos) return text.size();
@@ -72,20 +72,20 @@ public:
         std::string head = cutAppendedData();
         // pugixml would stop at a byte 0.
         if (const std::size_t zero = head.find('\0'); zero != std::string::npos)
-            failAt(placeInFile(zero), "is not well-formed XML: it holds a byte 0");
+            failAt(offsetInFile(zero), "is not well-formed XML: it holds a byte 0");
         pugi::xml_document document;
         const pugi::xml_parse_result result = document.load_buffer_inplace(
             head.data(), head.size(), pugi::parse_default | pugi::parse_fragment,
             pugi::encoding_utf8);
         if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();
         if (!result)
-            failAt(placeInFile(result.offset),
+            failAt(offsetInFile(result.offset),
                    std::string("is not well-formed XML: ") + result.description());
         const pugi::xml_node root = document.child("VTKFile");
         if (!root) file_.fail(1, "is not a VTK XML file: it has no VTKFile element");
         for (const pugi::xml_node node : document.children())
             if (node != root)
-                failAt(placeInFile(textBegin(node)),
+                failAt(offsetInFile(textBegin(node)),
                        "there is more than a VTKFile element; expected nothing but comments before "
                        "and after it");
         readRoot(root, dataSet);
@@ -94,7 +94,7 @@ public:
     }
 
 private:
-    /// Returns the place in the parsed text where an element begins, or a text without its leading
+    /// Returns the offset in the parsed text where an element begins, or a text without its leading
     /// white space.
     static std::size_t textBegin(pugi::xml_node node) {
         const std::string_view text = node.value();
@@ -159,8 +159,8 @@ private:
         if (encoding == "base64")
             file_.appendedForm_ = PayloadForm::Base64;
         else if (encoding != "raw")
-            failAt(placeOf(appended), "the encoding of the appended data is " + inQuotes(encoding) +
-                                          "; expected raw or base64");
+            failAt(offsetOf(appended), "the encoding of the appended data is " +
+                                           inQuotes(encoding) + "; expected raw or base64");
     }
 
     void readDataSet(pugi::xml_node dataSet) {
@@ -209,18 +209,18 @@ private:
             choose(node, "format", {"ascii", "binary", "appended"}));
         if (array.format == VtkDataArray::Format::Appended)
             array.offset = readCount(node, node.attribute("offset"));
-        findPlaces(array, placeOf(node), node.name());
+        findArrayEnds(array, offsetOf(node), node.name());
         return array;
     }
 
-    void findPlaces(VtkDataArray& array, std::size_t begin, const char* element) {
+    void findArrayEnds(VtkDataArray& array, std::size_t begin, const char* element) {
         const std::string_view bytes = file_.bytes_;
         array.begin = begin;
         array.contentBegin = array.contentEnd = array.end = endOfTag(bytes, begin);
         if (bytes[array.end - 2] == '/') return;
         array.contentEnd = std::min(bytes.find('<', array.contentBegin), bytes.size());
         array.end = endOfTag(
-            bytes, placeOfClosingTag(bytes, array.contentEnd, std::string("</") + element));
+            bytes, offsetOfClosingTag(bytes, array.contentEnd, std::string("</") + element));
     }
 
     std::size_t readCount(pugi::xml_node node, pugi::xml_attribute attribute) {
@@ -232,21 +232,21 @@ private:
         return sizeInMemory(count);
     }
 
-    /// Converts a place in the text that pugixml parsed to a place in the file.
-    std::size_t placeInFile(std::size_t place) const {
-        return place < cutBegin_ ? place : place + cutSize_;
+    /// Converts an offset in the text that pugixml parsed to an offset in the file.
+    std::size_t offsetInFile(std::size_t offset) const {
+        return offset < cutBegin_ ? offset : offset + cutSize_;
     }
 
-    /// Returns the place in the file of the "<" of an element.
-    std::size_t placeOf(pugi::xml_node node) const {
-        return placeInFile(static_cast<std::size_t>(node.offset_debug()) - 1);
+    /// Returns the offset in the file of the "<" of an element.
+    std::size_t offsetOf(pugi::xml_node node) const {
+        return offsetInFile(static_cast<std::size_t>(node.offset_debug()) - 1);
     }
 
     /// Returns the line of an element. Calls must follow the order of the file.
-    std::size_t lineOf(pugi::xml_node node) { return lines_.at(placeOf(node)); }
+    std::size_t lineOf(pugi::xml_node node) { return lines_.at(offsetOf(node)); }
 
-    [[noreturn]] void failAt(std::size_t place, const std::string& cause) {
-        file_.fail(LineCounter(file_.bytes_).at(place), cause);
+    [[noreturn]] void failAt(std::size_t offset, const std::string& cause) {
+        file_.fail(LineCounter(file_.bytes_).at(offset), cause);
     }
 
     VtkXmlFile& file_;

@@ -108,7 +108,7 @@ public:
             addDirections(piece, first, points.size());
         }
         checkFinite(path, positions_);
-        std::sort(arrays_.begin(), arrays_.end(), [](const PlacedArray& a, const PlacedArray& b) {
+        std::sort(arrays_.begin(), arrays_.end(), [](const PointArray& a, const PointArray& b) {
             return a.array.begin < b.array.begin;
         });
     }
@@ -116,7 +116,7 @@ public:
     std::span<const Point3> positions() const override { return positions_; }
     bool hasDirections() const override {
         return std::any_of(arrays_.begin(), arrays_.end(),
-                           [](const PlacedArray& a) { return a.carry != nullptr; });
+                           [](const PointArray& a) { return a.carry != nullptr; });
     }
 
     ModelSurface readSurface() const override {
@@ -152,27 +152,27 @@ public:
 
     CoordinateStorage storage() const override {
         CoordinateStorage storage = CoordinateStorage::Double;
-        for (const PlacedArray& placed : arrays_) {
-            if (placed.carry) continue;
-            if (isInteger(*placed.array.type)) return CoordinateStorage::Integer;
-            if (precisionOf(*placed.array.type) == Precision::Float)
+        for (const PointArray& each : arrays_) {
+            if (each.carry) continue;
+            if (isInteger(*each.array.type)) return CoordinateStorage::Integer;
+            if (precisionOf(*each.array.type) == Precision::Float)
                 storage = CoordinateStorage::Float;
         }
         return storage;
     }
 
     std::vector<Point3> stored(std::vector<Point3> points) const override {
-        for (const PlacedArray& placed : arrays_) {
-            if (placed.carry || precisionOf(*placed.array.type) != Precision::Float) continue;
-            for (std::size_t i = 0; i < placed.pointCount; ++i)
-                for (double& coordinate : points[placed.firstPoint + i]) roundToFloat(coordinate);
+        for (const PointArray& each : arrays_) {
+            if (each.carry || precisionOf(*each.array.type) != Precision::Float) continue;
+            for (std::size_t i = 0; i < each.pointCount; ++i)
+                for (double& coordinate : points[each.firstPoint + i]) roundToFloat(coordinate);
         }
         return points;
     }
 
 private:
     /// The array of a piece that holds its points, or directions at them.
-    struct PlacedArray {
+    struct PointArray {
         VtkDataArray array;
         std::size_t firstPoint = 0;
         std::size_t pointCount = 0;
@@ -186,11 +186,10 @@ private:
     std::vector<Point3> normals() const {
         std::vector<Point3> normals(positions_.size());
         std::vector<bool> haveNormals(positions_.size());
-        for (const PlacedArray& placed : arrays_) {
-            if (placed.carry != carryNormal || haveNormals[placed.firstPoint]) continue;
-            std::ranges::copy(placed.directions,
-                              normals.begin() + std::ptrdiff_t(placed.firstPoint));
-            std::fill_n(haveNormals.begin() + std::ptrdiff_t(placed.firstPoint), placed.pointCount,
+        for (const PointArray& each : arrays_) {
+            if (each.carry != carryNormal || haveNormals[each.firstPoint]) continue;
+            std::ranges::copy(each.directions, normals.begin() + std::ptrdiff_t(each.firstPoint));
+            std::fill_n(haveNormals.begin() + std::ptrdiff_t(each.firstPoint), each.pointCount,
                         true);
         }
         if (std::ranges::count(haveNormals, false) > 0) normals.clear();
@@ -249,20 +248,20 @@ private:
         const std::string_view bytes = file_.bytes();
         writeFile(path, [&](std::ostream& out) {
             std::size_t done = 0;
-            for (const PlacedArray& placed : arrays_) {
-                if (placed.carry && gradients.empty()) continue;
-                const VtkDataArray& array = placed.array;
+            for (const PointArray& each : arrays_) {
+                if (each.carry && gradients.empty()) continue;
+                const VtkDataArray& array = each.array;
                 const NumberType type = isInteger(*array.type) ? NumberType::Float64 : *array.type;
                 const auto ofPiece = [&](auto values) {
-                    return values.subspan(placed.firstPoint, placed.pointCount);
+                    return values.subspan(each.firstPoint, each.pointCount);
                 };
                 const std::vector<Point3> now =
-                    rounded(placed.carry ? carried(placed.directions, ofPiece(gradients),
-                                                   placed.carry, precisionOf(type))
-                                         : copyOf(ofPiece(positions)),
-                            type, placed.firstPoint);
+                    rounded(each.carry ? carried(each.directions, ofPiece(gradients), each.carry,
+                                                 precisionOf(type))
+                                       : copyOf(ofPiece(positions)),
+                            type, each.firstPoint);
                 const std::span<const Point3> before =
-                    placed.carry ? placed.directions : ofPiece(std::span(positions_));
+                    each.carry ? each.directions : ofPiece(std::span(positions_));
                 if (areSame(now, before)) continue;
                 out << bytes.substr(done, array.begin - done);
                 try {
@@ -277,7 +276,7 @@ private:
     }
 
     VtkXmlFile file_;
-    std::vector<PlacedArray> arrays_;  ///< in the order of the file
+    std::vector<PointArray> arrays_;  ///< in the order of the file
     std::vector<Point3> positions_;
 };
 
