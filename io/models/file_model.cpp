@@ -9,6 +9,8 @@
 #include <ostream>
 #include <utility>
 
+#include "../lattices/lattice_parts.h"
+
 namespace espalier::io {
 namespace {
 

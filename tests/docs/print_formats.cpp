@@ -2,6 +2,8 @@
 #include <espalier/io/formats.h>
 
 #include <cstdio>
+#include <string>
+#include <utility>
 
 // Prints the extensions of each content and use, one line each,
 // for formats_test.py.

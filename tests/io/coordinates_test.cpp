@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/models/coordinates.h"
 
+#include <espalier/io/files/text_reader.h>
+
 #include <algorithm>
 #include <map>
 #include <random>
