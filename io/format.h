@@ -36,6 +36,9 @@ struct Format {
     /// What users call the format, if it has no extension: "an OpenFOAM case".
     std::string_view words = {};
 
+    /// True for meshes of simulations: their cells are read, and only coordinates are replaced.
+    bool isMesh = false;
+
     /// Returns true for further paths of the format.
     bool (*isPath)(const std::filesystem::path&) = nullptr;
 

@@ -89,13 +89,10 @@ std::vector<std::string> extensionsOf(FileContent content, FileUse use) {
 }
 
 std::string listOfFormats(FileContent content, FileUse use) {
-    std::vector<std::string> written, onlyRead;
+    std::vector<std::string> usual, meshes;
     for (const Format* format : formats()) {
         if (!format->holds(content, use)) continue;
-        // Of lattices and models, meshes of simulations are the formats that are only read.
-        const bool isMesh = (content == FileContent::Lattice || content == FileContent::Model) &&
-                            !format->holds(content, FileUse::Write);
-        auto& names = isMesh ? onlyRead : written;
+        auto& names = format->isMesh ? meshes : usual;
         if (!format->words.empty()) {
             names.emplace_back(format->words);
             continue;
@@ -103,8 +100,8 @@ std::string listOfFormats(FileContent content, FileUse use) {
         for (const std::string_view extension : format->extensions)
             if (!extension.empty()) names.emplace_back(extension);
     }
-    if (onlyRead.empty()) return joined(written);
-    return joined(written) + ", or the mesh of a simulation (" + joined(onlyRead) + ")";
+    if (meshes.empty()) return joined(usual);
+    return joined(usual) + ", or the mesh of a simulation (" + joined(meshes) + ")";
 }
 
 }  // namespace espalier::io

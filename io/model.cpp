@@ -31,8 +31,10 @@ const Format* conversionFor(const Model& model, const std::filesystem::path& pat
             path,
             concat("a model that was read as ", model.extension(), " cannot be written as ",
                    format->extension(),
-                   ", because this is a format of meshes with cells, and only ",
-                   "the coordinates of such a mesh can be replaced; name the output ",
+                   format->isMesh ? ", because this is a format of meshes with cells, and "
+                                    "only the coordinates of such a mesh can be replaced"
+                                  : ", which is only read",
+                   "; name the output ",
                    shownPath(std::filesystem::path(path).replace_extension(model.extension()))));
     return format;
 }

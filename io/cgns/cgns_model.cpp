@@ -600,6 +600,7 @@ private:
 
 constexpr Format kCgnsFormat = {
     .extensions = {".cgns"},
+    .isMesh = true,
     .readModel = [](const Format& format, const std::filesystem::path& path,
                     std::string bytes) -> std::unique_ptr<Model> {
         return std::make_unique<CgnsModel>(format, path, std::move(bytes));

@@ -419,6 +419,7 @@ constexpr MeshFormat kGmshMesh = {
 }  // namespace
 
 const Format kGmshFormat = {.extensions = {".msh"},
+                            .isMesh = true,
                             .readModel = readMeshModel<kGmshMesh>,
                             .readLattice = readMeshLattice<kGmshMesh>};
 

@@ -160,6 +160,7 @@ constexpr MeshFormat kMeditMesh = {
 }  // namespace
 
 const Format kMeditFormat = {.extensions = {".mesh"},
+                             .isMesh = true,
                              .readModel = readMeshModel<kMeditMesh>,
                              .readLattice = readMeshLattice<kMeditMesh>};
 

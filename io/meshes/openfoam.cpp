@@ -262,6 +262,7 @@ Lattice readFoam(const Path& path, std::string_view bytes, ReadNotes* notes) {
 
 const Format kFoamFormat = {.extensions = {kFoamPoints},
                             .words = "an OpenFOAM case",
+                            .isMesh = true,
                             .isPath = isFoamPath,
                             .readModel = readMeshModel<kFoamMesh>,
                             .readLattice = readFoam};

@@ -365,6 +365,7 @@ Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, Re
 }  // namespace
 
 const Format kPlot3dFormat = {.extensions = {".xyz", ".p3d", ".fmt"},
+                              .isMesh = true,
                               .readModel = readMeshModel<kPlot3dMesh>,
                               .readLattice = readPlot3d};
 

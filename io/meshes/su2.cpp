@@ -236,6 +236,7 @@ constexpr MeshFormat kSu2Mesh = {
 }  // namespace
 
 const Format kSu2Format = {.extensions = {".su2"},
+                           .isMesh = true,
                            .readModel = readMeshModel<kSu2Mesh>,
                            .readLattice = readMeshLattice<kSu2Mesh>};
 
