@@ -46,9 +46,9 @@ constexpr double kMaxDistance = 1e8;
 /// The number of vertices grows about as this power of 1 / size.
 constexpr double kPower = 2.4;
 
-/// Ways to choose cells, from tight to careful. If no lattice of one way can be fitted, the next
-/// way is tried. The last one makes cells for a few points, which are in few voxels.
-struct Way {
+/// A choice of cells. If no lattice of one choice can be fitted, the next one is tried, from tight
+/// to careful. The last one makes cells for a few points, which are in few voxels.
+struct CellChoice {
     /// Parts of a model in one cell or in two neighbours are joined if they are nearer than this,
     /// in edges.
     double joinDistance;
@@ -56,10 +56,11 @@ struct Way {
     int attempts;  ///< of fitCage()
     double padding = 0;  ///< cells reach at least this far around the model, in its diagonals
 };
-constexpr std::array<Way, 4> kWays = {{{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}, {2, 0, 4, 0.1}}};
-constexpr std::array<Way, 2> kWaysApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
+constexpr std::array<CellChoice, 4> kCellChoices = {
+    {{0.75, 0.4, 2}, {2, 0.2, 3}, {2, 0, 4}, {2, 0, 4, 0.1}}};
+constexpr std::array<CellChoice, 2> kCellChoicesApart = {{{0, 0.4, 3}, {0, 0.1, 4}}};
 
-/// Lattices of one way that are fitted before the next way is tried.
+/// Lattices of one choice that are fitted before the next choice is tried.
 constexpr std::size_t kMaxFits = 3;
 
 /// Voxels along the edge of a cell; fewer if there would be too many voxels.
@@ -134,9 +135,9 @@ public:
     Lattice make();
 
 private:
-    double padding() const { return std::max(margin_, way_.padding * diagonal_); }
+    double padding() const { return std::max(margin_, choice_.padding * diagonal_); }
     void addFrames();
-    void choose(const Way& way);
+    void choose(const CellChoice& choice);
     double voxelCount(const Frame& frame, double cellSize, Index perEdge) const;
     Index voxelsPerEdge(const Frame& frame, double cellSize) const;
     double smallestSize(const Frame& frame) const;
@@ -157,7 +158,7 @@ private:
     std::vector<Frame> frames_;
     double diagonal_ = 0, margin_ = 0;
     double smallestSize_ = 0;  ///< of cells
-    Way way_;
+    CellChoice choice_;
     Work work_{0};
 };
 
@@ -190,7 +191,7 @@ CageMaker::CageMaker(const SurfaceModel& model, const CageOptions& options)
     margin_ = options.margin * diagonal_ + options.shell / 2;
     addFrames();
     work_ = Work(mostWork(surface_.triangles().size(), options, vertexEstimate()));
-    choose(kWays.front());
+    choose(kCellChoices.front());
     if (options.cellSize > 0 && options.cellSize < smallestSize_)
         throw ArgumentError("cage", "cellSize", textOf(options.cellSize),
                             concat("at least ", smallestSize_, " for this model"));
@@ -212,8 +213,8 @@ void CageMaker::addFrames() {
         frames_.push_back({axes, std::move(turned)});
 }
 
-void CageMaker::choose(const Way& way) {
-    way_ = way;
+void CageMaker::choose(const CellChoice& choice) {
+    choice_ = choice;
     // At least two voxels along each edge, in memory for kMaxVoxels.
     smallestSize_ = 0;
     for (const Frame& frame : frames_) smallestSize_ = std::max(smallestSize_, smallestSize(frame));
@@ -268,8 +269,8 @@ GridCells CageMaker::cellsOf(const ModelVoxels& voxels, const Candidate& candida
     return {voxels,
             {.voxelsPerEdge = k,
              .offset = offset,
-             .joinDistance = std::max(1.0, way_.joinDistance * k),
-             .reach = way_.reach * k}};
+             .joinDistance = std::max(1.0, choice_.joinDistance * k),
+             .reach = choice_.reach * k}};
 }
 
 /// Returns the number of vertices that bounds the work: the wanted one, or all cells of the given
@@ -378,7 +379,7 @@ Lattice CageMaker::fit(const Candidate& candidate) {
     return fitCage(std::move(start), std::move(samples),
                    {.margin = margin_,
                     .maxRounds = margin_ > 0 ? kRoundsWithMargin : FitOptions().maxRounds,
-                    .maxAttempts = way_.attempts},
+                    .maxAttempts = choice_.attempts},
                    work_);
 }
 
@@ -394,8 +395,9 @@ std::string loosePointText(const ModelSurface& surface) {
 /// Returns the first lattice that is proved; none if there is none.
 /// \param failure gets the reason why the last one is not
 std::optional<Lattice> CageMaker::findLattice(std::string& failure) {
-    for (const Way& way : options_.keepApart ? std::span<const Way>(kWaysApart) : kWays) {
-        choose(way);
+    for (const CellChoice& choice :
+         options_.keepApart ? std::span<const CellChoice>(kCellChoicesApart) : kCellChoices) {
+        choose(choice);
         // Room around the model takes voxels, too.
         if (options_.cellSize > 0 && options_.cellSize < smallestSize_) continue;
         for (const Candidate& candidate : candidates()) {

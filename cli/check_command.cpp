@@ -34,7 +34,7 @@ struct CheckOptions {
 };
 
 /// The input and the results of a check.
-struct Checked {
+struct CheckedPose {
     const CheckOptions& options;
     const far::TopologyRefiner& refiner;
     int level;                       ///< the level of the cells; 0 in the limit
@@ -67,7 +67,7 @@ struct Checked {
 };
 
 /// \param positions of the vertices, for the centre of the cell
-OrderedJson toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
+OrderedJson toJson(const CheckedPose& checked, Index cell, const std::vector<Point3>& positions) {
     OrderedJson json = {{"cell", cell},
                         {"base_cell", checked.baseCell(cell)},
                         {"centre", checked.centre(cell, positions)}};
@@ -75,7 +75,7 @@ OrderedJson toJson(const Checked& checked, Index cell, const std::vector<Point3>
     return json;
 }
 
-OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
+OrderedJson toJson(const CheckedPose& checked, const std::vector<Index>& cells,
                    const std::vector<Point3>& positions) {
     OrderedJson first = OrderedJson::array();
     for (std::size_t i = 0; i < std::min(cells.size(), checked.options.listed); ++i)
@@ -97,7 +97,7 @@ OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
 ///                            of the way from rest to pose; the cell that limits the length, or
 ///                            null if the length is max; whether that cell certainly folds just
 ///                            beyond it (solve/validity.h)
-OrderedJson toJson(const Checked& checked) {
+OrderedJson toJson(const CheckedPose& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {
         {"level", checked.level},
@@ -114,13 +114,13 @@ OrderedJson toJson(const Checked& checked) {
 }
 
 /// Returns "cell 12 (in cell 0 of the lattice)"; in the limit "cell 0 of the lattice".
-std::string name(const Checked& checked, Index cell) {
+std::string name(const CheckedPose& checked, Index cell) {
     if (checked.options.limit) return fmt::format("cell {} of the lattice", cell);
     return fmt::format("cell {} (in cell {} of the lattice)", cell, checked.baseCell(cell));
 }
 
 /// Prints the number of cells of a kind, and the first few of them.
-void printCells(const Checked& checked, const char* title, const std::vector<Index>& cells,
+void printCells(const CheckedPose& checked, const char* title, const std::vector<Index>& cells,
                 const std::vector<Point3>& positions) {
     fmt::print("{:<23} {}\n", title, cells.size());
     for (std::size_t i = 0; i < std::min(cells.size(), checked.options.listed); ++i) {
@@ -134,12 +134,12 @@ void printCells(const Checked& checked, const char* title, const std::vector<Ind
         fmt::print("  and {} more\n", cells.size() - checked.options.listed);
 }
 
-std::string title(const Checked& checked) {
+std::string title(const CheckedPose& checked) {
     return checked.options.limit ? "cells in the limit"
                                  : fmt::format("cells of level {}", checked.level);
 }
 
-void printText(const Checked& checked) {
+void printText(const CheckedPose& checked) {
     fmt::print("{:<23} {}\n", title(checked), checked.count());
     printCells(checked, "flat or folded at rest", checked.badAtRest, checked.rest);
     printCells(checked, "inverted by the pose", checked.validity.inverted, checked.pose);
@@ -156,7 +156,7 @@ void printText(const Checked& checked) {
 
 /// Returns the refined pose with two attributes at each vertex: the smallest volume ratio of the
 /// cells around it, 0 if there is none, and the number of these cells that are bad at rest.
-Lattice withRatios(const Checked& checked) {
+Lattice withRatios(const CheckedPose& checked) {
     Lattice refined = levelLattice(checked.refiner, checked.level, checked.pose);
     VertexAttribute ratios{"volume_ratio", 1, {}}, bad{"bad_at_rest", 1, {}};
     for (Index vertex = 0; vertex < refined.complex.count(0); ++vertex) {
@@ -174,14 +174,15 @@ Lattice withRatios(const Checked& checked) {
     return refined;
 }
 
-Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, const Lattice& rest,
-              const std::vector<Point3>& pose, Stages& stages) {
+CheckedPose check(const CheckOptions& options, const far::TopologyRefiner& refiner,
+                  const Lattice& rest, const std::vector<Point3>& pose, Stages& stages) {
     const int level = refiner.maxLevel();
     const auto refined = [&](const std::vector<Point3>& positions) {
         return stages.run("computing positions",
                           [&] { return stencils::refinePositions(refiner, level, positions); });
     };
-    Checked checked{options, refiner, level, refined(rest.positions), refined(pose), {}, {}, {}};
+    CheckedPose checked{options,       refiner, level, refined(rest.positions),
+                        refined(pose), {},      {},    {}};
     stages.run("checking", [&] {
         const auto validity = ofFile(options.rest, [&] {
             if (!options.limit) return solve::ValidityCheck(checked.complex(), checked.rest);
@@ -208,7 +209,7 @@ void runCheck(const CheckOptions& options) {
         return refineLattice(options.rest, lattice, options.common,
                              options.limit ? 0 : options.level);
     });
-    const Checked checked = check(options, refiner, lattice, pose, stages);
+    const CheckedPose checked = check(options, refiner, lattice, pose, stages);
     if (!options.output.empty()) {
         stages.run("writing", [&] { io::writeLattice(options.output, withRatios(checked)); });
     }
@@ -220,9 +221,9 @@ void runCheck(const CheckOptions& options) {
     }
     const auto& inverted = checked.validity.inverted;
     if (!inverted.empty())
-        throw Finding(fmt::format("{}: this pose turns {} of {} {} inside out, the first {}",
-                                  io::shownPath(options.pose), inverted.size(), checked.count(),
-                                  title(checked), name(checked, inverted.front())));
+        throw FailedCheck(fmt::format("{}: this pose turns {} of {} {} inside out, the first {}",
+                                      io::shownPath(options.pose), inverted.size(), checked.count(),
+                                      title(checked), name(checked, inverted.front())));
 }
 
 }  // namespace

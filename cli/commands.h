@@ -11,10 +11,10 @@ namespace espalier::cli {
 
 // Each function adds one command, or a family of them, to the program. A command runs when the
 // arguments have been parsed. An exception ends the program with exit code 1; 2 for an
-// exception of the parser, or an ArgumentError about an option; 3 for Finding (see main.cpp).
+// exception of the parser, or an ArgumentError about an option; 3 for FailedCheck (see main.cpp).
 
 /// The input is good, but the check of a command failed: cells are inverted, or shapes differ.
-class Finding : public Error {
+class FailedCheck : public Error {
 public:
     using Error::Error;
 };

@@ -85,8 +85,8 @@ std::string offence(const compare::ReportedShape& shape, const compare::Report& 
     return {};
 }
 
-/// Throws if a shape differs or could not be compared, and names the first one. Throws Finding if
-/// all shapes could be compared, Error otherwise.
+/// Throws if a shape differs or could not be compared, and names the first one. Throws FailedCheck
+/// if all shapes could be compared, Error otherwise.
 void checkAll(const compare::Report& report) {
     std::vector<std::string> offences;
     for (const compare::ReportedShape& shape : report.shapes)
@@ -98,7 +98,7 @@ void checkAll(const compare::Report& report) {
         first +=
             fmt::format(" (and {} more of {} files)", offences.size() - 1, report.shapes.size());
     if (std::ranges::all_of(report.shapes, [](const auto& shape) { return shape.failure.empty(); }))
-        throw Finding(first);
+        throw FailedCheck(first);
     throw Error(first);
 }
 

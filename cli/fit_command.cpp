@@ -154,7 +154,7 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
 }
 
 /// Points of a model, and their targets.
-struct Wishes {
+struct PointTargets {
     std::vector<Point3> points;
     std::vector<Point3> misses;       ///< target minus point
     std::vector<io::Target> targets;  ///< with the line in the file, for messages
@@ -166,8 +166,8 @@ struct Wishes {
         targets.push_back(target);
     }
 
-    Wishes select(std::span<const Index> rows) const {
-        Wishes selected;
+    PointTargets select(std::span<const Index> rows) const {
+        PointTargets selected;
         for (const Index row : rows) {
             selected.points.push_back(points[row]);
             selected.misses.push_back(misses[row]);
@@ -179,7 +179,8 @@ struct Wishes {
 
 /// Adds a target for each --pull: the point nearest to its place moves by its displacement.
 /// \throws Error naming a point that has a target already
-void addPulls(const FitCommandOptions& options, std::span<const Point3> points, Wishes& wishes) {
+void addPulls(const FitCommandOptions& options, std::span<const Point3> points,
+              PointTargets& pointTargets) {
     for (const auto& [x, y, z, dx, dy, dz] : options.pulls) {
         const Point3 place = {x, y, z};
         const auto distance = [&](const Point3& point) { return length(difference(point, place)); };
@@ -195,30 +196,31 @@ void addPulls(const FitCommandOptions& options, std::span<const Point3> points, 
                 "model ({:.4g}) away from it, so that all points are equally near; give "
                 "a place near the point to pull",
                 x, y, z, size));
-        for (const io::Target& target : wishes.targets)
+        for (const io::Target& target : pointTargets.targets)
             if (target.point == number)
                 throw Error(
                     fmt::format("--pull {} {} {}: the nearest point is {}, which has a "
                                 "target already",
                                 x, y, z, number));
-        wishes.add(*nearest,
-                   {number, {(*nearest)[0] + dx, (*nearest)[1] + dy, (*nearest)[2] + dz}, 0});
+        pointTargets.add(*nearest,
+                         {number, {(*nearest)[0] + dx, (*nearest)[1] + dy, (*nearest)[2] + dz}, 0});
         if (!options.common.quiet && options.report == ReportFormat::Text)
             fmt::print("pulled                point {} at {:.6g} {:.6g} {:.6g}\n", number,
                        (*nearest)[0], (*nearest)[1], (*nearest)[2]);
     }
 }
 
-Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stages& stages) {
+PointTargets readPointTargets(const FitCommandOptions& options, const io::Model& model,
+                              Stages& stages) {
     const auto points = model.positions();
-    Wishes wishes;
-    if (options.targets.empty()) return wishes;
+    PointTargets pointTargets;
+    if (options.targets.empty()) return pointTargets;
     if (io::isFileOf(io::FileContent::Targets, options.targets)) {
         const auto targets = stages.read(options.targets, [&] {
             return io::readTargets(options.targets, static_cast<Index>(points.size()));
         });
-        for (const io::Target& target : targets) wishes.add(points[target.point], target);
-        return wishes;
+        for (const io::Target& target : targets) pointTargets.add(points[target.point], target);
+        return pointTargets;
     }
     const auto wanted =
         stages.read(options.targets, [&] { return io::readModel(options.targets); });
@@ -227,8 +229,8 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
                                                          wanted->positions().size(),
                                                          printable(options.model), points.size()));
     for (std::size_t i = 0; i < points.size(); ++i)
-        wishes.add(points[i], {static_cast<Index>(i), wanted->positions()[i], 0});
-    return wishes;
+        pointTargets.add(points[i], {static_cast<Index>(i), wanted->positions()[i], 0});
+    return pointTargets;
 }
 
 /// Rows of D for the points that have targets and for the held points.
@@ -268,33 +270,33 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
 /// with it is left out if its target is its own position, unless --outside error is given. \throws
 /// FileError for other points that do not move with the lattice, and if no target is left
 std::vector<Index> carriedTargets(const FitCommandOptions& options, const bind::Binding& bound,
-                                  const Wishes& wishes) {
+                                  const PointTargets& pointTargets) {
     const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
     std::vector<Index> carried;
-    for (std::size_t i = 0; i < wishes.targets.size(); ++i) {
+    for (std::size_t i = 0; i < pointTargets.targets.size(); ++i) {
         const auto row = static_cast<Index>(i);
         if (!bound.table.columns(row).empty())
             carried.push_back(row);
-        else if (isOutsideRefused || wishes.misses[i] != Point3{})
-            refuseTarget(options, wishes.targets[i], bound.statuses[i]);
+        else if (isOutsideRefused || pointTargets.misses[i] != Point3{})
+            refuseTarget(options, pointTargets.targets[i], bound.statuses[i]);
     }
     if (carried.empty())
         throwOfTarget(
             options, 0,
             fmt::format("no target is left: all {} points lie outside the lattice {}, and "
                         "their targets are where they are already",
-                        wishes.targets.size(), printable(options.rest)));
+                        pointTargets.targets.size(), printable(options.rest)));
     return carried;
 }
 
 /// Fits the lattice. An error in a target names its point, and the file and line of the target.
 solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRows& rows,
-                                   const Wishes& wishes, const Lattice& lattice,
+                                   const PointTargets& pointTargets, const Lattice& lattice,
                                    const solve::FitOptions& fitOptions) {
     try {
-        return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
+        return solve::fitLattice(rows.ofTargets, pointTargets.misses, lattice.complex, fitOptions);
     } catch (const solve::TargetError& error) {
-        const io::Target& target = wishes.targets[error.row()];
+        const io::Target& target = pointTargets.targets[error.row()];
         throwOfTarget(options, target.line,
                       fmt::format("the target of point {} is too far from the point: the square of "
                                   "the distance overflows",
@@ -303,16 +305,16 @@ solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRo
 }
 
 /// Binds the points that have targets and the held points at once. A point that is both is bound
-/// once. Removes from `wishes` the targets that carriedTargets() leaves out.
-FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishes& wishes,
-                const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
-                Stages& stages) {
-    std::vector<Point3> points = wishes.points;
+/// once. Removes from `pointTargets` the targets that carriedTargets() leaves out.
+FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind,
+                PointTargets& pointTargets, const HeldPart& part,
+                std::span<const Point3> modelPoints, const Lattice& lattice, Stages& stages) {
+    std::vector<Point3> points = pointTargets.points;
     std::vector<Index> heldRows;
     if (!part.points.empty()) {
         std::unordered_map<Index, Index> rowOf;
-        for (std::size_t i = 0; i < wishes.targets.size(); ++i)
-            rowOf.emplace(wishes.targets[i].point, static_cast<Index>(i));
+        for (std::size_t i = 0; i < pointTargets.targets.size(); ++i)
+            rowOf.emplace(pointTargets.targets[i].point, static_cast<Index>(i));
         for (const Index point : part.points) {
             const auto [row, isNew] = rowOf.emplace(point, static_cast<Index>(points.size()));
             if (isNew) points.push_back(modelPoints[point]);
@@ -320,7 +322,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
         }
     }
     auto bound = bindModel(bind, points, lattice, stages);
-    const auto carried = carriedTargets(options, bound, wishes);
+    const auto carried = carriedTargets(options, bound, pointTargets);
     stencils::StencilTable<double>& table = bound.table;
     FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};
     if (options.common.embedding.outside == embed::OutsidePolicy::Error)
@@ -332,7 +334,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
                                 whyNotCarried(options, bound.statuses[heldRows[i]])));
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
-    if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
+    if (carried.size() < pointTargets.targets.size()) pointTargets = pointTargets.select(carried);
     rows.binding = std::move(bound);
     return rows;
 }
@@ -362,14 +364,14 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
 }
 
 /// \param leftOut number of targets that carriedTargets() leaves out
-void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_t leftOut,
-              std::size_t heldCount, const solve::LatticeFit& fit) {
+void printFit(const FitCommandOptions& options, const PointTargets& pointTargets,
+              std::size_t leftOut, std::size_t heldCount, const solve::LatticeFit& fit) {
     double largest = 0;
     for (const Point3& displacement : fit.displacements)
         largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
     if (options.report == ReportFormat::Json) {
         const OrderedJson json = {
-            {"targets", wishes.targets.size()},
+            {"targets", pointTargets.targets.size()},
             {"left_out", leftOut},
             {"held_vertices", heldCount},
             {"largest_miss", fit.largestMiss},
@@ -380,7 +382,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
         fmt::print("{}\n", json.dump(2));
         return;
     }
-    fmt::print("targets               {}\n", wishes.targets.size());
+    fmt::print("targets               {}\n", pointTargets.targets.size());
     if (leftOut > 0)
         fmt::print("targets left out      {}: points outside the lattice that are to stay\n",
                    leftOut);
@@ -406,28 +408,29 @@ void runFit(const FitCommandOptions& options) {
     Stages& stages = job.stages();
     const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     Lattice lattice = readLattice(options.rest, stages);
-    Wishes wishes = readWishes(options, *model, stages);
-    addPulls(options, model->positions(), wishes);
-    const std::size_t wishCount = wishes.targets.size();
+    PointTargets pointTargets = readPointTargets(options, *model, stages);
+    addPulls(options, model->positions(), pointTargets);
+    const std::size_t readCount = pointTargets.targets.size();
     const auto points = model->positions();
     const HeldPart part = findHeldPart(options.hold, options, points, lattice);
     // bindAll() refuses points outside itself: it knows their numbers in the model.
     BindOptions bind = options;
     if (bind.common.embedding.outside == embed::OutsidePolicy::Error)
         bind.common.embedding.outside = embed::OutsidePolicy::Keep;
-    const FitRows rows = bindAll(options, bind, wishes, part, points, lattice, stages);
+    const FitRows rows = bindAll(options, bind, pointTargets, part, points, lattice, stages);
     const auto held = heldVertices(part, options.hold, bind, points, rows.ofHeld, lattice, stages);
     solve::FitOptions fitOptions = options.fit;
     fitOptions.frozen = frozenVertices(options, held, lattice);
     fitOptions.smoothing = options.smoothing.value_or(
         options.pulls.empty() ? solve::Smoothing::None : solve::Smoothing::Tikhonov);
-    const auto fit = stages.run(
-        "solving", [&] { return fitNamingTargets(options, rows, wishes, lattice, fitOptions); });
+    const auto fit = stages.run("solving", [&] {
+        return fitNamingTargets(options, rows, pointTargets, lattice, fitOptions);
+    });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
-        printFit(options, wishes, wishCount - wishes.targets.size(), held.size(), fit);
+        printFit(options, pointTargets, readCount - pointTargets.targets.size(), held.size(), fit);
     warnOfPointsOutside(rows.binding, options.common);
 }
 

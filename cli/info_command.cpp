@@ -399,7 +399,7 @@ void printJson(const SortedJson& report) {
 }
 
 /// The contents of the file that `info` describes: a lattice or a model.
-struct Described {
+struct DescribedFile {
     std::optional<Lattice> lattice;
     std::unique_ptr<io::Model> model;
     io::ReadNotes notes;
@@ -407,9 +407,9 @@ struct Described {
 
 /// Reads a lattice or a model. A file that can be both is a model if it has no cells of a volume,
 /// or with --model.
-Described readDescribed(const InfoOptions& options) {
+DescribedFile readDescribed(const InfoOptions& options) {
     const std::filesystem::path path = io::modelFile(options.lattice);
-    Described result;
+    DescribedFile result;
     if (io::isFileOf(io::FileContent::BoundModel, path)) {
         result.model = io::modelOf(io::readBoundModel(path), path);
         return result;
@@ -443,7 +443,7 @@ void runModelInfo(const InfoOptions& options, const io::Model& model, Stages& st
 void runInfo(const InfoOptions& options) {
     Job job(options.common, {{"FILE", options.lattice}});
     Stages& stages = job.stages();
-    const Described described =
+    const DescribedFile described =
         stages.read(options.lattice, [&] { return readDescribed(options); });
     if (!described.lattice) {
         runModelInfo(options, *described.model, stages);

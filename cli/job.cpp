@@ -58,17 +58,17 @@ void refuseDash(const std::vector<Argument>& inputs) {
 
 /// Refuses a pipe or device that is given twice.
 void refuseTwice(const std::vector<Argument>& inputs) {
-    struct Special {
+    struct SpecialFile {
         const std::string &argument, &path;
         struct ::stat status;
     };
-    std::vector<Special> all;
+    std::vector<SpecialFile> all;
     for (const Argument& input : inputs) {
         for (const std::string& path : input.paths) {
             const auto status = statusOf(path);
             if (!status || S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) continue;
             const auto first = std::ranges::find_if(
-                all, [&](const Special& other) { return isSameFile(other.status, *status); });
+                all, [&](const SpecialFile& other) { return isSameFile(other.status, *status); });
             if (first == all.end()) {
                 all.push_back({input.name, path, *status});
                 continue;

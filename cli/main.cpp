@@ -218,8 +218,8 @@ int main(int argumentCount, char** arguments) {
         const int code = run(argumentCount, arguments);
         flushOutput();
         return code;
-    } catch (const Finding& finding) {
-        printError(finding.what());
+    } catch (const FailedCheck& failure) {
+        printError(failure.what());
         return kFinding;
     } catch (const OutOfMemory& error) {
         printPrintableError(error.what());

@@ -152,7 +152,7 @@ MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& pos
         points = stored({model_.positions().begin(), model_.positions().end()});
         verdict.quality = solve::meshQuality(volume_.mesh, points);
         if (!isSound(check_->check(points), verdict.quality))
-            throw Finding(
+            throw FailedCheck(
                 fmt::format("{}: rounded to the floats of this format, cells of {} are inside out "
                             "even at rest; "
                             "write the poses in the format of the mesh",
@@ -169,13 +169,13 @@ void MeshCheck::requireValid(const MeshVerdict& verdict, const std::string& pose
     };
     const auto& inverted = verdict.validity.inverted;
     if (!inverted.empty())
-        throw Finding(fmt::format(
+        throw FailedCheck(fmt::format(
             "{}: this pose turns {} of {} cells of {} inside out, the first cell {}; nothing was "
             "written. --largest-step goes {} of the way",
             io::shownPath(pose), inverted.size(), volume_.mesh.cellCount(), io::shownPath(path_),
             inverted.front(), shareText(verdict.step.length, 6)));
     if (!isSound(verdict.validity, verdict.quality))
-        throw Finding(
+        throw FailedCheck(
             fmt::format("{}: in this pose, cell {} of {} has no positive volume by OpenFOAM's "
                         "formula; nothing was "
                         "written",

@@ -68,7 +68,7 @@ public:
     MeshVerdict check(std::vector<Point3>& points, const std::string& pose,
                       const MeshOptions& options, Stages& stages) const;
 
-    /// Throws a Finding if cells are inverted at the points of a verdict, or have no positive
+    /// Throws a FailedCheck if cells are inverted at the points of a verdict, or have no positive
     /// volume.
     ///
     /// \param pose its path

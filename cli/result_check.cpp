@@ -19,10 +19,10 @@ constexpr Offset kGrain = 2048;
 
 /// Bounds on rounded numbers, packed: for each number the size of its sum, Σ |w · x| through all
 /// tables so far, and its largest error.
-struct Rounded {
+struct RoundingBounds {
     std::vector<double> sizes, errors;
 
-    explicit Rounded(Offset count) : sizes(count), errors(count) {}
+    explicit RoundingBounds(Offset count) : sizes(count), errors(count) {}
 };
 
 template <class Real>
@@ -38,8 +38,9 @@ template <class Real>
 constexpr bool kRounds = sizeof(Real) < sizeof(double);
 
 template <class Real>
-Rounded roundedValues(std::span<const double> values, const BufferDescriptor& layout, Index count) {
-    Rounded result(count * layout.length);
+RoundingBounds roundedValues(std::span<const double> values, const BufferDescriptor& layout,
+                             Index count) {
+    RoundingBounds result(count * layout.length);
     for (Index entry = 0; entry < count; ++entry)
         for (Offset c = 0; c < layout.length; ++c) {
             const Offset i = entry * layout.length + c;
@@ -52,9 +53,9 @@ Rounded roundedValues(std::span<const double> values, const BufferDescriptor& la
 
 /// Returns the bounds after a table has been applied.
 template <class Real>
-Rounded apply(const stencils::StencilTable<double>& table, const Rounded& source, Offset length,
-              UlpBound bound) {
-    Rounded result(table.rowCount() * length);
+RoundingBounds apply(const stencils::StencilTable<double>& table, const RoundingBounds& source,
+                     Offset length, UlpBound bound) {
+    RoundingBounds result(table.rowCount() * length);
     parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
         for (Offset i = first * length; i < last * length; ++i) {
             const auto row = static_cast<Index>(i / length);
@@ -105,7 +106,7 @@ template <class Real>
 ExpectedSums::Numbers ExpectedSums::of(std::span<const double> values,
                                        const BufferDescriptor& layout) const {
     const Offset length = layout.length;
-    Rounded rounded = roundedValues<Real>(values, layout, matrix_->columnCount());
+    RoundingBounds rounded = roundedValues<Real>(values, layout, matrix_->columnCount());
     for (const Table* table : applied_) rounded = apply<Real>(*table, rounded, length, bound_);
 
     Numbers numbers{std::vector<double>(rounded.sizes.size()), std::move(rounded.errors)};

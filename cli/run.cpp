@@ -69,7 +69,7 @@ Stages::~Stages() {
 
 void Stages::begin(std::string_view name) {
     const auto same = std::find_if(finished_.begin(), finished_.end(),
-                                   [&](const Finished& stage) { return stage.name == name; });
+                                   [&](const FinishedStage& stage) { return stage.name == name; });
     current_ = same - finished_.begin();
     if (same == finished_.end()) finished_.push_back({std::string(name), 0, 0});
     bytes_.reset();
@@ -79,7 +79,7 @@ void Stages::begin(std::string_view name) {
 
 void Stages::end() noexcept {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    Finished& stage = finished_[current_];
+    FinishedStage& stage = finished_[current_];
     stage.seconds += elapsed.count();
     if (stage.bytes && bytes_)
         *stage.bytes += *bytes_;

@@ -40,7 +40,7 @@ public:
     Stages& operator=(const Stages&) = delete;
 
     /// A stage that ran several times, for several files or poses, is listed once, with its sums.
-    struct Finished {
+    struct FinishedStage {
         std::string name;
         double seconds;
 
@@ -91,7 +91,7 @@ public:
     void showProgress(std::size_t done, std::size_t total) const noexcept;
 
     /// Returns the stages in the order in which they first began.
-    const std::vector<Finished>& finished() const { return finished_; }
+    const std::vector<FinishedStage>& finished() const { return finished_; }
 
 private:
     void begin(std::string_view name);
@@ -102,7 +102,7 @@ private:
     std::size_t current_ = 0;  ///< index in finished_ of the stage that runs
     std::chrono::steady_clock::time_point start_;
     std::optional<std::size_t> bytes_;  ///< of the current stage
-    std::vector<Finished> finished_;
+    std::vector<FinishedStage> finished_;
 };
 
 /// Returns the bytes of a table's offsets, columns and weights.

@@ -14,7 +14,7 @@ namespace {
 using embed::PointStatus;
 
 /// Returns billions of bytes per second; nothing if the bytes are not known.
-std::optional<double> gigabytesPerSecond(const Stages::Finished& stage) {
+std::optional<double> gigabytesPerSecond(const Stages::FinishedStage& stage) {
     if (!stage.bytes || !(stage.seconds > 0)) return std::nullopt;
     return static_cast<double>(*stage.bytes) / stage.seconds / 1e9;
 }
@@ -26,7 +26,7 @@ OrderedJson numberOrNull(const std::optional<Number>& number) {
 
 OrderedJson toJson(const Stages& stages) {
     OrderedJson array = OrderedJson::array();
-    for (const Stages::Finished& stage : stages.finished())
+    for (const Stages::FinishedStage& stage : stages.finished())
         array.push_back({{"name", stage.name},
                          {"seconds", stage.seconds},
                          {"bytes", numberOrNull(stage.bytes)},
@@ -37,12 +37,12 @@ OrderedJson toJson(const Stages& stages) {
 /// Returns the width of the column of labels, which includes the names of the stages.
 std::size_t labelWidth(const Stages& stages) {
     std::size_t width = 17;
-    for (const Stages::Finished& stage : stages.finished())
+    for (const Stages::FinishedStage& stage : stages.finished())
         width = std::max(width, stage.name.size());
     return width;
 }
 
-void printStage(const Stages::Finished& stage, std::size_t labelWidth) {
+void printStage(const Stages::FinishedStage& stage, std::size_t labelWidth) {
     fmt::print("{:<{}} {:>9.3f} s", stage.name, labelWidth, stage.seconds);
     if (stage.bytes) fmt::print("  {:>9}", formatBytes(*stage.bytes));
     if (const auto rate = gigabytesPerSecond(stage)) fmt::print("  {:>7.3f} GB/s", *rate);
@@ -98,7 +98,7 @@ void printText(const RunReport& report) {
                           table.rowCount(), table.columnCount(),
                           bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
                           formatBytes(bytesOf(table))));
-    for (const Stages::Finished& stage : report.stages.finished()) printStage(stage, width);
+    for (const Stages::FinishedStage& stage : report.stages.finished()) printStage(stage, width);
     printLine("peak memory", formatBytes(report.peakMemory));
 }
 

@@ -117,13 +117,13 @@ std::vector<SeenFace> drawableFaces(const SurfaceError& surface) {
 }
 
 /// A transformation of positions into a box near the origin, with sides of at most 1.
-struct Normalised {
+struct UnitBoxTransformation {
     Vector3d centre;
     double scale = 1;  ///< divides before `centre` is subtracted: coordinates near the limits of
                        ///< double have differences that overflow
     Vector3d extent;
 
-    Normalised(const SurfaceError& surface, const std::vector<SeenFace>& faces) {
+    UnitBoxTransformation(const SurfaceError& surface, const std::vector<SeenFace>& faces) {
         scale = 0;
         for (const SeenFace& seen : faces)
             for (const Index corner : surface.faces[seen.face])
@@ -215,7 +215,7 @@ SurfaceView viewOf(const SurfaceError& surface) {
     view.depths.resize(surface.positions.size());
     if (view.faces.empty()) return view;
 
-    const Normalised normalised(surface, view.faces);
+    const UnitBoxTransformation normalised(surface, view.faces);
     const PictureFrame frame = frameOf(normalised.extent);
     std::vector<Vector3d> seen;  // right, up, towards the viewer
     seen.reserve(surface.positions.size());

@@ -34,7 +34,7 @@ LevelSearch::LevelSearch(const RestLattice& lattice, int level, const EmbeddingO
 void LevelSearch::locate(std::span<const Point3> points, Extent extent,
                          FunctionRef<void(LocatedPart)> use) const {
     std::vector<Index> unsettled;
-    descent_.descend(points, level_, Sought::Containing, extent,
+    descent_.descend(points, level_, SoughtCells::Containing, extent,
                      [&](Offset first, auto part, auto& found) {
                          std::vector<Index> left;
                          LocatedPart located = locateInside(part, found, left);
@@ -46,7 +46,7 @@ void LevelSearch::locate(std::span<const Point3> points, Extent extent,
     if (unsettled.empty()) return;
     // Extent::Ring also refines the neighbours of a cell: they tell which faces of the cell are on
     // the boundary.
-    descent_.descend(chosenPoints(points, unsettled), level_, Sought::Nearest, Extent::Ring,
+    descent_.descend(chosenPoints(points, unsettled), level_, SoughtCells::Nearest, Extent::Ring,
                      [&](Offset first, auto part, auto& found) {
                          LocatedPart located = locateOutsideCells(part, *found);
                          for (Index& point : located.points) point = unsettled[first + point];
@@ -89,7 +89,7 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, std::optio
 }
 
 /// Locates points that are in no cell, by the nearest cell. The candidates of a point include all
-/// cells whose boxes contain the point (Sought::Nearest).
+/// cells whose boxes contain the point (SoughtCells::Nearest).
 LocatedPart LevelSearch::locateOutsideCells(std::span<const Point3> points, Descent& found) const {
     LocatedPart part = partOf(points.size());
     const far::CellComplex& complex = found.levels.finestLevel().complex;

@@ -137,7 +137,7 @@ PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
       tree_(boxesOf(bounds_, bounded_, margin_)) {}
 
 /// Returns the base cells that may contain a point or have descendants that do.
-Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
+Candidates PointDescent::baseCandidates(std::span<const Point3> points, SoughtCells sought) const {
     std::vector<std::pair<Index, Index>> pairs;         // Cell and point, by point.
     std::vector<Offset> begins(bounds_.size() + 1, 0);  // First the number of pairs of each cell.
     const auto add = [&](std::size_t point, Index cell) {
@@ -148,7 +148,7 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         for (const Index cell : unbounded_) add(point, cell);
         for (const Index i : found) add(point, bounded_[i]);
     };
-    if (sought == Sought::Containing) {
+    if (sought == SoughtCells::Containing) {
         tree_.findContaining(points, addAll);
     } else {
         std::vector<Index> found;
@@ -179,7 +179,7 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
     return candidates;
 }
 
-Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
+Descent PointDescent::begin(std::span<const Point3> points, SoughtCells sought) const {
     const far::Level& base = lattice_.base.level(0);
     Candidates candidates = baseCandidates(points, sought);
     std::vector<Index> corners;
@@ -217,7 +217,7 @@ void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
     });
 }
 
-void PointDescent::refine(Descent& descent, std::span<const Point3> points, Sought sought,
+void PointDescent::refine(Descent& descent, std::span<const Point3> points, SoughtCells sought,
                           Extent extent, Bounding bounding) const {
     const far::CellComplex parent = descent.levels.finestLevel().complex;
     descent.levels.refineAround(descent.candidates.cells, extent);
@@ -240,10 +240,11 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
                     ? bounds.boundOf(child->index, bound ? bound->drift : std::nullopt)
                     : bounds.ownBox(child->index,
                                     bounding == Bounding::Estimate ? kEstimatedGrowth : 0);
-            const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Estimate
-                                        ? bounds.ownHull(child->index, kEstimatedGrowth)
-                                        : AffineHull();
-            if (sought == Sought::Nearest || !ofChild) {
+            const AffineHull hull =
+                sought == SoughtCells::Containing && bounding == Bounding::Estimate
+                    ? bounds.ownHull(child->index, kEstimatedGrowth)
+                    : AffineHull();
+            if (sought == SoughtCells::Nearest || !ofChild) {
                 const auto all = parents.pointsOf(i);
                 children.points.insert(children.points.end(), all.begin(), all.end());
             } else {
@@ -291,8 +292,8 @@ double expectedCellCount(const Descent& descent, std::size_t pointCount, double 
 
 }  // namespace
 
-void PointDescent::descend(std::span<const Point3> points, int level, Sought sought, Extent extent,
-                           Use use) const {
+void PointDescent::descend(std::span<const Point3> points, int level, SoughtCells sought,
+                           Extent extent, Use use) const {
     constexpr Offset kMinPoints = 16;
     const Offset pointCount = std::ssize(points);
     Offset partCount = 1;
@@ -311,14 +312,14 @@ void PointDescent::descend(std::span<const Point3> points, int level, Sought sou
 ///        number of parts that keep the levels small enough. If this number is not 1, the function
 ///        stops and returns nothing
 std::optional<Descent> PointDescent::descendAtOnce(std::span<const Point3> points, int level,
-                                                   Sought sought, Extent extent,
+                                                   SoughtCells sought, Extent extent,
                                                    Offset* partCount) const {
     // A cell takes about 1.5 kB, with its share of faces, edges, vertices, relations and weights.
     constexpr double kMaxCells = 10'000;
     Descent descent = begin(points, sought);
     double cellCount = 0, growth = 1;
     for (int k = 1; k <= level; ++k) {
-        if (sought == Sought::Nearest) {
+        if (sought == SoughtCells::Nearest) {
             std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
             keepNearest(descent, points, nearest);
         }

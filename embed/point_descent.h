@@ -21,7 +21,7 @@ namespace espalier::embed {
 using Extent = far::TopologyRefiner::Extent;
 
 /// Which cells to seek for a point.
-enum class Sought {
+enum class SoughtCells {
     Containing,  ///< those whose box contains the point
     Nearest      ///< the nearest one, and those whose box contains the point
 };
@@ -120,7 +120,7 @@ public:
     /// Returns level 0 around the cells that may contain the points, before any refinement. The
     /// margin is the tolerance plus the rounding error.
     /// \cost O(points × log base cells)
-    Descent begin(std::span<const Point3> points, Sought sought) const;
+    Descent begin(std::span<const Point3> points, SoughtCells sought) const;
 
     /// The bounds of the base cells. Regular cells have one with a drift: isRegularCell().
     std::span<const std::optional<CellBound>> baseBounds() const { return bounds_; }
@@ -132,7 +132,7 @@ public:
     /// candidates are their children.
     /// \param extent Extent::Cells ends the descent: the new level cannot be refined further
     /// \throws TopologyError as far::TopologyRefiner::refineAround()
-    void refine(Descent& descent, std::span<const Point3> points, Sought sought, Extent extent,
+    void refine(Descent& descent, std::span<const Point3> points, SoughtCells sought, Extent extent,
                 Bounding bounding) const;
 
     /// Keeps the candidates that contain a point, or that may have the nearest cell of a point as a
@@ -162,13 +162,14 @@ public:
     /// \throws TopologyError as refine()
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart
-    void descend(std::span<const Point3> points, int level, Sought sought, Extent extent,
+    void descend(std::span<const Point3> points, int level, SoughtCells sought, Extent extent,
                  Use use) const;
 
 private:
-    Candidates baseCandidates(std::span<const Point3> points, Sought sought) const;
-    std::optional<Descent> descendAtOnce(std::span<const Point3> points, int level, Sought sought,
-                                         Extent extent, Offset* partCount) const;
+    Candidates baseCandidates(std::span<const Point3> points, SoughtCells sought) const;
+    std::optional<Descent> descendAtOnce(std::span<const Point3> points, int level,
+                                         SoughtCells sought, Extent extent,
+                                         Offset* partCount) const;
 
     RestLattice lattice_;
     double rounding_;

@@ -102,9 +102,9 @@ std::optional<PlacedCell> nextCell(const CellComplex& complex, const PlacedCell&
 }
 
 /// Finds the grid point of each vertex, cell by cell.
-class Placing {
+class GridPointFinder {
 public:
-    explicit Placing(const CellComplex& complex)
+    explicit GridPointFinder(const CellComplex& complex)
         : complex_(complex),
           points_(complex.count(0)),
           isPlaced_(complex.count(3), 0),
@@ -252,7 +252,7 @@ BoxGrid asBoxGrid(const CellComplex& complex) {
                    complex.dimension()));
     // First of all, so that the error names the first cell that is not a hexahedron.
     for (Index cell = 0; cell < complex.count(3); ++cell) cornersOf(complex, CellId(cell));
-    return Placing(complex).takeGrid();
+    return GridPointFinder(complex).takeGrid();
 }
 
 }  // namespace espalier::far

@@ -309,24 +309,25 @@ struct Edges {
 };
 
 /// Two loops that both are to be reversed or both not; or exactly one of them, if not `sameTurn`.
-struct Tie {
+struct LoopPair {
     Index a;
     Index b;
     bool sameTurn;
 };
 
 /// Finds which loops of a lattice to reverse so that all run anticlockwise seen from outside their
-/// cells. Loops are tied in pairs: two loops of one cell that share an edge must run along it in
-/// opposite directions, and the two loops of one face must also be opposite. In each connected
-/// piece, the smaller number of loops is reversed. Pairs that cannot be satisfied are left to
-/// validate(), which names them. Returns −1 for each loop to reverse, +1 for the others.
-std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
-    std::vector<std::vector<Tie>> tiesOf(loopCount);
-    for (std::size_t tie = 0; tie < ties.size(); ++tie) {
-        checkCancelledEvery(tie, kBitsBetweenPolls);
-        const auto& [a, b, sameTurn] = ties[tie];
-        tiesOf[a].push_back({a, b, sameTurn});
-        tiesOf[b].push_back({b, a, sameTurn});
+/// cells. Directions depend on each other in pairs: two loops of one cell that share an edge must
+/// run along it in opposite directions, and the two loops of one face must also be opposite. In
+/// each connected piece, the smaller number of loops is reversed. Pairs that cannot be satisfied
+/// are left to validate(), which names them. Returns −1 for each loop to reverse, +1 for the
+/// others.
+std::vector<int> turnsOf(Index loopCount, const std::vector<LoopPair>& pairs) {
+    std::vector<std::vector<LoopPair>> pairsOf(loopCount);
+    for (std::size_t pair = 0; pair < pairs.size(); ++pair) {
+        checkCancelledEvery(pair, kBitsBetweenPolls);
+        const auto& [a, b, sameTurn] = pairs[pair];
+        pairsOf[a].push_back({a, b, sameTurn});
+        pairsOf[b].push_back({b, a, sameTurn});
     }
     std::vector<int> turn(loopCount, 0);
     std::vector<Index> piece;
@@ -339,7 +340,7 @@ std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
         for (std::size_t next = 0; next < piece.size(); ++next) {
             checkCancelledEvery(reached++, kBitsBetweenPolls);
             sum += turn[piece[next]];
-            for (const auto& [loop, other, sameTurn] : tiesOf[piece[next]]) {
+            for (const auto& [loop, other, sameTurn] : pairsOf[piece[next]]) {
                 if (turn[other] != 0) continue;
                 turn[other] = sameTurn ? turn[loop] : -turn[loop];
                 piece.push_back(other);
@@ -351,10 +352,10 @@ std::vector<int> turnsOf(Index loopCount, const std::vector<Tie>& ties) {
     return turn;
 }
 
-/// Returns the ties of the loops of a lattice. A loop is a face of a cell, numbered by its position
-/// in cell → faces.
-std::vector<Tie> allTies(const CellComplex& lattice) {
-    std::vector<Tie> ties;
+/// Returns the pairs of loops of a lattice whose directions depend on each other. A loop is a face
+/// of a cell, numbered by its position in cell → faces.
+std::vector<LoopPair> allLoopPairs(const CellComplex& lattice) {
+    std::vector<LoopPair> pairs;
     // One number for each step of a loop, so that sorting is fast: the edge, the loop, and whether
     // the step runs against the edge.
     std::vector<std::uint64_t> sides;
@@ -379,7 +380,7 @@ std::vector<Tie> allTies(const CellComplex& lattice) {
         std::sort(sides.begin(), sides.end());
         for (std::size_t i = 0; i + 1 < sides.size(); ++i)
             if (edgeOf(sides[i]) == edgeOf(sides[i + 1]))
-                ties.push_back(
+                pairs.push_back(
                     {loopOf(sides[i]), loopOf(sides[i + 1]), (sides[i] & 1) != (sides[i + 1] & 1)});
     }
     std::vector<Index> firstLoop(lattice.count(2), -1);  // per face
@@ -390,9 +391,9 @@ std::vector<Tie> allTies(const CellComplex& lattice) {
         if (first < 0)
             first = loop;
         else
-            ties.push_back({first, loop, faces.signs()[at] < 0});
+            pairs.push_back({first, loop, faces.signs()[at] < 0});
     }
-    return ties;
+    return pairs;
 }
 
 /// Returns the lattice with its loops reversed as turnsOf() says.
@@ -400,7 +401,7 @@ std::vector<Tie> allTies(const CellComplex& lattice) {
 CellComplex oriented(const CellComplex& lattice) {
     const SignedIncidence& faces = lattice.boundary(3);
     Array<std::int8_t> signs(faces.signs().begin(), faces.signs().end());
-    const std::vector<int> turns = turnsOf(static_cast<Index>(signs.size()), allTies(lattice));
+    const std::vector<int> turns = turnsOf(static_cast<Index>(signs.size()), allLoopPairs(lattice));
     for (std::size_t loop = 0; loop < signs.size(); ++loop)
         signs[loop] = static_cast<std::int8_t>(turns[loop] * signs[loop]);
     return CellComplex(3, lattice.count(0),

@@ -11,7 +11,7 @@ namespace espalier::io {
 namespace {
 
 /// A matrix by rows, and for each entry the sum of the absolute values of its terms.
-struct Map {
+struct MatrixWithSizes {
     std::array<double, 9> entries;
     std::array<double, 9> sizes;
 };
@@ -33,14 +33,14 @@ Numbers timesPowerOfTwo(Numbers numbers, int exponent) {
     return numbers;
 }
 
-Map gradientMap(const DeformationGradient& f) {
-    Map map{f, f};
+MatrixWithSizes gradientMap(const DeformationGradient& f) {
+    MatrixWithSizes map{f, f};
     for (double& size : map.sizes) size = std::abs(size);
     return map;
 }
 
-Map cofactorMap(const DeformationGradient& f) {
-    Map map{};
+MatrixWithSizes cofactorMap(const DeformationGradient& f) {
+    MatrixWithSizes map{};
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
             const auto at = [&](std::size_t row, std::size_t column) {
@@ -58,7 +58,7 @@ Map cofactorMap(const DeformationGradient& f) {
 
 /// Returns map · direction, scaled to the length of `direction`; zero if the product is only
 /// rounding.
-Point3 carryBy(const Map& map, const Point3& direction) {
+Point3 carryBy(const MatrixWithSizes& map, const Point3& direction) {
     // Relative to its terms, the rounding error of an entry (two products) and of the sum over a
     // row is less than this.
     constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();

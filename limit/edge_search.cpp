@@ -29,14 +29,14 @@ std::shared_ptr<const EdgeRows> EdgeSearch::findOn(Index edge, const Vector3d& p
     return std::make_shared<const EdgeRows>(refinement->rowsAt(layers, *at));
 }
 
-std::optional<EdgeSearch::Layered> EdgeSearch::layered(Index edge) const {
+std::optional<EdgeSearch::LayeredEdge> EdgeSearch::layered(Index edge) const {
     auto layers = layersAround(level_, edge);
     if (!layers) return std::nullopt;
     const auto cellCount = level_.complex.relation(1, 3)[edge].size();
     const EdgeRefinement* refinement = refinements_.of(static_cast<Index>(cellCount));
     if (!refinement) return std::nullopt;
     const auto points = refinement->controlPoints(*layers, positions_);
-    return Layered{refinement, std::move(*layers), points};
+    return LayeredEdge{refinement, std::move(*layers), points};
 }
 
 }  // namespace espalier::limit

@@ -69,14 +69,14 @@ private:
         double length_;
     };
 
-    struct Layered {
+    struct LayeredEdge {
         const EdgeRefinement* refinement;
         std::vector<Index> layers;
         EdgeRefinement::ControlPoints points;
     };
 
     std::shared_ptr<const EdgeRows> findOn(Index edge, const Eigen::Vector3d& point);
-    std::optional<Layered> layered(Index edge) const;
+    std::optional<LayeredEdge> layered(Index edge) const;
 
     const far::Level& level_;
     std::span<const Point3> positions_;
@@ -84,7 +84,7 @@ private:
     double distance_;
     std::vector<std::size_t> starts_;  ///< edges starts_[i] to starts_[i + 1] − 1 belong to cell i
     std::vector<Chord> edges_;
-    std::map<Index, std::optional<Layered>> layered_;  ///< the edges that some point is near
+    std::map<Index, std::optional<LayeredEdge>> layered_;  ///< the edges that some point is near
 };
 
 }  // namespace espalier::limit

@@ -60,7 +60,7 @@ public:
     ///        if it is the level of the candidates. It is the same for all points of a group, so a
     ///        cell that shrinks unusually fast may be blended a level later because of the others;
     ///        its error is within the tolerance in both cases
-    Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought,
+    Cells(const LimitSearch& search, const embed::Descent& descent, embed::SoughtCells sought,
           int& blendLevel)
         : level_(descent.levels.finestLevel()),
           positions_(descent.levels.finestPositions().begin(),
@@ -83,11 +83,11 @@ public:
             frames_[i] = *embed::frameOf(level_.complex, cells[i]);
             patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
         }
-        if (sought == embed::Sought::Containing)
+        if (sought == embed::SoughtCells::Containing)
             for (std::size_t i = 0; i < cells.size(); ++i)
                 if (!patches_[i]) edges_.add(i, cells[i]);
         isBlended_.assign(cells.size(), 0);
-        if (level > 0 && (level >= blendLevel || sought == embed::Sought::Nearest))
+        if (level > 0 && (level >= blendLevel || sought == embed::SoughtCells::Nearest))
             findBlended(search, descent, blendLevel);
     }
 
@@ -190,9 +190,9 @@ LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& 
 /// \param settle is called on each level: settle(found, cells) removes the candidates that need no
 ///        refinement
 template <class Settle>
-FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
-                                Settle settle) const {
-    const bool isNearest = sought == embed::Sought::Nearest;
+FoundPoints LimitSearch::search(std::span<const Point3> points, embed::SoughtCells sought,
+                                int maxLevel, Settle settle) const {
+    const bool isNearest = sought == embed::SoughtCells::Nearest;
     FoundPoints found{descent_.begin(points, sought), {}};
     found.points.assign(points.size(), {embed::PointStatus::Outside, {}, 0, 0});
     int blendLevel = levelsToShrink(1, tolerance_);
@@ -213,8 +213,8 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
 FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<Index>& unsettled,
                                     std::vector<Index>& deep) const {
     const int maxLevel = points.size() > kMaxDeepPoints ? kDeepLevel : kNoMaxLevel;
-    auto result =
-        search(points, embed::Sought::Containing, maxLevel, [&](FoundPoints& found, Cells& cells) {
+    auto result = search(
+        points, embed::SoughtCells::Containing, maxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
@@ -234,7 +234,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points, std::vector<
                     return answer == PatchSolver::Answer::Undecided && level < kMaxLevelOfPatches;
                 }
                 if (auto rows = cells.onEdge(i, point)) {
-                    const Continued there =
+                    const ContinuedPlace there =
                         continued({level, EdgePlace{std::move(rows), {}}}, found.descent.levels,
                                   point, CellSolver::kMaxGap);
                     if (there.isSettled) {
@@ -319,7 +319,7 @@ void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point
 FoundPoints LimitSearch::findNearest(std::span<const Point3> points, double reach) const {
     std::vector<double> nearest(points.size(), reach);
     return search(
-        points, embed::Sought::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
+        points, embed::SoughtCells::Nearest, kNoMaxLevel, [&](FoundPoints& found, Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);
@@ -362,8 +362,8 @@ FoundPoints LimitSearch::findBeside(std::span<const Point3> points,
             outside.push_back(static_cast<Index>(p));
             continue;
         }
-        const Continued there = continued(*located.place, result.descent.levels,
-                                          Vector3d(points[p].data()), CellSolver::kMaxGap);
+        const ContinuedPlace there = continued(*located.place, result.descent.levels,
+                                               Vector3d(points[p].data()), CellSolver::kMaxGap);
         located = {embed::PointStatus::Inside, there.place, located.distance, there.residual};
     }
     return result;
@@ -376,8 +376,8 @@ FoundPoints LimitSearch::carry(std::span<const Point3> points) const {
         checkCancelledEvery(p, 4);
         LocatedInLimit& located = result.points[p];
         if (!located.place) continue;
-        const Continued there = continued(*located.place, result.descent.levels,
-                                          Vector3d(points[p].data()), kAnyDistance);
+        const ContinuedPlace there = continued(*located.place, result.descent.levels,
+                                               Vector3d(points[p].data()), kAnyDistance);
         if (there.isSettled)
             located = {located.status, there.place, located.distance, there.residual};
         else
@@ -388,8 +388,8 @@ FoundPoints LimitSearch::carry(std::span<const Point3> points) const {
 
 /// Continues a place along the tangent, up to a point.
 /// \param maxOffset largest coordinate of the offset
-LimitSearch::Continued LimitSearch::continued(LimitPlace place, const stencils::Levels& levels,
-                                              const Vector3d& point, double maxOffset) const {
+LimitSearch::ContinuedPlace LimitSearch::continued(LimitPlace place, const stencils::Levels& levels,
+                                                   const Vector3d& point, double maxOffset) const {
     const PlaceRows rows(levels, place.level, {&place, 1});
     const auto sum = [&](const Orders& orders) {
         return embed::weightedSum(rows.weights(0, orders), [&](Index vertex) {

@@ -70,18 +70,18 @@ private:
     /// Distance from a cell at which a point still counts as inside.
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
-    FoundPoints search(std::span<const Point3> points, embed::Sought sought, int maxLevel,
+    FoundPoints search(std::span<const Point3> points, embed::SoughtCells sought, int maxLevel,
                        Settle settle) const;
     FoundPoints findNearest(std::span<const Point3> points, double reach) const;
 
     /// A place with the offset that leads to a point along the tangent.
-    struct Continued {
+    struct ContinuedPlace {
         LimitPlace place;
         double residual;  ///< distance of the position from the point
         bool isSettled;   ///< false if no such offset leads to the point; the offset is then 0
     };
-    Continued continued(LimitPlace place, const stencils::Levels& levels,
-                        const Eigen::Vector3d& point, double maxOffset) const;
+    ContinuedPlace continued(LimitPlace place, const stencils::Levels& levels,
+                             const Eigen::Vector3d& point, double maxOffset) const;
 
     double tolerance_;  ///< LimitOptions::tolerance
     embed::CellSolver::Scale scale_;

@@ -156,11 +156,11 @@ public:
 
 private:
     static constexpr std::align_val_t kAlignment{64};
-    struct Free {
+    struct AlignedDelete {
         void operator()(std::byte* memory) const { ::operator delete(memory, kAlignment); }
     };
 
-    std::unique_ptr<std::byte, Free> memory_;
+    std::unique_ptr<std::byte, AlignedDelete> memory_;
     std::size_t byteCount_ = 0;
 };
 

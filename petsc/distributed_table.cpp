@@ -98,15 +98,15 @@ struct IntegersOf {
 };
 
 /// While this object exists, a PETSc vector without memory of its own uses an array of the caller.
-class Placed {
+class PlacedVector {
 public:
-    Placed(const ErrorCapture& errors, Vec vector, std::span<const double> values)
+    PlacedVector(const ErrorCapture& errors, Vec vector, std::span<const double> values)
         : vector_(vector) {
         errors.check(VecPlaceArray(vector, values.data()));
     }
-    ~Placed() { VecResetArray(vector_); }
-    Placed(const Placed&) = delete;
-    Placed& operator=(const Placed&) = delete;
+    ~PlacedVector() { VecResetArray(vector_); }
+    PlacedVector(const PlacedVector&) = delete;
+    PlacedVector& operator=(const PlacedVector&) = delete;
 
 private:
     Vec vector_;
@@ -200,8 +200,8 @@ void DistributedTable::evaluate(std::span<const double> ownVertexValues,
     });
     {
         const ErrorCapture errors;
-        const Placed source(errors, vertices_.get(), ownVertexValues);
-        const Placed destination(errors, points_.get(), ownPointValues);
+        const PlacedVector source(errors, vertices_.get(), ownVertexValues);
+        const PlacedVector destination(errors, points_.get(), ownPointValues);
         errors.check(MatMult(blocked(), vertices_.get(), points_.get()));
     }
     for (std::size_t i = 0; i < ownAddend.size(); ++i) ownPointValues[i] += ownAddend[i];
@@ -214,8 +214,8 @@ void DistributedTable::evaluateAdjoint(std::span<const double> ownPointGradients
         checkSize(ownVertexGradients.size(), ownVertices_.count(), components_, "vertices");
     });
     const ErrorCapture errors;
-    const Placed source(errors, points_.get(), ownPointGradients);
-    const Placed destination(errors, vertices_.get(), ownVertexGradients);
+    const PlacedVector source(errors, points_.get(), ownPointGradients);
+    const PlacedVector destination(errors, vertices_.get(), ownVertexGradients);
     errors.check(MatMultTranspose(blocked(), points_.get(), vertices_.get()));
 }
 

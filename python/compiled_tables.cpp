@@ -23,11 +23,11 @@ namespace {
 /// An evaluator of a table in float or double. Evaluator is osd::CompiledTable,
 /// osd::CompiledAdjoint or osd::ChangeEvaluator.
 template <template <class> class Evaluator>
-class InEither {
+class EitherPrecision {
 public:
     using Variant = std::variant<Evaluator<float>, Evaluator<double>>;
 
-    explicit InEither(Variant variant) : variant_(std::move(variant)) {}
+    explicit EitherPrecision(Variant variant) : variant_(std::move(variant)) {}
 
     const Variant& variant() const { return variant_; }
 
@@ -54,7 +54,7 @@ private:
 
 /// Evaluates arrays of any number of components by run(evaluator, source, layout, result).
 template <template <class> class Evaluator, class Run>
-py::array evaluateBy(const InEither<Evaluator>& either, const ArrayLike& values,
+py::array evaluateBy(const EitherPrecision<Evaluator>& either, const ArrayLike& values,
                      const std::optional<ArrayLike>& out, Run run) {
     return std::visit(
         [&]<class Real>(const Evaluator<Real>& evaluator) {
@@ -72,8 +72,8 @@ py::array evaluateBy(const InEither<Evaluator>& either, const ArrayLike& values,
 
 /// Adds the properties that all evaluators have.
 template <template <class> class Evaluator>
-void addProperties(py::class_<InEither<Evaluator>>& type) {
-    using Either = InEither<Evaluator>;
+void addProperties(py::class_<EitherPrecision<Evaluator>>& type) {
+    using Either = EitherPrecision<Evaluator>;
     type.def_property_readonly("shape", getter(&Either::shape), "Rows and columns: tuple of 2 int.")
         .def_property_readonly("dtype", getter(&Either::dtype), "numpy.float32 or float64.")
         .def_property_readonly("nbytes", getter(&Either::byteCount),
@@ -93,7 +93,7 @@ bool isSingle(const py::object& dtype) {
 template <template <class> class Compiled>
 void addCompiled(py::module_& module, const char* name, const char* text,
                  const char* evaluateText) {
-    using Either = InEither<Compiled>;
+    using Either = EitherPrecision<Compiled>;
     using Variant = typename Either::Variant;
     py::class_<Either> type(module, name, text);
     type.def(py::init([](const TableLike& like, const py::object& dtype) {
@@ -120,10 +120,11 @@ void addCompiled(py::module_& module, const char* name, const char* text,
 }
 
 /// Returns a ChangeEvaluator in the precision of a compiled table.
-InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTable>& table) {
+EitherPrecision<osd::ChangeEvaluator> changeEvaluatorOf(
+    const EitherPrecision<osd::CompiledTable>& table) {
     return std::visit(
         []<class Real>(const osd::CompiledTable<Real>& compiled) {
-            return InEither<osd::ChangeEvaluator>(osd::ChangeEvaluator<Real>(compiled));
+            return EitherPrecision<osd::ChangeEvaluator>(osd::ChangeEvaluator<Real>(compiled));
         },
         table.variant());
 }
@@ -131,7 +132,7 @@ InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTab
 /// Returns the changed columns.
 /// \throws Error for a column that does not exist
 std::vector<Index> columnsOf(const ArrayLike& changed,
-                             const InEither<osd::ChangeEvaluator>& evaluator) {
+                             const EitherPrecision<osd::ChangeEvaluator>& evaluator) {
     auto columns = toIndices(changed, "changed");
     const Index count = evaluator.shape().second;
     for (const Index column : columns)
@@ -142,14 +143,14 @@ std::vector<Index> columnsOf(const ArrayLike& changed,
 }
 
 void addChangeEvaluator(py::module_& module) {
-    using Either = InEither<osd::ChangeEvaluator>;
+    using Either = EitherPrecision<osd::ChangeEvaluator>;
     py::class_<Either> type(module, "ChangeEvaluator", R"(
 Updates only the results that depend on a few changed vertices, for example while a vertex is dragged.
 Shares the memory of the compiled table. Any number of threads may use it.
 
 table : CompiledTable; its precision is used
 )");
-    type.def(py::init([](const InEither<osd::CompiledTable>& table) {
+    type.def(py::init([](const EitherPrecision<osd::CompiledTable>& table) {
                  return withoutGil([&] { return changeEvaluatorOf(table); });
              }),
              "table"_a)

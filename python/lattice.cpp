@@ -30,7 +30,8 @@ namespace {
 /// A lattice never changes after it has been made, so any number of threads may read it.
 using LatticePointer = std::shared_ptr<Lattice>;
 
-struct Extras {
+/// The parts of a lattice that are optional in Python.
+struct OptionalParts {
     EdgeSharpness edges;
     VertexSharpness vertices;
     std::vector<Index> holes;
@@ -44,7 +45,7 @@ Index vertexCountOf(const std::vector<Point3>& positions) {
 }
 
 LatticePointer makeLattice(far::CellComplex complex, std::vector<Point3> positions,
-                           const Extras& extras) {
+                           const OptionalParts& extras) {
     auto marks = marksOf(complex, extras.edges, extras.vertices, extras.holes);
     auto [attributes, integers] = vertexArraysOf(extras.attributes, positions.size());
     return std::make_shared<Lattice>(Lattice{std::move(complex),

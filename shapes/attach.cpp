@@ -55,11 +55,11 @@ void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
 }
 
 /// A boundary face to which a cell is attached.
-struct Site {
+struct AttachmentFace {
     Loop loop;  ///< anticlockwise seen from outside the lattice
     std::vector<Point3> positions;
 
-    Site(const std::string& who, const Lattice& lattice, FaceId face) {
+    AttachmentFace(const std::string& who, const Lattice& lattice, FaceId face) {
         requireConsistent(who, "the lattice", lattice, 3);
         const far::CellComplex& complex = lattice.complex;
         if (face.value < 0 || face.value >= complex.count(2))
@@ -92,7 +92,7 @@ struct Site {
 }  // namespace
 
 Lattice attachPrism(const Lattice& lattice, FaceId face, const Point3& offset) {
-    const Site site("attachPrism", lattice, face);
+    const AttachmentFace site("attachPrism", lattice, face);
     site.requireOutward("attachPrism", "offset", offset, offset);
     const std::size_t n = site.loop.size();
     const Index firstNew = lattice.complex.count(0);
@@ -110,7 +110,7 @@ Lattice attachPrism(const Lattice& lattice, FaceId face, const Point3& offset) {
 }
 
 Lattice attachPyramid(const Lattice& lattice, FaceId face, const Point3& apex) {
-    const Site site("attachPyramid", lattice, face);
+    const AttachmentFace site("attachPyramid", lattice, face);
     site.requireOutward("attachPyramid", "apex", difference(apex, mean(site.positions)), apex);
     const std::size_t n = site.loop.size();
     const Index newVertex = lattice.complex.count(0);

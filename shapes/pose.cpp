@@ -74,7 +74,7 @@ struct Weighted {
 };
 
 /// An axis through a centre, and the interval along it in which an operation varies.
-struct Along {
+struct AxisInterval {
     Point3 axis, center;
     double low, high;
 
@@ -86,9 +86,9 @@ struct Along {
     }
 };
 
-Along along(const Weighted& moved, const Point3& axis, const Place& place) {
+AxisInterval along(const Weighted& moved, const Point3& axis, const Place& place) {
     const Point3 direction = unitVector(moved.operation, "axis", axis);
-    Along result{direction, moved.center(place), 0, 0};
+    AxisInterval result{direction, moved.center(place), 0, 0};
     if (place.range) {
         requireInterval(moved.operation, "range[0]", (*place.range)[0], "range[1]",
                         (*place.range)[1]);
@@ -157,7 +157,7 @@ std::vector<Point3> scale(std::span<const Point3> positions, const Point3& facto
 std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis, double angle,
                           const Place& place) {
     const Weighted moved("twist", positions, place.weights);
-    const Along line = along(moved, axis, place);
+    const AxisInterval line = along(moved, axis, place);
     requireFinite("twist", "angle", angle);
     return moved.mapped([&](const Point3& p, double w) {
         return rotated(p, line.axis, line.center, w * angle * line.fraction(dot(p, line.axis)));
@@ -167,7 +167,7 @@ std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis,
 std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, double angle,
                          const Point3& toward, const Place& place) {
     const Weighted moved("bend", positions, place.weights);
-    const Along line = along(moved, axis, place);
+    const AxisInterval line = along(moved, axis, place);
     requireFinite("bend", "angle", angle);
     const Point3 target = unitVector("bend", "toward", toward);
     const Point3 across = difference(target, scaled(line.axis, dot(target, line.axis)));
@@ -196,7 +196,7 @@ std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, 
 std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis, double factor,
                           const Place& place) {
     const Weighted moved("taper", positions, place.weights);
-    const Along line = along(moved, axis, place);
+    const AxisInterval line = along(moved, axis, place);
     requireFinite("taper", "factor", factor);
     if (factor < 0) throw ArgumentError("taper", "factor", textOf(factor), "0 or more");
     return moved.mapped([&](const Point3& p, double w) {

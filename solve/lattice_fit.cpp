@@ -157,11 +157,11 @@ public:
     }
 
     /// Approximation of the smallest eigenvalue, and its direction.
-    struct Least {
+    struct SmallestEigenvalue {
         double value;
         Eigen::VectorXd direction;
     };
-    Least least() const {
+    SmallestEigenvalue least() const {
         Eigen::VectorXd vector = start();
         for (int step = 0; step < kPowerSteps; ++step) {
             checkCancelled();

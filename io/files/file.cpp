@@ -80,14 +80,14 @@ void writeInPlace(const WriteTarget& to, const FileToWrite& toWrite) {
 }
 
 /// A file to write, and the new file that will replace it.
-struct Written {
-    Written(const FileToWrite& what, const fs::path& target) : toWrite(what), file(target) {}
+struct WrittenFile {
+    WrittenFile(const FileToWrite& what, const fs::path& target) : toWrite(what), file(target) {}
 
     const FileToWrite& toWrite;
     NewFile file;
 };
 
-void moveToTargets(std::deque<Written>& written) {
+void moveToTargets(std::deque<WrittenFile>& written) {
     for (std::size_t i = 0; i < written.size(); ++i) {
         try {
             written[i].file.moveToTarget();
@@ -152,7 +152,7 @@ void writeFiles(const std::vector<FileToWrite>& files) {
     for (const FileToWrite& file : files) destinations.push_back(writeTargetOf(file.path));
     // Declared before `written`, so that signals stay blocked until failed files are removed.
     std::optional<SignalsBlocked> blocked;
-    std::deque<Written> written;
+    std::deque<WrittenFile> written;
     for (std::size_t i = 0; i < files.size(); ++i) {
         if (destinations[i].kind != WriteTarget::Kind::File) {
             writeInPlace(destinations[i], files[i]);
@@ -162,14 +162,14 @@ void writeFiles(const std::vector<FileToWrite>& files) {
                        [&] { written.emplace_back(files[i], destinations[i].path); });
         writeTo(written.back().file.descriptor(), files[i]);
     }
-    for (Written& each : written)
+    for (WrittenFile& each : written)
         withFileErrors(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
     blocked.emplace();
-    for (Written& each : written)
+    for (WrittenFile& each : written)
         withFileErrors(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
     moveToTargets(written);
     blocked.reset();
-    for (const Written& each : written)
+    for (const WrittenFile& each : written)
         withFileErrors(each.toWrite.path, "is written, but may be lost if power fails now",
                        [&] { each.file.syncFolder(); });
 }

@@ -51,11 +51,11 @@ void mirror(far::StandardCell kind, std::span<Index> points) {
 /// Reverses loops so that two neighbours step along their common edge in opposite directions, as
 /// far as the loops are joined by edges of two faces.
 void makeCoherent(std::span<Loop> loops) {
-    struct Use {
+    struct EdgeUse {
         std::size_t loop;
         bool isForward;
     };
-    std::map<std::pair<Index, Index>, std::vector<Use>> uses;
+    std::map<std::pair<Index, Index>, std::vector<EdgeUse>> uses;
     for (std::size_t i = 0; i < loops.size(); ++i)
         for (std::size_t k = 0; k < loops[i].size(); ++k) {
             const Index from = loops[i][k], to = loops[i][(k + 1) % loops[i].size()];

@@ -121,15 +121,15 @@ private:
 
 /// A kernel and its number of warps, which is computed once, on the host.
 template <class Kernel>
-struct Counted {
+struct CountedKernel {
     static constexpr int kBlocks = Kernel::kBlocks;
     Kernel kernel;
     Index warps;
 };
 
-template <class Counted>
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp, Counted::kBlocks)
-    run(const __grid_constant__ Counted kernel, unsigned sharedPerWarp) {
+template <class CountedKernel>
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp, CountedKernel::kBlocks)
+    run(const __grid_constant__ CountedKernel kernel, unsigned sharedPerWarp) {
     extern __shared__ __align__(16) unsigned char shared[];
     const unsigned warpInBlock = threadIdx.x / kWarp;
     const long long index = static_cast<long long>(blockIdx.x) * (blockDim.x / kWarp) + warpInBlock;
@@ -140,7 +140,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp, Counted::kBlocks)
 
 template <class Kernel>
 const void* functionOf() {
-    return reinterpret_cast<const void*>(&run<Counted<Kernel>>);
+    return reinterpret_cast<const void*>(&run<CountedKernel<Kernel>>);
 }
 
 template <class Kernel>
@@ -167,7 +167,7 @@ cudaError_t warpsAtOnce(unsigned sharedPerWarp, Index& count) {
 
 template <class Kernel>
 cudaError_t startKernel(const Kernel& kernel, cudaStream_t stream) {
-    Counted<Kernel> counted = {kernel, kernel.warpCount()};
+    CountedKernel<Kernel> counted = {kernel, kernel.warpCount()};
     unsigned shared = kernel.sharedBytes();
     if constexpr (requires { counted.kernel.divideAmong(0); }) {
         Index atOnce = 0;

@@ -26,7 +26,7 @@ TEST(PointDescent, KeepsTheCellsThatMayBeNearest) {
     const std::vector<Point3> positions = gridPositions(n);
     const PointDescent descent = descentInto(base, positions);
     const std::vector<Point3> points = {{-3, 0.5, 0.5}};
-    EXPECT_THAT(descent.begin(points, Sought::Nearest).candidates.cells, ElementsAre(0));
+    EXPECT_THAT(descent.begin(points, SoughtCells::Nearest).candidates.cells, ElementsAre(0));
 
     // Of all cells, the same one is kept.
     Descent found{stencils::Levels(base, positions), {}, {}, descent.rounding()};
@@ -47,7 +47,7 @@ TEST(PointDescent, BeginsWithTheBaseCellsAroundThePoints) {
     const TopologyRefiner base(grid(n));
     const std::vector<Point3> positions = gridPositions(n);
     const std::vector<Point3> points = {{2.5, 3.5, 1.5}};
-    const Descent found = descentInto(base, positions).begin(points, Sought::Containing);
+    const Descent found = descentInto(base, positions).begin(points, SoughtCells::Containing);
     const far::CellComplex& complex = found.levels.finestLevel().complex;
     EXPECT_EQ(complex.count(3), 27);
     ASSERT_THAT(found.candidates.cells, ElementsAre(13));
@@ -71,7 +71,7 @@ TEST(PointDescent, RefinesThePartAsTheWhole) {
                                                             {{vertexAt(3), vertexAt(4)}, 2.5F}}}});
         const std::vector<Point3> positions = gridPositions(n);
         const std::vector<Point3> points = {{1.5, 1.5, 1.5}};
-        Descent found = descentInto(whole, positions).begin(points, Sought::Containing);
+        Descent found = descentInto(whole, positions).begin(points, SoughtCells::Containing);
         const far::CellComplex complex = found.levels.finestLevel().complex;
         EXPECT_LT(complex.count(3), whole.level(0).complex.count(3));
         std::vector<Index> corners;
@@ -116,7 +116,7 @@ TEST(PointDescent, DividesPointsThatShareNoCells) {
     points = chosenPoints(points, alongCurve(points));
     Offset next = 0, partCount = 0;
     descentInto(base, positions)
-        .descend(points, 5, Sought::Containing, Extent::Cells,
+        .descend(points, 5, SoughtCells::Containing, Extent::Cells,
                  [&](Offset first, std::span<const Point3> part, std::optional<Descent>& found) {
                      EXPECT_EQ(first, next);
                      EXPECT_EQ(part.data(), points.data() + first);
@@ -142,7 +142,7 @@ TEST(PointDescent, CellsThatVanishAreNotNearest) {
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
     const PointDescent descent = descentInto(base, lattice.positions);
     const std::vector<Point3> points = {{7, 0.5, 0.5}};
-    const Descent found = descent.begin(points, Sought::Nearest);
+    const Descent found = descent.begin(points, SoughtCells::Nearest);
     EXPECT_THAT(found.candidates.cells, Not(IsEmpty()));
 }
 
