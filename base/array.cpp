@@ -6,6 +6,7 @@
 #endif
 
 #include <cstdint>
+#include <limits>
 
 namespace espalier {
 namespace {
@@ -31,7 +32,7 @@ void* allocateLargePages(std::size_t bytes) {
     // memory and does not use them again: a process that refined a lattice again and again held
     // five times the memory of one lattice.
     constexpr std::size_t kMore = kPage + sizeof(void*);
-    if (bytes > static_cast<std::size_t>(-1) - kMore - kPage) throw std::bad_alloc();
+    if (bytes > std::numeric_limits<std::size_t>::max() - kMore - kPage) throw std::bad_alloc();
     const std::size_t inLastPage = bytes % kPage;
     if (inLastPage >= kLargeArray) bytes += kPage - inLastPage;
     char* const own = static_cast<char*>(::operator new(bytes + kMore));

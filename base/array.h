@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <new>
 #include <vector>
@@ -41,7 +42,8 @@ struct UninitializedAllocator : std::allocator<T> {
 
     T* allocate(std::size_t count) {
         if (count < kLargeArray / sizeof(T)) return std::allocator<T>::allocate(count);
-        if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+        if (count > std::numeric_limits<std::size_t>::max() / sizeof(T))
+            throw std::bad_array_new_length();
         return static_cast<T*>(allocateLargePages(count * sizeof(T)));
     }
     void deallocate(T* memory, std::size_t count) {

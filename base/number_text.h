@@ -38,7 +38,7 @@ class NumberText {
 public:
     template <class Number>
     explicit NumberText(Number number) {
-        size_ = static_cast<std::size_t>(writeNumber(text_.data(), number) - text_.data());
+        size_ = writeNumber(text_.data(), number) - text_.data();
     }
 
     std::string_view view() const { return {text_.data(), size_}; }

@@ -92,7 +92,7 @@ std::from_chars_result scanNumber(std::string_view text, Real& number) {
     Real value = 0;
     const auto [end, error] = fast_float::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc()) return {end, error};
-    const std::string_view read(text.data(), static_cast<std::size_t>(end - text.data()));
+    const std::string_view read = text.substr(0, end - text.data());
     const std::string_view mantissa = read.substr(0, read.find_first_of("eE"));
     const bool isInfinite =
         std::isinf(value) && mantissa.find_first_of("0123456789") != mantissa.npos;

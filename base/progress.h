@@ -106,8 +106,8 @@ private:
 ESPALIER_API void checkCancelled();
 
 /// Calls checkCancelled() in the first of every 2^`bits` steps of a loop.
-inline void checkCancelledEvery(std::size_t step, int bits) {
-    if ((step & ((std::size_t{1} << bits) - 1)) == 0) checkCancelled();
+inline void checkCancelledEvery(Offset step, int bits) {
+    if ((step & ((Offset{1} << bits) - 1)) == 0) checkCancelled();
 }
 
 /// Calls visit(first, last) for ranges of `size` items that cover [0, count), one after the other,

@@ -28,7 +28,7 @@ void sortUnique(std::vector<Index>& numbers) {
     constexpr std::size_t kFew = 32;  // up to this number, sorting is faster
     if (numbers.size() > kFew) {
         const auto [low, high] = std::minmax_element(numbers.begin(), numbers.end());
-        const auto wordCount = static_cast<std::size_t>((Offset{*high} - *low) / 64 + 1);
+        const std::size_t wordCount = (Offset{*high} - *low) / 64 + 1;
         if (wordCount <= numbers.size()) return sortByBits(numbers, *low, wordCount);
     }
     std::sort(numbers.begin(), numbers.end());

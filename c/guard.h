@@ -61,7 +61,7 @@ std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t
     if (count < 0 || count > maxCount)
         throw Error(concat(name, ": the count is ", count, "; expected 0 to ", maxCount));
     if (count > 0) deref(values, name);
-    return {values, static_cast<std::size_t>(count * perEntity)};
+    return {values, values + count * perEntity};
 }
 
 /// Checks the offsets of `count` rows and returns them.

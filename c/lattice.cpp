@@ -14,7 +14,7 @@ namespace {
 /// Returns one row of a relation that is given by offsets and values.
 std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* values,
                            std::size_t index) {
-    return {values + offsets[index], static_cast<std::size_t>(offsets[index + 1] - offsets[index])};
+    return {values + offsets[index], values + offsets[index + 1]};
 }
 
 /// Throws if there are more vertices than the cells can name, before anything is read or allocated

@@ -22,7 +22,7 @@ public:
 
     /// \param entries by ascending items
     Bins(Index binCount, std::span<const Entry> entries)
-        : offsets_(static_cast<std::size_t>(binCount) + 1, 0), items_(entries.size()) {
+        : offsets_(Offset{binCount} + 1, 0), items_(entries.size()) {
         // Until all items have their places, an offset is the end of its bin; then the begin. There
         // may be many more bins than entries, so there is one array of them only.
         for (const Entry& entry : entries) ++offsets_[entry.bin];

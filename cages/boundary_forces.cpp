@@ -211,7 +211,7 @@ void BoundaryForces::matchPushes() {
     other_.assign(groups.size(), std::nullopt);
     parallelFor(std::ssize(groups), 256, [&](Offset first, Offset last) {
         for (Offset g = first; g < last; ++g) {
-            checkCancelledEvery(static_cast<std::size_t>(g), 5);
+            checkCancelledEvery(g, 5);
             const auto group = static_cast<Index>(g);
             if (groups[g].isInner) continue;
             own_[g] = nearestFace(groups[g].centre, [&](Index f) {

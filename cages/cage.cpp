@@ -87,8 +87,8 @@ double mostWork(std::size_t triangles, const CageOptions& options, Index vertice
 }
 
 /// Returns the number of samples above which samples that are near others are left out.
-std::size_t mostSamples(std::size_t triangles, Index vertices) {
-    return 1'500'000 + 7 * triangles + 50 * static_cast<std::size_t>(vertices);
+std::size_t mostSamples(std::size_t triangles, std::size_t vertices) {
+    return 1'500'000 + 7 * triangles + 50 * vertices;
 }
 
 using Axes = std::array<Point3, 3>;

@@ -44,7 +44,7 @@ stencils::StencilTable<double> centresOf(const stencils::StencilTable<double>& v
     Array<double> weights;
     std::vector<std::pair<Index, double>> row;
     for (Index face = 0; face < mesh.count(2); ++face) {
-        checkCancelledEvery(static_cast<std::size_t>(face), 12);
+        checkCancelledEvery(face, 12);
         row.clear();
         const auto corners = mesh.relation(2, 0)[face];
         for (const Index vertex : corners)
@@ -157,7 +157,7 @@ CageSurface::Faces::Faces(const far::Level& level, std::vector<Index> cellsOfFac
     // does not depend on the faces beyond them.
     std::vector<Index> hull;
     for (Index face = 0; face < mesh.count(2); ++face) {
-        checkCancelledEvery(static_cast<std::size_t>(face), 12);
+        checkCancelledEvery(face, 12);
         hull.clear();
         for (std::size_t corner = 0; corner < 4; ++corner) {
             const Index vertex = loops[face][corner];
@@ -301,7 +301,7 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
     std::vector<Point3> hull;
     for (Index number = 0; number < std::ssize(near); ++number) {
         const Index face = near[number];
-        checkCancelledEvery(static_cast<std::size_t>(number), 12);
+        checkCancelledEvery(number, 12);
         hull.clear();
         BoundingBox bounds;
         for (const Index vertex : enclosed == Enclosed::Hull
@@ -342,7 +342,7 @@ NearGroups findNear(const CageSurface::Faces& surface, Enclosed enclosed,
             findBoxes(g, nearBoxes);
             const Index end = nearBoxes.empty() ? group.first + 1 : group.last;
             for (Index i = group.first; i < end; ++i) {
-                checkCancelledEvery(static_cast<std::size_t>(i), 8);
+                checkCancelledEvery(i, 8);
                 const Point3& point = points.points()[i];
                 double depth = -1;
                 std::optional<Index> deepest;

@@ -34,7 +34,7 @@ void GridCells::leaveOut(double reach) {
     for (;;) {
         std::vector<std::pair<double, Index>> candidates;
         for (Index part = 0; part < parts_.count(); ++part) {
-            checkCancelledEvery(static_cast<std::size_t>(part), 6);
+            checkCancelledEvery(part, 6);
             if (!parts_.isRemovable(part)) continue;
             if (double depth = 0; parts_.isShallow(part, reach, depth))
                 candidates.emplace_back(depth, part);
@@ -81,15 +81,15 @@ void GridCells::resolveConflict(Index number, Index direction, double reach) {
 
 /// Numbers the cells and the vertices by layers.
 void GridCells::numberVertices() {
-    const auto count = static_cast<std::size_t>(parts_.count());
+    const std::size_t count = parts_.count();
     DisjointSets sets(count * 8);
     for (std::size_t p = 0; p < count; ++p)
         for (const CubeParts::Contact& contact : parts_.all()[p].contacts) {
             if (contact.to < static_cast<Index>(p)) continue;
             for (unsigned corner = 0; corner < 8; ++corner)
                 if (isOnFace(corner, contact.direction))
-                    sets.join(p * 8 + corner, static_cast<std::size_t>(contact.to) * 8 +
-                                                  (corner ^ (1u << (contact.direction / 2))));
+                    sets.join(p * 8 + corner,
+                              Offset{contact.to} * 8 + (corner ^ (1u << (contact.direction / 2))));
         }
     // Added parts come last, but take their places in the layers.
     order_.clear();
@@ -103,7 +103,7 @@ void GridCells::numberVertices() {
     cellOfPart_.assign(count, std::nullopt);
     vertexCount_ = cellCount_ = 0;
     for (const Index part : order_) {
-        const auto p = static_cast<std::size_t>(part);
+        const std::size_t p = part;
         cellOfPart_[p] = cellCount_++;
         for (unsigned corner = 0; corner < 8; ++corner) {
             auto& number = numbers[sets.rootOf(p * 8 + corner)];

@@ -48,7 +48,7 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     // Numbers are sorted instead of the points, which take twelve times the memory: first by cubes.
     // Until all groups are made, firstOfCube_ holds the end of the numbers of each cube.
     std::vector<std::uint32_t> numbers(points.size());
-    firstOfCube_.assign(static_cast<std::size_t>(grid.cubeCount()) + 1, 0);
+    firstOfCube_.assign(Offset{grid.cubeCount()} + 1, 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         checkCancelledEvery(i, 16);
         ++firstOfCube_[grid.cubeOf(points[i].position) + 1];
@@ -113,7 +113,7 @@ PointGroups::PointGroups(std::span<const FitPoint> points, const CubeGrid& grid)
     };
     auto begin = numbers.begin();
     for (Index cube = 0; cube < grid.cubeCount(); ++cube) {
-        checkCancelledEvery(static_cast<std::size_t>(cube), 8);
+        checkCancelledEvery(cube, 8);
         Index& first = firstOfCube_[cube];
         const auto end = numbers.begin() + first;
         first = begin == end ? -1 : static_cast<Index>(groups_.size());

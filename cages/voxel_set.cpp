@@ -50,23 +50,22 @@ void spread(std::span<Word> row, std::span<const Word> free) {
 
 VoxelSet::VoxelSet(const std::array<Index, 3>& counts)
     : counts_(counts),
-      rowSize_((static_cast<std::size_t>(counts[0]) + 63) / 64),
-      lastBits_(kAllBits >> (64 * rowSize_ - static_cast<std::size_t>(counts[0]))),
+      rowSize_((Offset{counts[0]} + 63) / 64),
+      lastBits_(kAllBits >> (64 * rowSize_ - counts[0])),
       words_(rowCount() * rowSize_, 0) {}
 
 VoxelSet::VoxelSet(const std::array<Index, 3>& counts, std::span<const char> marks)
     : VoxelSet(counts) {
     for (std::size_t number = 0; number < rowCount(); ++number) {
         const Row bits = row(number);
-        const auto line = marks.subspan(number * static_cast<std::size_t>(counts[0]));
-        for (std::size_t x = 0; x < static_cast<std::size_t>(counts[0]); ++x)
-            bits[x / 64] |= Word{line[x] != 0} << x % 64;
+        const auto line = marks.subspan(number * counts[0]);
+        for (Index x = 0; x < counts[0]; ++x) bits[x / 64] |= Word{line[x] != 0} << x % 64;
     }
 }
 
 bool VoxelSet::contains(const std::array<Index, 3>& voxel) const {
     const auto [x, y, z] = voxel;
-    return (row(static_cast<std::size_t>(z) * counts_[1] + y)[x / 64] >> x % 64 & 1) != 0;
+    return (row(Offset{z} * counts_[1] + y)[x / 64] >> x % 64 & 1) != 0;
 }
 
 VoxelSet VoxelSet::complement() const {
@@ -81,8 +80,8 @@ VoxelSet VoxelSet::complement() const {
 /// nearest to other voxels.
 /// \return true if there are any
 bool VoxelSet::findBorder(Index y, Index z, Row border) const {
-    const auto ny = static_cast<std::size_t>(counts_[1]);
-    const std::size_t number = static_cast<std::size_t>(z) * ny + static_cast<std::size_t>(y);
+    const std::size_t ny = counts_[1];
+    const std::size_t number = z * ny + y;
     const auto at = row(number), lower = row(y > 0 ? number - 1 : number),
                upper = row(y + 1 < counts_[1] ? number + 1 : number),
                below = row(z > 0 ? number - ny : number),
@@ -132,7 +131,7 @@ VoxelSet VoxelSet::within(double radius) const {
                 for (; width < line.reach; ++width) widen(wide);
                 const Index toY = y + line.y, toZ = z + line.z;
                 if (toY < 0 || toY >= counts_[1] || toZ < 0 || toZ >= counts_[2]) continue;
-                const std::size_t to = static_cast<std::size_t>(toZ) * counts_[1] + toY;
+                const std::size_t to = Offset{toZ} * counts_[1] + toY;
                 if (isFull[to] != 0) continue;
                 const Row target = result.row(to);
                 Word common = kAllBits;
@@ -155,7 +154,7 @@ VoxelSet VoxelSet::connectedWithFirst() const {
     spread(result.row(0), row(0));
     std::vector<std::size_t> front = {0};
     std::vector<char> isInFront(rowCount(), 0);
-    const auto ny = static_cast<std::size_t>(counts_[1]);
+    const std::size_t ny = counts_[1];
     for (std::size_t step = 0; !front.empty(); ++step) {
         checkCancelledEvery(step, 10);
         const std::size_t number = front.back();

@@ -43,7 +43,7 @@ private:
     using Word = std::uint64_t;
     using Row = std::span<Word>;
     bool findBorder(Index y, Index z, Row border) const;
-    std::size_t rowCount() const { return static_cast<std::size_t>(counts_[1]) * counts_[2]; }
+    std::size_t rowCount() const { return Offset{counts_[1]} * counts_[2]; }
     Row row(std::size_t number) { return Row(words_).subspan(number * rowSize_, rowSize_); }
     std::span<const Word> row(std::size_t number) const {
         return std::span(words_).subspan(number * rowSize_, rowSize_);

@@ -56,7 +56,7 @@ std::optional<Point3> directionOf(std::string_view word) {
     }
     if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') return std::nullopt;
     Point3 direction = {0, 0, 0};
-    direction[static_cast<std::size_t>(word[0] - 'x')] = sign;
+    direction[word[0] - 'x'] = sign;
     return direction;
 }
 

@@ -112,7 +112,7 @@ void Stages::clearLine() const noexcept {
 std::size_t peakMemory() {
     ::rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+    return usage.ru_maxrss * std::size_t{1024};
 }
 
 int threadCount([[maybe_unused]] int limit) {

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "open_subdiv_refiner.h"
@@ -285,7 +286,7 @@ std::vector<int> misjudgedCorners(const Far::TopologyRefiner& refiner) {
 void checkValences(const far::CellComplex& complex, const Surface& surface) {
     const auto check = [&](Entity entity, int around) {
         const std::size_t count = complex.relation(entity.dimension, around)[entity.index].size();
-        if (count > static_cast<std::size_t>(Far::VALENCE_LIMIT))
+        if (std::cmp_greater(count, Far::VALENCE_LIMIT))
             throw Error(concat(dimensionName(entity.dimension), " ", entity.index, " meets ", count,
                                " ",
                                around == 0   ? "vertices"

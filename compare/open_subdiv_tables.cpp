@@ -42,7 +42,7 @@ template <class Real>
 OpenSubdivTable<Real>::OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<double>& table,
                                        Index first, Index count)
     : columnCount_(table.GetNumControlVertices()) {
-    auto entry = static_cast<std::size_t>(firstEntry(table, first, count));
+    std::size_t entry = firstEntry(table, first, count);
     for (Index row = first; row < first + count; ++row) {
         sizes_.push_back(table.GetSizes()[row]);
         offsets_.push_back(static_cast<int>(indices_.size()));
@@ -69,8 +69,7 @@ stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableR
         std::sort(row.begin(), row.end(),
                   [](const auto& a, const auto& b) { return a.first < b.first; });
         for (const auto& [column, weight] : row) {
-            if (columns.size() > static_cast<std::size_t>(offsets.back()) &&
-                columns.back() == column) {
+            if (std::ssize(columns) > offsets.back() && columns.back() == column) {
                 weights.back() += weight;
                 continue;
             }

@@ -9,7 +9,7 @@ namespace {
 
 void bernstein(Index degree, double at, AxisFunctions& result) {
     const double t = at / degree, s = (degree - at) / degree;
-    const auto count = static_cast<std::size_t>(degree) + 1;
+    const std::size_t count = Offset{degree} + 1;
     result.first = 0;
     std::vector<double>&values = result.values, &derivatives = result.derivatives;
     values.assign(count, 0);

@@ -46,13 +46,12 @@ private:
 template <class Table, class RowsOf, class NumberOf>
 stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowCount,
                                             Index columnCount, RowsOf rowsOf, NumberOf numberOf) {
-    Array<Offset> lengths(static_cast<std::size_t>(rowCount) + 1, 0);
+    Array<Offset> lengths(Offset{rowCount} + 1, 0);
     for (BoundPart<Table>& part : parts) {
         const stencils::StencilTable<double>& rows = rowsOf(part.table);
         for (Index i = 0; i < rows.rowCount(); ++i)
             // A point placed by a later part has an empty row in the earlier one.
-            lengths[static_cast<std::size_t>(part.points[i]) + 1] +=
-                static_cast<Offset>(rows.columns(i).size());
+            lengths[part.points[i] + 1] += static_cast<Offset>(rows.columns(i).size());
     }
     ScatteredRows scattered(std::move(lengths));
     parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {

@@ -67,8 +67,7 @@ BoxTree::BoxTree(std::span<const Box> boxes) {
     Array<CurveItem> places(boxes.size());
     parallelFor(static_cast<Offset>(boxes.size()), 4096, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
-            const auto item = static_cast<std::size_t>(i);
-            places[item] = {curve.key(boxes[item].center()), static_cast<Index>(i)};
+            places[i] = {curve.key(boxes[i].center()), static_cast<Index>(i)};
         }
     });
     sortAlongCurve(places);
@@ -110,7 +109,7 @@ void BoxTree::forEach(IsIn isIn, Use use) const {
         if (enters)
             for (Index i = node.first; i < node.first + node.count; ++i)
                 if (isIn(boxes_[i])) use(i);
-        at += enters ? 1 : static_cast<std::size_t>(node.size);
+        at += enters ? 1 : node.size;
     }
 }
 
@@ -183,7 +182,7 @@ BoxTree::Nearest BoxTree::findNearest(const Vector3d& point,
             continue;
         }
         // Push the nearer child last, so that it is visited first.
-        const std::size_t second = at + 1 + static_cast<std::size_t>(nodes_[at + 1].size);
+        const std::size_t second = at + 1 + nodes_[at + 1].size;
         std::pair left(boxDistance(at + 1), at + 1), right(boxDistance(second), second);
         if (left.first < right.first) std::swap(left, right);
         stack.push_back(left);

@@ -197,8 +197,7 @@ const Vector3d& CellBounds::secondDifferenceAcross(Index face) {
 /// Returns the vertex of a hexahedron that an edge joins to a corner of a face, outside the face.
 Index CellBounds::beyond(const CellFrame& frame, std::span<const Index> face, Index corner) {
     const auto& corners = frame.corners;
-    const auto at = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), corner) -
-                                             corners.begin());
+    const std::size_t at = std::find(corners.begin(), corners.end(), corner) - corners.begin();
     for (std::size_t axis = 0; axis < 2; ++axis)
         if (const Index end = corners[at ^ std::size_t{1} << axis]; !far::contains(face, end))
             return end;

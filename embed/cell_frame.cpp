@@ -54,9 +54,9 @@ std::optional<CellFrame> neighbourOf(const far::CellComplex& complex, const Cell
     std::size_t allOnes = 7, allZeros = 7;
     for (std::size_t i = 0; i < 8; ++i) {
         if (bitOf(i, axis) != side) continue;
-        places[i] = static_cast<std::size_t>(
+        places[i] =
             std::find(itsFrame->corners.begin(), itsFrame->corners.end(), frame.corners[i]) -
-            itsFrame->corners.begin());
+            itsFrame->corners.begin();
         allOnes &= places[i];
         allZeros &= ~places[i];
     }

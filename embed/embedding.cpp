@@ -97,23 +97,23 @@ stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& compl
     const auto cornersOf = [&](CellId cell) {
         return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
     };
-    return stencils::buildTableInPlace(
-        pointCount, complex.count(0), [&](Offset first, Offset last, stencils::RowList& rows) {
-            const auto count = static_cast<std::size_t>(last - first);
-            rows.columns.reserve(8 * count);
-            rows.weights.reserve(8 * count);
-            rows.ends.reserve(count);
-            for (Offset point = first; point < last; ++point) {
-                const auto& place = embedding.points[point].place;
-                if (place) {
-                    if (const auto corners = cornersOf(place->cell))
-                        appendHexahedron(*corners, *place, rows);
-                    else
-                        appendTypeN(complex, *place, rows);
-                }
-                rows.endRow();
-            }
-        });
+    return stencils::buildTableInPlace(pointCount, complex.count(0),
+                                       [&](Offset first, Offset last, stencils::RowList& rows) {
+                                           const std::size_t count = last - first;
+                                           rows.columns.reserve(8 * count);
+                                           rows.weights.reserve(8 * count);
+                                           rows.ends.reserve(count);
+                                           for (Offset point = first; point < last; ++point) {
+                                               const auto& place = embedding.points[point].place;
+                                               if (place) {
+                                                   if (const auto corners = cornersOf(place->cell))
+                                                       appendHexahedron(*corners, *place, rows);
+                                                   else
+                                                       appendTypeN(complex, *place, rows);
+                                               }
+                                               rows.endRow();
+                                           }
+                                       });
 }
 
 stencils::RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,

@@ -13,7 +13,7 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
                                           std::span<const Point3> childPose,
                                           const RestLattice& parent,
                                           const BindingOptions& options) {
-    if (childPose.size() != static_cast<std::size_t>(child.columnCount()))
+    if (std::ssize(childPose) != child.columnCount())
         throw Error("got " + std::to_string(childPose.size()) + " positions for " +
                     std::to_string(child.columnCount()) + " vertices of the child");
     for (std::size_t vertex = 0; vertex < childPose.size(); ++vertex)

@@ -11,7 +11,7 @@
 namespace espalier::embed {
 
 void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions) {
-    if (positions.size() != static_cast<std::size_t>(complex.count(0)))
+    if (std::ssize(positions) != complex.count(0))
         throw Error("got " + std::to_string(positions.size()) + " positions for " +
                     std::to_string(complex.count(0)) + " vertices");
     for (std::size_t vertex = 0; vertex < positions.size(); ++vertex) {
@@ -66,8 +66,7 @@ std::vector<Index> alongCurve(std::span<const Point3> points) {
     Array<CurveItem> places(points.size());
     parallelFor(static_cast<Offset>(points.size()), 4096, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
-            const auto at = static_cast<std::size_t>(i);
-            places[at] = {curve.key(Eigen::Vector3d(points[at].data())), static_cast<Index>(i)};
+            places[i] = {curve.key(Eigen::Vector3d(points[i].data())), static_cast<Index>(i)};
         }
     });
     // 32 bits are more than 2¹⁰ parts along each axis, which is fine enough.
@@ -79,7 +78,7 @@ std::vector<Index> alongCurve(std::span<const Point3> points) {
 }
 
 void checkPointCount(std::span<const Point3> points) {
-    if (points.size() > static_cast<std::size_t>(kMaxIndex))
+    if (std::ssize(points) > kMaxIndex)
         throw Error("got " + std::to_string(points.size()) + " points; the most is " +
                     std::to_string(kMaxIndex));
 }

@@ -70,9 +70,9 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
         // instead of waiting for each other. Saves 0.1 µs per point.
         std::array<std::size_t, kGrain> numbers;
         std::array<Point3, kGrain> near;
-        const auto count = static_cast<std::size_t>(last - first);
+        const std::size_t count = last - first;
         for (std::size_t i = 0; i < count; ++i) {
-            const auto at = static_cast<std::size_t>(first) + i;
+            const std::size_t at = first + i;
             numbers[i] = order.empty() ? at : static_cast<std::size_t>(order[at]);
             near[i] = points[numbers[i]];
         }

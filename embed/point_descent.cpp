@@ -142,7 +142,7 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, SoughtCe
     std::vector<Offset> begins(bounds_.size() + 1, 0);  // First the number of pairs of each cell.
     const auto add = [&](std::size_t point, Index cell) {
         pairs.emplace_back(cell, static_cast<Index>(point));
-        ++begins[static_cast<std::size_t>(cell) + 1];
+        ++begins[cell + 1];
     };
     const auto addAll = [&](std::size_t point, std::span<const Index> found) {
         for (const Index cell : unbounded_) add(point, cell);

@@ -50,7 +50,7 @@ stencils::StencilTable<double> rowsOf(const RegularPlaces& places, double spacin
                                       Index columnCount,
                                       const stencils::StencilTable<double>& others) {
     const Offset rowCount = std::ssize(places.places);
-    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    Array<Offset> offsets(rowCount + 1);
     offsets[0] = 0;
     std::vector<Index> otherOf;  // For each chunk of rows, the first of its other points.
     Index other = 0;

@@ -37,7 +37,7 @@ bool isRegularVertex(const far::Level& level, Index vertex, FunctionRef<bool(Ind
     const far::CellComplex& complex = level.complex;
     const auto edges = complex.relation(0, 1)[vertex];
     const far::Incidence& cells = complex.relation(0, 3);
-    const auto stratum = static_cast<std::size_t>(level.strata.of({0, vertex}));
+    const std::size_t stratum = level.strata.of({0, vertex});
     if (!isPlain(level, cells, {0, vertex}) || edges.size() != 3 + stratum) return false;
     for (const int dimension : {1, 2}) {
         const far::Incidence& cellsOf = complex.relation(dimension, 3);

@@ -51,9 +51,7 @@ void sortAlongCurve(Array<CurveItem>& places, int bits) {
     Array<CurveItem> sorted(places.size());
     const int low = MortonCurve::kBits - bits;
     for (int shift = low; shift < MortonCurve::kBits; shift += kDigitBits) {
-        const auto digit = [&](const CurveItem& place) {
-            return static_cast<std::size_t>(place.key >> shift) % kDigits;
-        };
+        const auto digit = [&](const CurveItem& place) { return (place.key >> shift) % kDigits; };
         std::array<std::size_t, kDigits> next = {};
         forEachBlock(places.size(), kBlock, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) ++next[digit(places[i])];

@@ -16,7 +16,7 @@ TricubicPatch::TricubicPatch(const far::Level& level, const CellFrame& frame) {
     const auto place = [](const std::array<int, 3>& at, std::size_t corner) {
         std::size_t result = 0;
         for (std::size_t axis = 3; axis-- > 0;)
-            result = 4 * result + static_cast<std::size_t>(at[axis] + 1) + bitOf(corner, axis);
+            result = 4 * result + (at[axis] + 1) + bitOf(corner, axis);
         return result;
     };
     const auto add = [&](const CellFrame& cell, const std::array<int, 3>& at) {

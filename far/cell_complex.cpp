@@ -114,7 +114,7 @@ Incidence cellClosure(const CellComplex& complex, int to) {
             for (const Index face : faces[cell])
                 for (const Index part : parts[face]) {
                     const auto few = std::min(std::ssize(closure) - begin, kFew);
-                    if (!contains({closure.data() + begin, static_cast<std::size_t>(few)}, part))
+                    if (!contains(std::span<const Index>(closure).subspan(begin, few), part))
                         closure.push_back(part);
                 }
             std::sort(closure.begin() + begin, closure.end());

@@ -34,7 +34,7 @@ Strata::Numbers classifySmooth(const CellComplex& complex) {
     Strata::Numbers smooth = filled(complex, complex.dimension());
     if (complex.dimension() < 3) return smooth;
     for (Index face = 0; face < complex.count(2); ++face) {
-        checkCancelledEvery(static_cast<std::size_t>(face), 14);
+        checkCancelledEvery(face, 14);
         if (complex.relation(2, 3)[face].size() != 2) setClosure(complex, {2, face}, 2, smooth);
     }
     return smooth;
@@ -49,7 +49,7 @@ Strata::Numbers classifyOpen(const CellComplex& complex, const SharpnessValues& 
         return (side == 1 ? sharpness.edges : sharpness.vertices)[index] == kInfinitelySharp;
     };
     for (Index index = 0; index < complex.count(side); ++index) {
-        checkCancelledEvery(static_cast<std::size_t>(index), 14);
+        checkCancelledEvery(index, 14);
         const auto upperCount = complex.relation(side, side + 1)[index].size();
         const bool isBoundary = complex.dimension() == 2 ? upperCount == 1 : upperCount != 2;
         if (isBoundary && !isSharp(index)) setClosure(complex, {side, index}, 1, isOpen);
@@ -58,7 +58,7 @@ Strata::Numbers classifyOpen(const CellComplex& complex, const SharpnessValues& 
     // children that would remain bound nothing.
     for (int d = 1; d <= complex.dimension(); ++d)
         for (Index index = 0; index < complex.count(d); ++index) {
-            checkCancelledEvery(static_cast<std::size_t>(index), 14);
+            checkCancelledEvery(index, 14);
             const auto vertices = complex.relation(d, 0)[index];
             if (std::all_of(vertices.begin(), vertices.end(),
                             [&](Index vertex) { return isOpen[0][vertex] != 0; }))
@@ -99,7 +99,7 @@ void force(const MarkedSharpness& marked, Entity entity, const std::string& why,
 void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary boundary,
                   SharpEdges rule, const MarkedSharpness& marked, SharpnessValues& sharpness) {
     for (Index edge = 0; edge < complex.count(1); ++edge) {
-        checkCancelledEvery(static_cast<std::size_t>(edge), 12);
+        checkCancelledEvery(edge, 12);
         const SurfaceFans::EdgeKind kind = fans.edge(edge);
         if (kind == SurfaceFans::EdgeKind::None) continue;
         if (kind != SurfaceFans::EdgeKind::Manifold) {
@@ -120,7 +120,7 @@ void sharpenVertices(const CellComplex& complex, const SurfaceFans& fans, Bounda
                      const MarkedSharpness& marked, SharpnessValues& sharpness) {
     const int dimension = complex.dimension();
     for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
-        checkCancelledEvery(static_cast<std::size_t>(vertex), 12);
+        checkCancelledEvery(vertex, 12);
         const bool isAlone = complex.relation(0, dimension)[vertex].size() == 1;
         const SurfaceFans::VertexKind kind = fans.vertex(vertex);
         if (kind == SurfaceFans::VertexKind::None && dimension == 2)

@@ -32,7 +32,7 @@ ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
     // Before anything is added, so that the builder is unchanged.
-    checkCancelledEvery(static_cast<std::size_t>(entity.index), kBitsBetweenPolls);
+    checkCancelledEvery(entity.index, kBitsBetweenPolls);
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
         throw TopologyError(cause, entity,
                             concat(dimensionName(entity.dimension), " ", entity.index, ": loop (",
@@ -73,7 +73,7 @@ Index ComplexBuilder::addCell(std::span<const std::vector<Index>> loops) {
 
 Index ComplexBuilder::addCell(StandardCell kind, std::span<const Index> vertices) {
     const Entity cell{3, cells_.rowCount()};
-    if (vertices.size() != static_cast<std::size_t>(vertexCount(kind)))
+    if (std::ssize(vertices) != vertexCount(kind))
         throw TopologyError(TopologyCause::TooFewVertices, cell,
                             concat("cell ", cell.index, " has ", vertices.size(),
                                    " vertices; expected ", vertexCount(kind)));
@@ -198,7 +198,7 @@ private:
             sum += vertex;
         }
         const std::uint64_t hash = low + (sum - vertices.size() * low) * kHashFactor;
-        return static_cast<std::size_t>(hash) & (latest_.size() - 1);
+        return hash & (latest_.size() - 1);
     }
 
     Array<Index> latest_;  ///< per bucket: the latest number in it
@@ -366,7 +366,7 @@ std::vector<LoopPair> allLoopPairs(const CellComplex& lattice) {
     const SignedIncidence& faces = lattice.boundary(3);
     const SignedIncidence& edges = lattice.boundary(2);
     for (Index cell = 0; cell < lattice.count(3); ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), kBitsBetweenPolls);
+        checkCancelledEvery(cell, kBitsBetweenPolls);
         sides.clear();
         auto loop = static_cast<std::uint64_t>(faces.unsignedRows().offset(cell));
         for (std::size_t f = 0; f < faces[cell].size(); ++f, ++loop) {
@@ -418,7 +418,7 @@ CellComplex latticeOf(Index vertexCount, const Loops& loops, const RowStarts& ce
         firstLoops.reserve(loops.count());
         Numbering faces(vertexCount, loops.count());
         for (Index loop = 0; loop < loops.count(); ++loop) {
-            checkCancelledEvery(static_cast<std::size_t>(loop), kBitsBetweenPolls);
+            checkCancelledEvery(loop, kBitsBetweenPolls);
             int direction = 1;
             const Index face = faces.find(loops[loop], [&](Index known) {
                 direction = relativeDirection(loops[loop], loops[firstLoops[known]]);
@@ -447,7 +447,7 @@ CellComplex meshOf(Index vertexCount, const Loops& loops) {
 CellComplex curveOf(Index vertexCount, const Loops& loops) {
     SignedArrays ends;
     for (Index edge = 0; edge < loops.count(); ++edge) {
-        checkCancelledEvery(static_cast<std::size_t>(edge), kBitsBetweenPolls);
+        checkCancelledEvery(edge, kBitsBetweenPolls);
         ends.add(loops[edge][0], -1);
         ends.add(loops[edge][1], +1);
     }
@@ -457,7 +457,7 @@ CellComplex curveOf(Index vertexCount, const Loops& loops) {
 }  // namespace
 
 CellComplex ComplexBuilder::build() const {
-    if (corners_.size() > static_cast<std::size_t>(kMaxIndex))
+    if (std::ssize(corners_) > kMaxIndex)
         throw TopologyError(TopologyCause::TooManyEntities, {dimension_, kMaxIndex},
                             concat("the loops name ", corners_.size(),
                                    " vertices in all; the most is ", kMaxIndex));

@@ -21,7 +21,7 @@ RowStarts RowStarts::ofLengths(std::span<const Index> lengths) {
 void RowStarts::append(Index length) {
     if (rowCount_ == 0) length_ = length;
     if (length_ > 0 && length != length_) {
-        offsets_.resize(static_cast<std::size_t>(rowCount_) + 1);
+        offsets_.resize(Offset{rowCount_} + 1);
         for (Index row = 0; row <= rowCount_; ++row) offsets_[row] = Offset{length_} * row;
         length_ = 0;
     }
@@ -36,13 +36,13 @@ Index RowStarts::rowOf(Offset position) const {
 }
 
 Incidence Incidence::uniform(Index length, Array<Index> values) {
-    const auto rowCount = static_cast<Index>(values.size() / static_cast<std::size_t>(length));
+    const auto rowCount = static_cast<Index>(values.size() / length);
     return {RowStarts(rowCount, length), std::move(values)};
 }
 
 Incidence Incidence::transposed(Index columnCount) const {
     Rows<Index> result;
-    result.offsets.assign(static_cast<std::size_t>(columnCount) + 1, 0);
+    result.offsets.assign(Offset{columnCount} + 1, 0);
     constexpr std::size_t kBlock = 1 << 16;  // about a millisecond, if memory is far apart
     forEachBlock(values_.size(), kBlock, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) ++result.offsets[values_[i] + 1];
@@ -52,11 +52,10 @@ Incidence Incidence::transposed(Index columnCount) const {
 
     result.values.resize(values_.size());
     std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
-    forEachBlock(
-        static_cast<std::size_t>(rowCount()), kBlock / 8, [&](std::size_t first, std::size_t last) {
-            for (auto row = static_cast<Index>(first); row < static_cast<Index>(last); ++row)
-                for (const Index column : (*this)[row]) result.values[next[column]++] = row;
-        });
+    forEachBlock(rowCount(), kBlock / 8, [&](std::size_t first, std::size_t last) {
+        for (auto row = static_cast<Index>(first); row < static_cast<Index>(last); ++row)
+            for (const Index column : (*this)[row]) result.values[next[column]++] = row;
+    });
     return Incidence(std::move(result));
 }
 

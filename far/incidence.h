@@ -28,7 +28,7 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     const Offset chunkCount = (static_cast<Offset>(rowCount) + kGrain - 1) / kGrain;
     std::vector<std::vector<T>> chunks(chunkCount);
     Rows<T> rows;
-    rows.offsets.resize(static_cast<std::size_t>(rowCount) + 1);
+    rows.offsets.resize(Offset{rowCount} + 1);
     // First the length of each row, then their running sum.
     rows.offsets[0] = 0;
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
@@ -36,8 +36,7 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
         for (Offset row = first; row < last; ++row) {
             const std::size_t before = chunk.size();
             fill(static_cast<Index>(row), chunk);
-            rows.offsets[static_cast<std::size_t>(row) + 1] =
-                static_cast<Offset>(chunk.size() - before);
+            rows.offsets[row + 1] = static_cast<Offset>(chunk.size() - before);
         }
     });
     for (std::size_t row = 1; row < rows.offsets.size(); ++row)

@@ -140,7 +140,7 @@ struct Refinement::Quadrilaterals {
     Array<std::int8_t> signs;
 
     void set(Index face, const std::array<Signed, 4>& row) {
-        std::size_t at = 4 * static_cast<std::size_t>(face);
+        std::size_t at = Offset{4} * face;
         for (const Signed& edge : row) {
             edges[at] = edge.index;
             signs[at++] = edge.sign;
@@ -172,7 +172,7 @@ Refinement::Refinement(const CellComplex& parent, const Kept* kept)
         boundaries[0] = childEdges<isWhole>();
         if (dimension_ == 1) return;
         Quadrilaterals faces;
-        faces.edges.resize(4 * static_cast<std::size_t>(childCounts_[2]));
+        faces.edges.resize(Offset{4} * childCounts_[2]);
         faces.signs.resize(faces.edges.size());
         addCorners<isWhole>(faces);
         if (dimension_ > 2) boundaries[2] = addSides<isWhole>(faces);
@@ -232,7 +232,7 @@ void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
 /// the point of a is its tail if σ(b,a) is −1.
 template <bool kIsWhole>
 SignedIncidence Refinement::childEdges() const {
-    Array<Index> ends(2 * static_cast<std::size_t>(childCounts_[1]));
+    Array<Index> ends(Offset{2} * childCounts_[1]);
     Array<std::int8_t> signs(ends.size());
     for (int upper = 1; upper <= dimension_; ++upper) {
         parallelFor(parent_.count(upper), kGrain, [&](Offset first, Offset last) {

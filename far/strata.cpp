@@ -17,7 +17,7 @@ Strata::Strata(const CellComplex& complex, Numbers smoothStrata, Numbers isOpen,
     // surface.
     std::vector<Index> sharpEdges(sharpness_.vertices.size(), 0);
     for (Index edge = 0; edge < complex.count(1); ++edge) {
-        checkCancelledEvery(static_cast<std::size_t>(edge), 14);
+        checkCancelledEvery(edge, 14);
         if (sharpness_.edges[edge] == kSmooth) continue;
         strata_[1][edge] = 1;
         for (const Index vertex : complex.relation(1, 0)[edge])
@@ -74,7 +74,7 @@ Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary bounda
                (entity.dimension == complex.dimension() - 1 && automatic.isOpen(entity));
     };
     for (Index edge = 0; edge < complex.count(1); ++edge) {
-        checkCancelledEvery(static_cast<std::size_t>(edge), 14);
+        checkCancelledEvery(edge, 14);
         if (!toMark({1, edge})) continue;
         const auto ends = complex.relation(1, 0)[edge];
         marks.edges.push_back({{ends[0], ends[1]}, strata.sharpness({1, edge})});

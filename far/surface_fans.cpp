@@ -21,7 +21,7 @@ SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> i
 
     edgeKinds_.reserve(complex.count(1));
     for (Index edge = 0; edge < complex.count(1); ++edge) {
-        checkCancelledEvery(static_cast<std::size_t>(edge), 12);
+        checkCancelledEvery(edge, 12);
         const std::vector<Index> faces = surfaceFaces(edge);
         const bool isManifold = faces.size() == 2 && turns[edge] == 0;
         edgeKinds_.push_back(faces.empty()       ? EdgeKind::None
@@ -35,7 +35,7 @@ SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> i
     // Groups the corners of the surface by vertex.
     const auto forEachCorner = [&](auto visit) {
         for (Index face = 0; face < complex.count(2); ++face) {
-            checkCancelledEvery(static_cast<std::size_t>(face), 14);
+            checkCancelledEvery(face, 14);
             if (isSurfaceFace_[face] == 0) continue;
             const auto vertices = complex.relation(2, 0)[face];
             const auto edges = complex.relation(2, 1)[face];

@@ -37,8 +37,7 @@ public:
 
     /// Returns the value of a key; 0 at first.
     Index& operator[](Index key) {
-        auto at =
-            static_cast<std::size_t>((static_cast<std::uint64_t>(key) * kHashFactor) >> shift_);
+        std::size_t at = (static_cast<std::uint64_t>(key) * kHashFactor) >> shift_;
         while (slots_[at].round == round_ && slots_[at].key != key)
             at = (at + 1) & (slots_.size() - 1);
         if (slots_[at].round != round_) slots_[at] = {round_, key, 0};
@@ -132,7 +131,7 @@ public:
                     ++edgeCount;
                 } else {
                     if (first == kTwoSides || (first > 0) == (side > 0)) return false;
-                    pieces_.join(static_cast<std::size_t>(std::abs(first)) - 1, f);
+                    pieces_.join(std::abs(first) - 1, f);
                     first = kTwoSides;
                 }
                 Index& isKnown = isVertex_[vertexOf(ends_, edges[i], signs[i], 0)];
@@ -177,7 +176,7 @@ bool areCellsApart(const SignedIncidence& faces, Index faceCount) {
     Array<std::uint32_t> firstSides(faceCount);
     std::fill(firstSides.begin(), firstSides.end(), kNoCell);
     for (Index cell = 0; cell < faces.unsignedRows().rowCount(); ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+        checkCancelledEvery(cell, 12);
         const auto row = faces[cell];
         const auto signs = faces.signs(cell);
         if (const std::uint32_t first = firstSides[row[0]]; first < kTwoCells) {

@@ -32,7 +32,7 @@ std::size_t rowCount(const Rows<Index>& rows) {
 
 std::span<const Index> rowOf(const Rows<Index>& rows, Index row) {
     const Offset begin = rows.offsets[row];
-    return {rows.values.data() + begin, static_cast<std::size_t>(rows.offsets[row + 1] - begin)};
+    return {rows.values.data() + begin, rows.values.data() + rows.offsets[row + 1]};
 }
 
 void appendRow(Rows<Index>& rows, std::span<const Index> values) {
@@ -56,7 +56,7 @@ std::optional<StandardCell> kindOf(std::size_t cornerCount) {
 }
 
 Index checkedCount(std::size_t count, const char* what) {
-    if (count > static_cast<std::size_t>(kMaxIndex))
+    if (std::cmp_greater(count, kMaxIndex))
         throw TopologyError(
             TopologyCause::TooManyEntities, {2, kMaxIndex},
             concat("the mesh has ", count, " ", what, "; at most ", kMaxIndex, " can be counted"));
@@ -242,7 +242,7 @@ std::vector<Index> matesOf(const std::vector<HalfFace>& halves, const CellLoops&
                            Index pointCount) {
     std::vector<Index> mates(halves.size()), smallest(halves.size());
     std::vector<LoopKey> keys(halves.size());
-    std::vector<Offset> ends(static_cast<std::size_t>(pointCount) + 1, 0);
+    std::vector<Offset> ends(Offset{pointCount} + 1, 0);
     std::vector<Index> loop;
     for (std::size_t half = 0; half < halves.size(); ++half) {
         checkCancelledEvery(half, 14);
@@ -313,7 +313,7 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
     auto data = std::make_shared<Data>();
     data->pointCount = pointCount;
     for (Index face = 0; face < faceCount; ++face) {
-        checkCancelledEvery(static_cast<std::size_t>(face), 14);
+        checkCancelledEvery(face, 14);
         const auto loop = rowOf(faces, face);
         if (loop.size() < 3)
             throw TopologyError(TopologyCause::TooFewVertices, {2, face},
@@ -324,7 +324,7 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
                     TopologyCause::VertexOutOfRange, {2, face},
                     concat("face ", face, " names point ", point, "; there are ", pointCount));
     }
-    std::vector<Offset> ends(static_cast<std::size_t>(cellCount) + 1, 0);
+    std::vector<Offset> ends(Offset{cellCount} + 1, 0);
     const auto count = [&](const std::vector<Index>& cells, const char* role) {
         for (std::size_t face = 0; face < cells.size(); ++face) {
             if (cells[face] < 0 || cells[face] >= cellCount)
@@ -336,19 +336,17 @@ VolumeMesh::VolumeMesh(Index pointCount, Index cellCount, Rows<Index> faces,
     };
     count(owners, "owner");
     count(neighbours, "neighbour");
-    for (std::size_t cell = 0; cell < static_cast<std::size_t>(cellCount); ++cell)
-        ends[cell + 1] += ends[cell];
+    for (Index cell = 0; cell < cellCount; ++cell) ends[cell + 1] += ends[cell];
     Rows<Index>& ofCells = data->facesOfCells;
     ofCells.offsets.assign(ends.begin(), ends.end());
     ofCells.values.resize(ends.back());
     for (Index face = 0; face < faceCount; ++face) {
-        checkCancelledEvery(static_cast<std::size_t>(face), 16);
+        checkCancelledEvery(face, 16);
         ofCells.values[ends[owners[face]]++] = face;
-        if (static_cast<std::size_t>(face) < neighbours.size())
-            ofCells.values[ends[neighbours[face]]++] = face;
+        if (face < std::ssize(neighbours)) ofCells.values[ends[neighbours[face]]++] = face;
     }
     for (Index cell = 0; cell < cellCount; ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+        checkCancelledEvery(cell, 12);
         CornerFinder finder;
         for (const Index face : rowOf(ofCells, cell))
             finder.add(rowOf(faces, face), owners[face] == cell);
@@ -410,7 +408,7 @@ void VolumeMeshBuilder::checkPoints(std::span<const Index> points, Index cell) c
 
 Index VolumeMeshBuilder::addCell(StandardCell kind, std::span<const Index> points) {
     const Index cell = cellCount();
-    checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+    checkCancelledEvery(cell, 12);
     if (std::ssize(points) != vertexCount(kind))
         throw TopologyError(
             TopologyCause::TooFewVertices, {3, cell},
@@ -423,7 +421,7 @@ Index VolumeMeshBuilder::addCell(StandardCell kind, std::span<const Index> point
 
 Index VolumeMeshBuilder::addCell(std::span<const std::vector<Index>> loops) {
     const Index cell = cellCount();
-    checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+    checkCancelledEvery(cell, 12);
     std::vector<Index> rows;
     for (const std::vector<Index>& loop : loops) {
         if (loop.size() < 3)
@@ -444,7 +442,7 @@ VolumeMesh VolumeMeshBuilder::build() {
     const CellLoops loops{corners_, loops_, loopsOfCells_};
     std::vector<HalfFace> halves;
     for (Index cell = 0; cell < cellCount(); ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), 14);
+        checkCancelledEvery(cell, 14);
         for (std::size_t i = 0; i < loops.count(cell); ++i)
             halves.push_back({cell, static_cast<Index>(i)});
     }
@@ -458,7 +456,7 @@ VolumeMesh VolumeMeshBuilder::build() {
     std::vector<Index> loop;
     for (const bool internal : {true, false})
         for (Index half = 0; half < halfCount; ++half) {
-            checkCancelledEvery(static_cast<std::size_t>(half), 14);
+            checkCancelledEvery(half, 14);
             const Index mate = mates[half];
             if ((mate != half) != internal || mate < half) continue;
             loops.read(halves[half], loop);
@@ -472,7 +470,7 @@ VolumeMesh VolumeMeshBuilder::build() {
     Rows<Index>& ofCells = data->facesOfCells;
     ofCells.offsets.reserve(corners_.offsets.size());
     for (Index half = 0, cell = 0; cell < cellCount(); ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), 14);
+        checkCancelledEvery(cell, 14);
         for (; half < halfCount && halves[half].cell == cell; ++half)
             ofCells.values.push_back(faceOfHalf[half]);
         ofCells.offsets.push_back(static_cast<Offset>(ofCells.values.size()));

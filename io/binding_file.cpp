@@ -134,7 +134,7 @@ ModelFaces readLatticeFaces(ByteInput& in, const Header& header) {
         if (end < begin || end > header.corners)
             throw CodingError(concat("ends face ", face, " of the lattice at corner ", end,
                                      "; expected ", begin, " to ", header.corners));
-        faces.ends.push_back(static_cast<std::size_t>(end));
+        faces.ends.push_back(end);
         begin = end;
     }
     if (begin != header.corners)

@@ -33,7 +33,7 @@ std::optional<NumberPattern> patternAt(const std::string& text, std::size_t begi
     if (text.compare(end, 1, "0") == 0) {
         // Reads one or two digits after the zero. At the end of the text, text[end] is '\0'.
         for (++end; end < begin + 4 && isDigit(text[end]); ++end)
-            width = 10 * width + static_cast<std::size_t>(text[end] - '0');
+            width = 10 * width + (text[end] - '0');
         if (width == 0) return std::nullopt;
     }
     if (text.compare(end, 1, "d") != 0) return std::nullopt;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <ostream>
 #include <span>
+#include <utility>
 
 #include "format.h"
 #include "lattices/lattice_parts.h"
@@ -71,7 +72,7 @@ bool isPartOf(LoopView part, LoopView whole) {
 }
 
 void checkPointCount(const Path& path, const std::string& name, std::size_t got, Index expected) {
-    if (got != static_cast<std::size_t>(expected))
+    if (std::cmp_not_equal(got, expected))
         refuse(path, name,
                concat(": it has ", got, " points; expected one for each of the ", expected,
                       " vertices of the lattice, in their order. Export the mesh without removing, "

@@ -70,7 +70,7 @@ std::optional<std::vector<Index>> layersAround(const far::Level& level, Index ed
     if (cellCount < 3 || !isContinued(level, edge, ends[0]) || !isContinued(level, edge, ends[1]))
         return std::nullopt;
     const Index size = layerSize(cellCount);
-    std::vector<Index> layers(static_cast<std::size_t>(kLayerCount * size));
+    std::vector<Index> layers(kLayerCount * size);
 
     // Walk around the edge, from one face to the next.
     Index cell = cells[0], face = kMaxIndex;
@@ -83,10 +83,9 @@ std::optional<std::vector<Index>> layersAround(const far::Level& level, Index ed
     face = otherFace();
     for (Index k = 0; k < cellCount; ++k) {
         const embed::CellFrame frame = *embed::frameOf(complex, cell);
-        const auto cornerOf = [&](Index vertex) {
-            return static_cast<std::size_t>(
-                std::find(frame.corners.begin(), frame.corners.end(), vertex) -
-                frame.corners.begin());
+        const auto cornerOf = [&](Index vertex) -> std::size_t {
+            return std::find(frame.corners.begin(), frame.corners.end(), vertex) -
+                   frame.corners.begin();
         };
         // The corner at the low end of the edge's axis in the frame. A step along the edge changes
         // one bit of a corner's number.

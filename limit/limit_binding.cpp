@@ -208,7 +208,7 @@ private:
     void addParts(const FoundPoints& found, const std::vector<Index>& numbers,
                   std::vector<Part>& parts) const {
         const stencils::Levels& levels = found.descent.levels;
-        std::vector<Part> ofLevels(static_cast<std::size_t>(levels.finest()) + 1);
+        std::vector<Part> ofLevels(levels.finest() + 1);
         std::vector<std::vector<LimitPlace>> places(ofLevels.size());
         std::vector<std::vector<double>> residuals(ofLevels.size());
         Part without;

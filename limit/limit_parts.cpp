@@ -67,7 +67,7 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
         const far::Level& here = levels.finestLevel();
         std::vector<LimitPart> irregular;
         for (const LimitPart& part : left) {
-            checkCancelledEvery(static_cast<std::size_t>(part.cell), 8);
+            checkCancelledEvery(part.cell, 8);
             if (!embed::remainsInLimit(here, part.cell)) continue;
             if (embed::isRegularCell(here, part.cell)) {
                 refined->parts.push_back(part);

@@ -203,8 +203,8 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
     return stencils::buildTable(
         static_cast<Index>(3 * places_.size()), level_.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
-            const auto i = static_cast<std::size_t>(row / 3);
-            const auto axis = static_cast<std::size_t>(row % 3);
+            const std::size_t i = row / 3;
+            const std::size_t axis = row % 3;
             if (!isBlended(i)) {
                 for (const auto& [vertex, weight] : weights(i, kFirst[axis]))
                     accumulator.add(vertex, weight);

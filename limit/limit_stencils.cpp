@@ -110,12 +110,11 @@ stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const
         static_cast<Index>(placeCount * orders.size()),
         walk.levels.refiner().level(static_cast<int>(level)).complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
-            const auto& order = orders[static_cast<std::size_t>(row) / placeCount];
+            const auto& order = orders[row / placeCount];
             // Each level doubles the derivative by a coordinate.
             const double scale =
                 std::ldexp(1.0, static_cast<int>(level) * (order[0] + order[1] + order[2]));
-            for (const auto& [vertex, weight] :
-                 rows.weights(static_cast<std::size_t>(row) % placeCount, order))
+            for (const auto& [vertex, weight] : rows.weights(row % placeCount, order))
                 accumulator.add(vertex, scale * weight);
         });
 }
@@ -200,7 +199,7 @@ Walker walkerAt(const far::CellComplex& complex, std::size_t location, const Lim
 /// Splits a table into its blocks of rows.
 LimitStencils blocksOf(const stencils::StencilTable<double>& table, std::size_t blockCount) {
     const auto block = [&](std::size_t number) {
-        std::vector<Index> rows(static_cast<std::size_t>(table.rowCount()) / blockCount);
+        std::vector<Index> rows(table.rowCount() / blockCount);
         std::iota(rows.begin(), rows.end(), static_cast<Index>(number * rows.size()));
         return stencils::selectRows(table, rows);
     };
@@ -264,9 +263,9 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
             for (const Index cell : here.complex.relation(0, 3)[vertex]) {
                 const auto frame = embed::frameOf(here.complex, cell);
                 if (!frame) continue;
-                const auto corner = static_cast<std::size_t>(
+                const std::size_t corner =
                     std::find(frame->corners.begin(), frame->corners.end(), vertex) -
-                    frame->corners.begin());
+                    frame->corners.begin();
                 rowOf[vertex] = static_cast<Index>(locations.size());
                 locations.push_back(
                     {cell,

@@ -132,7 +132,7 @@ stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& ref
     };
     for (const CellCorner& corner : corners) directionsAt(corner);
     parallelFor(std::ssize(groups.representatives), 1, [&](Offset first, Offset last) {
-        for (auto group = static_cast<std::size_t>(first); std::cmp_less(group, last); ++group) {
+        for (Offset group = first; group < last; ++group) {
             const VertexRing ring = ringOf(here, refiner.options(), groups.representatives[group]);
             for (auto& [places, columns] : directions[group])
                 columns = ring.start.transpose() * directionsOf(ring, places);

@@ -26,8 +26,7 @@ Index opposite(const far::CellComplex& complex, const Entity& entity, Index vert
         return corners[kOpposite[at]];
     }
     const auto loop = complex.relation(entity.dimension, 0)[entity.index];
-    const auto at =
-        static_cast<std::size_t>(std::find(loop.begin(), loop.end(), vertex) - loop.begin());
+    const std::size_t at = std::find(loop.begin(), loop.end(), vertex) - loop.begin();
     return loop[(at + loop.size() / 2) % loop.size()];
 }
 

@@ -126,7 +126,7 @@ struct Deformer<Real>::Data {
     BufferDescriptor setDisplacements(Memory<Real>& memory, const Real* poses, Offset count) const {
         const BufferDescriptor layout{0, 3 * count, paddedLength(3 * count)};
         // The kernels read the padding after the components, so it must have values.
-        memory.displacements.assign(static_cast<std::size_t>(vertexCount * layout.stride), 0);
+        memory.displacements.assign(vertexCount * layout.stride, 0);
         for (Offset v = 0; v < vertexCount; ++v)
             for (Offset pose = 0; pose < count; ++pose)
                 for (Offset c = 0; c < 3; ++c)
@@ -150,7 +150,7 @@ struct Deformer<Real>::Data {
                 form);
         };
         if (count == 1) return evaluate({results, points.size()});
-        memory.together.resize(points.size() * static_cast<std::size_t>(count));
+        memory.together.resize(points.size() * count);
         evaluate(memory.together);
         constexpr Offset kGrain = 1 << 13;
         parallelFor(pointCount, kGrain, [&](Offset first, Offset last) {

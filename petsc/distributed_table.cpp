@@ -113,7 +113,7 @@ private:
 };
 
 void checkSize(std::size_t got, Offset count, int components, const char* what) {
-    if (got != static_cast<std::size_t>(count) * static_cast<std::size_t>(components))
+    if (got != count * static_cast<std::size_t>(components))
         throw Error(concat("got ", got, " numbers for ", count, " ", what, " of ", components,
                            " components"));
 }

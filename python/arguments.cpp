@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace espalier::python {
 
@@ -81,7 +82,7 @@ std::vector<Point3> toPoints(const py::handle& object, const std::string& name,
                              std::optional<std::size_t> count) {
     const auto array = realArray<double>(object, name);
     if (array.ndim() != 2 || array.shape(1) != 3 ||
-        (count && static_cast<std::size_t>(array.shape(0)) != *count))
+        (count && std::cmp_not_equal(array.shape(0), *count)))
         throw Error(name + ": expected an array of shape (" +
                     (count ? std::to_string(*count) : "N") + ", 3), got " + shapeText(array));
     std::vector<Point3> points(array.shape(0));

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace espalier::python {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::string_view kReservedNames = "espalier:";
 std::optional<StandardCell> standardCell(std::size_t vertexCount) {
     for (const auto cell : {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge,
                             StandardCell::Hexahedron})
-        if (static_cast<std::size_t>(far::vertexCount(cell)) == vertexCount) return cell;
+        if (std::cmp_equal(far::vertexCount(cell), vertexCount)) return cell;
     return std::nullopt;
 }
 
@@ -53,7 +54,7 @@ void addCell(far::ComplexBuilder& builder, const py::sequence& cell, const std::
 /// Returns the numbers per vertex of an array (V,) or (V, k): 1 or k.
 int componentsOf(const py::array& array, const std::string& name, std::size_t vertexCount) {
     const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
-                      static_cast<std::size_t>(array.shape(0)) == vertexCount;
+                      std::cmp_equal(array.shape(0), vertexCount);
     if (!fits)
         throw Error(concat(name, ": expected an array of shape (", vertexCount, ",) or (",
                            vertexCount, ", k), got ", shapeText(array)));
@@ -179,7 +180,7 @@ FaceVaryingAttribute texturesOf(const far::CellComplex& mesh, const ArrayLike& c
         rows ? py::sequence() : sequenceOf(corners, "texture_corners", "an array or a list");
     const std::size_t count = rows ? rows->count() : list.size();
     const far::Incidence& loops = *withoutGil([&] { return &mesh.relation(2, 0); });
-    if (count != static_cast<std::size_t>(mesh.count(2)))
+    if (std::cmp_not_equal(count, mesh.count(2)))
         throw Error(concat("texture_corners: expected one entry for each of the ", mesh.count(2),
                            " faces, got ", count));
     for (Index face = 0; face < mesh.count(2); ++face) {

@@ -174,8 +174,7 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
     };
     // \param list the attributes, or the integers
     const auto add = [&](auto& list, auto each) {
-        requireState(each.components > 0 &&
-                     each.values.size() == count * static_cast<std::size_t>(each.components));
+        requireState(each.components > 0 && each.values.size() == count * each.components);
         list.push_back(std::move(each));
     };
     for (const py::handle each : py::list(state[3])) {
@@ -203,7 +202,7 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
     textures.values = numbersOf<std::vector<double>>(state[6]);
     textures.corners = numbersOf<std::vector<Index>>(state[7]);
     const auto isTexture = [&](Index corner) {
-        return corner >= 0 && static_cast<std::size_t>(corner) < textures.values.size() / 2;
+        return corner >= 0 && corner < std::ssize(textures.values) / 2;
     };
     requireState(textures.values.size() % 2 == 0 &&
                  std::ranges::all_of(textures.corners, isTexture) &&

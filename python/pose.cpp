@@ -32,7 +32,7 @@ Point3 vectorOf(const Axis& axis, const char* name) {
     if (letter.size() != 1 || letter[0] < 'x' || letter[0] > 'z')
         throw ArgumentError("", name, inQuotes(word), "x, y or z, or a vector");
     Point3 vector = {0, 0, 0};
-    vector[static_cast<std::size_t>(letter[0] - 'x')] = word[0] == '-' ? -1 : 1;
+    vector[letter[0] - 'x'] = word[0] == '-' ? -1 : 1;
     return vector;
 }
 

@@ -22,8 +22,7 @@ Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices)
             for (std::size_t component = 0; component < components; ++component) {
                 double total = 0;
                 for (const Index from : vertex.attributesFrom)
-                    total +=
-                        attribute.values[static_cast<std::size_t>(from) * components + component];
+                    total += attribute.values[from * components + component];
                 const auto count = static_cast<double>(vertex.attributesFrom.size());
                 attribute.values.push_back(count > 0 ? total / count : 0);
             }
@@ -136,7 +135,7 @@ Lattice attachCell(const Lattice& lattice, std::span<const std::vector<Index>> l
 
 Lattice attachCell(const Lattice& lattice, far::StandardCell cell, std::span<const Index> vertices,
                    std::span<const NewVertex> newVertices) {
-    if (vertices.size() != static_cast<std::size_t>(far::vertexCount(cell)))
+    if (std::ssize(vertices) != far::vertexCount(cell))
         throw ArgumentError("attach", "vertices", std::to_string(vertices.size()),
                             std::to_string(far::vertexCount(cell)));
     std::vector<Loop> loops = far::faceLoops(cell);

@@ -6,6 +6,7 @@
 #include <espalier/far/topology_error.h>
 
 #include <cmath>
+#include <utility>
 
 #include "checks.h"
 
@@ -107,7 +108,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
         if (attribute.components < 1)
             throw Error(concat(who, ": attribute ", inQuotes(attribute.name), " of ", name, " has ",
                                attribute.components, " components; expected 1 or more"));
-        const std::size_t expected = vertexCount * static_cast<std::size_t>(attribute.components);
+        const std::size_t expected = vertexCount * attribute.components;
         if (attribute.values.size() != expected)
             throw Error(concat(who, ": attribute ", inQuotes(attribute.name), " of ", name, " has ",
                                attribute.values.size(), " values; expected ", expected));
@@ -115,7 +116,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
     for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
     for (const VertexIntegers& integers : lattice.integers) checkAttribute(integers);
     const auto checkMark = [&](Index vertex) {
-        if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertexCount)
+        if (vertex < 0 || std::cmp_greater_equal(vertex, vertexCount))
             throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},
                                      concat(who, ": a mark of ", name, " names vertex ", vertex,
                                             "; there are ", vertexCount));

@@ -215,7 +215,7 @@ Lattice extrude(const Lattice& mesh, const ExtrudeOptions& options) {
     if (!(length(options.direction) > 0))
         throw ArgumentError("extrude", "direction", textOf(options.direction),
                             "a vector other than 0");
-    const auto layerCount = static_cast<std::size_t>(options.layers) + 1;
+    const std::size_t layerCount = Offset{options.layers} + 1;
     requireCountableRows("extrude", mesh.complex, layerCount);
 
     const auto layers =

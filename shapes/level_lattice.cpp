@@ -27,7 +27,7 @@ void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& mar
 Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
                      std::vector<Point3> positions) {
     const auto& [complex, strata, holes] = refiner.level(level);
-    if (positions.size() != static_cast<std::size_t>(complex.count(0)))
+    if (std::ssize(positions) != complex.count(0))
         throw Error(concat("level ", level, " has ", complex.count(0), " vertices, but there are ",
                            positions.size(), " positions"));
     const far::RefinerOptions& used = refiner.options();

@@ -105,7 +105,7 @@ void requireCellsKept(const far::CellComplex& complex, std::span<const Index> ne
     const int dimension = complex.dimension();
     std::vector<std::pair<Index, Index>> welded;  // new vertex, old vertex
     for (Index cell = 0; cell < complex.count(dimension); ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+        checkCancelledEvery(cell, 12);
         welded.clear();
         for (const Index vertex : complex.relation(dimension, 0)[cell])
             welded.emplace_back(newVertex[vertex], vertex);
@@ -136,7 +136,7 @@ void appendValues(const Attribute& from, std::span<const Index> newVertex, Attri
     const std::size_t components = to.components;
     for (std::size_t vertex = 0; vertex < newVertex.size(); ++vertex) {
         // Vertices are numbered in the order of appearance, so a new vertex has the next number.
-        if (static_cast<std::size_t>(newVertex[vertex]) * components != to.values.size()) continue;
+        if (newVertex[vertex] * components != to.values.size()) continue;
         const auto first = from.values.begin() + static_cast<std::ptrdiff_t>(vertex * components);
         to.values.insert(to.values.end(), first, first + to.components);
     }
@@ -184,7 +184,7 @@ std::vector<Origin> crowdedFace(std::span<const Lattice> lattices,
         const auto newVertex = newIndex.first(lattices[number].positions.size());
         newIndex = newIndex.subspan(newVertex.size());
         for (Index face = 0; face < complex.count(2); ++face) {
-            checkCancelledEvery(static_cast<std::size_t>(face), 12);
+            checkCancelledEvery(face, 12);
             Faces& faces = merged[mergedVertices(complex, face, newVertex)];
             faces.cellCount += complex.relation(2, 3)[face].size();
             faces.origins.push_back({number, {2, face}});
@@ -204,7 +204,7 @@ std::vector<Origin> repeatedCell(std::span<const Lattice> lattices,
         const auto newVertex = newIndex.first(lattices[number].positions.size());
         newIndex = newIndex.subspan(newVertex.size());
         for (Index cell = 0; cell < complex.count(3); ++cell) {
-            checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+            checkCancelledEvery(cell, 12);
             std::vector<std::vector<Index>> faces;
             for (const Index face : complex.relation(3, 2)[cell])
                 faces.push_back(mergedVertices(complex, face, newVertex));
@@ -292,7 +292,7 @@ MergeJoints findJoints(std::span<const Lattice> lattices, const Lattice& merged)
         return std::ranges::upper_bound(lastCells, cell) - lastCells.begin();
     };
     for (Index face = 0; face < merged.complex.count(dimension - 1); ++face) {
-        checkCancelledEvery(static_cast<std::size_t>(face), 14);
+        checkCancelledEvery(face, 14);
         const auto cells = merged.complex.relation(dimension - 1, dimension)[face];
         const auto first = latticeOf(cells.front());
         bool isShared = false;

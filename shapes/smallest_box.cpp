@@ -116,7 +116,7 @@ struct Search {
         constexpr int kMaxTurns = 60;
         int withoutGain = 0;
         for (int turns = 0; turns < kMaxTurns && withoutGain < 3; ++turns) {
-            turnAbout(current, static_cast<std::size_t>(turns % 3));
+            turnAbout(current, turns % 3);
             const double next = paddedVolume(boxAlong(current, points), padding);
             withoutGain = next < smallest * (1 - kGain) ? 0 : withoutGain + 1;
             smallest = next;

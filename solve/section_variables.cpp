@@ -26,7 +26,7 @@ void requireFinite(const char* field, const Point3& vector) {
 SectionValues<double> valuesAt(std::span<const double> values, Index section, double fraction) {
     SectionValues<double> result;
     for (std::size_t k = 0; k < 5; ++k) {
-        const double* const first = &values[5 * static_cast<std::size_t>(section) + k];
+        const double* const first = &values[Offset{5} * section + k];
         result[k] = fraction == 0 ? *first : (1 - fraction) * first[0] + fraction * first[5];
     }
     return result;

@@ -161,7 +161,7 @@ void forEachPart(const CheckedVolume& volume, Visit visit) {
     const Offset grain = volume.grain();
     parallelFor(volume.partCount(), grain, [&](Offset first, Offset last) {
         for (auto part = static_cast<Index>(first); part < last; ++part) {
-            checkCancelledEvery(static_cast<std::size_t>(part), 4);
+            checkCancelledEvery(part, 4);
             visit(first / grain, part);
         }
     });

@@ -28,15 +28,14 @@ StencilTable<double> selectionTable(Index columnCount, std::span<const Index> co
 /// entry after entry.
 void addProduct(const StencilTable<double>& table, std::span<const double> values, int components,
                 std::span<double> sums) {
-    const auto width = static_cast<std::size_t>(components);
+    const std::size_t width = components;
     parallelFor(table.rowCount(), 4096, [&](Offset first, Offset last) {
         for (Offset row = first; row < last; ++row) {
             const auto columns = table.columns(static_cast<Index>(row));
             const auto weights = table.weights(static_cast<Index>(row));
             for (std::size_t k = 0; k < columns.size(); ++k)
                 for (std::size_t c = 0; c < width; ++c)
-                    sums[static_cast<std::size_t>(row) * width + c] +=
-                        weights[k] * values[static_cast<std::size_t>(columns[k]) * width + c];
+                    sums[row * width + c] += weights[k] * values[columns[k] * width + c];
         }
     });
 }
@@ -49,7 +48,7 @@ std::vector<double> refinedOnce(const far::TopologyRefiner& refiner, int level,
     constexpr Offset kMinRows = 1 << 15, kMaxParts = 32;
     const Offset rowCount = refiner.level(level).complex.count(0);
     const Offset step = std::max(kMinRows, rowCount / kMaxParts);
-    std::vector<double> result(static_cast<std::size_t>(rowCount * components), 0);
+    std::vector<double> result(rowCount * components, 0);
     std::vector<Index> rows;
     for (Offset first = 0; first < rowCount; first += step) {
         rows.resize(std::min(step, rowCount - first));
@@ -115,7 +114,7 @@ StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
     std::vector<Index> demanded(vertices.begin(), vertices.end());
     for (int k = level; k > 1; --k) {
         const VertexParents parents(refiner, k);
-        const BaseEntities& origin = origins[static_cast<std::size_t>(k) - 1];
+        const BaseEntities& origin = origins[k - 1];
         std::vector<Index> groups;
         groups.reserve(demanded.size());
         for (const Index vertex : demanded) groups.push_back(origin.of(parents(vertex)));
@@ -159,7 +158,7 @@ StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
         throw Error("got " + std::to_string(level) + " level tables for " +
                     std::to_string(refiner.maxLevel()) + " levels");
     for (int k = 1; k <= level; ++k) {
-        const auto& table = tables[static_cast<std::size_t>(k) - 1];
+        const auto& table = tables[k - 1];
         const Index rows = refiner.level(k).complex.count(0);
         const Index columns = refiner.level(k - 1).complex.count(0);
         if (table.rowCount() != rows || table.columnCount() != columns)
@@ -171,7 +170,7 @@ StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
     checkVertices(refiner, level, vertices);
     return compose(refiner, level, baseEntities(refiner, level - 1), vertices,
                    [&](int k, std::span<const Index> demanded) {
-                       return selectRows(tables[static_cast<std::size_t>(k) - 1], demanded);
+                       return selectRows(tables[k - 1], demanded);
                    });
 }
 
@@ -200,8 +199,7 @@ std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                                  std::span<const double> values, int components) {
     refiner.level(level);  // Throws if the level does not exist.
     const Index baseCount = refiner.level(0).complex.count(0);
-    if (components < 1 ||
-        values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))
+    if (components < 1 || std::ssize(values) != Offset{baseCount} * components)
         throw Error("got " + std::to_string(values.size()) + " values; expected " +
                     std::to_string(components) + " for each of " + std::to_string(baseCount) +
                     " vertices");
@@ -231,7 +229,7 @@ std::vector<Point3> toPositions(std::span<const double> values) {
 
 std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
                                     std::span<const Point3> positions) {
-    std::vector<double> result(3 * static_cast<std::size_t>(table.rowCount()), 0);
+    std::vector<double> result(Offset{3} * table.rowCount(), 0);
     addProduct(table, toValues(positions), 3, result);
     return toPositions(result);
 }

@@ -100,7 +100,7 @@ private:
         std::uint64_t* mask = masks_.data();
         for (const Index middle : middles_.items()) {
             for (const Index column : right_.columns(middle)) {
-                const auto place = static_cast<std::size_t>(columns_.placeOf(column));
+                const std::size_t place = columns_.placeOf(column);
                 mask[place / kBits] |= std::uint64_t{1} << place % kBits;
             }
             mask += maskLength_;
@@ -112,8 +112,7 @@ private:
         for (std::size_t word = 0; word < maskLength_; ++word) {
             std::uint64_t bits = 0;
             for (const Index middle : left_.columns(row))
-                bits |=
-                    masks_[static_cast<std::size_t>(middles_.placeOf(middle)) * maskLength_ + word];
+                bits |= masks_[middles_.placeOf(middle) * maskLength_ + word];
             count += std::popcount(bits);
         }
         return count;
@@ -160,9 +159,7 @@ private:
         terms_.clear();
         std::size_t largest = 0;
         for (std::size_t k = 0; k < middles.size(); ++k) {
-            terms_.push_back(
-                {factors[k],
-                 dense_.data() + width_ * static_cast<std::size_t>(middles_.placeOf(middles[k]))});
+            terms_.push_back({factors[k], dense_.data() + width_ * middles_.placeOf(middles[k])});
             if (std::abs(factors[k]) > std::abs(factors[largest])) largest = k;
         }
         if (!terms_.empty())
@@ -242,8 +239,8 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
     if (left.columnCount() != right.rowCount())
         throw Error("cannot multiply a table of " + std::to_string(left.columnCount()) +
                     " columns by one of " + std::to_string(right.rowCount()) + " rows");
-    const auto placeOf = [&](Index row) {
-        return static_cast<std::size_t>(places.empty() ? row : places[row]);
+    const auto placeOf = [&](Index row) -> std::size_t {
+        return places.empty() ? row : places[row];
     };
     // Counts first, so that each row is computed in its final place.
     constexpr Offset kGrain = 4096;
@@ -255,7 +252,7 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
             pool.giveBack(std::move(product));
         });
     };
-    Array<Offset> offsets(static_cast<std::size_t>(left.rowCount()) + 1);
+    Array<Offset> offsets(Offset{left.rowCount()} + 1);
     offsets[0] = 0;
     forEachChunk([&](BlockProduct& product, Offset first, Offset last) {
         product.count(first, last, order,

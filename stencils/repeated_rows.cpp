@@ -21,7 +21,7 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
                            std::span<const BaseEntities> origins, std::span<const Index> vertices)
     : copies_(vertices.size()) {
     const VertexParents parents(refiner, level);
-    const BaseEntities& origin = origins[static_cast<std::size_t>(level) - 1];
+    const BaseEntities& origin = origins[level - 1];
     insides_.resize(origin.count());
 
     // Refinement keeps the order of vertices in equal shapes, so corresponding rows have the same
@@ -66,7 +66,7 @@ template <class Real>
 Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& distinctRows) const {
     Array<Index> places(distinctRows.columns().size());
     for (Index row = 0; row < distinctRows.rowCount(); ++row) {
-        checkCancelledEvery(static_cast<std::size_t>(row), 14);
+        checkCancelledEvery(row, 14);
         const Index* const around = verticesAround(baseEntities_[row]);
         Offset entry = distinctRows.offsets()[row];
         Index place = 0;
@@ -90,8 +90,7 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& distinctRows) 
     Array<Index> columns(offsets.back());
     Array<Real> weights(columns.size());
     parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
-        for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);
-             ++row) {
+        for (Offset row = begin; row < end; ++row) {
             const Copy& copy = copies_[row];
             const auto from = distinctRows.weights(copy.first);
             const Index* const place = places.data() + distinctRows.offsets()[copy.first];

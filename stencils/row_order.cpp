@@ -7,8 +7,8 @@ namespace espalier::stencils {
 
 RowOrder::RowOrder(std::span<const Index> groups, Index groupCount)
     : rows_(groups.size()), groups_(groups.begin(), groups.end()) {
-    std::vector<Index> next(static_cast<std::size_t>(groupCount) + 1, 0);
-    for (const Index group : groups) ++next[static_cast<std::size_t>(group) + 1];
+    std::vector<Index> next(Offset{groupCount} + 1, 0);
+    for (const Index group : groups) ++next[group + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
     for (std::size_t row = 0; row < groups.size(); ++row)
         rows_[next[groups[row]]++] = static_cast<Index>(row);
@@ -16,7 +16,7 @@ RowOrder::RowOrder(std::span<const Index> groups, Index groupCount)
 
 BaseEntities::BaseEntities(const far::CellComplex& base) {
     for (int d = 0; d <= kMaxDimension; ++d) {
-        const auto at = static_cast<std::size_t>(d);
+        const std::size_t at = d;
         begins_[at + 1] = begins_[at] + base.count(d);
         numbers_[at].resize(base.count(d));
         std::iota(numbers_[at].begin(), numbers_[at].end(), begins_[at]);
@@ -25,7 +25,7 @@ BaseEntities::BaseEntities(const far::CellComplex& base) {
 
 Entity BaseEntities::entity(Index number) const {
     int dimension = 0;
-    while (number >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
+    while (number >= begins_[dimension + 1]) ++dimension;
     return {dimension, number - begins_[dimension]};
 }
 

@@ -53,8 +53,8 @@ StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<D
                     std::to_string(matrix.cols()) + " is too large for a table");
     Eigen::SparseMatrix<Real, Eigen::RowMajor, Eigen::Index> rows = matrix;
     rows.makeCompressed();
-    const auto entries = static_cast<std::size_t>(rows.nonZeros());
-    const auto rowCount = static_cast<std::size_t>(rows.rows());
+    const std::size_t entries = rows.nonZeros();
+    const std::size_t rowCount = rows.rows();
     Array<Offset> offsets(rows.outerIndexPtr(), rows.outerIndexPtr() + rowCount + 1);
     Array<Index> columns(entries);
     for (std::size_t i = 0; i < entries; ++i)

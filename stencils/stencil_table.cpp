@@ -29,7 +29,7 @@ StencilTable<Real>::StencilTable(Index columnCount, Array<Offset> offsets, Array
     const auto entries = static_cast<Offset>(columns_.size());
     if (columnCount_ < 0 || offsets_.empty() || offsets_.front() != 0 ||
         offsets_.back() != entries || weights_.size() != columns_.size() ||
-        offsets_.size() - 1 > static_cast<std::size_t>(kMaxIndex))
+        std::ssize(offsets_) - 1 > kMaxIndex)
         throw Error("a table of " + std::to_string(offsets_.size()) + " offsets, " +
                     std::to_string(entries) + " columns and " + std::to_string(weights_.size()) +
                     " weights is not in compressed sparse rows");
@@ -42,7 +42,7 @@ StencilTable<Real>::StencilTable(Index columnCount, Array<Offset> offsets, Array
         for (Offset i = offsets_[row]; i < offsets_[row + 1]; ++i) {
             const Index column = columns_[i];
             if (column < 0 || column >= columnCount_) refuse("names a column that does not exist");
-            if (i > offsets_[row] && column <= columns_[static_cast<std::size_t>(i) - 1])
+            if (i > offsets_[row] && column <= columns_[i - 1])
                 refuse("has columns that do not ascend");
         }
     }
@@ -82,8 +82,8 @@ StencilTable<To> convertTable(StencilTable<From>&& table) {
 
 template <class Real>
 StencilTable<Real> transposeTable(const StencilTable<Real>& table) {
-    Array<Offset> offsets(static_cast<std::size_t>(table.columnCount()) + 1, 0);
-    for (const Index column : table.columns()) ++offsets[static_cast<std::size_t>(column) + 1];
+    Array<Offset> offsets(Offset{table.columnCount()} + 1, 0);
+    for (const Index column : table.columns()) ++offsets[column + 1];
     std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
     std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
     Array<Index> rows(table.columns().size());
@@ -91,7 +91,7 @@ StencilTable<Real> transposeTable(const StencilTable<Real>& table) {
     for (Index row = 0; row < table.rowCount(); ++row) {
         const auto columns = table.columns(row);
         for (std::size_t k = 0; k < columns.size(); ++k) {
-            const auto to = static_cast<std::size_t>(next[columns[k]]++);
+            const Offset to = next[columns[k]]++;
             rows[to] = row;
             weights[to] = table.weights(row)[k];
         }
@@ -105,12 +105,11 @@ namespace {
 /// Copies rows of other tables: sourceOf(row) returns the table and the row in it.
 template <class Real, class SourceOf>
 StencilTable<Real> copyRows(Index rowCount, Index columnCount, SourceOf sourceOf) {
-    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    Array<Offset> offsets(Offset{rowCount} + 1);
     offsets[0] = 0;
     for (Index i = 0; i < rowCount; ++i) {
         const auto& [table, row] = sourceOf(i);
-        offsets[static_cast<std::size_t>(i) + 1] =
-            offsets[i] + static_cast<Offset>(table->columns(row).size());
+        offsets[i + 1] = offsets[i] + static_cast<Offset>(table->columns(row).size());
     }
     requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
                   "a table of " + std::to_string(offsets.back()) + " weights");

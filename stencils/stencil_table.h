@@ -75,7 +75,7 @@ private:
     template <class T>
     std::span<const T> slice(const Array<T>& values, Index row) const {
         const Offset first = offsets_[row];
-        const Offset last = offsets_[static_cast<std::size_t>(row) + 1];
+        const Offset last = offsets_[row + 1];
         return {values.data() + first, static_cast<std::size_t>(last - first)};
     }
 

@@ -11,7 +11,7 @@ std::size_t Surroundings::Hash::operator()(const std::vector<Index>& numbers) co
     std::uint64_t hash = numbers.size();
     for (const Index number : numbers)
         hash = (hash ^ static_cast<std::uint32_t>(number)) * kHashFactor;
-    return static_cast<std::size_t>(hash ^ (hash >> 32));
+    return hash ^ (hash >> 32);
 }
 
 Surroundings::Surroundings(const far::Level& level)
@@ -88,7 +88,7 @@ void Surroundings::describe(int dimension, Index index) {
     const auto parts = (*relations.boundary)[index];
     const auto signs = relations.boundary->signs(index);
     description_.push_back(static_cast<Index>(parts.size()));
-    const IndexSet& near = around_[static_cast<std::size_t>(dimension) - 1];
+    const IndexSet& near = around_[dimension - 1];
     for (std::size_t i = 0; i < parts.size(); ++i)
         // Parts that do not touch the entity have no number here.
         description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);

@@ -91,7 +91,7 @@ template <class Fill>
 StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount, Fill fill) {
     std::vector<RowList> chunks((Offset{rowCount} + kRowsPerChunk - 1) / kRowsPerChunk);
     // First the length of each row, then their running sum.
-    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    Array<Offset> offsets(Offset{rowCount} + 1);
     offsets[0] = 0;
     parallelFor(rowCount, kRowsPerChunk, [&](Offset first, Offset last) {
         RowList& chunk = chunks[first / kRowsPerChunk];
@@ -99,7 +99,7 @@ StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount, Fill 
         Offset begin = 0;
         for (Offset row = first; row < last; ++row) {
             const Offset end = chunk.ends[row - first];
-            offsets[static_cast<std::size_t>(row) + 1] = end - std::exchange(begin, end);
+            offsets[row + 1] = end - std::exchange(begin, end);
         }
     });
     Array<Index> columns;
@@ -143,7 +143,7 @@ StencilTable<double> buildTableInPlace(Index rowCount, Index columnCount, Fill f
             pool.giveBack(std::move(rows));
         });
     };
-    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    Array<Offset> offsets(Offset{rowCount} + 1);
     offsets[0] = 0;
     forEachChunk([&](Offset first, const RowList& rows) {
         std::adjacent_difference(rows.ends.begin(), rows.ends.end(), offsets.begin() + first + 1);
@@ -167,7 +167,7 @@ public:
         : sums_(columnCount, 0), isTouched_(columnCount, 0) {}
 
     void add(Index column, double weight) {
-        const auto at = static_cast<std::size_t>(column);
+        const std::size_t at = column;
         if (!isTouched_[at]) {
             isTouched_[at] = 1;
             touched_.push_back(column);

@@ -14,8 +14,7 @@ public:
     VertexParents(const far::TopologyRefiner& refiner, int level)
         : refinement_(refiner.refinement(level)), count_(refinement_.child().count(0)) {
         const far::CellComplex& parent = refiner.level(level - 1).complex;
-        for (int d = 0; d <= kMaxDimension; ++d)
-            begins_[static_cast<std::size_t>(d) + 1] = begins_[d] + parent.count(d);
+        for (int d = 0; d <= kMaxDimension; ++d) begins_[d + 1] = begins_[d] + parent.count(d);
         isWhole_ = begins_.back() == count_;
     }
 
@@ -27,7 +26,7 @@ public:
         // control, or on a level that is not uniform, some entities have no new point.
         if (!isWhole_) return refinement_.parentOf({0, vertex}).upper;
         int dimension = 0;
-        while (vertex >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
+        while (vertex >= begins_[dimension + 1]) ++dimension;
         return {dimension, static_cast<Index>(vertex - begins_[dimension])};
     }
 

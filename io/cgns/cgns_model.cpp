@@ -54,7 +54,7 @@ public:
                 remove();
                 fail("a temporary file cannot be written", reason);
             }
-            bytes.remove_prefix(static_cast<std::size_t>(written));
+            bytes.remove_prefix(written);
         }
     }
     ~TemporaryFile() { remove(); }
@@ -341,12 +341,12 @@ private:
                                   "; the types of CGNS are 0 to ", NofValidElementTypes - 1));
             if (end < start || size < 0)
                 file_.fail(concat("the section '", name.data(), "' has no elements"));
-            section.first = static_cast<std::size_t>(start);
-            section.count = static_cast<std::size_t>(end) - section.first + 1;
+            section.first = start;
+            section.count = end - section.first + 1;
             const std::string what = concat("the section '", name.data(), "'");
-            file_.requireRoom(static_cast<std::size_t>(size), what);
+            file_.requireRoom(size, what);
             file_.requireRoom(section.count, what);
-            section.elements.resize(static_cast<std::size_t>(size));
+            section.elements.resize(size);
             const bool hasOffsets = section.type == CGNS_ENUMV(MIXED) ||
                                     section.type == CGNS_ENUMV(NGON_n) ||
                                     section.type == CGNS_ENUMV(NFACE_n);
@@ -379,8 +379,7 @@ private:
         if (begin < 0 || end < begin || end > static_cast<cgsize_t>(section.elements.size()))
             file_.fail(concat("element ", section.first + element, " has the numbers ", begin,
                               " to ", end, " of ", section.elements.size()));
-        return std::span(section.elements)
-            .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+        return std::span(section.elements).subspan(begin, end - begin);
     }
 
     std::vector<Index> points(std::span<const cgsize_t> numbers) const {
@@ -517,7 +516,7 @@ private:
                 for (const std::size_t size : extent)
                     zone.pointCount = saturatingProduct(zone.pointCount, size);
                 requireRoom(path_, bytes_.size(), zone.pointCount, array.node);
-                if (zone.firstPoint + zone.pointCount > static_cast<std::size_t>(kMaxIndex))
+                if (std::cmp_greater(zone.firstPoint + zone.pointCount, kMaxIndex))
                     throw FileError(path_, concat("has more than ", kMaxIndex, " points"));
                 positions_.resize(zone.firstPoint + zone.pointCount, {0, 0, 0});
             } else if (extent != zone.extent) {

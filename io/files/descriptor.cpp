@@ -76,7 +76,7 @@ bool DescriptorBuffer::write(const char* from, std::size_t count) {
 }
 
 int DescriptorBuffer::sync() {
-    const bool isWritten = write(pbase(), static_cast<std::size_t>(pptr() - pbase()));
+    const bool isWritten = write(pbase(), pptr() - pbase());
     setp(buffer_.data(), buffer_.data() + buffer_.size());
     return isWritten ? 0 : -1;
 }
@@ -92,8 +92,7 @@ std::streamsize DescriptorBuffer::xsputn(const char* from, std::streamsize count
     if (count > epptr() - pptr()) {
         if (sync() != 0) return 0;
         // Large blocks, such as those of TextOutput, are written directly.
-        if (count >= (epptr() - pptr()) / 2)
-            return write(from, static_cast<std::size_t>(count)) ? count : 0;
+        if (count >= (epptr() - pptr()) / 2) return write(from, count) ? count : 0;
     }
     std::copy_n(from, count, pptr());  // `from` may be null if `count` is 0.
     pbump(static_cast<int>(count));

@@ -56,9 +56,7 @@ private:
             end_ = std::copy(text.begin(), text.end(), end_);
     }
 
-    std::size_t room() const {
-        return static_cast<std::size_t>(block_.data() + block_.size() - end_);
-    }
+    std::size_t room() const { return block_.data() + block_.size() - end_; }
 
     /// \throws Cancelled, unlike flush(), which the destructor calls, too
     void makeRoom() {

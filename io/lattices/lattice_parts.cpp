@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "../files/number_types.h"
 #include "../vtk/vtk_xml.h"
@@ -72,7 +73,7 @@ std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path&
 }
 
 Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what) {
-    if (count > static_cast<std::size_t>(kMaxIndex))
+    if (std::cmp_greater(count, kMaxIndex))
         throw FileError(path, concat("has ", count, " ", what, "; the most is ", kMaxIndex));
     return static_cast<Index>(count);
 }

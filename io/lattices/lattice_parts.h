@@ -105,7 +105,7 @@ void eraseVertices(std::span<const Index> dropped, int components, std::vector<V
     std::size_t kept = 0;
     auto next = dropped.begin();
     for (std::size_t vertex = 0; vertex < count; ++vertex) {
-        if (next != dropped.end() && static_cast<std::size_t>(*next) == vertex) {
+        if (next != dropped.end() && std::cmp_equal(*next, vertex)) {
             ++next;
             continue;
         }

@@ -162,7 +162,7 @@ private:
     /// Throws if an entity of the file is not used. Edges and faces are never dropped silently.
     void checkUse(int dimension, const std::vector<bool>& isUsed, const char* user) {
         const auto unused = std::find(isUsed.begin(), isUsed.end(), false) - isUsed.begin();
-        if (static_cast<std::size_t>(unused) == isUsed.size()) return;
+        if (unused == std::ssize(isUsed)) return;
         throw far::TopologyError(far::TopologyCause::UnusedEntity,
                                  {dimension, static_cast<Index>(unused)},
                                  concat(shownPath(path_), ": ", dimensionName(dimension), " ",
@@ -273,7 +273,7 @@ private:
             for (char c = nextByte(); c != ':'; c = nextByte()) {
                 if (c < '0' || c > '9' || length > text_.remaining())
                     text_.fail("a string does not begin with its length and a colon");
-                length = 10 * length + static_cast<std::size_t>(c - '0');
+                length = 10 * length + (c - '0');
             }
             text_.bytes(length, "a string");
         }

@@ -121,7 +121,7 @@ private:
     /// Checks the claimed sizes before memory is allocated for them.
     void checkClaims() const {
         constexpr std::size_t kFreeRows = 1'000'000;
-        if (static_cast<std::size_t>(rowCount_) > kFreeRows + size_)
+        if (std::cmp_greater(rowCount_, kFreeRows + size_))
             reader_.fail(concat("claims ", rowCount_, " rows, which a file of ", size_,
                                 " bytes would leave empty"));
         // The shortest entry is "1 1 1" and a line end: 6 bytes.
@@ -177,13 +177,13 @@ private:
     }
 
     StencilTable<double> makeTable() const {
-        Array<Offset> offsets(static_cast<std::size_t>(rowCount_) + 1, 0);
+        Array<Offset> offsets(Offset{rowCount_} + 1, 0);
         Array<Index> columns;
         Array<double> weights;
         columns.reserve(entries_.size());
         weights.reserve(entries_.size());
         for (const Entry& entry : entries_) {
-            ++offsets[static_cast<std::size_t>(entry.row) + 1];
+            ++offsets[entry.row + 1];
             columns.push_back(entry.column);
             weights.push_back(entry.weight);
         }

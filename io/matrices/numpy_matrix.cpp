@@ -79,7 +79,7 @@ StencilTable<double> readArchive(const ZipReader& zip) {
             concat("the matrix has ", shape.size(), " axes; expected rows and columns"));
     const Index rowCount = matrixSize(shape[0], "rows");
     const Index columnCount = matrixSize(shape[1], "columns");
-    const std::size_t offsetCount = static_cast<std::size_t>(rowCount) + 1;
+    const std::size_t offsetCount = Offset{rowCount} + 1;
     auto offsets = readArray(zip, "indptr", offsetCount, npyNumbers<Offset>);
     if (offsets.size() != offsetCount)
         throw CodingError(concat("indptr.npy: has ", offsets.size(), " numbers for ", rowCount,

@@ -127,7 +127,7 @@ Index FoamFile::label(const char* what, Index least) {
 double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& offset) {
     if (!isBinary_) {
         const std::string_view text = word("a coordinate");
-        offset = static_cast<std::size_t>(text.data() - bytes_.data());
+        offset = text.data() - bytes_.data();
         return parseCoordinate(text, axis, Precision::Double, path_, line_);
     }
     checkCancelledEvery(items_++, 12);
@@ -206,13 +206,13 @@ far::Rows<Index> FoamFile::faces() {
         faces.offsets.clear();
         Index before = 0;
         for (const Index offset : offsets) {
-            if (offset < before || static_cast<std::size_t>(offset) > points.size())
+            if (offset < before || offset > std::ssize(points))
                 fail(concat("a face begins at ", offset, " after one at ", before, "; there are ",
                             points.size(), " points of faces"));
             faces.offsets.push_back(offset);
             before = offset;
         }
-        if (offsets.front() != 0 || static_cast<std::size_t>(before) != points.size())
+        if (offsets.front() != 0 || before != std::ssize(points))
             fail(concat("the faces have the points ", offsets.front(), " to ", before, " of ",
                         points.size()));
         faces.values.assign(points.begin(), points.end());

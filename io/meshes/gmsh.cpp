@@ -187,8 +187,8 @@ private:
     std::size_t count(const char* what, std::size_t minBytes) {
         const std::int64_t number = integer<Stored>(what);
         if (number < 0) text_.fail(concat(what, " is ", number));
-        text_.checkRoom(static_cast<std::size_t>(number), minBytes, what);
-        return static_cast<std::size_t>(number);
+        text_.checkRoom(number, minBytes, what);
+        return number;
     }
 
     /// Reads a coordinate, and tells its offset.
@@ -196,7 +196,7 @@ private:
         if (!isBinary_) {
             const std::string_view word = text_.token("a coordinate");
             return {parseCoordinate(word, axis, Precision::Double, path_, text_.line()),
-                    static_cast<std::size_t>(word.data() - bytes_.data())};
+                    word.data() - bytes_.data()};
         }
         const std::size_t offset = text_.position();
         text_.bytes(sizeof(double), "a coordinate");

@@ -99,7 +99,7 @@ FoamCells readFoamCells(const Path& points) {
         for (const Index cell : *list) cells.cellCount = std::max(cells.cellCount, cell);
     if (faceCount > 0) cells.cellCount += cells.cellCount < kMaxIndex ? 1 : 0;
     // Each cell has a face.
-    if (static_cast<std::size_t>(cells.cellCount) > 2 * faceCount)
+    if (std::cmp_greater(cells.cellCount, 2 * faceCount))
         throw FileError(*folder / "owner", concat("names cell ", cells.cellCount - 1,
                                                   ", but there are ", faceCount, " faces"));
     return cells;

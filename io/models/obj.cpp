@@ -420,7 +420,7 @@ ModelSurface readObjSurface(const FileView& file) {
     });
     // A corner may name a normal that follows it, so the numbers are checked at the end.
     const auto isNormal = [&](Index normal) {
-        return 0 <= normal && static_cast<std::size_t>(normal) < surface.normals.size();
+        return 0 <= normal && normal < std::ssize(surface.normals);
     };
     if (haveAllNormals && !surface.normalCorners.empty() &&
         std::ranges::all_of(surface.normalCorners, isNormal))

@@ -134,7 +134,7 @@ void checkTextureCoordinates(const std::filesystem::path& path, const Lattice& m
         corners.size() != mesh.complex.relation(2, 0).values().size())
         fail("are not one for each corner of each face");
     for (const Index corner : corners)
-        if (corner < 0 || static_cast<std::size_t>(corner) >= values.size() / 2)
+        if (corner < 0 || corner >= std::ssize(values) / 2)
             fail(concat("have no number ", corner, ", which a corner names"));
 }
 

@@ -32,7 +32,7 @@ std::string_view ObjWords::nextNumber(double& number) {
     while (const std::size_t length = blankAt(0)) rest_.remove_prefix(length);
     // Most words are numbers as scanNumber() reads them, which finds their end too.
     const auto [end, error] = scanNumber(rest_, number);
-    const auto length = static_cast<std::size_t>(end - rest_.data());
+    const std::size_t length = end - rest_.data();
     if (error == std::errc() &&
         (length == rest_.size() || rest_[length] == '#' || blankAt(length) > 0)) {
         const std::string_view word = rest_.substr(0, length);
@@ -61,7 +61,7 @@ std::string_view readObjStatement(TextReader& reader) {
     // A comment may end in a backslash, as in a path; it does not continue on the next line.
     while (last.ends_with('\\') && last.find('#') == std::string_view::npos)
         last = reader.restOfLine();
-    return {first.data(), static_cast<std::size_t>(last.data() + last.size() - first.data())};
+    return std::string_view(first.data(), last.data() + last.size() - first.data());
 }
 
 std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,

@@ -100,7 +100,7 @@ void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points)
         if (point < 0 || static_cast<std::uint64_t>(point) >= pointCount_)
             throw FileError(path_, concat("a face names point ", point, "; there are ", pointCount_,
                                           " points"));
-        corners.push_back(static_cast<Index>(firstPoint_ + static_cast<std::size_t>(point)));
+        corners.push_back(static_cast<Index>(firstPoint_ + point));
     }
     if (type == kVtkStrip) {
         for (std::size_t i = 2; i < corners.size(); ++i) {
@@ -213,7 +213,7 @@ VtkCells vtkCells(const far::CellComplex& complex) {
     cells.offsets.reserve(count);
     cells.connectivity.reserve(8 * count);
     for (Index cell = 0; cell < complex.count(3); ++cell) {
-        checkCancelledEvery(static_cast<std::size_t>(cell), 12);
+        checkCancelledEvery(cell, 12);
         if (const auto standard = far::asStandardCell(complex, CellId(cell))) {
             cells.types.push_back(typeOf(standard->kind));
             cells.connectivity.insert(cells.connectivity.end(), standard->vertices.begin(),

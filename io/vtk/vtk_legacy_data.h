@@ -286,7 +286,7 @@ private:
             const auto begin = list.begin() + static_cast<std::ptrdiff_t>(at) + 1;
             rows.values.insert(rows.values.end(), begin, begin + length);
             rows.offsets.push_back(static_cast<std::int64_t>(rows.values.size()));
-            at += static_cast<std::size_t>(length) + 1;
+            at += length + 1;
         }
         if (at != list.size())
             text_.fail(

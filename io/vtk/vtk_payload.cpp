@@ -106,8 +106,7 @@ void appendCompressed(std::string& text, std::span<const Value> values, NumberTy
     const std::size_t blockCount = (values.size() + blockLength - 1) / blockLength;
     std::vector<std::string> blocks(blockCount);
     parallelFor(static_cast<Offset>(blockCount), 16, [&](Offset first, Offset last) {
-        for (auto block = static_cast<std::size_t>(first); static_cast<Offset>(block) < last;
-             ++block) {
+        for (Offset block = first; block < last; ++block) {
             const auto rest = values.subspan(block * blockLength);
             blocks[block] = compressed(encodeNumbers(rest.first(std::min(blockLength, rest.size())),
                                                      type, coding.byteOrder));

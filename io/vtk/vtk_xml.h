@@ -164,7 +164,7 @@ public:
 
     std::span<const std::int64_t> operator[](std::size_t row) const {
         const std::size_t begin = row == 0 ? 0 : ends_[row - 1];
-        return std::span(values_).subspan(begin, static_cast<std::size_t>(ends_[row]) - begin);
+        return std::span(values_).subspan(begin, ends_[row] - begin);
     }
 
 private:

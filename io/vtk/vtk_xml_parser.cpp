@@ -98,8 +98,7 @@ private:
     /// white space.
     static std::size_t textBegin(pugi::xml_node node) {
         const std::string_view text = node.value();
-        return static_cast<std::size_t>(node.offset_debug()) +
-               std::min(text.find_first_not_of(" \t\r\n"), text.size());
+        return node.offset_debug() + std::min(text.find_first_not_of(" \t\r\n"), text.size());
     }
 
     /// Returns the file without its appended data, which need not be XML, and stores where the data
@@ -239,7 +238,7 @@ private:
 
     /// Returns the offset in the file of the "<" of an element.
     std::size_t offsetOf(pugi::xml_node node) const {
-        return offsetInFile(static_cast<std::size_t>(node.offset_debug()) - 1);
+        return offsetInFile(node.offset_debug() - 1);
     }
 
     /// Returns the line of an element. Calls must follow the order of the file.

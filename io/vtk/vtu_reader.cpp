@@ -96,7 +96,7 @@ private:
     void requireSame(const std::vector<Attribute>& attributes, const VtkDataArray& array,
                      std::size_t number) {
         if (number >= attributes.size() || attributes[number].name != array.name ||
-            static_cast<std::size_t>(attributes[number].components) != array.components)
+            std::cmp_not_equal(attributes[number].components, array.components))
             file_.fail(array.line, "the array " + inQuotes(array.name) +
                                        " is not in the PointData of the first piece");
     }

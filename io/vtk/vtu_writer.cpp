@@ -22,14 +22,12 @@ public:
     void write(const Lattice& lattice, const far::Marks& marks) {
         out_.file([&] {
             writeEdgeMarks(marks);
-            out_.piece(lattice.positions.size(), "Cells",
-                       static_cast<std::size_t>(lattice.complex.count(3)), [&] {
-                           writePointData(lattice, marks);
-                           out_.section("Points", [&] {
-                               out_.array("Points", 3, coordinatesOf(lattice.positions));
-                           });
-                           writeCells(vtkCells(lattice.complex));
-                       });
+            out_.piece(lattice.positions.size(), "Cells", lattice.complex.count(3), [&] {
+                writePointData(lattice, marks);
+                out_.section("Points",
+                             [&] { out_.array("Points", 3, coordinatesOf(lattice.positions)); });
+                writeCells(vtkCells(lattice.complex));
+            });
         });
     }
 

@@ -20,8 +20,7 @@ public:
     /// \param forEach calls its argument with each pair of key and place, places ascending. It is
     ///        called twice and must produce the same pairs both times
     template <class ForEach>
-    InverseIndex(Index keyCount, ForEach forEach)
-        : offsets_(static_cast<std::size_t>(keyCount) + 1, 0) {
+    InverseIndex(Index keyCount, ForEach forEach) : offsets_(Offset{keyCount} + 1, 0) {
         forEach([&](Index key, Place) { ++offsets_[key + 1]; });
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         places_.resize(offsets_.back());

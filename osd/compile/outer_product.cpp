@@ -229,7 +229,7 @@ void factorizeRows(const kernels::Kernels<Real>& kernels, const OuterProduct& pr
     for (Index k = 0; k < noWeight; ++k) weightAt[positions[k]] = k;
     for (const Index column : product.order) sources.push_back(weightAt[column]);
     const auto& size = product.size;
-    const auto length = static_cast<std::size_t>(size[0] + size[1] + size[2]);
+    const std::size_t length = size[0] + size[1] + size[2];
     const std::size_t before = factors.size();
     factors.resize(before + rows.size() * length);
     isProduct.resize(rows.size());
@@ -242,7 +242,7 @@ void factorizeRows(const kernels::Kernels<Real>& kernels, const OuterProduct& pr
                        {size[0], size[1], size[2]},
                        memory.data()},
                       factors.data() + before, isProduct.data());
-    const auto count = static_cast<std::size_t>(std::count(isProduct.begin(), isProduct.end(), 1));
+    const std::size_t count = std::count(isProduct.begin(), isProduct.end(), 1);
     factors.resize(before + count * length);
 }
 

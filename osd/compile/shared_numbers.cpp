@@ -55,9 +55,7 @@ public:
             const auto own = row(i, spread);
             numbers.insert(numbers.end(), own.begin(), own.end());
         }
-        const auto first = [&](Index i) {
-            return numbers.data() + static_cast<std::size_t>(i) * length;
-        };
+        const auto first = [&](Index i) { return numbers.data() + i * length; };
         std::vector<Index> order(count);
         std::iota(order.begin(), order.end(), Index{0});
         std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
@@ -181,7 +179,7 @@ private:
 
     const Group& group() const { return form_->groups[group_]; }
     bool isProduct() const { return group().size[0] > 0; }
-    std::size_t rowCount() const { return static_cast<std::size_t>(group().rowCount); }
+    std::size_t rowCount() const { return group().rowCount; }
     std::size_t length() const { return group().length(); }
     /// How many numbers of a row are stored.
     std::size_t storedLength() const {
@@ -211,7 +209,7 @@ template <class Real, class Body>
 void forEach(const std::vector<GroupNumbers<Real>>& groups, Body body) {
     constexpr Offset kGrain = 16;
     parallelFor(std::ssize(groups), kGrain, [&](Offset first, Offset last) {
-        for (Offset g = first; g < last; ++g) body(static_cast<std::size_t>(g));
+        for (Offset g = first; g < last; ++g) body(g);
     });
 }
 

@@ -37,11 +37,10 @@ std::span<const Real> SupersetForm<Real>::numbersOf(const StencilTable<Real>& ta
                                                     const Group& group, Index i,
                                                     std::vector<Real>& spread) const {
     if (group.size[0] > 0)
-        return std::span(factors).subspan(
-            group.firstFactor + static_cast<std::size_t>(i) * group.length(), group.length());
+        return std::span(factors).subspan(group.firstFactor + i * group.length(), group.length());
     const Index row = first.rows[places[group.firstPlace + i]];
     const auto weights = table.weights(row);
-    if (weights.size() == static_cast<std::size_t>(group.columnCount)) return weights;
+    if (std::ssize(weights) == group.columnCount) return weights;
     // Only groups with all columns of the superset have rows that lack some columns.
     spread.assign(first.columns.size(), 0);
     const auto own = table.columns(row);
@@ -190,8 +189,7 @@ private:
         for (Index i = 0; i < group.rowCount; ++i) {
             const std::span<const Real> numbers =
                 group.size[0] > 0
-                    ? std::span(form_.factors)
-                          .subspan(group.firstFactor + static_cast<std::size_t>(i) * group.length())
+                    ? std::span(form_.factors).subspan(group.firstFactor + i * group.length())
                     : table_.weights(rowAt(form_.places[group.firstPlace + i]));
             const auto isZero = [](Real number) {
                 return std::bit_cast<BitsOf<Real>>(number) == 0;

@@ -250,7 +250,7 @@ template <class Real>
 StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Index> rows) {
     std::vector<char> isSelected(table.rowCount(), 0);
     for (const Index row : rows) isSelected[row] = 1;
-    Array<Offset> offsets(static_cast<std::size_t>(table.rowCount()) + 1);
+    Array<Offset> offsets(Offset{table.rowCount()} + 1);
     offsets[0] = 0;
     Array<Index> columns;
     Array<Real> weights;
@@ -259,7 +259,7 @@ StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Ind
             columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
             weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
         }
-        offsets[static_cast<std::size_t>(row) + 1] = static_cast<Offset>(columns.size());
+        offsets[row + 1] = static_cast<Offset>(columns.size());
     }
     return {stencils::Trusted{}, table.columnCount(), std::move(offsets), std::move(columns),
             std::move(weights)};

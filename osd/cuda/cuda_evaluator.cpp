@@ -105,7 +105,7 @@ std::size_t deviceScratchBytes(Offset count) {
 
 template <class Real>
 std::size_t bytesOf(Offset count) {
-    return static_cast<std::size_t>(count) * sizeof(Real);
+    return count * sizeof(Real);
 }
 
 /// Copies contiguous entries of the device to a destination on the host that has the given layout.

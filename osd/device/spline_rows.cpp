@@ -167,9 +167,8 @@ private:
     };
 
     static std::size_t lengthOf(const Group& group) {
-        return group.size[0] == 0
-                   ? static_cast<std::size_t>(group.columnCount)
-                   : static_cast<std::size_t>(group.size[0] + group.size[1] + group.size[2]);
+        return group.size[0] == 0 ? group.columnCount
+                                  : group.size[0] + group.size[1] + group.size[2];
     }
 
     Factors factorsOf(const Group& group, Index row) const {
@@ -184,9 +183,9 @@ private:
 
     static std::span<const Real> axisOf(const Factors& factors, const Group& group,
                                         std::size_t axis) {
-        const auto first = static_cast<std::size_t>(
-            std::accumulate(group.size.begin(), group.size.begin() + axis, Index{0}));
-        return std::span(factors).subspan(first, static_cast<std::size_t>(group.size[axis]));
+        const std::size_t first =
+            std::accumulate(group.size.begin(), group.size.begin() + axis, Index{0});
+        return std::span(factors).subspan(first, group.size[axis]);
     }
 
     std::span<const Index> columnsOf(const Group& group) const {

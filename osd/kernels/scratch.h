@@ -73,7 +73,7 @@ public:
     std::span<T> take(Offset count) {
         T* const values = reinterpret_cast<T*>(memory_);
         memory_ += scratchBytes<T>(count);
-        return {values, static_cast<std::size_t>(count)};
+        return {values, values + count};
     }
 
 private:
@@ -104,8 +104,7 @@ public:
         Local(const TaskBuffers& all, Offset task)
             : values_(all.count_ == 0 ? onStack_
                                       : reinterpret_cast<Real*>(
-                                            all.values_ + static_cast<std::size_t>(task) *
-                                                              scratchBytes<Real>(all.count_))) {}
+                                            all.values_ + task * scratchBytes<Real>(all.count_))) {}
         Local(const Local&) = delete;
         Local& operator=(const Local&) = delete;
         Real* data() { return values_; }
