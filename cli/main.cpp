@@ -129,7 +129,7 @@ void addTo(CLI::App& command, MemoryOption& setting) {
 }
 
 /// Exit codes of the program.
-enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kFinding = 3 };
+enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kCheckFailed = 3 };
 
 int run(int argumentCount, char** arguments) {
     using namespace espalier::cli;
@@ -220,7 +220,7 @@ int main(int argumentCount, char** arguments) {
         return code;
     } catch (const FailedCheck& failure) {
         printError(failure.what());
-        return kFinding;
+        return kCheckFailed;
     } catch (const OutOfMemory& error) {
         printPrintableError(error.what());
     } catch (const std::bad_alloc&) {
