@@ -62,7 +62,7 @@ struct EmbeddingOptions {
 
 /// The places of a model's points in a lattice.
 template <class Place>
-struct PlacedPoints {
+struct PointPlaces {
     Array<Located<Place>> points;  ///< one per point, in the order of the points
     Index vertexCount = 0;         ///< number of vertices of the lattice
 
@@ -92,7 +92,7 @@ struct PlacedPoints {
 };
 
 /// Places of points in the cells of level 1 or above.
-using Embedding = PlacedPoints<CellPlace>;
+using Embedding = PointPlaces<CellPlace>;
 
 /// Finds each point in a refined lattice.
 ///

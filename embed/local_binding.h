@@ -39,7 +39,7 @@ template <class Table = stencils::StencilTable<double>>
 struct BoundRows {
     Table table;                        ///< D: points × base vertices
     std::vector<PointStatus> statuses;  ///< one per point
-    double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
+    double largestResidual = 0;         ///< see PointPlaces::largestResidual()
 
     Index count(PointStatus status) const {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));

@@ -56,11 +56,11 @@ std::vector<Index> alongCurve(std::span<const Point3> points);
 /// use copies of `locate`, so that it may keep memory from point to point.
 /// \param order in which to process the points, or empty; affects the time, not the result
 template <class Place, class Locate>
-PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCount,
-                                 OutsidePolicy outside, const std::function<void(Offset)>& progress,
-                                 Locate locate, std::span<const Index> order = {}) {
+PointPlaces<Place> locatePoints(std::span<const Point3> points, Index vertexCount,
+                                OutsidePolicy outside, const std::function<void(Offset)>& progress,
+                                Locate locate, std::span<const Index> order = {}) {
     checkPointCount(points);
-    PlacedPoints<Place> placed;
+    PointPlaces<Place> placed;
     placed.points.resize(points.size());
     placed.vertexCount = vertexCount;
     std::atomic<Offset> done = 0;

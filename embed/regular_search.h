@@ -24,7 +24,7 @@ struct RegularPlaces {
     };
     std::vector<Place> places;           ///< one per point
     std::vector<TricubicPatch> patches;  ///< of cells that contain a point
-    double largestResidual = 0;          ///< see PlacedPoints::largestResidual()
+    double largestResidual = 0;          ///< see PointPlaces::largestResidual()
 
     /// Returns how many points have a place.
     Offset count() const {

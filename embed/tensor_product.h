@@ -23,7 +23,7 @@ struct TensorPlace {
     std::array<double, 3> offset = {};
 };
 
-using TensorEmbedding = PlacedPoints<TensorPlace>;
+using TensorEmbedding = PointPlaces<TensorPlace>;
 
 /// A lattice as in the free-form deformations before subdivision: an evenly divided parallelepiped,
 /// whose vertices are weighted by products of three basis functions, one per axis.
