@@ -15,7 +15,7 @@ namespace espalier::io {
 namespace {
 
 Precision narrowest(const FileVectors& vectors) {
-    return *std::ranges::min_element(vectors.precisions);
+    return *std::min_element(vectors.precisions.begin(), vectors.precisions.end());
 }
 
 class FileModel final : public Model {

@@ -343,7 +343,8 @@ FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view b
     const PlyHeader header = parsePlyHeader(path, bytes);
     FileNumbers numbers = readPlyRows(path, bytes, header);
     if (header.format != PlyFormat::Ascii) numbers.order = header.byteOrder();
-    numbers.storage = storageOf(*std::ranges::min_element(numbers.points.precisions));
+    const auto& precisions = numbers.points.precisions;
+    numbers.storage = storageOf(*std::min_element(precisions.begin(), precisions.end()));
     return numbers;
 }
 
