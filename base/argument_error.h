@@ -17,7 +17,7 @@ class ESPALIER_API ArgumentError : public Error {
 public:
     /// A field and its value.
     struct Field {
-        std::string name;   ///< in C++: "minorRadius", "cells[1]", "joints[0].radius"
+        std::string name;   ///< the name in C++: "minorRadius", "cells[1]", "joints[0].radius"
         std::string value;  ///< may be empty: not shown
     };
 

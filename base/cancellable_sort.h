@@ -24,8 +24,9 @@ auto cancellable(Less& less, std::size_t& comparisons) {
 }
 
 /// Sorts as std::sort() does, with the same order of equal elements.
-/// \throws Cancelled as checkCancelled(); then the range has an unspecified order, and an element
-///         may be missing
+/// \throws Cancelled if the callback of a ProgressScope cancels, or the exception of the callback;
+///         MemoryError if the process exceeds a MemoryLimit. Then the range has an unspecified
+///         order, and an element may be missing
 /// \cost a tenth more than std::sort() for elements that are compared in nanoseconds
 template <class Iterator, class Less = std::less<>>
 void sortCancellably(Iterator first, Iterator last, Less less = {}) {
@@ -34,7 +35,8 @@ void sortCancellably(Iterator first, Iterator last, Less less = {}) {
 }
 
 /// Sorts as std::stable_sort() does.
-/// \throws as sortCancellably()
+/// \throws Cancelled, MemoryError or the exception of the callback, as checkCancelled() does; then
+///         the range has an unspecified order, and an element may be missing
 template <class Iterator, class Less = std::less<>>
 void stableSortCancellably(Iterator first, Iterator last, Less less = {}) {
     std::size_t comparisons = 0;

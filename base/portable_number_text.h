@@ -19,7 +19,7 @@ namespace espalier::portable {
 
 /// The digits of a finite positive number, d.ddd · 10^exponent.
 struct Decimal {
-    std::string digits;  ///< without zeros at the end
+    std::string digits;  ///< the last digit is not 0
     int exponent = 0;
 };
 

@@ -15,7 +15,7 @@ namespace espalier {
 /// A code point of a text, or a byte that is not UTF-8.
 struct CodePoint {
     std::uint32_t value;
-    std::size_t size;  ///< in bytes
+    std::size_t size;  ///< number of bytes
     bool isCharacter;  ///< false for a byte that is not UTF-8
 };
 

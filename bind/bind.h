@@ -64,7 +64,7 @@ using Gradients = std::array<stencils::StencilTable<double>, 3>;
 struct Binding {
     stencils::StencilTable<double> table;     ///< D: points × base vertices
     std::uint64_t topologyHash = 0;           ///< far::topologyHash of the base lattice
-    std::optional<Gradients> gradients = {};  ///< only of a limit that was asked for them
+    std::optional<Gradients> gradients = {};  ///< made on request, and only in the limit
     /// D in its two factors, which are faster where cells of the level hold several points; only of
     /// a level that was asked for them.
     std::optional<stencils::FactoredTable<double>> factors = {};

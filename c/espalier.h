@@ -450,8 +450,8 @@ ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refin
 typedef struct espalier_limit_stencil_options {
     size_t size;          ///< sizeof(espalier_limit_stencil_options)
     int32_t derivatives;  ///< maximum order: 0, 1 or 2; default 0
-    double tolerance;  ///< error of the rows near irregular features: 1e-14 to 0.1, as a fraction
-                       ///< of the size of what surrounds a cell; default 1e-6
+    double tolerance;  ///< error of the rows near irregular features, as a fraction of the size of
+                       ///< what surrounds a cell: 1e-14 to 0.1; default 1e-6
 } espalier_limit_stencil_options;
 
 static inline espalier_limit_stencil_options espalier_default_limit_stencil_options(void) {
@@ -518,8 +518,8 @@ enum {
 enum {
     ESPALIER_POINT_INSIDE = 0,
     ESPALIER_POINT_OUTSIDE = 1,
-    ESPALIER_POINT_NOT_CONVERGED = 2  ///< in a degenerate cell, or not finite; the point stays in
-                                      ///< place
+    ESPALIER_POINT_NOT_CONVERGED = 2  ///< the cell is degenerate, or a coordinate is not finite;
+                                      ///< the point stays in place
 };
 
 /// Options of binding. Start from espalier_default_bind_options(), and change fields.
@@ -530,9 +530,9 @@ typedef struct espalier_bind_options {
     double tolerance;  ///< maximum distance from the lattice at which a point counts as inside, as
                        ///< a fraction of the diagonal of the bounding box of the lattice; default
                        ///< 1e-6
-    double limit_tolerance;  ///< 0, the default, binds points to the level. 1e-14 to 0.1 binds them
-                             ///< to the limit volume within this tolerance, whatever the level
-                             ///< (limit/limit_binding.h); 1e-6 is usual
+    double limit_tolerance;  ///< 0, the default, binds points to the level; a value of 1e-14 to 0.1
+                             ///< binds them to the limit volume within this tolerance, whatever
+                             ///< the level (limit/limit_binding.h); 1e-6 is usual
     int32_t gradients;  ///< 1 makes the gradients too, for espalier_binding_gradients(): only of
                         ///< the limit, which is then met within 1e-12; default 0
 } espalier_bind_options;
@@ -691,9 +691,9 @@ ESPALIER_C_API espalier_status espalier_table_create_nested(
 /// Describes how entries are laid out in a buffer: component c of entry i is at offset + i · stride
 /// + c (osd/evaluation.h).
 typedef struct espalier_buffer_layout {
-    int64_t offset;  ///< of the first component of entry 0: 0 or more
+    int64_t offset;  ///< offset of the first component of entry 0: 0 or more
     int64_t length;  ///< number of components of an entry: 1 or more
-    int64_t stride;  ///< from one entry to the next: `length` or more
+    int64_t stride;  ///< distance from one entry to the next: `length` or more
 } espalier_buffer_layout;
 
 /// Returns the layout of entries of `length` components without gaps; 3 for x, y, z.

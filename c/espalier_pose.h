@@ -40,7 +40,7 @@ enum {
 /// weights are 0 or 1.
 typedef struct espalier_falloff {
     int32_t profile;  ///< ESPALIER_FALLOFF_...
-    double radius;    ///< at and beyond this distance the weights are 0; 0 or more
+    double radius;    ///< distance from which on the weights are 0; 0 or more
 } espalier_falloff;
 
 /// Selects the box with two opposite corners, in any order.

@@ -149,11 +149,11 @@ typedef struct espalier_torus_options {
     size_t size;          ///< sizeof(espalier_torus_options)
     int32_t segments;     ///< cells around the torus: 3 or more; default 8
     int32_t section;      ///< ESPALIER_SECTION_...; default GRID
-    int32_t grid_cells;   ///< for a grid: cells along each side of the square, 1 or more; default 1
-    int32_t sides;        ///< for a disk: 3 or more; default 6
-    int32_t rings;        ///< for a disk: rings of cells, 1 or more; default 1
-    int32_t core;         ///< for a disk: ESPALIER_CORE_...; default WEDGES
-    double major_radius;  ///< of the circle along which the section is swept; default 1
+    int32_t grid_cells;   ///< cells along each side of the square of a grid: 1 or more; default 1
+    int32_t sides;        ///< sides of a disk: 3 or more; default 6
+    int32_t rings;        ///< rings of cells in a disk: 1 or more; default 1
+    int32_t core;         ///< core of a disk: ESPALIER_CORE_...; default WEDGES
+    double major_radius;  ///< radius of the circle along which the section is swept; default 1
     double minor_radius;  ///< half the side of the square, or the radius of the disk: above 0 and
                           ///< below major_radius; default 0.4
 } espalier_torus_options;
@@ -214,19 +214,20 @@ ESPALIER_C_API espalier_status espalier_lattice_create_star(const espalier_star_
 /// If roundness is 0, bar_half_width = end_radius, and end_segments is a multiple of 3, the barbell
 /// is a rectangular block: the rest pose of a barbell with the same topology.
 typedef struct espalier_barbell_options {
-    size_t size;           ///< sizeof(espalier_barbell_options)
-    int32_t end_segments;  ///< edges around an end, without the edges at the bar: 3 or more;
-                           ///< default 6
-    int32_t bar_segments;  ///< cells along the bar: 1 or more; default 2
-    int32_t bar_across;    ///< cells across the bar: 1 or more; default 2
-    int32_t rings;         ///< rings of cells in an end: 1 or more; default 1
-    int32_t core;          ///< of the ends: ESPALIER_CORE_...; default WEDGES
-    int32_t layers;        ///< 1 or more; default 1
-    double end_radius;     ///< of a round end, or half the side of a square one: above 0; default 1
-    double bar_length;     ///< from end to end: above 0; default 2
+    size_t size;            ///< sizeof(espalier_barbell_options)
+    int32_t end_segments;   ///< edges around an end, without the edges at the bar: 3 or more;
+                            ///< default 6
+    int32_t bar_segments;   ///< cells along the bar: 1 or more; default 2
+    int32_t bar_across;     ///< cells across the bar: 1 or more; default 2
+    int32_t rings;          ///< rings of cells in an end: 1 or more; default 1
+    int32_t core;           ///< core of the ends: ESPALIER_CORE_...; default WEDGES
+    int32_t layers;         ///< 1 or more; default 1
+    double end_radius;      ///< radius of a round end, or half the side of a square one: above 0;
+                            ///< default 1
+    double bar_length;      ///< distance between the ends: above 0; default 2
     double bar_half_width;  ///< above 0 and at most end_radius, or below end_radius if roundness is
                             ///< 1; default 0.4
-    double roundness;       ///< of the ends: 0 is square, 1 is round; default 1
+    double roundness;       ///< shape of the ends: 0 is square, 1 is round; default 1
     double height;          ///< above 0; default 0.5
 } espalier_barbell_options;
 
@@ -255,7 +256,7 @@ ESPALIER_C_API espalier_status espalier_lattice_create_barbell(
 /// A point of the polyline around which an arm is built.
 typedef struct espalier_arm_joint {
     double position[3];
-    double radius;  ///< of the cross-section, above 0
+    double radius;  ///< radius of the cross-section, above 0
     double twist;   ///< rotation of the cross-section about the arm, in radians: anticlockwise when
                     ///< looking back from the end of the arm
 } espalier_arm_joint;
@@ -265,7 +266,7 @@ typedef struct espalier_arm_joint {
 typedef struct espalier_arm_options {
     size_t size;          ///< sizeof(espalier_arm_options)
     int32_t segments;     ///< cells from joint to joint: 1 or more; default 2
-    int32_t sides;        ///< of the cross-section: 3 or more; default 4
+    int32_t sides;        ///< sides of the cross-section: 3 or more; default 4
     int32_t rings;        ///< rings of cells in the cross-section: 1 or more; default 1
     int32_t core;         ///< ESPALIER_CORE_...; default POLYGON
     int64_t joint_count;  ///< 2 or more; default 4

@@ -144,8 +144,8 @@ ESPALIER_C_API espalier_status espalier_hold_rows(const espalier_table* deformat
 /// Options of a validity check. Start from espalier_default_validity_options(), and change fields.
 typedef struct espalier_validity_options {
     size_t size;    ///< sizeof(espalier_validity_options)
-    int32_t level;  ///< 1 or more; default 3: the level whose cells are checked; for the limit, 1
-                    ///< to 15: the level up to which irregular features are refined
+    int32_t level;  ///< the level whose cells are checked: 1 or more; default 3. For the limit, the
+                    ///< level up to which irregular features are refined: 1 to 15
     int32_t of_limit;  ///< 0, the default, checks the cells of the level; 1 checks the limits of
                        ///< the cells of the lattice
 } espalier_validity_options;

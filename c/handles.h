@@ -34,7 +34,7 @@ struct espalier_refiner {
 
     espalier::far::TopologyRefiner refiner;
     mutable std::mutex offsetsMutex = {};
-    mutable std::map<std::int32_t, LevelOffsets> offsets = {};  ///< of the levels requested so far
+    mutable std::map<std::int32_t, LevelOffsets> offsets = {};  ///< one entry per requested level
 };
 
 struct espalier_table {

@@ -21,8 +21,8 @@ static_assert(static_cast<int>(solve::Undetermined::Refuse) == ESPALIER_UNDETERM
 static_assert(static_cast<int>(embed::Continuity::C2) == ESPALIER_CONTINUITY_C2);
 
 struct espalier_validity {
-    far::TopologyRefiner levels;  ///< of the base lattice, up to `level`
-    int level = 0;                ///< whose cells are checked; 0 for the limit
+    far::TopologyRefiner levels;  ///< the levels of the base lattice, up to `level`
+    int level = 0;                ///< the level whose cells are checked; 0 for the limit
     solve::ValidityCheck check;
 };
 

@@ -85,10 +85,10 @@ private:
     const CageSurface& surface_;
     const PointGroups& groups_;
     double edge_, margin_;
-    std::vector<std::vector<Index>> apart_;      ///< of each cell, ascending
-    std::vector<Face> fineFaces_, coarseFaces_;  ///< of level 3 and of level 2
+    std::vector<std::vector<Index>> apart_;  ///< the cells that are apart from each cell, ascending
+    std::vector<Face> fineFaces_, coarseFaces_;  ///< the faces of level 3 and of level 2
     std::vector<std::optional<Index>> pulling_;  ///< group nearest to each face of level 2
-    Offset visits_ = 0;                          ///< of the searches for pulling_
+    Offset visits_ = 0;                          ///< number of visits of the searches for pulling_
 
     // The next seven arrays have one entry for each group of points.
     std::vector<double> clearance_;            ///< least distance of the hulls of the boundary
@@ -99,7 +99,7 @@ private:
     std::vector<int> failures_;   ///< rounds in which it had no proof
     std::vector<char> isRaised_;  ///< whether it had no proof, or is near such a group
 
-    std::vector<double> pullFactor_;  ///< of each face of level 2
+    std::vector<double> pullFactor_;  ///< the factor of the pull on each face of level 2
     std::vector<PlaneTerm> pulls_, pushes_;
 };
 

@@ -53,7 +53,7 @@ struct CellChoice {
     /// in edges.
     double joinDistance;
     double reach;  ///< a cell is left out if the model reaches less than this into it, in edges
-    int attempts;  ///< of fitCage()
+    int attempts;  ///< maximum number of attempts of fitCage()
     double padding = 0;  ///< cells reach at least this far around the model, in its diagonals
 };
 constexpr std::array<CellChoice, 4> kCellChoices = {
@@ -113,7 +113,7 @@ struct Frame {
 struct Candidate {
     std::size_t frame = 0;
     double cellSize = 0;
-    std::array<Index, 3> offset = {0, 0, 0};  ///< in halves of a cell
+    std::array<Index, 3> offset = {0, 0, 0};  ///< the offset of the grid, in halves of a cell
     Index vertexCount = 0;
     double score = 0;  ///< the lower the better
 };
@@ -157,7 +157,7 @@ private:
     CageOptions options_;
     std::vector<Frame> frames_;
     double diagonal_ = 0, margin_ = 0;
-    double smallestSize_ = 0;  ///< of cells
+    double smallestSize_ = 0;  ///< the smallest size of cells
     CellChoice choice_;
     Work work_{0};
 };

@@ -22,8 +22,8 @@ namespace espalier::cages {
 /// gaps, or occur several times.
 struct SurfaceModel {
     std::span<const Point3> points;
-    std::span<const Index> corners;     ///< of all faces, one face after the other
-    std::span<const std::size_t> ends;  ///< per face: end of its corners
+    std::span<const Index> corners;     ///< the corners of all faces, one face after the other
+    std::span<const std::size_t> ends;  ///< the end of the corners of each face
 };
 
 struct CageOptions {

@@ -16,7 +16,7 @@ namespace espalier::cages {
 /// Asks a point of the surface to be on the outer side of a plane, and near it:
 /// direction · x − offset is 0 or a little more.
 struct PlaneTerm {
-    Index row = 0;  ///< of the table that gives the point x
+    Index row = 0;  ///< the row of the table that gives the point x
     Point3 direction = {};
     double offset = 0;
     double inside = 0;   ///< weight of the squared distance where x is on the inner side

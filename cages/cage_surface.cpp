@@ -271,7 +271,7 @@ private:
     std::span<const std::array<Index, 4>> faces_;
     std::span<const Point3> vertices_;
     const CubeGrid& grid_;
-    std::vector<BoundingBox> bounds_;  ///< of each face
+    std::vector<BoundingBox> bounds_;  ///< the box of each face
     Bins columns_;
 };
 

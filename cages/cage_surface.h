@@ -61,7 +61,7 @@ private:
     stencils::StencilTable<double> fineTable_, fineCentres_, coarseCentres_;
     stencils::StencilTable<double> finestTable_;  ///< level 4 over level 3
     std::optional<Faces> fineFaces_, finestFaces_;
-    far::Rows<Index> finestHulls_;  ///< per face of level 3
+    far::Rows<Index> finestHulls_;  ///< the hull of each face of level 3
     std::vector<Index> coarseOfFine_, cellOfCoarse_;
 };
 
@@ -70,7 +70,7 @@ struct Uncovered {
     Index group = 0;
     Index point = 0;                 ///< the worst point
     double depth = 0;                ///< how much further inside the point must be, about
-    std::optional<Index> cell = {};  ///< of the lattice, if a box around one of its faces holds it
+    std::optional<Index> cell = {};  ///< the cell of a face whose box holds the point
     int winding = 1;  ///< how often the surface winds around the point, if no box contains it
 };
 

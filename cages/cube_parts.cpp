@@ -12,7 +12,7 @@
 namespace espalier::cages {
 namespace {
 
-constexpr Index kNone = -1;  ///< in place of a part
+constexpr Index kNone = -1;  ///< stands for no part
 
 /// Returns true if some faces of a cube are connected over edges.
 bool areConnected(unsigned faces) {

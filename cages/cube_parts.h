@@ -26,7 +26,7 @@ public:
     struct Contact {
         Index to = 0;
         Index direction = 0;
-        Index count = 0;  ///< of pairs of voxels
+        Index count = 0;  ///< number of pairs of voxels
     };
     struct Part {
         Cube cube = {};
@@ -94,9 +94,9 @@ private:
     Index perEdge_;
     Cube offset_;
     double joinDistance_;
-    Cube counts_;  ///< of the cubes
+    Cube counts_;  ///< number of cubes along each axis
     std::vector<Part> parts_;
-    std::vector<Index> partOf_;  ///< per voxel; kNone for voxels without the model
+    std::vector<Index> partOf_;  ///< the part of each voxel; kNone for voxels without the model
     std::optional<Point3> joined_;
 };
 

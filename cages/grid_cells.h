@@ -15,7 +15,7 @@
 namespace espalier::cages {
 
 struct GridCellOptions {
-    Index voxelsPerEdge = 8;                  ///< of a cell
+    Index voxelsPerEdge = 8;                  ///< voxels along each edge of a cell
     std::array<Index, 3> offset = {0, 0, 0};  ///< voxels of the first cell outside the grid
 
     /// Parts of a model in one cell that are at most this far apart are one part, in voxels.
@@ -68,8 +68,8 @@ private:
     bool repairVertices();
 
     CubeParts parts_;
-    std::vector<std::array<Index, 8>> corners_;  ///< per part: vertices
-    std::vector<Index> order_;                   ///< of the parts that are cells
+    std::vector<std::array<Index, 8>> corners_;  ///< the vertices of each part
+    std::vector<Index> order_;  ///< the parts that are cells, in the order of the cells
     std::vector<std::optional<Index>> cellOfPart_;
     Index cellCount_ = 0, vertexCount_ = 0;
     bool isManifold_ = false;

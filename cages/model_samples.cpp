@@ -85,7 +85,7 @@ private:
     Work& work_;
     std::vector<FitPoint> samples_;
     enum class Inner : char { Unknown, No, Yes };
-    std::vector<Inner> innerVoxels_;  ///< for the voxels that were asked for
+    std::vector<Inner> innerVoxels_;  ///< what is known about each voxel
 
     // Used by few() only.
     NumberSet taken_{0};

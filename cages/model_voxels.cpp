@@ -130,8 +130,8 @@ private:
     static constexpr double kMore = 2e-3;  ///< more than all rounding, in cubes
 
     const std::array<Point3, 3>& triangle_;
-    std::array<double, 2> slopes_ = {0, 0};  ///< of the heights: along a row, and across the rows
-    double half_ = std::numeric_limits<double>::infinity();  ///< of the heights in a column
+    std::array<double, 2> slopes_ = {0, 0};  ///< slopes of the heights along and across rows
+    double half_ = std::numeric_limits<double>::infinity();  ///< half the range of heights
 };
 
 /// Marks the cubes that a triangle meets.

@@ -256,7 +256,7 @@ private:
     Bins listsOfBlocks_;
     std::vector<GroupList> lists_;
     std::vector<Index> groupsByBlock_;
-    std::vector<Point3> centres_;  ///< of the groups: nearest() reads little else
+    std::vector<Point3> centres_;  ///< the centres of the groups: nearest() reads little else
 };
 
 }  // namespace espalier::cages

@@ -50,7 +50,7 @@ private:
     }
 
     std::array<Index, 3> counts_;
-    std::size_t rowSize_;  ///< in words
+    std::size_t rowSize_;  ///< number of words in a row
     Word lastBits_;        ///< bits of the last word of a row that are voxels
     std::vector<Word> words_;
 };

@@ -42,8 +42,8 @@ struct ApplyTiming {
     Evaluator evaluator;
     Precision precision;
     int poses;       ///< applied at once, with three components each
-    int threads;     ///< at most
-    double seconds;  ///< for each pose, in the quickest run
+    int threads;     ///< maximum number of threads
+    double seconds;  ///< time for each pose, in the quickest run
 
     /// Bytes that move between memory and processor for each pose: the table, read once for all
     /// poses, and the results. For factors, both tables, and the values between them, written once

@@ -32,7 +32,7 @@ struct DeformOptions : BindOptions {
     MeshOptions mesh;
     std::vector<std::string> poses;
     std::string output;
-    double framesPerSecond = 24;  ///< of an animation
+    double framesPerSecond = 24;  ///< the frame rate of an animation
     ReportFormat report = ReportFormat::Text;
 };
 
@@ -60,7 +60,7 @@ void checkTarget(const io::Model& model, const std::filesystem::path& output) {
 /// A model and its binding.
 struct Deformation {
     const io::Model& model;
-    const bind::Binding& binding;  ///< with gradients, if normals and tangents follow
+    const bind::Binding& binding;  ///< has gradients if normals and tangents follow
 
     std::vector<Point3> pointsAt(const std::vector<Point3>& pose, Stages& stages) const {
         return stages.run("applying", [&] {

@@ -157,7 +157,7 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
 struct PointTargets {
     std::vector<Point3> points;
     std::vector<Point3> misses;       ///< target minus point
-    std::vector<io::Target> targets;  ///< with the line in the file, for messages
+    std::vector<io::Target> targets;  ///< the targets; each has its line in the file, for messages
 
     void add(const Point3& point, const io::Target& target) {
         points.push_back(point);
@@ -236,7 +236,7 @@ PointTargets readPointTargets(const FitCommandOptions& options, const io::Model&
 /// Rows of D for the points that have targets and for the held points.
 struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;
-    bind::Binding binding = {};  ///< of all these points; its table is gone
+    bind::Binding binding = {};  ///< the binding of all these points, without its table
 };
 
 /// Returns the end of a message: why the row of a point in D is empty.

@@ -59,7 +59,7 @@ private:
 
     std::vector<Argument> inputs_;
     std::map<std::filesystem::path, std::filesystem::path>
-        outputs_;  ///< for each file, behind all links, its name
+        outputs_;  ///< the name of each output by the file behind all links
     Stages stages_;
 };
 

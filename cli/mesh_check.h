@@ -31,7 +31,7 @@ void addMeshOptions(CLI::App& command, MeshOptions& options);
 struct MeshVerdict {
     solve::PoseValidity validity;
     solve::LargestStep step;
-    solve::MeshQuality quality;  ///< of the points that are written
+    solve::MeshQuality quality;  ///< the quality of the points that are written
 
     double written = 1;  ///< the share of the pose that is written
 };

@@ -85,7 +85,7 @@ void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options
 
 /// The sets of rules that --rules offers.
 enum class RulesFor {
-    OpenSubdiv,  ///< only Catmull-Clark
+    OpenSubdiv,  ///< the rules of Catmull-Clark only
     Lattices,    ///< also `mlca`
     Anything     ///< also `rats`, which are for curves and meshes only
 };

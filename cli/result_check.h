@@ -60,7 +60,7 @@ private:
     using Table = stencils::StencilTable<double>;
 
     const Table* matrix_;
-    std::vector<const Table*> applied_;  ///< in this order
+    std::vector<const Table*> applied_;  ///< the tables in the order in which they are applied
 
     /// The tables whose row sums cause the error of the reference: D and, if D is a product, the
     /// left factor, whose rows the weights of D were summed over.

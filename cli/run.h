@@ -101,7 +101,7 @@ private:
     bool isShown_;
     std::size_t current_ = 0;  ///< index in finished_ of the stage that runs
     std::chrono::steady_clock::time_point start_;
-    std::optional<std::size_t> bytes_;  ///< of the current stage
+    std::optional<std::size_t> bytes_;  ///< bytes of the current stage
     std::vector<FinishedStage> finished_;
 };
 

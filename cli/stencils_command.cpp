@@ -21,7 +21,7 @@ namespace {
 
 struct StencilsOptions : LatticeOptions {
     std::string points;
-    BindOptions bind;  ///< only --basis and --limit are used
+    BindOptions bind;  ///< the command uses --basis and --limit only
     bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;

@@ -144,9 +144,9 @@ struct Comparison::Data {
     const far::TopologyRefiner& ours;
     Surface base;
     OpenSubdivRefiner openSubdiv;
-    std::vector<LevelMatch> matches;                             ///< for each level
-    std::vector<Surface> regions;                                ///< for each level
-    std::unique_ptr<const Far::StencilTableReal<double>> table;  ///< from level 1 on
+    std::vector<LevelMatch> matches;                             ///< one per level
+    std::vector<Surface> regions;                                ///< one per level
+    std::unique_ptr<const Far::StencilTableReal<double>> table;  ///< null for level 0
 
     Far::TopologyLevel openSubdivLevel(int level) const {
         return openSubdiv.refiner->GetLevel(level);

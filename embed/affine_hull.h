@@ -43,7 +43,7 @@ public:
 
 private:
     Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Constant(std::nan(""));
-    Eigen::AlignedBox3d box_;  ///< of the points in axis coordinates
+    Eigen::AlignedBox3d box_;  ///< the box of the points in axis coordinates
 };
 
 }  // namespace espalier::embed

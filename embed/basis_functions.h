@@ -34,9 +34,10 @@ ESPALIER_API AxisRange axisRange(Basis basis, Index cells);
 /// The basis functions of consecutive grid points of an axis at one coordinate; all others are 0
 /// there.
 struct AxisFunctions {
-    Index first = 0;                       ///< grid point of the first function
-    std::vector<double> values = {};       ///< they sum to 1
-    std::vector<double> derivatives = {};  ///< by the coordinate, in cells; they sum to 0
+    Index first = 0;                  ///< grid point of the first function
+    std::vector<double> values = {};  ///< they sum to 1
+    /// Derivatives by the coordinate, in cells; they sum to 0.
+    std::vector<double> derivatives = {};
 };
 
 /// A span of a uniform cubic B-spline, between points 0 and 1.

@@ -26,8 +26,8 @@ struct BoundPart {
     std::vector<PointStatus> statuses;
     double largestResidual = 0;
     Table table;                           ///< one row per point; empty if the point has no place
-    std::vector<Index> baseVertices = {};  ///< for each vertex that the table starts from, its
-                                           ///< number in the base; empty if the numbers are equal
+    std::vector<Index> baseVertices = {};  ///< numbers in the base of the vertices that the table
+                                           ///< starts from; empty if the numbers are equal
 
     Index baseVertex(Index column) const {
         return baseVertices.empty() ? column : baseVertices[column];

@@ -91,8 +91,8 @@ private:
     // takes 10 s. A face in a grid is in the surroundings of 18 cells.
     std::vector<std::optional<bool>> isRegular_;
     std::vector<std::optional<CellFrame>> hexahedra_;
-    std::vector<std::optional<Eigen::Vector3d>> secondDifferenceAcross_;  ///< of each face
-    std::vector<std::optional<Eigen::Vector3d>> secondDifferenceAround_;  ///< of each vertex
+    std::vector<std::optional<Eigen::Vector3d>> secondDifferenceAcross_;  ///< one per face
+    std::vector<std::optional<Eigen::Vector3d>> secondDifferenceAround_;  ///< one per vertex
     std::vector<std::optional<Box>> ofCell_;                              ///< corners of each cell
     std::vector<std::optional<Box>> aroundVertex_;  ///< corners of all cells of each vertex
     std::vector<std::optional<bool>> staysInHull_;

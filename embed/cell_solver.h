@@ -119,7 +119,7 @@ private:
 
     far::CellComplex complex_;
     std::vector<Point3> positions_;
-    Array<std::optional<std::array<Index, 8>>> corners_;  ///< of the cells that are hexahedra
+    Array<std::optional<std::array<Index, 8>>> corners_;  ///< corners of each hexahedron
     Scale scale_;
 };
 

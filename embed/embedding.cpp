@@ -22,7 +22,7 @@ namespace {
 /// The corners of a hexahedron in the order of the rows of W: ascending.
 struct SortedCorners {
     std::array<Index, 8> vertices;
-    std::array<std::uint8_t, 8> positions;  ///< of each in far::hexahedronVertices()
+    std::array<std::uint8_t, 8> positions;  ///< positions in far::hexahedronVertices()
 };
 
 std::optional<SortedCorners> sortedCorners(const far::CellComplex& complex, CellId cell) {

@@ -100,8 +100,9 @@ using Embedding = PointPlaces<CellPlace>;
 /// \param positions of the vertices of `complex`, at rest
 /// \param progress called now and then with the number of points done, from any thread; may be
 ///        empty
-/// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one); and as
-///         PointLocator
+/// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one); if
+///         `complex` is not a lattice of quadrilaterals, `positions` do not fit it or are not
+///         finite, or the tolerance is out of range
 /// \cost O(cells log cells + points log cells), in parallel. The result does not depend on the
 ///       number of threads.
 /// \cite MacCracken & Joy 1996, sections 4 to 6

@@ -16,7 +16,7 @@ namespace espalier::embed {
 /// Some points of a group, and their places in a level.
 struct LocatedPart {
     std::vector<Index> points;  ///< their indices in the group
-    Embedding embedding;        ///< of these points
+    Embedding embedding;        ///< the embedding of these points
 
     /// The embedding is in the finest of these levels, which were refined for the points. Nothing
     /// if no cell can contain a point.

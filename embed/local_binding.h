@@ -49,7 +49,7 @@ struct BoundRows {
 };
 
 struct BindingOptions {
-    int level = 3;  ///< of the lattice, 1 to kMaxLevelOfPoints
+    int level = 3;  ///< the level whose cells hold the points, 1 to kMaxLevelOfPoints
     EmbeddingOptions embedding = {};
 
     /// Called now and then with the number of points done, from any thread; may be empty.
@@ -79,10 +79,12 @@ struct BindingOptions {
 ///
 /// The tolerance is a fraction of the diagonal of the base lattice's bounding box.
 ///
-/// \throws Error as embedPoints(), and for a base that has been refined; TopologyError as
-///         far::TopologyRefiner::refineUniform(); MemoryError if D exceeds a MemoryLimit. If cells
-///         have hundreds of vertices, and so rows of D thousands of weights, it is thrown within
-///         seconds
+/// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one); if the
+///         base is not a lattice or has been refined, or the positions do not fit it or are not
+///         finite; ArgumentError if the level or the tolerance is out of range; TopologyError if a
+///         level has too many entities or, under Boundary::Open, no cells; MemoryError if D exceeds
+///         a MemoryLimit. If cells have hundreds of vertices, and so rows of D thousands of
+///         weights, it is thrown within seconds
 /// \cost In regular cells O(points · log base cells) at any level: 0.6 µs for each point. Elsewhere
 ///       O(points · (level + log base cells + entries of D per point)), once the cells are smaller
 ///       than the distances between points. In parallel; the result does not depend on the number

@@ -10,7 +10,8 @@ namespace espalier::embed {
 
 /// Where a point is. It does not depend on the policy for points outside.
 enum class PointStatus : std::uint8_t {
-    Inside,       ///< in a cell, in a gap between two cells, or within the tolerance of the lattice
+    Inside,  ///< the point is in a cell, in a gap between two cells, or within the tolerance of the
+             ///< lattice
     Outside,      ///< outside the region that the cells fill
     NotConverged  ///< no place reproduces the point: its cell is degenerate, or a coordinate is not
                   ///< finite

@@ -41,7 +41,7 @@ public:
     }
 
     enum class Answer {
-        Inside,    ///< in the patch
+        Inside,    ///< found in the patch
         Outside,   ///< proved not to be in the patch
         Undecided  ///< the patch is too strongly bent to decide; its children are bent less
     };

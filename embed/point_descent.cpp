@@ -98,8 +98,8 @@ public:
 private:
     std::span<const Point3> all_;
     std::span<const Index> numbers_;
-    std::array<Array<double>, 3> coordinates_;  ///< of the points, by axis
-    Array<double> isOutside_;                   ///< of the box, for each point: 0 or 1
+    std::array<Array<double>, 3> coordinates_;  ///< the coordinates of the points, by axis
+    Array<double> isOutside_;                   ///< whether each point is outside the box: 0 or 1
 };
 
 /// Returns a distance from a point within which the cell certainly has a descendant.

@@ -104,9 +104,8 @@ enum class Bounding {
 /// finest level that may contain the points or have descendants that do.
 struct Descent {
     stencils::Levels levels;          ///< level 0 has only the base cells around candidates
-    std::vector<Index> baseVertices;  ///< for each vertex of level 0, its number in the base;
-                                      ///< ascending
-    Candidates candidates;            ///< in the finest level
+    std::vector<Index> baseVertices;  ///< numbers in the base of the vertices of level 0, ascending
+    Candidates candidates;            ///< candidates in the finest level
     double margin;  ///< distance within which a point outside a cell's box still counts as in it
 };
 
@@ -131,7 +130,8 @@ public:
     /// Refines one level around the candidates, of which there must be at least one. The new
     /// candidates are their children.
     /// \param extent Extent::Cells ends the descent: the new level cannot be refined further
-    /// \throws TopologyError as far::TopologyRefiner::refineAround()
+    /// \throws TopologyError if the level would have too many entities or, under Boundary::Open,
+    ///         none
     void refine(Descent& descent, std::span<const Point3> points, SoughtCells sought, Extent extent,
                 Bounding bounding) const;
 
@@ -159,7 +159,7 @@ public:
     /// \param level 1 or above
     /// \param extent how much of the last level is refined around the candidates
     /// \param use called for one part after another
-    /// \throws TopologyError as refine()
+    /// \throws TopologyError if a level would have too many entities or, under Boundary::Open, none
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart
     void descend(std::span<const Point3> points, int level, SoughtCells sought, Extent extent,
@@ -174,10 +174,10 @@ private:
     RestLattice lattice_;
     double rounding_;
     double margin_;                                 ///< rounding error plus tolerance
-    std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
+    std::vector<std::optional<CellBound>> bounds_;  ///< the bounds of the base cells
     /// Base cells with a bound, and without; cells that shrink away are in neither.
     std::vector<Index> bounded_, unbounded_;
-    BoxTree tree_;  ///< over the bounded cells
+    BoxTree tree_;  ///< the tree of the bounded cells
 };
 
 }  // namespace espalier::embed

@@ -43,10 +43,10 @@ private:
     LocatedPoint locateInUnits(const Point3& position, bool seekNearest) const;
 
     LengthUnit unit_;
-    CellSolver solver_;  ///< of positions in units
+    CellSolver solver_;  ///< the solver works on positions in units
     BoxTree tree_;
     Point3 vertex_;  ///< any vertex of the lattice
-    double size_;    ///< of the lattice
+    double size_;    ///< the size of the lattice
 };
 
 }  // namespace espalier::embed

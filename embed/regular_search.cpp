@@ -54,7 +54,7 @@ RegularPlaces RegularSearch::locate(std::span<const Point3> points) const {
     struct Cell {
         TricubicPatch patch;
         std::optional<PatchSolver> solver = {};  ///< nothing if the cell is left to other searches
-        Index number = kMaxIndex;                ///< in RegularPlaces::patches; kMaxIndex: not yet
+        Index number = kMaxIndex;  ///< the number in RegularPlaces::patches; kMaxIndex: none yet
     };
     const far::Level& base = lattice_.base.level(0);
     const auto make = [&](Index cell) {

@@ -23,8 +23,8 @@ struct RegularPlaces {
         Index length = 0;  ///< number of weights of the point; 0 if it has no place
     };
     std::vector<Place> places;           ///< one per point
-    std::vector<TricubicPatch> patches;  ///< of cells that contain a point
-    double largestResidual = 0;          ///< see PointPlaces::largestResidual()
+    std::vector<TricubicPatch> patches;  ///< the patches of cells that contain a point
+    double largestResidual = 0;          ///< see PlacedPoints::largestResidual()
 
     /// Returns how many points have a place.
     Offset count() const {
@@ -70,9 +70,9 @@ public:
 private:
     RestLattice lattice_;
     double spacing_;
-    double size_;               ///< of the lattice
+    double size_;               ///< the size of the lattice
     std::vector<Index> cells_;  ///< the regular ones, ascending
-    BoxTree tree_;              ///< over these cells
+    BoxTree tree_;              ///< the tree of these cells
 };
 
 }  // namespace espalier::embed

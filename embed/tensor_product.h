@@ -19,7 +19,7 @@ namespace espalier::embed {
 /// region, `offset` continues from there along the tangent of the map; inside, it is 0 up to
 /// rounding.
 struct TensorPlace {
-    std::array<double, 3> at = {};  ///< in the region: within axisRange() of each axis
+    std::array<double, 3> at = {};  ///< a place in the region: within axisRange() of each axis
     std::array<double, 3> offset = {};
 };
 
@@ -93,13 +93,15 @@ private:
     bool isAscending_;            ///< true if the vertices of the grid are in ascending order
     Eigen::Vector3d low_, high_;  ///< corners of the region, in cells
     double size_;                 ///< diagonal of the bounding box
-    Eigen::Vector3d origin_;      ///< of the affine grid: the position of grid point (0, 0, 0)
+    Eigen::Vector3d origin_;      ///< the position of grid point (0, 0, 0) of the affine grid
     Eigen::Matrix3d axes_;        ///< column a: one cell along axis a
     Eigen::Matrix3d toCells_;     ///< inverse of axes_
 };
 
-/// Finds each point in a box lattice, with the same statuses, policies and errors as embedPoints()
-/// for a refined lattice.
+/// Finds each point in a box lattice, with the same statuses and policies as embedPoints() for a
+/// refined lattice.
+/// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one);
+///         ArgumentError if the tolerance is out of range
 /// \cost O(points · weights per place), in parallel
 ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
                                          std::span<const Point3> points,
@@ -117,7 +119,8 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLa
 
 /// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and
 /// buildDeformationTable().
-/// \throws Error as embedPoints()
+/// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one);
+///         ArgumentError if the tolerance is out of range
 ESPALIER_API BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
                                     const EmbeddingOptions& options = {},
                                     const std::function<void(Offset)>& progress = {});

@@ -236,8 +236,8 @@ private:
     }
 
     const CellComplex& complex_;
-    std::vector<std::optional<GridPoint>> points_;  ///< by vertex
-    std::vector<char> isPlaced_;                    ///< by cell
+    std::vector<std::optional<GridPoint>> points_;  ///< the grid point of each vertex
+    std::vector<char> isPlaced_;                    ///< whether each cell is placed
     PlacedCell first_;
     BoxGrid grid_;
 };

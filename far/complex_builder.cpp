@@ -201,9 +201,9 @@ private:
         return hash & (latest_.size() - 1);
     }
 
-    Array<Index> latest_;  ///< per bucket: the latest number in it
-    Array<Index> before_;  ///< per number: the number before it in its bucket
-    std::map<std::vector<Index>, Index> others_;  ///< of full buckets, by their canonical loops
+    Array<Index> latest_;                         ///< the latest number in each bucket
+    Array<Index> before_;                         ///< the number before each number in its bucket
+    std::map<std::vector<Index>, Index> others_;  ///< the rest of full buckets, by canonical loop
 };
 
 /// Returns +1 if two loops without repeated vertices are the same face and run in the same

@@ -77,8 +77,8 @@ private:
     Index vertexCount_;
     // All loops as given, one after the other; an edge is a loop of two vertices.
     Array<Index> corners_;  ///< the vertices of all loops
-    RowStarts loops_;       ///< per loop: its vertices
-    RowStarts cells_;       ///< per cell: its loops
+    RowStarts loops_;       ///< the vertices of each loop
+    RowStarts cells_;       ///< the loops of each cell
 };
 
 /// Builds a curve through vertices 0 to vertexCount − 1 in order.

@@ -117,8 +117,8 @@ struct EdgeOfCell {
     struct Face {
         Offset edgeInFace = 0;       ///< position of the edge in face → edges
         Offset inCell = -1;          ///< position of the face in cell → faces; −1: none yet
-        std::int8_t edgeSign = 0;    ///< of the edge in the boundary of the face
-        std::int8_t inCellSign = 0;  ///< of the face in the boundary of the cell
+        std::int8_t edgeSign = 0;    ///< the sign of the edge in the boundary of the face
+        std::int8_t inCellSign = 0;  ///< the sign of the face in the boundary of the cell
     };
     Face first = {};
     Index tail = 0, head = 0;  ///< positions in cell → vertices

@@ -109,7 +109,7 @@ private:
     /// The intervals with ends of dimensions `lower` ≤ `upper`. Row b of `parts` lists the entities
     /// a in b. The entry of an interval is the position of its a in the values of `parts`.
     struct Family {
-        const Incidence* parts = nullptr;  ///< of parent_
+        const Incidence* parts = nullptr;  ///< a relation of parent_
         Index firstChild = 0;
         Index childCount = 0;
         bool isWhole = true;               ///< every interval is kept; otherwise:

@@ -15,8 +15,8 @@ namespace espalier::far {
 enum class StandardCell {
     Tetrahedron,  ///< 4 vertices: a triangle, anticlockwise seen from the apex, then the apex
     Pyramid,      ///< 5 vertices: a quadrilateral, anticlockwise seen from the apex, then the apex
-    Wedge,        ///< 6 vertices: a triangle, clockwise seen from the other one; then the other one
-                  ///< in the same order
+    Wedge,        ///< 6 vertices: a triangle, clockwise seen from the opposite one; then the
+                  ///< opposite one in the same order
     Hexahedron    ///< 8 vertices: a quadrilateral, anticlockwise seen from the opposite one; then
                   ///< the opposite one in the same order
 };
@@ -40,7 +40,7 @@ ESPALIER_API std::vector<std::vector<Index>> outwardLoops(const CellComplex& com
 /// The kind and vertices of a lattice's cell that is one of the standard cells.
 struct StandardCellVertices {
     StandardCell kind = StandardCell::Hexahedron;
-    std::vector<Index> vertices;  ///< in VTK's order: faceLoops(kind) are its faces
+    std::vector<Index> vertices;  ///< VTK's order: faceLoops(kind) are the faces of the cell
 };
 
 /// Recognises a tetrahedron, pyramid, wedge or hexahedron by its faces alone, regardless of vertex

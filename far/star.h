@@ -13,7 +13,7 @@ namespace espalier::far {
 /// The neighbourhood of some vertices of a level, as a level of its own.
 struct Star {
     Level level;
-    ByEntity<Index> entities;  ///< for each entity of the star, its number in the original level;
+    ByEntity<Index> entities;  ///< numbers in the original level of the entities of the star,
                                ///< ascending
 };
 

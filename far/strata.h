@@ -26,7 +26,7 @@ enum class Boundary {
     Sharp,  ///< boundary control: corners, sharp edges and boundary surfaces have their own rules
             ///< (MacCracken & Joy 1996, section 3). On a mesh, this is OpenSubdiv's "edge and
             ///< corner"
-    EdgeOnly,  ///< as Sharp, but a vertex is not a corner merely because it is in one cell
+    EdgeOnly,  ///< like Sharp, but a vertex is not a corner merely because it is in one cell
                ///< (lattice) or one face (mesh). On a mesh, this is OpenSubdiv's "edge only"
     Open       ///< no boundary control: uniform B-spline behaviour, the region shrinks (section
                ///< 2.2). OpenSubdiv's "none" omits faces that shrink; here, their remaining parts

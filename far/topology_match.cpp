@@ -42,7 +42,7 @@ void appendCanonicalCell(const CellComplex& complex, Index cell, std::vector<Ind
 
 /// The cells of a complex as numbers, and their order.
 struct SortedCells {
-    Incidence keys;            ///< per cell
+    Incidence keys;            ///< the key of each cell
     std::vector<Index> order;  ///< the cells by their keys; cells with equal keys by their numbers
 };
 

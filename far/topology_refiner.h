@@ -32,7 +32,7 @@ enum class Rules {
     Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
     Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
     Mlca,        ///< split, then average: see stencils/mlca.h    Bajaj, Schaefer, Warren & Xu 2002
-    Rats         ///< for curves and meshes: see stencils/rats.h  Savva & Clapworthy, section 2.2
+    Rats         ///< curves and meshes only: see stencils/rats.h   Savva & Clapworthy, section 2.2
 };
 inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
                                               {"cse96", Rules::Cse96},
@@ -100,7 +100,7 @@ public:
     enum class Extent {
         Ring,  ///< the cells [v, c] with v a vertex of one of the given cells: the children of
                ///< these cells, and all cells around the children
-        Cells  ///< only the children of the given cells; no level can follow
+        Cells  ///< the children of the given cells only; no level can follow
     };
 
     /// Adds one level that contains only what some cells need.
@@ -113,8 +113,9 @@ public:
     ///
     /// \param cells entities of dimension() of the finest level, ascending; if that level was made
     ///        by refineAround(), children of the cells that were given then
-    /// \throws Error that names the first of `cells` that is not such an entity; and as
-    /// refineUniform()
+    /// \throws Error if `cells` is empty, or that names the first of `cells` that is not such an
+    ///         entity; TopologyError (TooManyEntities; EmptyComplex under Boundary::Open);
+    ///         MemoryError
     /// \cost O(entries of the finest level and of the new one)
     void refineAround(std::span<const Index> cells, Extent extent = Extent::Ring);
 

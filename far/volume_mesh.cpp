@@ -19,9 +19,9 @@ struct VolumeMesh::Data {
     Index pointCount = 0;
     Rows<Index> faces;
     std::vector<Index> owners;
-    std::vector<Index> neighbours;  ///< of the internal faces
+    std::vector<Index> neighbours;  ///< the neighbours of the internal faces
     Rows<Index> facesOfCells;
-    Rows<Index> corners;  ///< per cell; empty rows for polyhedra
+    Rows<Index> corners;  ///< the corners of each cell; empty rows for polyhedra
 };
 
 namespace {
@@ -214,7 +214,7 @@ struct LoopKey {
     static constexpr Index kTriangle = -1, kPolygon = -2;
 
     Index low, high;
-    Index across;  ///< of a quadrilateral; else one of the constants
+    Index across;  ///< the point across, of a quadrilateral; else one of the constants
     Index half;
     friend auto operator<=>(const LoopKey&, const LoopKey&) = default;
 

@@ -103,9 +103,9 @@ private:
     void checkPoints(std::span<const Index> points, Index cell) const;
 
     Index pointCount_;
-    Rows<Index> corners_;       ///< per cell; empty rows for polyhedra
+    Rows<Index> corners_;       ///< the corners of each cell; empty rows for polyhedra
     Rows<Index> loops_;         ///< the faces of polyhedra
-    Rows<Index> loopsOfCells_;  ///< per cell, the rows of loops_
+    Rows<Index> loopsOfCells_;  ///< the rows of loops_ of each cell
 };
 
 }  // namespace espalier::far

@@ -80,8 +80,8 @@ ESPALIER_API std::unique_ptr<Model> modelOf(const BoundModel& model,
                                             const std::filesystem::path& path);
 
 /// Checks a bound model, as writeBoundModel() does.
-/// \throws Error as bind::Binding::checkParts(); if a position or the largest residual is not
-///         finite; if the faces do not divide their corners, or name other vertices
+/// \throws Error if the parts of the binding do not fit together; if a position or the largest
+///         residual is not finite; if the faces do not divide their corners, or name other vertices
 ESPALIER_API void checkBoundModel(const BoundModel& model);
 
 }  // namespace espalier::io

@@ -23,8 +23,8 @@ namespace espalier::io {
 
 /// The faces of a model. A face is a loop of points, by their numbers in positions().
 struct ModelFaces {
-    std::vector<Index> corners;     ///< of all faces, one face after the other
-    std::vector<std::size_t> ends;  ///< per face: end of its corners
+    std::vector<Index> corners;     ///< the corners of all faces, one face after the other
+    std::vector<std::size_t> ends;  ///< the end of the corners of each face
 
     std::size_t count() const { return ends.size(); }
 
@@ -201,7 +201,8 @@ public:
     /// written (see writeFile).
     ///
     /// \throws Error unless there is one position for each of positions(), finite and not too large
-    ///         for the format; FileError as checkTarget(), or if the file cannot be written
+    ///         for the format; FileError if checkTarget() refuses the path, or the file
+    ///         cannot be written
     /// \cost one pass over the file; for another format also the cost of checkTarget()
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
@@ -211,7 +212,9 @@ public:
     /// is identical. Three numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
     ///
     /// \param gradients one per point
-    /// \throws as above; Error unless there is one finite gradient per point
+    /// \throws Error unless there is one position for each of positions(), finite and not too large
+    ///         for the format, and one finite gradient per point; FileError if checkTarget()
+    ///         refuses the path, or the file cannot be written
     void write(const std::filesystem::path& path, std::span<const Point3> positions,
                std::span<const DeformationGradient> gradients) const;
 

@@ -76,7 +76,7 @@ public:
     EdgeRows rowsAt(std::span<const Index> layers, double at) const;
 
 private:
-    using Vertex = Eigen::Matrix<double, 1, 9>;        ///< over three layers
+    using Vertex = Eigen::Matrix<double, 1, 9>;        ///< weights of three layers
     using Refinement = Eigen::Matrix<double, 15, 12>;  ///< gives five layers, half as far apart
 
     explicit EdgeRefinement(Index cellCount);
@@ -86,8 +86,8 @@ private:
 
     Index cellCount_;
     std::vector<double> cosines_, sines_;  ///< the first waves around the axis, for a layer
-    Refinement averages_;                  ///< of the averages
-    Refinement waves_;                     ///< of the first Fourier coefficients
+    Refinement averages_;                  ///< refines the averages
+    Refinement waves_;                     ///< refines the first Fourier coefficients
     Vertex limit_;   ///< weights of the averages in the limit of the vertex of the middle layer
     Vertex along_;   ///< and in its derivative along the edge
     Vertex across_;  ///< weights of the coefficients in its derivative across the edge

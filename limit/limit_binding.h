@@ -85,9 +85,12 @@ struct LimitTable {
 /// the tangent at the nearest place. A point in the gap between a patch and a blended cell counts
 /// as inside; the gap is narrower than the tolerance.
 ///
-/// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
-///         around which the levels would take all memory; and under Rules::Rats; ArgumentError
-///         for a tolerance that is out of range
+/// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one); if the
+///         base is not a lattice or has been refined, or the positions do not fit it or are not
+///         finite; for a cell, a face or a vertex of more than 1,000 faces or edges, around which
+///         the levels would take all memory; and under Rules::Rats; ArgumentError for a tolerance
+///         that is out of range; TopologyError if a level has too many entities or, under
+///         Boundary::Open, no cells; MemoryError if D exceeds a MemoryLimit
 /// \cost O(points · entries of D per point); on an irregular edge 20 µs per point, and beside it or
 ///       near an irregular vertex times the logarithm of the distance to it, about 0.8 ms per
 ///       level. In parallel; the result does not depend on the number of threads. A few points at a

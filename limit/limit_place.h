@@ -108,9 +108,9 @@ private:
     const far::Level& level_;
     std::span<const LimitPlace> places_;
     std::vector<embed::TricubicPatch> patches_;  ///< one for each regular cell
-    std::vector<Index> patchOf_;                 ///< for each place; kMaxIndex if it has none
-    std::vector<Index> vertices_;                ///< vertices whose limits are known, ascending
-    stencils::StencilTable<double> limits_;      ///< a row for each of `vertices_`
+    std::vector<Index> patchOf_;             ///< the patch of each place; kMaxIndex if it has none
+    std::vector<Index> vertices_;            ///< vertices whose limits are known, ascending
+    stencils::StencilTable<double> limits_;  ///< a row for each of `vertices_`
 };
 
 }  // namespace espalier::limit

@@ -38,8 +38,10 @@ struct LimitStencilOptions {
 /// feature itself the derivatives of the blend need not converge.
 struct LimitStencils {
     stencils::StencilTable<double> position;
-    std::array<stencils::StencilTable<double>, 3> first = {};   ///< by u, v, w
-    std::array<stencils::StencilTable<double>, 6> second = {};  ///< by uu, uv, uw, vv, vw, ww
+    /// Derivatives by u, v and w.
+    std::array<stencils::StencilTable<double>, 3> first = {};
+    /// Derivatives by uu, uv, uw, vv, vw and ww.
+    std::array<stencils::StencilTable<double>, 6> second = {};
 };
 
 /// Builds the rows of places in the limit.

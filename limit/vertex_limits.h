@@ -22,7 +22,8 @@ ESPALIER_API void checkLimitRules(far::Rules rules);
 /// \param level 0 to refiner.maxLevel(), of a curve, a mesh or a lattice. It must have all entities
 ///        that contain the vertices
 /// \param vertices vertices of the level
-/// \throws Error as ringOf(), and checkVertices()
+/// \throws Error under Rules::Rats, whose rules use points outside the ring; if the level does not
+///         exist, or does not have one of the vertices
 /// \cost O(entries) where the lattice is regular; elsewhere the cost of ringOf() and limitMask(),
 ///       once for each distinct shape of ring. In parallel
 /// \cite Halstead, Kass, DeRose 1993 (surfaces). Regular vertices: (1, 4, 1)/6, the values of the
@@ -33,7 +34,7 @@ ESPALIER_API stencils::StencilTable<double> buildLimitMasks(const far::TopologyR
 
 /// Builds L · S_level: the limits of the given vertices of a level, or of all its vertices, over
 /// the base vertices.
-/// \throws Error as buildLimitMasks()
+/// \throws Error under Rules::Rats; if the level does not exist, or lacks one of the vertices
 /// \cost buildStencils() and buildLimitMasks()
 ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,
                                                               int level,

@@ -17,7 +17,8 @@ namespace espalier::osd {
 /// The placement error of the binding cancels too. For many poses use a Deformer, which is faster.
 ///
 /// \param pose positions of the base vertices
-/// \throws Error if there is not one position for each column; as bind::Binding::checkParts()
+/// \throws Error if there is not one position for each column, or the parts of the binding do not
+///         fit together
 /// \cost O(entries), on all threads; memory for the pose and the result
 /// \cite MacCracken & Joy 1996, section 5
 ESPALIER_API std::vector<Point3> evaluateBinding(const bind::Binding& binding,
@@ -28,7 +29,8 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const bind::Binding& binding,
 /// identity.
 ///
 /// \param pose positions of the base vertices
-/// \throws Error as above; if the binding has no gradients
+/// \throws Error if there is not one position for each column, the parts of the binding do not fit
+///         together, or the binding has no gradients
 /// \cost O(entries), on all threads
 ESPALIER_API std::vector<DeformationGradient> evaluateGradients(const bind::Binding& binding,
                                                                 std::span<const Point3> pose);

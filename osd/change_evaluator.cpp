@@ -63,9 +63,9 @@ struct ChangeEvaluator<Real>::Data {
     std::shared_ptr<const Table> table;
     InverseIndex<Index> groups;     ///< column → groups that have it
     InverseIndex<Index> ungrouped;  ///< column → rows in no group, by their place in rows.rows
-    std::vector<char> isFull;       ///< for each of groupColumns: 1 if no row has weight 0 for it
-    std::vector<Index> ascending;   ///< 0, 1, … as many as the longest run has columns
-    Index maxColumns;               ///< of any group or run
+    std::vector<char> isFull;  ///< 1 for each of groupColumns for which no row has weight 0; else 0
+    std::vector<Index> ascending;  ///< 0, 1, … as many as the longest run has columns
+    Index maxColumns;              ///< maximum number of columns of a group or run
 
     explicit Data(std::shared_ptr<const Table> shared)
         : table(std::move(shared)),

@@ -17,10 +17,10 @@ template <class Real>
 struct CompiledAdjoint<Real>::Data {
     Index tableRowCount, tableColumnCount;
     kernels::Kernels<Real> kernels;
-    CompiledRows<Real> rows;       ///< only the groups; no runs
+    CompiledRows<Real> rows;       ///< groups only; there are no runs
     InverseIndex<Offset> places;   ///< column → its places in groupColumns
     StencilTable<Real> ungrouped;  ///< all other rows, transposed
-    Index maxColumns = 0;          ///< of any group
+    Index maxColumns = 0;          ///< maximum number of columns of a group
 
     /// Buffers of the tasks: the partial sums of one group at a time.
     TaskBuffers<Real> taskBuffers() const {

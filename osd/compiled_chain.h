@@ -51,7 +51,7 @@ public:
                     RowRange rows, const Addend<Real>& addend) const;
 
 private:
-    std::vector<Step> steps_;  ///< in the order in which they are evaluated
+    std::vector<Step> steps_;  ///< the steps in the order of evaluation
 };
 
 template <class Real>

@@ -36,9 +36,9 @@ namespace espalier::osd {
 /// Describes how entries are laid out in a buffer of numbers, as OpenSubdiv's
 /// Osd::BufferDescriptor: component c of entry i is at offset + i·stride + c.
 struct BufferDescriptor {
-    Offset offset = 0;  ///< of the first component of entry 0; 0 to the size of the buffer
+    Offset offset = 0;  ///< offset of the first component of entry 0; 0 to the size of the buffer
     Offset length = 0;  ///< number of components of an entry; 1 to 2³¹ − 1
-    Offset stride = 0;  ///< from one entry to the next; at least `length`
+    Offset stride = 0;  ///< distance from one entry to the next; at least `length`
 
     /// Returns the layout of entries of `length` components that follow each other without gaps.
     static BufferDescriptor packed(Offset length) { return {0, length, length}; }

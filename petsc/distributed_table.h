@@ -82,8 +82,8 @@ public:
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }
     OwnedRange ownVertices() const { return ownVertices_; }
-    Offset pointCount() const { return pointCount_; }    ///< on all ranks
-    Offset vertexCount() const { return vertexCount_; }  ///< on all ranks
+    Offset pointCount() const { return pointCount_; }    ///< number of points on all ranks
+    Offset vertexCount() const { return vertexCount_; }  ///< number of vertices on all ranks
 
     /// Number of vertices of other ranks that this rank's points depend on.
     Offset ghostCount() const { return ghostCount_; }

@@ -199,7 +199,7 @@ std::optional<std::string_view> wordOf(const Word<Choice> (&words)[n],
 template <class T>
 class Shared {
 public:
-    Shared() = default;  ///< only for the caster, until it has found the object
+    Shared() = default;  ///< null until the caster has found the object
     explicit Shared(std::shared_ptr<T> pointer) : pointer_(std::move(pointer)) {}
 
     T& operator*() const { return *pointer_; }

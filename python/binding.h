@@ -22,7 +22,7 @@ namespace espalier::python {
 
 /// A model, and the file that it was read from.
 struct ModelFile {
-    std::string name;  ///< without folders
+    std::string name;  ///< file name without folders
     std::string bytes;
     std::shared_ptr<const io::Model> model;
 };

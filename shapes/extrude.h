@@ -57,7 +57,7 @@ ESPALIER_API std::vector<Affine> stationsBetween(const Point3& from, const Point
 
 /// Options of extrude().
 struct ExtrudeOptions {
-    Point3 direction = {0, 0, 1};  ///< from the first layer to the last
+    Point3 direction = {0, 0, 1};  ///< vector from the first layer to the last
     int layers = 1;                ///< layers of cells: 1 or more
 };
 

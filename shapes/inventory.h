@@ -85,7 +85,7 @@ struct BarbellOptions {
     DiskPattern pattern = {};  ///< pattern of the ends
     int layers = 1;            ///< 1 or more
     double endRadius = 1;      ///< radius of a round end, or half the side of a square one: above 0
-    double barLength = 2;      ///< from end to end: above 0
+    double barLength = 2;      ///< distance between the ends: above 0
     double barHalfWidth = 0.4;  ///< above 0, at most endRadius; below it if roundness is 1
     double roundness = 1;       ///< shape of the ends: from 0, square, to 1, round
     double height = 0.5;        ///< above 0

@@ -72,7 +72,7 @@ struct RefinementTags {
     std::optional<far::Boundary> boundary = {};
     std::optional<far::Creasing> creasing = {};
     std::optional<far::TriangleSubdivision> triangles = {};
-    std::optional<far::FaceVaryingLinear> faceVarying = {};  ///< for texture coordinates
+    std::optional<far::FaceVaryingLinear> faceVarying = {};  ///< the rule for texture coordinates
     friend bool operator==(const RefinementTags&, const RefinementTags&) = default;
 };
 
@@ -84,7 +84,7 @@ struct Lattice {
     std::vector<VertexAttribute> attributes;
     RefinementTags tags = {};
     std::vector<VertexIntegers> integers = {};
-    FaceVaryingAttribute textureCoordinates = {};  ///< of a mesh; `vt` in an OBJ
+    FaceVaryingAttribute textureCoordinates = {};  ///< meshes only; `vt` in an OBJ
 };
 
 }  // namespace espalier

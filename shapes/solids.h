@@ -27,7 +27,7 @@ ESPALIER_API Lattice icosahedron(const RegularSolidOptions& options = {});  ///<
 struct PolygonalSolidOptions {
     int sides = 4;      ///< sides of the polygon: 3 or more
     double radius = 1;  ///< radius of the circle through the vertices of the polygon, above 0
-    double height = 1;  ///< from -height / 2 to height / 2, above 0
+    double height = 1;  ///< extent along z, from -height / 2 to height / 2; above 0
 };
 
 /// Makes a prism, with the polygon at the bottom (vertices 0 to sides − 1) and at the top (sides to

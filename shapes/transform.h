@@ -15,7 +15,7 @@ namespace espalier::shapes {
 /// An affine map of space: it maps a point p to linear · p + translation. The default is the
 /// identity.
 struct ESPALIER_API Affine {
-    std::array<std::array<double, 3>, 3> linear = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< by row
+    std::array<std::array<double, 3>, 3> linear = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< rows
     Point3 translation = {0, 0, 0};
 
     Point3 operator()(const Point3& point) const;

@@ -94,8 +94,8 @@ private:
 
     double distance_, boxSize_;
     std::vector<Box> boxes_;    ///< those with points, ascending
-    std::vector<Index> first_;  ///< per box: the welded point that was added last; −1: none
-    std::vector<Index> next_;   ///< per welded point: the one before it in its box; −1: none
+    std::vector<Index> first_;  ///< the welded point that was added last to each box; −1: none
+    std::vector<Index> next_;   ///< the point before each welded point in its box; −1: none
     std::vector<Point3> positions_;
 };
 

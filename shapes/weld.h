@@ -12,8 +12,8 @@ namespace espalier::shapes {
 
 /// The result of welding points. Welded points are numbered in the order of first appearance.
 struct Welding {
-    std::vector<Index> newIndex;    ///< per point: number of its welded point
-    std::vector<Point3> positions;  ///< per welded point: position of its first point
+    std::vector<Index> newIndex;    ///< number of the welded point of each point
+    std::vector<Point3> positions;  ///< position of the first point of each welded point
 };
 
 /// Welds each point to the nearest welded point before it, if the distance is at most `distance`;

@@ -76,8 +76,8 @@ private:
     void join(Index coordinate, Index to, double factor);
 
     std::vector<Link> links_;  ///< one for each coordinate, to a lower one; a root links to itself
-    std::vector<char> isFrozen_;  ///< for roots only
-    std::vector<double> units_;   ///< for roots only: distance moved for 1 unit of the variable
+    std::vector<char> isFrozen_;  ///< whether a coordinate is frozen; roots only
+    std::vector<double> units_;   ///< distance moved for 1 unit of the variable; roots only
 };
 
 /// Builds J = (D ⊗ I₃) · B: row 3i + c holds the derivatives of coordinate c of point i by the

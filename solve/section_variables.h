@@ -65,7 +65,7 @@ private:
         Point3 foot;           ///< its point on the axis
         double chord, normal;  ///< its coordinates a and b
         Index section;         ///< the section below, or the first one
-        double fraction;       ///< of the way to the next section; 0 beyond the ends
+        double fraction;       ///< fraction of the way to the next section; 0 beyond the ends
     };
 
     void check(std::span<const double> values) const;

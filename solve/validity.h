@@ -103,7 +103,7 @@ public:
     /// \param limit parts of the limit of a lattice; kept (a cheap copy). Cells that shrink away
     ///        are neither good nor bad
     /// \param rest positions of the base vertices at rest; copied
-    /// \throws Error as above, except that faces may be any polygons
+    /// \throws Error if `rest` does not fit, or a coordinate is not finite or beyond ±1e90
     /// \cost O(parts), in parallel: 30 µs per patch, 1 µs per blended cell
     ValidityCheck(const limit::LimitParts& limit, std::span<const Point3> rest);
 
@@ -129,7 +129,7 @@ public:
 
     /// Computes the volume ratios of a pose.
     /// \param pose positions of the vertices in the pose
-    /// \throws Error as the constructor
+    /// \throws Error if `pose` does not fit, or a coordinate is not finite or beyond ±1e90
     /// \cost O(cells), in parallel: 2 µs per cell; at most 2 ms for an extremely twisted one. In
     ///       the limit 0.1 to 0.5 ms per patch; at most 25 ms
     PoseValidity check(std::span<const Point3> pose) const;
@@ -139,7 +139,8 @@ public:
     /// this effect.
     ///
     /// \param maxStep above 0, up to a million
-    /// \throws Error as the constructor; ArgumentError if `maxStep` is out of range
+    /// \throws Error if `pose` does not fit, or a coordinate is not finite or beyond ±1e90;
+    ///         ArgumentError if `maxStep` is out of range
     /// \cost O(cells), in parallel: 1 to 3 µs per cell; at most 4 ms for an extremely twisted one.
     ///       In the limit 0.15 ms per patch; at most 50 ms
     LargestStep largestStep(std::span<const Point3> pose, double maxStep = 1) const;
@@ -149,7 +150,7 @@ private:
 
     std::shared_ptr<const CheckedVolume> volume_;
     limit::LimitPositions rest_;
-    std::vector<std::int8_t> orientation_;  ///< for each cell ±1 at rest; 0 if it is bad
+    std::vector<std::int8_t> orientation_;  ///< sign of each cell at rest: ±1; 0 if it is bad
     std::vector<Index> badAtRest_;
 };
 

@@ -97,7 +97,7 @@ private:
 
     const far::CellComplex& complex_;
     CellId cell_;
-    std::optional<std::array<Index, 8>> corners_;  ///< of the hexahedron; empty for other cells
+    std::optional<std::array<Index, 8>> corners_;  ///< nothing unless the cell is a hexahedron
 };
 
 /// Splits the cells of a volume mesh into pieces whose determinants are positive exactly where the
@@ -206,7 +206,7 @@ private:
         Positions positions_;
         std::span<const Index> loop_;
         bool isOwner_;
-        double rounding_;  ///< of the centres, relative to the longest edge
+        double rounding_;  ///< the rounding of the centres, relative to the longest edge
         Point3 apex_;
         Spoke toFace_, toFirst_, toPoint_;
         double largest_;  ///< coordinate of the two centres
@@ -220,9 +220,9 @@ private:
     };
 
     far::VolumeMesh mesh_;
-    far::Rows<Weight> centres_;        ///< of faces of polyhedra, then of polyhedra
+    far::Rows<Weight> centres_;        ///< the centres of faces of polyhedra, then of polyhedra
     std::vector<Index> centreOfFace_;  ///< number in withCentres(), for faces of polyhedra
-    std::vector<Index> centreOfCell_;  ///< for polyhedra; both are empty if there are none
+    std::vector<Index> centreOfCell_;  ///< the same for polyhedra; both are empty without them
 };
 
 /// 512 units of rounding; a unit is half of epsilon.
@@ -316,7 +316,7 @@ public:
     }
 
 private:
-    far::CellComplex cells_;  ///< of a level, or the base cells
+    far::CellComplex cells_;  ///< the cells of a level, or the base cells
     std::optional<limit::LimitParts> limit_;
     std::shared_ptr<const MeshPieces> mesh_;
 };

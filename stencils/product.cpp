@@ -202,14 +202,14 @@ private:
     const StencilTable<double>& left_;
     const StencilTable<double>& right_;
     IndexSet middles_, columns_;  ///< rows and columns of the right table that the block uses
-    std::span<const Index> lastColumns_;  ///< of the row that was added last to the block
+    std::span<const Index> lastColumns_;  ///< columns of the row that was added last
     std::size_t width_ = 0;
     std::vector<double> dense_;  ///< a row of `width_` elements for each of middles_, and zeros
     std::vector<Term> terms_;
-    std::vector<double> sums_;  ///< of one row
+    std::vector<double> sums_;  ///< the sums of one row
     std::vector<Index> rowColumns_;
-    std::size_t maskLength_ = 0;        ///< in words
-    std::vector<std::uint64_t> masks_;  ///< for each of middles_
+    std::size_t maskLength_ = 0;        ///< number of words in a mask
+    std::vector<std::uint64_t> masks_;  ///< a mask for each of middles_
 };
 
 /// In place of a column: the row ends before.

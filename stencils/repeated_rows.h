@@ -55,7 +55,7 @@ private:
     Array<Index> placesOf(const StencilTable<Real>& distinctRows) const;
 
     std::vector<Index> representatives_;
-    std::vector<Index> baseEntities_;             ///< for each of representatives_, its base entity
+    std::vector<Index> baseEntities_;             ///< the base entity of each of representatives_
     Array<Copy> copies_;                          ///< one per row
     std::vector<std::optional<Inside>> insides_;  ///< one per base entity
     std::vector<Index> around_;

@@ -56,12 +56,12 @@ private:
     struct Relations {
         const far::Incidence* ofVertex;
         const far::Incidence* toVertices;
-        const far::SignedIncidence* boundary;  ///< of faces and cells
+        const far::SignedIncidence* boundary;  ///< the signed boundary of faces and cells
     };
     const far::Level& level_;
     std::vector<Relations> relations_;
-    std::array<IndexSet, kMaxDimension + 1> around_;  ///< by dimension; [0]: the entity's own
-                                                      ///< vertices
+    /// Entities around one entity, by dimension; [0] holds the entity's own vertices.
+    std::array<IndexSet, kMaxDimension + 1> around_;
     IndexSet vertices_;
     std::vector<Index> description_;
     std::unordered_map<std::vector<Index>, Index, Hash> shapes_;
@@ -72,7 +72,7 @@ private:
 /// same weights, over the vertices around them in ascending order.
 struct ShapeGroups {
     std::vector<Index> representatives;    ///< one vertex of each group
-    std::map<Index, std::size_t> groupOf;  ///< for each vertex
+    std::map<Index, std::size_t> groupOf;  ///< the group of each vertex
 };
 
 /// Groups vertices by shape. If shapes do not determine rows, each vertex is a separate group.

@@ -83,9 +83,9 @@ struct CoordinateArray {
 };
 
 struct Zone {
-    int base, number;  ///< from 1
+    int base, number;  ///< numbers from 1 on
     bool isStructured;
-    std::vector<std::size_t> extent;  ///< of the arrays of coordinates
+    std::vector<std::size_t> extent;  ///< the extent of the arrays of coordinates
     std::size_t firstPoint, pointCount;
     std::vector<CoordinateArray> coordinates;  ///< two or three
 };
@@ -261,7 +261,7 @@ private:
         std::size_t first, count;
         std::vector<cgsize_t> elements;
         std::vector<cgsize_t>
-            ends;  ///< of MIXED, NGON_n and NFACE_n: offsets, one more than elements
+            ends;  ///< offsets of MIXED, NGON_n and NFACE_n: one more than elements
     };
 
     void visitGrid() {

@@ -20,8 +20,8 @@ struct WriteTarget {
         Descriptor  ///< a descriptor of this process (/dev/stdout), written to from its position
     };
     Kind kind;
-    std::filesystem::path path;  ///< after following all links; the last may lead nowhere
-    int descriptor = 0;          ///< for kind Descriptor
+    std::filesystem::path path;  ///< the path behind all links; the last link may lead nowhere
+    int descriptor = 0;          ///< used by kind Descriptor
 };
 
 /// Follows the links of a path, and checks that it can be written.

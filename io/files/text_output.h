@@ -71,7 +71,7 @@ private:
 
     std::ostream& out_;
     std::vector<char> block_;
-    char* end_;  ///< of the text in block_
+    char* end_;  ///< the end of the text in block_
 };
 
 /// Copies a text to a stream, with some numbers replaced and some text inserted.

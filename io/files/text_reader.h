@@ -55,6 +55,7 @@ public:
     std::string_view token(const char* what);
 
     /// Reads the next token as a number; "inf" and "nan" are numbers.
+    /// \throws FileError at the end of the text, or if the token is not such a number
     template <class Number>
     Number number(const char* what);
 

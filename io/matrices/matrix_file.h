@@ -17,8 +17,8 @@ namespace espalier::io {
 
 /// Options of writeMatrix().
 struct MatrixFileOptions {
-    std::vector<std::string> comments = {};     ///< for .mtx: see writeMatrixMarket()
-    PetscInt petscIntegers = PetscInt::Bits32;  ///< for .petsc
+    std::vector<std::string> comments = {};     ///< comments of an .mtx: see writeMatrixMarket()
+    PetscInt petscIntegers = PetscInt::Bits32;  ///< size of the integers of a .petsc
 };
 
 /// Returns the files that writeMatrix() writes for a path: the path itself, or three files for

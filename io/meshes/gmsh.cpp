@@ -402,10 +402,10 @@ private:
     TextReader text_;
     bool isVersion4_ = false;
     bool isBinary_ = false;
-    std::optional<std::endian> order_;                  ///< of a binary file
+    std::optional<std::endian> order_;                  ///< the byte order of a binary file
     bool isDense_ = true;                               ///< whether node i has the tag i + 1
-    std::vector<std::pair<std::int64_t, Index>> tags_;  ///< of all nodes, and the nodes
-    std::vector<Index> nodes_;                          ///< of the current element
+    std::vector<std::pair<std::int64_t, Index>> tags_;  ///< the tags of all nodes, and the nodes
+    std::vector<Index> nodes_;                          ///< the nodes of the current element
 };
 
 constexpr MeshFormat kGmshMesh = {

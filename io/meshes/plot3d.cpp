@@ -170,7 +170,7 @@ private:
     std::size_t numbers_ = 0;
     std::size_t position_ = 0, line_ = 1;
     std::size_t words_ = 0;      ///< number of words read, for checkCancelledEvery()
-    std::size_t headerEnd_ = 0;  ///< of the variant that was tried last
+    std::size_t headerEnd_ = 0;  ///< the end of the header in the variant that was tried last
 };
 
 /// Reads Fortran's unformatted records, or the same data without the lengths of records.

@@ -223,7 +223,7 @@ private:
           zoneEnd_ = 0;              ///< the points of the current zone, as far as they are read
     std::optional<Index> lastNode_;  ///< the largest that an element of the zone names
     std::size_t lastNodeLine_ = 0;
-    std::vector<Index> nodes_;  ///< of the current element
+    std::vector<Index> nodes_;  ///< the nodes of the current element
 };
 
 constexpr MeshFormat kSu2Mesh = {

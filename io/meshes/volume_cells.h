@@ -43,12 +43,12 @@ private:
     struct Cell {
         bool isStandard;
         far::StandardCell kind;
-        std::size_t begin;  ///< in points_ or in loops_
+        std::size_t begin;  ///< position in points_ or in loops_
         std::size_t end;
     };
 
     std::vector<Cell> cells_;
-    std::vector<Index> points_;  ///< of standard cells
+    std::vector<Index> points_;  ///< the points of standard cells
     std::vector<std::vector<Index>> loops_;
     Index curvedCells_ = 0;
     Index unknownElements_ = 0;

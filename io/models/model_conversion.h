@@ -49,7 +49,7 @@ private:
 
     const Model& model_;
     const Format& format_;
-    ModelSurface surface_;                      ///< with the faces and normals of the new file
+    ModelSurface surface_;                      ///< has the faces and normals of the new file
     std::optional<std::vector<Index>> points_;  ///< the points that are written, if not all are
     std::vector<std::string> changes_;
 };

@@ -94,7 +94,7 @@ Point3 rounded(Point3 direction, double scale) {
 
 /// A number in a corner, and the point or normal that it names.
 struct Reference {
-    std::int64_t number;  ///< as it is written; negative numbers count back
+    std::int64_t number;  ///< the number in the file; negative numbers count back
     std::size_t index;    ///< number of the point or normal, from 0
 };
 

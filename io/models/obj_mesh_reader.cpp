@@ -320,9 +320,9 @@ bool parseCorner(std::string_view corner, std::int64_t& vertex, std::int64_t& te
 /// The faces or the lines of a file.
 struct Paths {
     const char* name;                      ///< "face" or "line"
-    std::vector<std::int64_t> corners;     ///< of all paths, from 0; may exceed the last vertex
-    std::vector<std::size_t> ends;         ///< per path: end of its corners
-    std::vector<std::size_t> lineNumbers;  ///< per path: its line in the file
+    std::vector<std::int64_t> corners;     ///< vertices of all paths, from 0; some may not exist
+    std::vector<std::size_t> ends;         ///< the end of the corners of each path
+    std::vector<std::size_t> lineNumbers;  ///< the line of each path in the file
     /// Texture coordinates of all corners, from 0; −1 where a corner has none; may exceed the last.
     std::vector<std::int64_t> textures = {};
     std::size_t count() const { return ends.size(); }

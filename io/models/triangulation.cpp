@@ -188,8 +188,8 @@ private:
         return found ? found : findIn(query, 2 * number + 1);
     }
 
-    std::vector<Node> nodes_;          ///< from 1
-    std::vector<std::size_t> places_;  ///< per corner of the polygon: its leaf; 0: it is in none
+    std::vector<Node> nodes_;          ///< numbered from 1
+    std::vector<std::size_t> places_;  ///< the leaf of each corner of the polygon; 0: it is in none
 };
 
 /// Cuts ears off. A corner is tested at first, when one of its neighbours was cut, and when the
@@ -267,7 +267,7 @@ private:
     std::vector<std::size_t> before_, after_;  ///< the neighbours of each corner that is not cut
     std::vector<bool> isCut_;
     CornerTree reflex_;  ///< the corners that are not convex, or once were not
-    std::vector<std::vector<std::size_t>> waiting_;  ///< per place of reflex_
+    std::vector<std::vector<std::size_t>> waiting_;  ///< one list per place of reflex_
     std::deque<std::size_t> candidates_;
     std::vector<Triangle> triangles_;
 };

@@ -97,7 +97,7 @@ private:
     bool acceptsCurved_;
     Index firstVertex_ = 0;
     Index pieceVertexCount_ = 0;
-    Index cellCount_ = 0;   ///< of the cells of a volume
+    Index cellCount_ = 0;   ///< number of cells of a volume
     Index cellInFile_ = 0;  ///< number of the next cell in the file
     std::size_t maxEdges_ = 0;
 };

@@ -23,7 +23,7 @@ struct LegacyArray {
     Owner owner = Owner::DataSet;
     bool isNormals = false;  ///< has the keyword NORMALS
     std::string name;
-    std::string type;  ///< in lower case: "float"
+    std::string type;  ///< the type in lower case: "float"
     std::size_t components = 1;
     std::size_t tuples = 0;
 

@@ -25,7 +25,7 @@ namespace espalier::io {
 struct VtkCoding {
     std::endian byteOrder = std::endian::little;
     bool has64BitHeader = true;  ///< header_type UInt64, else UInt32
-    bool isCompressed = true;    ///< with zlib
+    bool isCompressed = true;    ///< true if zlib compresses the arrays
 };
 
 enum class PayloadForm { Raw, Base64 };

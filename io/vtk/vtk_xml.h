@@ -55,8 +55,8 @@ struct VtkSection {
 
 struct VtkPiece {
     std::size_t line = 1;
-    std::map<std::string, std::size_t> counts;   ///< by attribute, such as "NumberOfPoints"
-    std::map<std::string, VtkSection> sections;  ///< by element name
+    std::map<std::string, std::size_t> counts;   ///< counts by attribute, such as "NumberOfPoints"
+    std::map<std::string, VtkSection> sections;  ///< sections by the names of elements
 };
 
 /// A serial VTK XML file. Numbers are decoded when they are requested. Claimed sizes are compared
@@ -144,7 +144,8 @@ private:
     VtkSection fieldData_;
     std::vector<VtkPiece> pieces_;
     PayloadForm appendedForm_ = PayloadForm::Raw;
-    std::size_t appendedBegin_ = 0;  ///< after the "_"; without appended data, begin and end are 0
+    std::size_t appendedBegin_ =
+        0;  ///< place after the "_"; 0, like the end, without appended data
     std::size_t appendedEnd_ = 0;
 };
 

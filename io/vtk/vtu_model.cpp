@@ -276,7 +276,7 @@ private:
     }
 
     VtkXmlFile file_;
-    std::vector<PointArray> arrays_;  ///< in the order of the file
+    std::vector<PointArray> arrays_;  ///< the arrays in the order of the file
     std::vector<Point3> positions_;
 };
 

@@ -33,7 +33,7 @@ struct CompiledTable<Real>::Data {
     Index rowCount, columnCount;
     kernels::Kernels<Real> kernels;
     Rows rows;
-    Index maxColumns;  ///< of any group
+    Index maxColumns;  ///< maximum number of columns of a group
 
     std::span<const Index> columnsOf(const typename Rows::Group& group) const {
         return std::span(rows.groupColumns).subspan(group.firstColumn, group.columnCount);

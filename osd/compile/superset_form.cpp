@@ -223,8 +223,8 @@ private:
     // find() works on these. They are members so that all supersets use the same memory.
     std::vector<Index> shared_;         ///< 0, 1, …: positions of the superset's columns
     std::vector<Index> places_;         ///< 0, 1, …: places of all rows
-    std::vector<const Real*> weights_;  ///< of all rows, by place
-    std::vector<char> isProduct_;       ///< for each row of a subset
+    std::vector<const Real*> weights_;  ///< the weights of all rows, by place
+    std::vector<char> isProduct_;       ///< whether each row of a subset is an outer product
     std::vector<Index> products_;       ///< places of rows that are outer products
     std::vector<Index> others_;         ///< places of rows of a subset that are not
     std::vector<Index> left_;  ///< places of rows that do not fill panels with the columns of their

@@ -18,7 +18,7 @@ namespace espalier::osd {
 /// subset. A column has a position among the columns of the superset.
 struct Superset {
     std::span<const Index> columns;
-    std::vector<Index> rows;  ///< by place
+    std::vector<Index> rows;  ///< the row of each place
     /// Subset s has places subsets[s] to subsets[s + 1] − 1. One of the subsets is the superset.
     std::vector<Index> subsets;
 
@@ -34,12 +34,12 @@ template <class Real>
 struct SupersetForm {
     /// Rows that share their columns: panels of weights, or outer products.
     struct Group {
-        Index firstPosition, columnCount;  ///< in positions
-        Index firstPlace, rowCount;        ///< in places
-        std::size_t firstFactor;           ///< in factors, for outer products
-        std::array<Index, 3> size;         ///< of an outer product; zeros for panels of weights
-        std::uint64_t key;                 ///< equal for groups with the same numbers
-        Offset firstNumber;                ///< in the compiled table: set by storeNumbers()
+        Index firstPosition, columnCount;  ///< a range of positions
+        Index firstPlace, rowCount;        ///< a range of places
+        std::size_t firstFactor;           ///< position in factors, of outer products
+        std::array<Index, 3> size;  ///< sizes of an outer product; zeros for panels of weights
+        std::uint64_t key;          ///< equal for groups with the same numbers
+        Offset firstNumber;         ///< position in the compiled table: set by storeNumbers()
 
         /// Returns how many numbers the group has for each row.
         std::size_t length() const {
@@ -47,13 +47,13 @@ struct SupersetForm {
         }
     };
     std::vector<Group> groups;
-    std::vector<Index> positions;  ///< of the columns of the groups
-    std::vector<Index> places;     ///< of the rows of the groups
-    Array<Real> factors;           ///< of the outer products, row by row
+    std::vector<Index> positions;  ///< positions of the columns of the groups
+    std::vector<Index> places;     ///< places of the rows of the groups
+    Array<Real> factors;           ///< factors of the outer products, row by row
     std::vector<Index> ungrouped;  ///< places of the other rows
 
     Superset first;                      ///< the first superset with this form
-    std::vector<Index> subsetPositions;  ///< of its columns, for each subset of `first`
+    std::vector<Index> subsetPositions;  ///< positions of the columns of each subset of `first`
 
     /// Returns the numbers of row i of a group: its factors or its weights.
     /// \param spread gets the weights if the row lacks some columns of the group: there the weight
@@ -66,7 +66,7 @@ struct SupersetForm {
 template <class Real>
 struct FormBlock {
     std::vector<Index> supersets;
-    std::vector<Index> formOf;  ///< for each superset, its place in `forms`
+    std::vector<Index> formOf;  ///< the place in `forms` of the form of each superset
     std::vector<SupersetForm<Real>> forms;
 };
 

@@ -24,8 +24,9 @@ inline constexpr std::size_t kMaxRowsPerGroup = 1024;
 
 /// The order in which the numbers of a group are stored.
 enum class NumberOrder {
-    Panels,  ///< for PanelRun and ProductRun
-    Adjoint  ///< for AdjointRun; outer products of which it takes no factors have weights
+    Panels,  ///< the order that PanelRun and ProductRun read
+    Adjoint  ///< the order that AdjointRun reads; outer products have weights if it takes no
+             ///< factors
 };
 
 /// A table whose rows are stored in three forms: panels, outer products and runs. Each row is in
@@ -34,13 +35,13 @@ template <class Real>
 struct CompiledRows {
     /// Rows that share their columns; evaluated as PanelRun or ProductRun, or as AdjointRun.
     struct Group {
-        Offset firstColumn;  ///< in groupColumns
+        Offset firstColumn;  ///< position in groupColumns
         Index columnCount;
-        Offset firstNumber;  ///< in groupNumbers, which groups may share
-        Offset firstRow;     ///< in groupRows
+        Offset firstNumber;  ///< position in groupNumbers, which groups may share
+        Offset firstRow;     ///< position in groupRows
         Index rowCount;
         Index lowest, highest;      ///< row numbers
-        std::array<Index, 3> size;  ///< of an outer product; zeros for weights
+        std::array<Index, 3> size;  ///< sizes of an outer product; zeros for weights
     };
     std::vector<Group> groups;
     /// Task t is groups taskStarts[t] to taskStarts[t + 1] − 1. One thread evaluates a task.
@@ -52,10 +53,10 @@ struct CompiledRows {
     /// Rows of equal length; evaluated as RowRun.
     struct Run {
         Index length;
-        Offset firstColumn;  ///< in columns
-        Offset firstWeight;  ///< in weights
+        Offset firstColumn;  ///< position in columns
+        Offset firstWeight;  ///< position in weights
         bool isShared;       ///< true if all rows have the same weights
-        Offset firstRow;     ///< in rows
+        Offset firstRow;     ///< position in rows
         Index rowCount;
     };
     std::vector<Run> runs;

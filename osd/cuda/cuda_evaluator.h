@@ -139,7 +139,7 @@ private:
 template <class Real>
 struct CudaAddend {
     DeviceSpan<const Real> values = {};
-    BufferDescriptor layout = {};  ///< as of Addend; a length of 0 adds nothing
+    BufferDescriptor layout = {};  ///< has the rules of Addend::layout; a length of 0 adds nothing
 
     /// Returns `values` as packed entries of `length` components.
     static CudaAddend packed(DeviceSpan<const Real> values, Offset length) {

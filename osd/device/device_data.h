@@ -23,13 +23,13 @@ inline constexpr Index kNoSpline = -1, kLimitSpline = 0;
 
 /// Rows that share their columns, as in CompiledRows, in panels of kernels::kLanes rows.
 struct Group {
-    Offset firstColumn;  ///< in Groups::columns
-    Offset firstNumber;  ///< in Groups::numbers, which groups may share
-    Offset firstRow;     ///< in Groups::rows
+    Offset firstColumn;  ///< position in Groups::columns
+    Offset firstNumber;  ///< position in Groups::numbers, which groups may share
+    Offset firstRow;     ///< position in Groups::rows
     Index columnCount;
     Index rowCount;
     Index lowest, highest;  ///< row numbers
-    Index size[3];          ///< of an outer product; zeros for panels of weights
+    Index size[3];          ///< sizes of an outer product; zeros for panels of weights
     Index spline;  ///< kNoSpline: the numbers are weights or factors; otherwise each row has three
                    ///< parameters (spline_weights.h)
 };
@@ -76,8 +76,8 @@ struct TableView {
     Groups<Real> groups;
     TaskList panels;
     TaskList products[kProductLists];  ///< one list for each of kSizes, and kSplines
-    Index maxProductColumns;           ///< of any outer product larger than 4
-    SparseRows<Real> ungrouped;        ///< rows that are in no group
+    Index maxProductColumns;     ///< maximum number of columns of an outer product larger than 4
+    SparseRows<Real> ungrouped;  ///< rows that are in no group
 };
 
 /// One step of the adjoint: adds up earlier results, for some places or for the columns of the
@@ -95,9 +95,9 @@ struct SumStep {
 template <class Real>
 struct AdjointView {
     TaskList panels, products, splines;  ///< tiles of columns
-    SparseRows<Real> segments;           ///< of the columns of the ungrouped rows
+    SparseRows<Real> segments;           ///< segments of the columns of the ungrouped rows
     Offset firstSegment;                 ///< place of the sum of the first segment
-    const SumStep<Real>* steps;          ///< in memory of the host
+    const SumStep<Real>* steps;          ///< an array in the memory of the host
     int stepCount;
     Offset placeCount;
 };

@@ -16,7 +16,7 @@ inline constexpr unsigned kMaxShared = 48 * 1024;
 
 struct Blocks {
     unsigned count;
-    unsigned warps;  ///< of each
+    unsigned warps;  ///< number of warps of each block
 };
 
 /// Distributes warps over blocks. Each warp needs `sharedBytes` bytes of shared memory, at most

@@ -34,8 +34,7 @@ namespace espalier::osd::device {
 template <int width, class Real>
 struct PanelKernel {
     static constexpr int kBlocks = 4;
-    static constexpr Index kColumns = 64;  ///< number of columns whose entries are in shared memory
-                                           ///< at a time
+    static constexpr Index kColumns = 64;  ///< columns whose entries are in shared memory at a time
 
     Groups<Real> table;
     TaskList tasks;
@@ -119,7 +118,7 @@ struct ProductKernel {
 
     Groups<Real> table;
     TaskList tasks;
-    Index maxColumns;  ///< of any outer product, if n is 0
+    Index maxColumns;  ///< maximum number of columns of an outer product, if n is 0
     Evaluation<Real> evaluation;
     Components components;
     Index warpsAtOnce = 1;

@@ -42,8 +42,9 @@ SparseArrays<Real> ownRows(StencilTable<Real> table) {
 
 /// Rows, cut into segments of at most kMaxEntries entries.
 struct RowSegments {
-    std::vector<Offset> offsets = {0};       ///< of the segments, in the entries
-    std::vector<Offset> firstSegments = {};  ///< of each row, and the number of segments at the end
+    std::vector<Offset> offsets = {0};  ///< offsets of the segments in the entries
+    /// The first segment of each row; at the end, the number of segments.
+    std::vector<Offset> firstSegments = {};
 };
 
 RowSegments splitRows(std::span<const Offset> offsets) {

@@ -48,7 +48,7 @@ struct ESPALIER_API TableArrays {
     std::vector<Index> groupRows = {};
     std::vector<Task> panels = {};
     std::array<std::vector<Task>, kProductLists> products = {};
-    Index maxProductColumns = 0;   ///< of any outer product larger than 4
+    Index maxProductColumns = 0;   ///< maximum number of columns of an outer product larger than 4
     Index parametricRowCount = 0;  ///< number of rows that are stored as three parameters
     SparseArrays<Real> ungrouped = {};
 

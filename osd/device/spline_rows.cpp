@@ -52,7 +52,7 @@ std::span<const Piece> piecesOf(Index size) {
 /// The factors of one axis of a row, as weights of a spline.
 template <class Real>
 struct Fit {
-    std::uint8_t piece;  ///< of piecesOf()
+    std::uint8_t piece;  ///< number of the piece in piecesOf()
     Real t;
     double difference;  ///< Σ |w − w'|
 };
@@ -370,7 +370,7 @@ private:
     AlignedVector<Real> numbers_;
     std::map<Cell, std::vector<SplineRow>> cells_;
     std::vector<std::vector<Index>> left_;       ///< rows of each group that stay in it
-    std::vector<bool> isSplit_;                  ///< for each group: whether it has rows of cells
+    std::vector<bool> isSplit_;                  ///< whether each group has rows of cells
     std::unordered_map<Offset, Offset> places_;  ///< old place of kept numbers → new place
     Index last_ = kLimitSpline;                  ///< the spline that was found last
 };

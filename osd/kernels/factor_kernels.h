@@ -236,7 +236,7 @@ private:
     Index n_, m_, l_;
     // The sum of three factors of kMaxProductColumns is largest if two of them are 1.
     Wides sums_[kMaxProductColumns + 2];   ///< later the factors
-    Doubles weights_[kMaxProductColumns];  ///< in the order of the product
+    Doubles weights_[kMaxProductColumns];  ///< weights in the order of the product
     Wides total_;
     Doubles largest_;
     Wides excess_;  ///< larger than kTiny if a product is farther from its weight than allowed

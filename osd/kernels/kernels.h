@@ -85,7 +85,8 @@ struct AdjointRun {
     /// Kernels::adjointColumns columns, row by row. kLanes more numbers are read after the last
     /// one, and have no effect on results.
     const Real* numbers;
-    Index size[3];  ///< of outer products for which adjointTakesFactors(); size[0] is 0 for weights
+    Index size[3];  ///< sizes of outer products for which adjointTakesFactors(); size[0] is 0 for
+                    ///< weights
     Index columnCount;
     const Index* rows;  ///< the row numbers: rowCount
     Index rowCount;
@@ -119,9 +120,9 @@ struct RowValues {
 /// Rows that share their columns, to be split into factors (compile/outer_product.h).
 template <class Real>
 struct FactorRun {
-    const Real* const* weights;  ///< of each row: weightCount numbers
+    const Real* const* weights;  ///< the weights of each row: weightCount numbers
     Index rowCount;
-    Index weightCount;     ///< at most kMaxProductColumns
+    Index weightCount;     ///< number of weights of a row, at most kMaxProductColumns
     const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: the place of
                            ///< each weight in a row; weightCount if rows lack this column
     Index size[3];
