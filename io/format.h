@@ -33,7 +33,7 @@ struct Format {
     /// In lower case: ".obj". Most formats have one.
     std::array<std::string_view, 3> extensions = {};
 
-    /// What users call the format, if it has no extension: "an OpenFOAM case".
+    /// The name of the format in lists, if it has no extension: "an OpenFOAM case".
     std::string_view words = {};
 
     /// True for meshes of simulations: their cells are read, and only coordinates are replaced.
@@ -90,8 +90,8 @@ struct Format {
     bool holds(FileContent content, FileUse use) const;
 };
 
-// All formats. Each is defined beside its reader or writer. A new one also has a line in the list
-// of formats.cpp.
+// All formats. Each is defined beside its reader or writer. The list in formats.cpp needs each one,
+// too.
 extern const Format kOvmFormat, kObjFormat, kPlyFormat, kStlFormat, kVtuFormat, kVtpFormat,
     kVtkLegacyFormat;
 extern const Format kGmshFormat, kSu2Format, kMeditFormat, kPlot3dFormat, kFoamFormat;
@@ -100,10 +100,8 @@ extern const Format kMatrixMarketFormat, kNumpyArchiveFormat, kNumpyArraysFormat
 extern const Format kPointCacheFormat, kMotionDesignerFormat, kGltfFormat;
 extern const Format kBoundModelFormat, kTargetsFormat;
 
-/// Returns the format that a path names; null if it names none.
-const Format* findFormat(const std::filesystem::path& path);
-
-/// Returns the format that a path names if the format holds this content; null otherwise.
+/// Returns the format with this content that a path names; null if there is none. (A folder "a.obj"
+/// can be a case of OpenFOAM, and so a lattice.)
 const Format* findFormat(const std::filesystem::path& path, FileContent content,
                          FileUse use = FileUse::Read);
 

@@ -24,6 +24,13 @@ std::vector<const Format*>& formats() {
     return formats;
 }
 
+/// Returns true if a path names this format.
+bool isPathOf(const Format& format, const std::filesystem::path& path) {
+    const std::string extension = lowerCase(path.extension().string());
+    return (!extension.empty() && std::ranges::count(format.extensions, extension) > 0) ||
+           (format.isPath && format.isPath(path));
+}
+
 /// Returns ".ovm, .vtu or .vtk".
 std::string joined(const std::vector<std::string>& names) {
     std::string text;
@@ -57,18 +64,10 @@ bool Format::holds(FileContent content, FileUse use) const {
     return false;
 }
 
-const Format* findFormat(const std::filesystem::path& path) {
-    const std::string extension = lowerCase(path.extension().string());
-    for (const Format* format : formats())
-        if ((!extension.empty() && std::ranges::count(format->extensions, extension) > 0) ||
-            (format->isPath && format->isPath(path)))
-            return format;
-    return nullptr;
-}
-
 const Format* findFormat(const std::filesystem::path& path, FileContent content, FileUse use) {
-    const Format* const format = findFormat(path);
-    return format && format->holds(content, use) ? format : nullptr;
+    for (const Format* format : formats())
+        if (format->holds(content, use) && isPathOf(*format, path)) return format;
+    return nullptr;
 }
 
 void addFormat(const Format& format) {

@@ -15,7 +15,7 @@
 
 namespace espalier::io {
 
-/// What a file holds for its user. Some formats hold several of these.
+/// A kind of content of files. A format may hold several kinds.
 enum class FileContent {
     Lattice,
     Mesh,  ///< a curve or a mesh, which can be refined

@@ -32,7 +32,7 @@ constexpr Format formatOfMatrices(std::string_view extension, Reader read, Write
 Reader readerOf(const Path& path) {
     if (const Format* format = findFormat(path, FileContent::Matrix)) return format->readMatrix;
     const std::string expected = "; expected " + listOfFormats(FileContent::Matrix, FileUse::Read);
-    if (findFormat(path) == &kNumpyArraysFormat)
+    if (findFormat(path, FileContent::Matrix, FileUse::Write) == &kNumpyArraysFormat)
         throw FileError(path,
                         "cannot be read as a matrix: arrays in .npy files do not have its "
                         "number of columns" +
@@ -58,7 +58,7 @@ const Format kPetscBinaryFormat = formatOfMatrices(
     });
 
 std::vector<Path> matrixPaths(const Path& path) {
-    if (findFormat(path) != &kNumpyArraysFormat) return {path};
+    if (findFormat(path, FileContent::Matrix, FileUse::Write) != &kNumpyArraysFormat) return {path};
     const auto paths = npyPaths(path);
     return {paths.begin(), paths.end()};
 }

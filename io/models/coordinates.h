@@ -91,8 +91,8 @@ class TextChanges {
 public:
     /// \param text, changes must outlive this
     /// \param dimension number of axes that the text has
-    /// \cost O(1) if the text has the numbers of each axis in the order of the points; otherwise
-    ///       they are sorted
+    /// \cost O(points). If the text has the numbers of an axis in another order than the points, it
+    ///       also sorts them
     TextChanges(std::string_view text, std::span<const VectorChange> changes,
                 std::size_t dimension = 3);
 

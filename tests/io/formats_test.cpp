@@ -63,6 +63,11 @@ TEST(Formats, OfAFolderAreOpenFoams) {
         EXPECT_FALSE(isFileOf(content, ""));
     }
     EXPECT_FALSE(isFileOf(FileContent::Matrix, folder.path()));
+    // A case may have any name, also the extension of a format without lattices.
+    const auto named = folder / "case.txt";
+    std::filesystem::create_directory(named);
+    EXPECT_TRUE(isFileOf(FileContent::Lattice, named));
+    EXPECT_TRUE(isFileOf(FileContent::Model, named));
 }
 
 // A new format of models is in the tests of faults while files are written, if it is here.
