@@ -32,7 +32,7 @@ inline std::optional<Index> repeatedIn(std::span<const Index> numbers) {
 }
 
 /// Returns the position of a value in ascending numbers that contain it.
-inline Index placeIn(std::span<const Index> ascending, Index value) {
+inline Index indexIn(std::span<const Index> ascending, Index value) {
     return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
                               ascending.begin());
 }

@@ -86,7 +86,7 @@ ESPALIER_C_API espalier_status espalier_select_numbers(int32_t vertex_count,
 
 // ---- Operations -----------------------------------------------------------------------------
 
-/// The positions that an operation moves, and its place. Start from
+/// The positions that an operation moves, its centre and its range. Start from
 /// espalier_default_pose_options(): later versions may add fields, and `size` tells the library
 /// which fields exist. Operations ignore fields that they do not need.
 typedef struct espalier_pose_options {

@@ -33,21 +33,21 @@ espalier_status select(std::int32_t count, const double* given, const espalier_f
     });
 }
 
-shapes::pose::Place placeOf(std::int32_t count, const espalier_pose_options* options) {
+shapes::pose::Options optionsOf(std::int32_t count, const espalier_pose_options* options) {
     const auto chosen = optionsOrDefaults(options, espalier_default_pose_options(),
                                           "espalier_default_pose_options");
-    shapes::pose::Place place;
-    if (chosen.weights != nullptr) place.weights = array(chosen.weights, count, "weights");
-    if (chosen.center != nullptr) place.center = point(chosen.center, "center");
-    if (chosen.range != nullptr) place.range = {chosen.range[0], chosen.range[1]};
-    return place;
+    shapes::pose::Options made;
+    if (chosen.weights != nullptr) made.weights = array(chosen.weights, count, "weights");
+    if (chosen.center != nullptr) made.center = point(chosen.center, "center");
+    if (chosen.range != nullptr) made.range = {chosen.range[0], chosen.range[1]};
+    return made;
 }
 
 void write(const std::vector<Point3>& points, std::span<double> to) {
     if (!points.empty()) std::memcpy(to.data(), points.data(), to.size_bytes());
 }
 
-/// Writes the positions that operate(positions, place) returns.
+/// Writes the positions that operate(positions, options) returns.
 template <class Operate>
 espalier_status operate(std::int32_t count, const double* given,
                         const espalier_pose_options* options, double* pose,
@@ -55,8 +55,7 @@ espalier_status operate(std::int32_t count, const double* given,
     return guarded([&] {
         const auto from = positions(given, count, "positions");
         const auto to = array(pose, count, "pose", 3);
-        const shapes::pose::Place place = placeOf(count, options);
-        write(operate(from, place), to);
+        write(operate(from, optionsOf(count, options)), to);
     });
 }
 
@@ -124,8 +123,8 @@ espalier_status espalier_pose_move(int32_t vertex_count, const double* positions
                                    const double offset[3], const espalier_pose_options* options,
                                    double* pose) {
     return c::operate(
-        vertex_count, positions, options, pose, [&](const auto& from, const auto& place) {
-            return shapes::pose::move(from, c::point(offset, "offset"), place.weights);
+        vertex_count, positions, options, pose, [&](const auto& from, const auto& chosen) {
+            return shapes::pose::move(from, c::point(offset, "offset"), chosen.weights);
         });
 }
 
@@ -133,8 +132,8 @@ espalier_status espalier_pose_rotate(int32_t vertex_count, const double* positio
                                      const double axis[3], double angle,
                                      const espalier_pose_options* options, double* pose) {
     return c::operate(vertex_count, positions, options, pose,
-                      [&](const auto& from, const auto& place) {
-                          return shapes::pose::rotate(from, c::point(axis, "axis"), angle, place);
+                      [&](const auto& from, const auto& chosen) {
+                          return shapes::pose::rotate(from, c::point(axis, "axis"), angle, chosen);
                       });
 }
 
@@ -142,8 +141,8 @@ espalier_status espalier_pose_scale(int32_t vertex_count, const double* position
                                     const double factors[3], const espalier_pose_options* options,
                                     double* pose) {
     return c::operate(vertex_count, positions, options, pose,
-                      [&](const auto& from, const auto& place) {
-                          return shapes::pose::scale(from, c::point(factors, "factors"), place);
+                      [&](const auto& from, const auto& chosen) {
+                          return shapes::pose::scale(from, c::point(factors, "factors"), chosen);
                       });
 }
 
@@ -151,8 +150,8 @@ espalier_status espalier_pose_twist(int32_t vertex_count, const double* position
                                     const double axis[3], double angle,
                                     const espalier_pose_options* options, double* pose) {
     return c::operate(vertex_count, positions, options, pose,
-                      [&](const auto& from, const auto& place) {
-                          return shapes::pose::twist(from, c::point(axis, "axis"), angle, place);
+                      [&](const auto& from, const auto& chosen) {
+                          return shapes::pose::twist(from, c::point(axis, "axis"), angle, chosen);
                       });
 }
 
@@ -160,9 +159,9 @@ espalier_status espalier_pose_bend(int32_t vertex_count, const double* positions
                                    const double axis[3], double angle, const double toward[3],
                                    const espalier_pose_options* options, double* pose) {
     return c::operate(vertex_count, positions, options, pose,
-                      [&](const auto& from, const auto& place) {
+                      [&](const auto& from, const auto& chosen) {
                           return shapes::pose::bend(from, c::point(axis, "axis"), angle,
-                                                    c::point(toward, "toward"), place);
+                                                    c::point(toward, "toward"), chosen);
                       });
 }
 
@@ -170,8 +169,8 @@ espalier_status espalier_pose_taper(int32_t vertex_count, const double* position
                                     const double axis[3], double factor,
                                     const espalier_pose_options* options, double* pose) {
     return c::operate(vertex_count, positions, options, pose,
-                      [&](const auto& from, const auto& place) {
-                          return shapes::pose::taper(from, c::point(axis, "axis"), factor, place);
+                      [&](const auto& from, const auto& chosen) {
+                          return shapes::pose::taper(from, c::point(axis, "axis"), factor, chosen);
                       });
 }
 

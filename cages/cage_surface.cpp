@@ -89,13 +89,13 @@ CageSurface::CageSurface(const far::TopologyRefiner& lattice) {
     }
     sortUnique(names);
     for (auto& loop : loops)
-        for (Index& vertex : loop) vertex = placeIn(names, vertex);
+        for (Index& vertex : loop) vertex = indexIn(names, vertex);
     far::RefinerOptions options;
     far::CellComplex mesh = far::buildMesh(static_cast<Index>(names.size()), loops);
     for (Index edge = 0; edge < complex.count(1); ++edge) {
         if (strata.of({1, edge}) != 1 || strata.smoothStratum({1, edge}) != 2) continue;
         const auto ends = complex.relation(1, 0)[edge];
-        options.marks.edges.push_back({{placeIn(names, ends[0]), placeIn(names, ends[1])}});
+        options.marks.edges.push_back({{indexIn(names, ends[0]), indexIn(names, ends[1])}});
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
         const auto vertex = static_cast<Index>(i);

@@ -317,7 +317,7 @@ bool ModelSurface::addClosed(std::span<const Triangle> piece, std::span<const in
     for (const auto& edge : boundary) names.insert(names.end(), edge.begin(), edge.end());
     sortUnique(names);
     DisjointSets groups(names.size());
-    for (const auto& edge : boundary) groups.join(placeIn(names, edge[0]), placeIn(names, edge[1]));
+    for (const auto& edge : boundary) groups.join(indexIn(names, edge[0]), indexIn(names, edge[1]));
     std::vector<Index> capOf(names.size(), -1), sizes;
     std::vector<Point3> apexes;
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -334,14 +334,14 @@ bool ModelSurface::addClosed(std::span<const Triangle> piece, std::span<const in
         apexes[cap] = scaled(apexes[cap], 1.0 / sizes[cap]);
     double capArea = 0;
     for (const auto& [a, b] : boundary) {
-        const Point3& apex = apexes[capOf[groups.rootOf(placeIn(names, a))]];
+        const Point3& apex = apexes[capOf[groups.rootOf(indexIn(names, a))]];
         capArea += length(cross(difference(points_[a], apex), difference(points_[b], apex))) / 2;
     }
     if (!(capArea <= kMostOpen * area)) return false;
     closed.capBegin = piece.size();
     const auto firstApex = static_cast<Index>(points_.size());
     for (const auto& [a, b] : boundary)
-        closed.triangles.push_back({b, a, firstApex + capOf[groups.rootOf(placeIn(names, a))]});
+        closed.triangles.push_back({b, a, firstApex + capOf[groups.rootOf(indexIn(names, a))]});
     points_.insert(points_.end(), apexes.begin(), apexes.end());
     double volume = 0;
     const Point3& origin = points_[piece[0][0]];

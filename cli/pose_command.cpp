@@ -33,8 +33,8 @@ constexpr const char* kSelectAll = "--select-all";
 
 class Posing;
 
-/// An option that selects vertices, sets a place or runs an operation, and its effect. Steps run in
-/// the order of the options.
+/// An option that selects vertices, sets an option or runs an operation, and its effect. Steps run
+/// in the order of the options.
 struct Step {
     std::string option;
     std::function<void(Posing&)> run;
@@ -228,12 +228,12 @@ public:
         falloff_ = falloff;
     }
 
-    /// Replaces the positions by operate(positions, place).
+    /// Replaces the positions by operate(positions, options).
     template <class Operate>
     void operate(const Operate& operate) {
         const std::vector<double> selected = weights();
         positions_ =
-            operate(std::span<const Point3>(positions_), pose::Place{selected, center, range});
+            operate(std::span<const Point3>(positions_), pose::Options{selected, center, range});
     }
 
     std::optional<Point3> center, toward;
@@ -343,8 +343,9 @@ void addAlongAxis(CLI::App& command, std::vector<Step>& steps, const std::string
                   const std::string& numberName, const std::string& help, Operate operate) {
     using AxisAndNumber = std::array<std::string, 2>;
     const auto run = [operate](Posing& posing, const AxisAndNumber& values) {
-        posing.operate([&](const auto& positions, const pose::Place& place) {
-            return operate(positions, *directionOf(values[0]), *numberOf(values[1]), place, posing);
+        posing.operate([&](const auto& positions, const pose::Options& options) {
+            return operate(positions, *directionOf(values[0]), *numberOf(values[1]), options,
+                           posing);
         });
     };
     const std::string names = "AXIS " + numberName;
@@ -362,8 +363,8 @@ double radians(double degrees) {
 void addOperations(CLI::App& command, std::vector<Step>& steps) {
     takeNumbers(addStep<Point3>(command, steps, "--move", "Move by a vector",
                                 [](Posing& posing, const Point3& offset) {
-                                    posing.operate([&](const auto& positions, const auto& place) {
-                                        return pose::move(positions, offset, place.weights);
+                                    posing.operate([&](const auto& positions, const auto& options) {
+                                        return pose::move(positions, offset, options.weights);
                                     });
                                 }),
                 "X Y Z");
@@ -371,8 +372,8 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
         command, steps, "--rotate", "DEGREES",
         "Rotate about an axis (x, y or z) through the centre, anticlockwise seen from its "
         "tip",
-        [](const auto& positions, const Point3& axis, double degrees, const auto& place,
-           const Posing&) { return pose::rotate(positions, axis, radians(degrees), place); });
+        [](const auto& positions, const Point3& axis, double degrees, const auto& options,
+           const Posing&) { return pose::rotate(positions, axis, radians(degrees), options); });
     takeNumbers(
         addStep<std::vector<double>>(
             command, steps, "--scale", "Scale about the centre",
@@ -382,8 +383,8 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
                 const double first = factors.front();
                 const Point3 three = factors.size() == 1 ? Point3{first, first, first}
                                                          : Point3{first, factors[1], factors[2]};
-                posing.operate([&](const auto& positions, const auto& place) {
-                    return pose::scale(positions, three, place);
+                posing.operate([&](const auto& positions, const auto& options) {
+                    return pose::scale(positions, three, options);
                 });
             }),
         "FACTOR|X Y Z")
@@ -391,20 +392,20 @@ void addOperations(CLI::App& command, std::vector<Step>& steps) {
     addAlongAxis(
         command, steps, "--twist", "DEGREES",
         "Rotate about an axis, by an angle that grows from 0 along the axis",
-        [](const auto& positions, const Point3& axis, double degrees, const auto& place,
-           const Posing&) { return pose::twist(positions, axis, radians(degrees), place); });
+        [](const auto& positions, const Point3& axis, double degrees, const auto& options,
+           const Posing&) { return pose::twist(positions, axis, radians(degrees), options); });
     addAlongAxis(command, steps, "--bend", "DEGREES", "Bend the axis into an arc of a circle",
-                 [](const auto& positions, const Point3& axis, double degrees, const auto& place,
+                 [](const auto& positions, const Point3& axis, double degrees, const auto& options,
                     const Posing& posing) {
                      // By default the next of x, y, z.
                      const Point3 next = {std::abs(axis[2]), std::abs(axis[0]), std::abs(axis[1])};
                      return pose::bend(positions, axis, radians(degrees),
-                                       posing.toward.value_or(next), place);
+                                       posing.toward.value_or(next), options);
                  });
     addAlongAxis(command, steps, "--taper", "FACTOR",
                  "Scale across the axis: by 1 at its start, FACTOR at its end",
-                 [](const auto& positions, const Point3& axis, double factor, const auto& place,
-                    const Posing&) { return pose::taper(positions, axis, factor, place); });
+                 [](const auto& positions, const Point3& axis, double factor, const auto& options,
+                    const Posing&) { return pose::taper(positions, axis, factor, options); });
 }
 
 void addSelections(CLI::App& command, std::vector<Step>& steps) {

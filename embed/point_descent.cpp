@@ -190,7 +190,7 @@ Descent PointDescent::begin(std::span<const Point3> points, SoughtCells sought) 
     sortUnique(corners);
     far::RefinerOptions options = lattice_.base.options();
     far::Star star = far::starOf(base, corners, far::ringsAround(base, options.creasing));
-    for (Index& cell : candidates.cells) cell = placeIn(star.entities[3], cell);
+    for (Index& cell : candidates.cells) cell = indexIn(star.entities[3], cell);
     // The strata contain the marks, which have the numbers of the base.
     options.marks = {};
     return {stencils::Levels(far::TopologyRefiner(std::move(star.level), options),

@@ -37,7 +37,7 @@ CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entitie
         for (const Index entity : entities[d]) {
             for (std::size_t i = 0; i < boundary[entity].size(); ++i)
                 rows.values.push_back(
-                    {placeIn(parts, boundary[entity][i]), boundary.signs(entity)[i]});
+                    {indexIn(parts, boundary[entity][i]), boundary.signs(entity)[i]});
             rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
         }
         boundaries[d - 1] = SignedIncidence(rows);

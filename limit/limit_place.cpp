@@ -128,8 +128,8 @@ std::vector<double> cellSizes(const stencils::Levels& levels, std::span<const In
     for (const Index cell : cells) {
         double spread = 0;
         for (const Index vertex : vertices[cell])
-            spread = std::max(spread, spreadOf(rows, placeIn(corners, vertices[cell][0]),
-                                               placeIn(corners, vertex)));
+            spread = std::max(spread, spreadOf(rows, indexIn(corners, vertices[cell][0]),
+                                               indexIn(corners, vertex)));
         // By the triangle inequality, any two vertices are at most twice that far apart.
         result.push_back(2 * spread);
     }
@@ -245,7 +245,7 @@ std::vector<embed::VertexWeight> PlaceRows::inLimits(
     std::span<const embed::VertexWeight> weights) const {
     std::vector<embed::VertexWeight> result;
     for (const auto& [vertex, weight] : weights) {
-        const Index row = placeIn(vertices_, vertex);
+        const Index row = indexIn(vertices_, vertex);
         for (std::size_t k = 0; k < limits_.columns(row).size(); ++k)
             result.push_back({limits_.columns(row)[k], weight * limits_.weights(row)[k]});
     }

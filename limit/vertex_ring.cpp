@@ -133,7 +133,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, I
     if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
 
     Chain chain{stencils::Levels(far::TopologyRefiner(star.level, options)),
-                placeIn(star.entities[0], vertex)};
+                indexIn(star.entities[0], vertex)};
     std::vector<Entity> entities;
     do {
         entities = entitiesAt(chain.level().complex, chain.vertex);
@@ -147,7 +147,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, I
     ring.levels = chain.levels.finest();
     const auto rows = chain.levels.stencils(first);
     ring.start = matrixOf(rows, std::ssize(ring.vertices), [&](Index column) {
-        return placeIn(ring.vertices, star.entities[0][column]);
+        return indexIn(ring.vertices, star.entities[0][column]);
     });
 
     entities = entitiesAt(chain.level().complex, chain.vertex);
@@ -156,7 +156,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, I
     // New points are numbered by the dimension and number of their entities, so the ring is
     // ascending.
     ring.subdivision =
-        matrixOf(next, std::ssize(first), [&](Index column) { return placeIn(first, column); });
+        matrixOf(next, std::ssize(first), [&](Index column) { return indexIn(first, column); });
     return ring;
 }
 

@@ -62,7 +62,7 @@ struct ChangeEvaluator<Real>::Data {
 
     std::shared_ptr<const Table> table;
     InverseIndex<Index> groups;     ///< column → groups that have it
-    InverseIndex<Index> ungrouped;  ///< column → rows in no group, by their place in rows.rows
+    InverseIndex<Index> ungrouped;  ///< column → rows in no group, by their slot in rows.rows
     std::vector<char> isFull;  ///< 1 for each of groupColumns for which no row has weight 0; else 0
     std::vector<Index> ascending;  ///< 0, 1, … as many as the longest run has columns
     Index maxColumns;              ///< maximum number of columns of a group or run
@@ -160,7 +160,7 @@ struct ChangeEvaluator<Real>::Data {
         for (const Index column : changed) {
             if (columns.contains(column)) continue;
             columns.add(column);
-            for (const Index place : ungrouped.of(column)) rows.add(place);
+            for (const Index slot : ungrouped.of(column)) rows.add(slot);
             for (const Index g : groups.of(column)) isChanged.add(g);
         }
         const std::span<Index> list = scratch.take<Index>(groupCount());
@@ -276,9 +276,9 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
         BitSet::wordCount(data_->ungroupedCount()), kWordsPerTask, [&](Offset first, Offset last) {
             typename TaskBuffers<Real>::Local entries(numbers, first / kWordsPerTask);
             auto run = runs.begin();
-            changes.ungrouped.forEach(first, last, [&](Index place) {
-                while (place >= run->firstRow + run->rowCount) ++run;
-                const auto i = static_cast<Index>(place - run->firstRow);
+            changes.ungrouped.forEach(first, last, [&](Index slot) {
+                while (slot >= run->firstRow + run->rowCount) ++run;
+                const auto i = static_cast<Index>(slot - run->firstRow);
                 gather(std::span(table.rows.columns)
                            .subspan(run->firstColumn + Offset{i} * run->length, run->length),
                        entries.data());
@@ -300,9 +300,8 @@ std::vector<Index> ChangeEvaluator<Real>::rowsOf(std::span<const Index> changed)
         std::copy_if(rows, rows + data_->groupAt(g).rowCount, std::back_inserter(result),
                      [](Index row) { return row >= 0; });
     }
-    changes.ungrouped.forEach(0, BitSet::wordCount(data_->ungroupedCount()), [&](Index place) {
-        result.push_back(data_->table->rows.rows[place]);
-    });
+    changes.ungrouped.forEach(0, BitSet::wordCount(data_->ungroupedCount()),
+                              [&](Index slot) { result.push_back(data_->table->rows.rows[slot]); });
     std::sort(result.begin(), result.end());
     return result;
 }

@@ -18,7 +18,7 @@ struct CompiledAdjoint<Real>::Data {
     Index tableRowCount, tableColumnCount;
     kernels::Kernels<Real> kernels;
     CompiledRows<Real> rows;       ///< groups only; there are no runs
-    InverseIndex<Offset> places;   ///< column → its places in groupColumns
+    InverseIndex<Offset> slots;    ///< column → its slots in groupColumns
     StencilTable<Real> ungrouped;  ///< all other rows, transposed
     Index maxColumns = 0;          ///< maximum number of columns of a group
 
@@ -27,7 +27,7 @@ struct CompiledAdjoint<Real>::Data {
         return {std::ssize(rows.taskStarts) - 1, kernels::adjointSumCount<Real>(maxColumns)};
     }
 
-    /// Computes the sums of each group for its columns: `length` numbers for each place of
+    /// Computes the sums of each group for its columns: `length` numbers for each slot of
     /// groupColumns.
     void sumGroups(const kernels::RowValues<Real>& source, const TaskBuffers<Real>& numbers,
                    std::span<Real> sums) const {
@@ -60,13 +60,13 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
     rows.rows = decltype(rows.rows)();
     Index maxColumns = 0;
     for (const auto& group : rows.groups) maxColumns = std::max(maxColumns, group.columnCount);
-    InverseIndex<Offset> places(table.columnCount(), [&](auto found) {
-        for (Offset place = 0; place < std::ssize(rows.groupColumns); ++place)
-            found(rows.groupColumns[place], place);
+    InverseIndex<Offset> slots(table.columnCount(), [&](auto found) {
+        for (Offset slot = 0; slot < std::ssize(rows.groupColumns); ++slot)
+            found(rows.groupColumns[slot], slot);
     });
     data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
-                                              std::move(places), std::move(ungrouped), maxColumns});
+                                              std::move(slots), std::move(ungrouped), maxColumns});
 }
 
 template <class Real>
@@ -81,7 +81,7 @@ Index CompiledAdjoint<Real>::columnCount() const {
 
 template <class Real>
 std::size_t CompiledAdjoint<Real>::byteCount() const {
-    return data_->rows.byteCount() + data_->places.byteCount() +
+    return data_->rows.byteCount() + data_->slots.byteCount() +
            data_->ungrouped.offsets().size_bytes() + data_->ungrouped.columns().size_bytes() +
            data_->ungrouped.weights().size_bytes();
 }
@@ -113,8 +113,8 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
             Real* const result =
                 destination.data() + destinationLayout.offset + row * destinationLayout.stride;
             std::fill_n(result, length, Real{0});
-            for (const Offset place : data_->places.of(row))
-                for (Offset c = 0; c < length; ++c) result[c] += sums[place * length + c];
+            for (const Offset slot : data_->slots.of(row))
+                for (Offset c = 0; c < length; ++c) result[c] += sums[slot * length + c];
             const auto columns = data_->ungrouped.columns(row);
             const auto weights = data_->ungrouped.weights(row);
             for (std::size_t k = 0; k < columns.size(); ++k)

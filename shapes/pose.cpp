@@ -44,11 +44,11 @@ struct Weighted {
         return boxAlong(axes, moved);
     }
 
-    /// Returns the centre of a place.
-    Point3 center(const Place& place) const {
-        if (place.center) {
-            requireFinite(operation, "center", *place.center);
-            return *place.center;
+    /// Returns the centre that the options ask for.
+    Point3 center(const Options& options) const {
+        if (options.center) {
+            requireFinite(operation, "center", *options.center);
+            return *options.center;
         }
         const BoundingBox box = bounds(kCoordinateAxes);
         return between(box.min, box.max, 0.5);
@@ -86,14 +86,14 @@ struct AxisInterval {
     }
 };
 
-AxisInterval along(const Weighted& moved, const Point3& axis, const Place& place) {
+AxisInterval along(const Weighted& moved, const Point3& axis, const Options& options) {
     const Point3 direction = unitVector(moved.operation, "axis", axis);
-    AxisInterval result{direction, moved.center(place), 0, 0};
-    if (place.range) {
-        requireInterval(moved.operation, "range[0]", (*place.range)[0], "range[1]",
-                        (*place.range)[1]);
-        result.low = (*place.range)[0];
-        result.high = (*place.range)[1];
+    AxisInterval result{direction, moved.center(options), 0, 0};
+    if (options.range) {
+        requireInterval(moved.operation, "range[0]", (*options.range)[0], "range[1]",
+                        (*options.range)[1]);
+        result.low = (*options.range)[0];
+        result.high = (*options.range)[1];
         return result;
     }
     const BoundingBox bounds = moved.bounds(axesAlong(direction));
@@ -134,19 +134,19 @@ std::vector<Point3> move(std::span<const Point3> positions, const Point3& offset
 }
 
 std::vector<Point3> rotate(std::span<const Point3> positions, const Point3& axis, double angle,
-                           const Place& place) {
-    const Weighted moved("rotate", positions, place.weights);
-    const Point3 direction = unitVector("rotate", "axis", axis), center = moved.center(place);
+                           const Options& options) {
+    const Weighted moved("rotate", positions, options.weights);
+    const Point3 direction = unitVector("rotate", "axis", axis), center = moved.center(options);
     requireFinite("rotate", "angle", angle);
     return moved.mapped(
         [&](const Point3& p, double w) { return rotated(p, direction, center, w * angle); });
 }
 
 std::vector<Point3> scale(std::span<const Point3> positions, const Point3& factors,
-                          const Place& place) {
-    const Weighted moved("scale", positions, place.weights);
+                          const Options& options) {
+    const Weighted moved("scale", positions, options.weights);
     requireFinite("scale", "factors", factors);
-    const Point3 center = moved.center(place);
+    const Point3 center = moved.center(options);
     return moved.mapped([&](const Point3& p, double w) {
         Point3 result = p;
         for (std::size_t i = 0; i < 3; ++i) result[i] += w * (factors[i] - 1) * (p[i] - center[i]);
@@ -155,9 +155,9 @@ std::vector<Point3> scale(std::span<const Point3> positions, const Point3& facto
 }
 
 std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis, double angle,
-                          const Place& place) {
-    const Weighted moved("twist", positions, place.weights);
-    const AxisInterval line = along(moved, axis, place);
+                          const Options& options) {
+    const Weighted moved("twist", positions, options.weights);
+    const AxisInterval line = along(moved, axis, options);
     requireFinite("twist", "angle", angle);
     return moved.mapped([&](const Point3& p, double w) {
         return rotated(p, line.axis, line.center, w * angle * line.fraction(dot(p, line.axis)));
@@ -165,9 +165,9 @@ std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis,
 }
 
 std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, double angle,
-                         const Point3& toward, const Place& place) {
-    const Weighted moved("bend", positions, place.weights);
-    const AxisInterval line = along(moved, axis, place);
+                         const Point3& toward, const Options& options) {
+    const Weighted moved("bend", positions, options.weights);
+    const AxisInterval line = along(moved, axis, options);
     requireFinite("bend", "angle", angle);
     const Point3 target = unitVector("bend", "toward", toward);
     const Point3 across = difference(target, scaled(line.axis, dot(target, line.axis)));
@@ -194,9 +194,9 @@ std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis, 
 }
 
 std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis, double factor,
-                          const Place& place) {
-    const Weighted moved("taper", positions, place.weights);
-    const AxisInterval line = along(moved, axis, place);
+                          const Options& options) {
+    const Weighted moved("taper", positions, options.weights);
+    const AxisInterval line = along(moved, axis, options);
     requireFinite("taper", "factor", factor);
     if (factor < 0) throw ArgumentError("taper", "factor", textOf(factor), "0 or more");
     return moved.mapped([&](const Point3& p, double w) {

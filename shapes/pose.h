@@ -29,9 +29,9 @@
 
 namespace espalier::shapes::pose {
 
-/// The positions that an operation moves, and its place. An operation ignores the fields that its
-/// formula does not need.
-struct Place {
+/// The positions that an operation moves, its centre and its range. An operation ignores the fields
+/// that its formula does not need.
+struct Options {
     /// One weight per position, 0 to 1 (selection.h); empty: 1 for all.
     std::span<const double> weights = {};
 
@@ -51,17 +51,17 @@ ESPALIER_API std::vector<Point3> move(std::span<const Point3> positions, const P
 /// Rotates by w · angle about an axis through the centre, anticlockwise seen from its tip.
 /// \param axis not zero, of any length
 ESPALIER_API std::vector<Point3> rotate(std::span<const Point3> positions, const Point3& axis,
-                                        double angle, const Place& place = {});
+                                        double angle, const Options& options = {});
 
 /// Scales by 1 + w (factors − 1) along x, y and z about the centre.
 ESPALIER_API std::vector<Point3> scale(std::span<const Point3> positions, const Point3& factors,
-                                       const Place& place = {});
+                                       const Options& options = {});
 
 /// Rotates by w · angle · t about an axis through the centre.
 /// \param axis not zero, of any length
 /// \cite Barr 1984, section 3.3
 ESPALIER_API std::vector<Point3> twist(std::span<const Point3> positions, const Point3& axis,
-                                       double angle, const Place& place = {});
+                                       double angle, const Options& options = {});
 
 /// Bends the axis into an arc of a circle. The part of the axis in the range becomes an arc of the
 /// same length; the parts beyond it remain straight.
@@ -75,13 +75,14 @@ ESPALIER_API std::vector<Point3> twist(std::span<const Point3> positions, const 
 /// \param toward direction that the end at b bends to; not parallel to the axis
 /// \cite Barr 1984, section 3.4
 ESPALIER_API std::vector<Point3> bend(std::span<const Point3> positions, const Point3& axis,
-                                      double angle, const Point3& toward, const Place& place = {});
+                                      double angle, const Point3& toward,
+                                      const Options& options = {});
 
 /// Scales by 1 + w (factor − 1) t across an axis through the centre.
 /// \param axis not zero, of any length
 /// \param factor 0 or more
 /// \cite Barr 1984, section 3.2
 ESPALIER_API std::vector<Point3> taper(std::span<const Point3> positions, const Point3& axis,
-                                       double factor, const Place& place = {});
+                                       double factor, const Options& options = {});
 
 }  // namespace espalier::shapes::pose

@@ -72,11 +72,11 @@ void checkVertices(const far::TopologyRefiner& refiner, int level,
 }
 
 CompactTable compactColumns(StencilTable<double> table) {
-    std::vector<Index> place(table.columnCount(), 0);
-    for (const Index column : table.columns()) place[column] = 1;
+    std::vector<Index> slot(table.columnCount(), 0);
+    for (const Index column : table.columns()) slot[column] = 1;
     CompactTable compact;
     for (Index column = 0; column < table.columnCount(); ++column) {
-        Index& at = place[column];
+        Index& at = slot[column];
         if (at == 0) continue;
         at = static_cast<Index>(compact.columns.size());
         compact.columns.push_back(column);
@@ -88,7 +88,7 @@ CompactTable compactColumns(StencilTable<double> table) {
     }
     Array<Index> columns(table.columns().size());
     std::transform(table.columns().begin(), table.columns().end(), columns.begin(),
-                   [&](Index column) { return place[column]; });
+                   [&](Index column) { return slot[column]; });
     compact.table =
         StencilTable<double>(Trusted{}, count, {table.offsets().begin(), table.offsets().end()},
                              std::move(columns), {table.weights().begin(), table.weights().end()});

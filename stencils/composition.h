@@ -94,14 +94,14 @@ ESPALIER_API StencilTable<double> composeStencils(const far::TopologyRefiner& re
 ///
 /// \param order groups rows of `left` that lead to the same columns; affects the time, not the
 ///        result
-/// \param places a permutation: row i of the product becomes row places[i] of the result. If it is
+/// \param slots a permutation: row i of the product becomes row slots[i] of the result. If it is
 ///        empty, rows keep their order
 /// \throws Error if left.columnCount() is not right.rowCount()
 /// \cost O(products of entries), in parallel; the memory of the result
 ESPALIER_API StencilTable<double> multiply(const StencilTable<double>& left,
                                            const StencilTable<double>& right,
                                            const RowOrder& order = {},
-                                           std::span<const Index> places = {});
+                                           std::span<const Index> slots = {});
 
 /// A table without its empty columns. Column c of `table` corresponds to column `columns[c]` of the
 /// original; `columns` are ascending.

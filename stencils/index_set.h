@@ -15,34 +15,34 @@ namespace espalier::stencils {
 class IndexSet {
 public:
     /// \param count items are 0 to count − 1
-    explicit IndexSet(Index count) : places_(count, kNone) {}
+    explicit IndexSet(Index count) : slots_(count, kNone) {}
 
-    bool has(Index item) const { return places_[item] != kNone; }
+    bool has(Index item) const { return slots_[item] != kNone; }
     /// \param item must be in the set
-    Index placeOf(Index item) const { return places_[item]; }
+    Index slotOf(Index item) const { return slots_[item]; }
     const std::vector<Index>& items() const { return items_; }
 
     /// \param item must not be in the set
     void add(Index item) {
-        places_[item] = static_cast<Index>(items_.size());
+        slots_[item] = static_cast<Index>(items_.size());
         items_.push_back(item);
     }
 
     /// Puts the items in ascending order.
     void sort() {
         std::sort(items_.begin(), items_.end());
-        for (std::size_t place = 0; place < items_.size(); ++place)
-            places_[items_[place]] = static_cast<Index>(place);
+        for (std::size_t slot = 0; slot < items_.size(); ++slot)
+            slots_[items_[slot]] = static_cast<Index>(slot);
     }
 
     /// Removes all items but the first `count`.
     void shrink(std::size_t count) {
-        for (; items_.size() > count; items_.pop_back()) places_[items_.back()] = kNone;
+        for (; items_.size() > count; items_.pop_back()) slots_[items_.back()] = kNone;
     }
 
 private:
     static constexpr Index kNone = kMaxIndex;
-    std::vector<Index> places_;
+    std::vector<Index> slots_;
     std::vector<Index> items_;
 };
 

@@ -21,13 +21,13 @@ constexpr Offset kLongRow = 256;
 /// \param columns ascending; contains every column that has an entry
 StencilTable<double> overColumns(const StencilTable<double>& table,
                                  std::span<const Index> columns) {
-    Array<Index> placeOf(table.columnCount());
-    for (std::size_t i = 0; i < columns.size(); ++i) placeOf[columns[i]] = static_cast<Index>(i);
-    Array<Index> places(table.columns().size());
-    std::transform(table.columns().begin(), table.columns().end(), places.begin(),
-                   [&](Index column) { return placeOf[column]; });
+    Array<Index> slotOf(table.columnCount());
+    for (std::size_t i = 0; i < columns.size(); ++i) slotOf[columns[i]] = static_cast<Index>(i);
+    Array<Index> slots(table.columns().size());
+    std::transform(table.columns().begin(), table.columns().end(), slots.begin(),
+                   [&](Index column) { return slotOf[column]; });
     return StencilTable<double>(Trusted{}, static_cast<Index>(columns.size()),
-                                {table.offsets().begin(), table.offsets().end()}, std::move(places),
+                                {table.offsets().begin(), table.offsets().end()}, std::move(slots),
                                 {table.weights().begin(), table.weights().end()});
 }
 
@@ -76,7 +76,7 @@ StencilTable<double> orthonormal(const StencilTable<double>& rows) {
                 std::ssize(columns), static_cast<Eigen::Index>(row - first) + 1);
             for (Index r = first; r <= row; ++r)
                 for (std::size_t k = 0; k < rows.columns(r).size(); ++k)
-                    vectors(placeIn(columns, rows.columns(r)[k]), r - first) = rows.weights(r)[k];
+                    vectors(indexIn(columns, rows.columns(r)[k]), r - first) = rows.weights(r)[k];
             const Eigen::MatrixXd basis = orthonormalBasis(vectors);
             for (std::size_t i = 0; i < columns.size(); ++i)
                 accumulator.add(columns[i], basis(static_cast<Eigen::Index>(i), row - first));

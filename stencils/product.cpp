@@ -100,8 +100,8 @@ private:
         std::uint64_t* mask = masks_.data();
         for (const Index middle : middles_.items()) {
             for (const Index column : right_.columns(middle)) {
-                const std::size_t place = columns_.placeOf(column);
-                mask[place / kBits] |= std::uint64_t{1} << place % kBits;
+                const std::size_t slot = columns_.slotOf(column);
+                mask[slot / kBits] |= std::uint64_t{1} << slot % kBits;
             }
             mask += maskLength_;
         }
@@ -112,7 +112,7 @@ private:
         for (std::size_t word = 0; word < maskLength_; ++word) {
             std::uint64_t bits = 0;
             for (const Index middle : left_.columns(row))
-                bits |= masks_[middles_.placeOf(middle) * maskLength_ + word];
+                bits |= masks_[middles_.slotOf(middle) * maskLength_ + word];
             count += std::popcount(bits);
         }
         return count;
@@ -133,7 +133,7 @@ private:
             std::fill(row + (isFull ? columns.size() : 0), row + width_, 0);
             if (!isFull)
                 for (std::size_t k = 0; k < columns.size(); ++k)
-                    row[columns_.placeOf(columns[k])] = weights[k];
+                    row[columns_.slotOf(columns[k])] = weights[k];
             row += width_;
         }
         std::fill(row, row + width_, 0);
@@ -159,7 +159,7 @@ private:
         terms_.clear();
         std::size_t largest = 0;
         for (std::size_t k = 0; k < middles.size(); ++k) {
-            terms_.push_back({factors[k], dense_.data() + width_ * middles_.placeOf(middles[k])});
+            terms_.push_back({factors[k], dense_.data() + width_ * middles_.slotOf(middles[k])});
             if (std::abs(factors[k]) > std::abs(factors[largest])) largest = k;
         }
         if (!terms_.empty())
@@ -215,8 +215,8 @@ private:
 /// In place of a column: the row ends before.
 constexpr Index kNoColumn = -1;
 
-/// Removes the gaps behind rows that are shorter than their places.
-/// \param offsets the places of the rows, which become the offsets of the rows
+/// Removes the gaps behind rows that are shorter than their slots.
+/// \param offsets the slots of the rows, which become the offsets of the rows
 void closeGaps(Array<Offset>& offsets, Array<Index>& columns, Array<double>& weights) {
     Offset to = 0;
     for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
@@ -235,14 +235,12 @@ void closeGaps(Array<Offset>& offsets, Array<Index>& columns, Array<double>& wei
 }  // namespace
 
 StencilTable<double> multiply(const StencilTable<double>& left, const StencilTable<double>& right,
-                              const RowOrder& order, std::span<const Index> places) {
+                              const RowOrder& order, std::span<const Index> slots) {
     if (left.columnCount() != right.rowCount())
         throw Error("cannot multiply a table of " + std::to_string(left.columnCount()) +
                     " columns by one of " + std::to_string(right.rowCount()) + " rows");
-    const auto placeOf = [&](Index row) -> std::size_t {
-        return places.empty() ? row : places[row];
-    };
-    // Counts first, so that each row is computed in its final place.
+    const auto slotOf = [&](Index row) -> std::size_t { return slots.empty() ? row : slots[row]; };
+    // Counts first, so that each row is computed in its final slot.
     constexpr Offset kGrain = 4096;
     Pool<BlockProduct> pool;
     const auto forEachChunk = [&](auto work) {
@@ -256,29 +254,29 @@ StencilTable<double> multiply(const StencilTable<double>& left, const StencilTab
     offsets[0] = 0;
     forEachChunk([&](BlockProduct& product, Offset first, Offset last) {
         product.count(first, last, order,
-                      [&](Index row, Offset length) { offsets[placeOf(row) + 1] = length; });
+                      [&](Index row, Offset length) { offsets[slotOf(row) + 1] = length; });
     });
     Array<Index> columns;
     Array<double> weights;
     allocateEntries(offsets, columns, weights);
     std::atomic<bool> hasGaps = false;
-    const auto placeAt = [&](Offset position) {
-        return placeOf(order.row(std::min(position, Offset{left.rowCount()} - 1)));
+    const auto slotAt = [&](Offset position) {
+        return slotOf(order.row(std::min(position, Offset{left.rowCount()} - 1)));
     };
     forEachChunk([&](BlockProduct& product, Offset first, Offset last) {
         product.compute(first, last, order, [&](Offset position, auto rowColumns, auto rowWeights) {
-            if (!places.empty()) {
-                // Rows in other places are in no cache: starts to load the memory of later rows.
+            if (!slots.empty()) {
+                // Rows in other slots are in no cache: starts to load the memory of later rows.
                 // GCC 12 leaves out functions that only prefetch.
-                const Offset* const later = &offsets[placeAt(position + 8)];
+                const Offset* const later = &offsets[slotAt(position + 8)];
                 for (Offset entry = later[0]; entry < later[1]; entry += 8) {
                     __builtin_prefetch(&columns[entry], 1);
                     __builtin_prefetch(&weights[entry], 1);
                 }
-                __builtin_prefetch(&offsets[placeAt(position + 16)]);
+                __builtin_prefetch(&offsets[slotAt(position + 16)]);
             }
-            const std::size_t place = placeAt(position);
-            const Offset begin = offsets[place], end = offsets[place + 1];
+            const std::size_t slot = slotAt(position);
+            const Offset begin = offsets[slot], end = offsets[slot + 1];
             std::ranges::copy(rowColumns, columns.begin() + begin);
             std::ranges::copy(rowWeights, weights.begin() + begin);
             if (std::ssize(rowColumns) == end - begin) return;

@@ -26,10 +26,10 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
 
     // Refinement keeps the order of vertices in equal shapes, so corresponding rows have the same
     // position among the rows of their base entities.
-    Array<Index> places(parents.count());
+    Array<Index> slots(parents.count());
     std::vector<Index> sizes(insides_.size(), 0);
     for (Index vertex = 0; vertex < parents.count(); ++vertex)
-        places[vertex] = sizes[origin.of(parents(vertex))]++;
+        slots[vertex] = sizes[origin.of(parents(vertex))]++;
 
     std::vector<Index> firstSets;  // for each shape
     std::vector<std::optional<Index>>
@@ -50,7 +50,7 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
             around_.insert(around_.end(), surroundings.vertices().begin(),
                            surroundings.vertices().end());
         }
-        std::optional<Index>& first = sets[inside->firstSet + places[vertex]];
+        std::optional<Index>& first = sets[inside->firstSet + slots[vertex]];
         if (!first) {
             first = static_cast<Index>(representatives_.size());
             representatives_.push_back(vertex);
@@ -63,24 +63,24 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
 /// Returns, for each entry of a table, the position of its column among the vertices around the
 /// row's base entity.
 template <class Real>
-Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& distinctRows) const {
-    Array<Index> places(distinctRows.columns().size());
+Array<Index> RepeatedRows::slotsOf(const StencilTable<Real>& distinctRows) const {
+    Array<Index> slots(distinctRows.columns().size());
     for (Index row = 0; row < distinctRows.rowCount(); ++row) {
         checkCancelledEvery(row, 14);
         const Index* const around = verticesAround(baseEntities_[row]);
         Offset entry = distinctRows.offsets()[row];
-        Index place = 0;
+        Index slot = 0;
         for (const Index column : distinctRows.columns(row)) {  // Both are ascending.
-            while (around[place] != column) ++place;
-            places[entry++] = place;
+            while (around[slot] != column) ++slot;
+            slots[entry++] = slot;
         }
     }
-    return places;
+    return slots;
 }
 
 template <class Real>
 StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& distinctRows) const {
-    const Array<Index> places = placesOf(distinctRows);
+    const Array<Index> slots = slotsOf(distinctRows);
     const Index columnCount = distinctRows.columnCount();
     Array<Offset> offsets(copies_.size() + 1);
     offsets[0] = 0;
@@ -93,10 +93,10 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& distinctRows) 
         for (Offset row = begin; row < end; ++row) {
             const Copy& copy = copies_[row];
             const auto from = distinctRows.weights(copy.first);
-            const Index* const place = places.data() + distinctRows.offsets()[copy.first];
+            const Index* const slot = slots.data() + distinctRows.offsets()[copy.first];
             const Index* const around = verticesAround(copy.base);
             Index* const to = columns.data() + offsets[row];
-            for (std::size_t k = 0; k < from.size(); ++k) to[k] = around[place[k]];
+            for (std::size_t k = 0; k < from.size(); ++k) to[k] = around[slot[k]];
             std::copy(from.begin(), from.end(), weights.begin() + offsets[row]);
         }
     });

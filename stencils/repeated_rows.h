@@ -52,7 +52,7 @@ private:
         return around_.data() + insides_[base]->vertices;
     }
     template <class Real>
-    Array<Index> placesOf(const StencilTable<Real>& distinctRows) const;
+    Array<Index> slotsOf(const StencilTable<Real>& distinctRows) const;
 
     std::vector<Index> representatives_;
     std::vector<Index> baseEntities_;             ///< the base entity of each of representatives_

@@ -66,7 +66,7 @@ void Surroundings::collect(const Entity& entity) {
 }
 
 void Surroundings::describe(const Entity& entity) {
-    description_ = {entity.dimension, around_[entity.dimension].placeOf(entity.index)};
+    description_ = {entity.dimension, around_[entity.dimension].slotOf(entity.index)};
     for (int d = 0; d <= level_.complex.dimension(); ++d) {
         const auto& items = around_[d].items();
         description_.push_back(static_cast<Index>(items.size()));
@@ -83,7 +83,7 @@ void Surroundings::describe(int dimension, Index index) {
     const bool isSharp = dimension <= 1 && strata.sharpness(entity) > far::kSmooth;
     description_.push_back(strata.of(entity) + 4 * strata.smoothStratum(entity) + 16 * isSharp);
     description_.push_back(static_cast<Index>(vertices.size()));
-    for (const Index vertex : vertices) description_.push_back(vertices_.placeOf(vertex));
+    for (const Index vertex : vertices) description_.push_back(vertices_.slotOf(vertex));
     if (dimension <= 1) return;  // An edge's vertices are in the order of its direction.
     const auto parts = (*relations.boundary)[index];
     const auto signs = relations.boundary->signs(index);
@@ -91,7 +91,7 @@ void Surroundings::describe(int dimension, Index index) {
     const IndexSet& near = around_[dimension - 1];
     for (std::size_t i = 0; i < parts.size(); ++i)
         // Parts that do not touch the entity have no number here.
-        description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);
+        description_.push_back(near.has(parts[i]) ? signs[i] * (near.slotOf(parts[i]) + 1) : 0);
 }
 
 ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
@@ -102,12 +102,12 @@ ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& 
     ShapeGroups groups;
     std::map<Index, std::size_t> groupOfShape;
     for (const Index vertex : vertices) {
-        const auto [place, isNew] = groups.groupOf.emplace(vertex, groups.representatives.size());
+        const auto [entry, isNew] = groups.groupOf.emplace(vertex, groups.representatives.size());
         if (!isNew) continue;
         if (surroundings)
-            place->second = groupOfShape.emplace(surroundings->shapeOf({0, vertex}), place->second)
+            entry->second = groupOfShape.emplace(surroundings->shapeOf({0, vertex}), entry->second)
                                 .first->second;
-        if (place->second == groups.representatives.size())
+        if (entry->second == groups.representatives.size())
             groups.representatives.push_back(vertex);
     }
     return groups;

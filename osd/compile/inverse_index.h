@@ -11,40 +11,40 @@
 
 namespace espalier::osd {
 
-/// An inverse index: for each key from 0 on, such as a column of a table, the places that refer to
-/// it, ascending. `Place` is any type in which the caller counts them.
-template <class Place>
+/// An inverse index: for each key from 0 on, such as a column of a table, the slots that refer to
+/// it, ascending. `Slot` is any type in which the caller counts them.
+template <class Slot>
 class InverseIndex {
 public:
     InverseIndex() = default;
-    /// \param forEach calls its argument with each pair of key and place, places ascending. It is
+    /// \param forEach calls its argument with each pair of key and slot, slots ascending. It is
     ///        called twice and must produce the same pairs both times
     template <class ForEach>
     InverseIndex(Index keyCount, ForEach forEach) : offsets_(Offset{keyCount} + 1, 0) {
-        forEach([&](Index key, Place) { ++offsets_[key + 1]; });
+        forEach([&](Index key, Slot) { ++offsets_[key + 1]; });
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-        places_.resize(offsets_.back());
+        slots_.resize(offsets_.back());
         std::vector<Offset> next(offsets_.begin(), offsets_.end() - 1);
-        forEach([&](Index key, Place place) { places_[next[key]++] = place; });
+        forEach([&](Index key, Slot slot) { slots_[next[key]++] = slot; });
     }
 
     /// The number of keys.
     Index count() const { return static_cast<Index>(offsets_.size()) - 1; }
 
-    std::span<const Place> of(Index key) const {
-        return std::span(places_).subspan(offsets_[key], offsets_[key + 1] - offsets_[key]);
+    std::span<const Slot> of(Index key) const {
+        return std::span(slots_).subspan(offsets_[key], offsets_[key + 1] - offsets_[key]);
     }
 
-    /// The places of all keys, key by key.
-    std::span<const Place> places() const { return places_; }
+    /// The slots of all keys, key by key.
+    std::span<const Slot> slots() const { return slots_; }
 
     std::size_t byteCount() const {
-        return offsets_.size() * sizeof(Offset) + places_.size() * sizeof(Place);
+        return offsets_.size() * sizeof(Offset) + slots_.size() * sizeof(Slot);
     }
 
 private:
     std::vector<Offset> offsets_ = {0};
-    Array<Place> places_;
+    Array<Slot> slots_;
 };
 
 }  // namespace espalier::osd

@@ -99,7 +99,7 @@ private:
         }
     }
 
-    int shift_ = 28;  ///< the highest bits of a hash are the place of its slot
+    int shift_ = 28;  ///< the highest bits of a hash are the number of its slot
     std::vector<Slot> slots_ = std::vector<Slot>(16);
     std::vector<std::span<const Index>> sets_;
 };
@@ -165,7 +165,7 @@ std::vector<Index> supersetsOf(const std::vector<std::span<const Index>>& sets, 
     masks.reserve(sets.size());
     for (const auto columns : sets) masks.push_back(maskOf(columns));
     std::vector<std::vector<Index>> supersetsWith(columnCount);
-    for (const Index set : bySize.places()) {
+    for (const Index set : bySize.slots()) {
         const auto columns = sets[set];
         if (columns.empty()) continue;
         // Searches among the supersets that contain the rarest of the columns. At a vertex with

@@ -61,7 +61,7 @@ public:
         std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
             return std::memcmp(first(a), first(b), length * sizeof(Real)) < 0;
         });
-        const std::span<Index> own = places();
+        const std::span<Index> own = slots();
         const std::vector<Index> unsorted(own.begin(), own.end());
         for (std::size_t i = 0; i < count; ++i) {
             own[i] = unsorted[order[i]];
@@ -98,7 +98,7 @@ public:
         return roundedUp(rowCount() * storedLength());
     }
 
-    /// The place of the first number in the compiled table.
+    /// The slot of the first number in the compiled table.
     Offset first() const { return group().firstNumber; }
     void setFirst(Offset number) { form_->groups[group_].firstNumber = number; }
 
@@ -185,12 +185,12 @@ private:
     std::size_t storedLength() const {
         return isMultipliedOut() ? static_cast<std::size_t>(group().columnCount) : length();
     }
-    std::span<Index> places() const {
-        return std::span(form_->places).subspan(group().firstPlace, group().rowCount);
+    std::span<Index> slots() const {
+        return std::span(form_->slots).subspan(group().firstSlot, group().rowCount);
     }
     /// Returns the weights of row i in the table.
     std::span<const Real> weights(Index i) const {
-        return table_->weights(form_->first.rows[places()[i]]);
+        return table_->weights(form_->first.rows[slots()[i]]);
     }
     /// Returns the numbers of row i.
     std::span<const Real> row(Index i, std::vector<Real>& spread) const {

@@ -12,7 +12,7 @@ namespace espalier::osd {
 
 /// Stores the numbers of the groups of all forms, in the layout of the kernels, and sets
 /// firstNumber of the groups. Groups with identical numbers share them: their rows are sorted, so
-/// that the same rows have the same place. Groups of outer products whose weights are stored, for
+/// that the same rows have the same slot. Groups of outer products whose weights are stored, for
 /// the adjoint, get the size 0.
 /// \cost O(numbers + rows log rows), in parallel
 template <class Real>

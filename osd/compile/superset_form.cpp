@@ -38,7 +38,7 @@ std::span<const Real> SupersetForm<Real>::numbersOf(const StencilTable<Real>& ta
                                                     std::vector<Real>& spread) const {
     if (group.size[0] > 0)
         return std::span(factors).subspan(group.firstFactor + i * group.length(), group.length());
-    const Index row = first.rows[places[group.firstPlace + i]];
+    const Index row = first.rows[slots[group.firstSlot + i]];
     const auto weights = table.weights(row);
     if (std::ssize(weights) == group.columnCount) return weights;
     // Only groups with all columns of the superset have rows that lack some columns.
@@ -66,12 +66,12 @@ public:
         addPositions();
         shared_.resize(superset.columns.size());
         std::iota(shared_.begin(), shared_.end(), Index{0});
-        places_.resize(superset.rows.size());
-        std::iota(places_.begin(), places_.end(), Index{0});
+        slots_.resize(superset.rows.size());
+        std::iota(slots_.begin(), slots_.end(), Index{0});
         weights_.clear();
         for (const Index row : superset.rows) weights_.push_back(table_.weights(row).data());
         if (2 * superset.rows.size() < kLanes<Real>)
-            form_.ungrouped = places_;
+            form_.ungrouped = slots_;
         else
             addGroups();
         return std::move(form_);
@@ -82,13 +82,13 @@ private:
     void addGroups() {
         const auto product = findProduct();
         if (product)
-            form_.factors.reserve(places_.size() *
+            form_.factors.reserve(slots_.size() *
                                   (product->size[0] + product->size[1] + product->size[2]));
         products_.clear();
         left_.clear();
         std::span<const Index> later = form_.subsetPositions;
         for (std::size_t subset = 0; subset < form_.first.subsetCount(); ++subset) {
-            std::span<const Index> others = placesOf(subset);
+            std::span<const Index> others = slotsOf(subset);
             const auto positions = later.first(table_.columns(rowAt(others.front())).size());
             later = later.subspan(positions.size());
             if (product) {
@@ -115,11 +115,11 @@ private:
         append(form_.ungrouped, std::span(left_).subspan(paneled));
     }
 
-    Index rowAt(Index place) const { return form_.first.rows[place]; }
+    Index rowAt(Index slot) const { return form_.first.rows[slot]; }
 
-    std::span<const Index> placesOf(std::size_t subset) const {
+    std::span<const Index> slotsOf(std::size_t subset) const {
         const Index first = form_.first.subsets[subset], last = form_.first.subsets[subset + 1];
-        return std::span(places_).subspan(first, last - first);
+        return std::span(slots_).subspan(first, last - first);
     }
 
     std::span<const Real* const> weightsOf(std::span<const Index> consecutive) const {
@@ -129,9 +129,9 @@ private:
     /// Searches the rows with all columns: the rows of one subset, which is the superset.
     std::optional<OuterProduct> findProduct() const {
         for (std::size_t subset = 0; subset < form_.first.subsetCount(); ++subset) {
-            const auto places = placesOf(subset);
-            if (table_.columns(rowAt(places.front())).size() == shared_.size())
-                return findOuterProduct(weightsOf(places), shared_.size());
+            const auto slots = slotsOf(subset);
+            if (table_.columns(rowAt(slots.front())).size() == shared_.size())
+                return findOuterProduct(weightsOf(slots), shared_.size());
         }
         return std::nullopt;
     }
@@ -150,34 +150,34 @@ private:
     /// Adds the factors of rows to the form. Puts rows that are not this kind of outer product into
     /// others_.
     void addFactors(const OuterProduct& product, std::span<const Index> positions,
-                    std::span<const Index> places) {
-        factorizeRows(kernels_, product, positions, weightsOf(places), form_.factors, isProduct_);
+                    std::span<const Index> slots) {
+        factorizeRows(kernels_, product, positions, weightsOf(slots), form_.factors, isProduct_);
         others_.clear();
-        for (std::size_t i = 0; i < places.size(); ++i)
-            (isProduct_[i] ? products_ : others_).push_back(places[i]);
+        for (std::size_t i = 0; i < slots.size(); ++i)
+            (isProduct_[i] ? products_ : others_).push_back(slots[i]);
     }
 
-    void addPanels(std::span<const Index> places, std::span<const Index> positions) {
-        add(places, positions, {});
+    void addPanels(std::span<const Index> slots, std::span<const Index> positions) {
+        add(slots, positions, {});
     }
 
     /// Adds groups of at most kMaxRowsPerGroup rows.
     /// \param size of outer products, whose factors were added before; zeros for panels
-    void add(std::span<const Index> places, std::span<const Index> positions,
+    void add(std::span<const Index> slots, std::span<const Index> positions,
              const std::array<Index, 3>& size) {
         std::size_t firstFactor = 0;
-        while (!places.empty()) {
-            const auto part = places.first(std::min(places.size(), kMaxRowsPerGroup));
+        while (!slots.empty()) {
+            const auto part = slots.first(std::min(slots.size(), kMaxRowsPerGroup));
             form_.groups.push_back({static_cast<Index>(form_.positions.size()),
                                     static_cast<Index>(positions.size()),
-                                    static_cast<Index>(form_.places.size()),
+                                    static_cast<Index>(form_.slots.size()),
                                     static_cast<Index>(part.size()), firstFactor, size, 0, 0});
             append(form_.positions, positions);
-            append(form_.places, part);
+            append(form_.slots, part);
             auto& group = form_.groups.back();
             group.key = keyOf(group);
             firstFactor += part.size() * group.length();
-            places = places.subspan(part.size());
+            slots = slots.subspan(part.size());
         }
     }
 
@@ -190,7 +190,7 @@ private:
             const std::span<const Real> numbers =
                 group.size[0] > 0
                     ? std::span(form_.factors).subspan(group.firstFactor + i * group.length())
-                    : table_.weights(rowAt(form_.places[group.firstPlace + i]));
+                    : table_.weights(rowAt(form_.slots[group.firstSlot + i]));
             const auto isZero = [](Real number) {
                 return std::bit_cast<BitsOf<Real>>(number) == 0;
             };
@@ -202,11 +202,11 @@ private:
 
     /// Returns true if rows take at most as much memory in panels with the superset's columns as
     /// they take ungrouped.
-    bool isSmaller(std::span<const Index> places) const {
+    bool isSmaller(std::span<const Index> slots) const {
         constexpr std::size_t lanes = kLanes<Real>;
         std::size_t entries = 0;
-        for (const Index place : places) entries += table_.columns(rowAt(place)).size();
-        const std::size_t padded = (places.size() + lanes - 1) / lanes * lanes * shared_.size();
+        for (const Index slot : slots) entries += table_.columns(rowAt(slot)).size();
+        const std::size_t padded = (slots.size() + lanes - 1) / lanes * lanes * shared_.size();
         return padded * sizeof(Real) + shared_.size() * sizeof(Index) +
                    sizeof(typename CompiledRows<Real>::Group) <=
                entries * (sizeof(Real) + sizeof(Index));
@@ -222,12 +222,12 @@ private:
 
     // find() works on these. They are members so that all supersets use the same memory.
     std::vector<Index> shared_;         ///< 0, 1, …: positions of the superset's columns
-    std::vector<Index> places_;         ///< 0, 1, …: places of all rows
-    std::vector<const Real*> weights_;  ///< the weights of all rows, by place
+    std::vector<Index> slots_;          ///< 0, 1, …: slots of all rows
+    std::vector<const Real*> weights_;  ///< the weights of all rows, by slot
     std::vector<char> isProduct_;       ///< whether each row of a subset is an outer product
-    std::vector<Index> products_;       ///< places of rows that are outer products
-    std::vector<Index> others_;         ///< places of rows of a subset that are not
-    std::vector<Index> left_;  ///< places of rows that do not fill panels with the columns of their
+    std::vector<Index> products_;       ///< slots of rows that are outer products
+    std::vector<Index> others_;         ///< slots of rows of a subset that are not
+    std::vector<Index> left_;  ///< slots of rows that do not fill panels with the columns of their
                                ///< set
 };
 
@@ -246,9 +246,8 @@ bool hasForm(const StencilTable<Real>& table, const Superset& superset,
         for (const Index column : columns)
             if (superset.columns[*position++] != column) return false;
     }
-    for (std::size_t place = 0; place < superset.rows.size(); ++place)
-        if (!haveSameBits(table.weights(superset.rows[place]),
-                          table.weights(form.first.rows[place])))
+    for (std::size_t slot = 0; slot < superset.rows.size(); ++slot)
+        if (!haveSameBits(table.weights(superset.rows[slot]), table.weights(form.first.rows[slot])))
             return false;
     return true;
 }

@@ -14,12 +14,12 @@
 
 namespace espalier::osd {
 
-/// The rows of a superset and of its subsets. A row has a place: rows are numbered subset by
+/// The rows of a superset and of its subsets. A row has a slot: rows are numbered subset by
 /// subset. A column has a position among the columns of the superset.
 struct Superset {
     std::span<const Index> columns;
-    std::vector<Index> rows;  ///< the row of each place
-    /// Subset s has places subsets[s] to subsets[s + 1] − 1. One of the subsets is the superset.
+    std::vector<Index> rows;  ///< the row of each slot
+    /// Subset s has slots subsets[s] to subsets[s + 1] − 1. One of the subsets is the superset.
     std::vector<Index> subsets;
 
     /// Takes over the rows of a superset, in the memory of the one before.
@@ -27,7 +27,7 @@ struct Superset {
     std::size_t subsetCount() const { return subsets.size() - 1; }
 };
 
-/// How the rows of a superset are stored: which rows form which groups. A form has places and
+/// How the rows of a superset are stored: which rows form which groups. A form has slots and
 /// positions instead of rows and columns, so that all supersets with the same weights have the same
 /// form. The faces of a regular surface are such supersets.
 template <class Real>
@@ -35,7 +35,7 @@ struct SupersetForm {
     /// Rows that share their columns: panels of weights, or outer products.
     struct Group {
         Index firstPosition, columnCount;  ///< a range of positions
-        Index firstPlace, rowCount;        ///< a range of places
+        Index firstSlot, rowCount;         ///< a range of slots
         std::size_t firstFactor;           ///< position in factors, of outer products
         std::array<Index, 3> size;  ///< sizes of an outer product; zeros for panels of weights
         std::uint64_t key;          ///< equal for groups with the same numbers
@@ -48,9 +48,9 @@ struct SupersetForm {
     };
     std::vector<Group> groups;
     std::vector<Index> positions;  ///< positions of the columns of the groups
-    std::vector<Index> places;     ///< places of the rows of the groups
+    std::vector<Index> slots;      ///< slots of the rows of the groups
     Array<Real> factors;           ///< factors of the outer products, row by row
-    std::vector<Index> ungrouped;  ///< places of the other rows
+    std::vector<Index> ungrouped;  ///< slots of the other rows
 
     Superset first;                      ///< the first superset with this form
     std::vector<Index> subsetPositions;  ///< positions of the columns of each subset of `first`
@@ -66,7 +66,7 @@ struct SupersetForm {
 template <class Real>
 struct FormBlock {
     std::vector<Index> supersets;
-    std::vector<Index> formOf;  ///< the place in `forms` of the form of each superset
+    std::vector<Index> formOf;  ///< the index in `forms` of the form of each superset
     std::vector<SupersetForm<Real>> forms;
 };
 

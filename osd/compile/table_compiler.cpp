@@ -171,7 +171,7 @@ std::vector<BlockStart> startsOf(const std::vector<FormBlock<Real>>& blocks) {
             const auto& form = block.forms[f];
             next.group += std::ssize(form.groups);
             next.column += std::ssize(form.positions);
-            next.row += std::ssize(form.places);
+            next.row += std::ssize(form.slots);
             next.ungrouped += std::ssize(form.ungrouped);
         }
         starts.push_back(next);
@@ -179,7 +179,7 @@ std::vector<BlockStart> startsOf(const std::vector<FormBlock<Real>>& blocks) {
     return starts;
 }
 
-/// Writes the groups of a block of supersets to their places in a compiled table.
+/// Writes the groups of a block of supersets to their slots in a compiled table.
 template <class Real>
 void addGroups(const StencilTable<Real>& table, const RowSets& sets, const FormBlock<Real>& block,
                BlockStart at, CompiledRows<Real>& compiled, std::span<Index> ungrouped) {
@@ -189,15 +189,15 @@ void addGroups(const StencilTable<Real>& table, const RowSets& sets, const FormB
         superset.assign(sets, block.supersets[i]);
         for (const auto& group : form.groups) {
             Index lowest = table.rowCount(), highest = 0;
-            const std::span places(form.places);
-            for (const Index place : places.subspan(group.firstPlace, group.rowCount)) {
-                lowest = std::min(lowest, superset.rows[place]);
-                highest = std::max(highest, superset.rows[place]);
+            const std::span slots(form.slots);
+            for (const Index slot : slots.subspan(group.firstSlot, group.rowCount)) {
+                lowest = std::min(lowest, superset.rows[slot]);
+                highest = std::max(highest, superset.rows[slot]);
             }
             compiled.groups[at.group++] = {at.column + group.firstPosition,
                                            group.columnCount,
                                            group.firstNumber,
-                                           at.row + group.firstPlace,
+                                           at.row + group.firstSlot,
                                            group.rowCount,
                                            lowest,
                                            highest,
@@ -205,8 +205,8 @@ void addGroups(const StencilTable<Real>& table, const RowSets& sets, const FormB
         }
         for (const Index position : form.positions)
             compiled.groupColumns[at.column++] = superset.columns[position];
-        for (const Index place : form.places) compiled.groupRows[at.row++] = superset.rows[place];
-        for (const Index place : form.ungrouped) ungrouped[at.ungrouped++] = superset.rows[place];
+        for (const Index slot : form.slots) compiled.groupRows[at.row++] = superset.rows[slot];
+        for (const Index slot : form.ungrouped) ungrouped[at.ungrouped++] = superset.rows[slot];
     }
 }
 

@@ -124,25 +124,25 @@ void copyToHost(const Real* entries, Offset count, Real* to, const BufferDescrip
               "cudaMemcpy2DAsync to the host");
 }
 
-/// Calls start(evaluation, places, stream) for arguments that are already checked. If the source is
+/// Calls start(evaluation, slots, stream) for arguments that are already checked. If the source is
 /// on the host, it copies the source to the device before; if the destination is on the host, it
 /// copies the results there afterwards.
-/// \param placeCount numbers that the evaluation needs as temporary memory
+/// \param slotCount numbers that the evaluation needs as temporary memory
 template <class Real, class Start>
 void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                  CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
-                 RowRange rows, Offset placeCount, CudaWorkspace& workspace, Start start) {
+                 RowRange rows, Offset slotCount, CudaWorkspace& workspace, Start start) {
     const cudaStream_t stream = workspace.stream();
     const Offset length = sourceLayout.length, rowCount = rows.last - rows.first;
     const Offset sourceNumbers =
         source.isOnHost && sourceCount > 0 ? (sourceCount - 1) * sourceLayout.stride + length : 0;
     const Offset destinationNumbers = destination.isOnHost ? rowCount * length : 0;
-    std::byte* const memory = workspace.reserve(deviceScratchBytes<Real>(placeCount) +
+    std::byte* const memory = workspace.reserve(deviceScratchBytes<Real>(slotCount) +
                                                 deviceScratchBytes<Real>(sourceNumbers) +
                                                 deviceScratchBytes<Real>(destinationNumbers));
-    Real* const places = reinterpret_cast<Real*>(memory);
-    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(placeCount));
-    Real* const results = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(placeCount) +
+    Real* const slots = reinterpret_cast<Real*>(memory);
+    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(slotCount));
+    Real* const results = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(slotCount) +
                                                   deviceScratchBytes<Real>(sourceNumbers));
     if (sourceNumbers > 0)
         check(cudaMemcpyAsync(sourceCopy, source.data + sourceLayout.offset,
@@ -163,7 +163,7 @@ void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescrip
         evaluation.destination = destination.data + destinationLayout.offset;
         evaluation.destinationStride = destinationLayout.stride;
     }
-    check(start(evaluation, places, stream), "cudaLaunchKernel");
+    check(start(evaluation, slots, stream), "cudaLaunchKernel");
     if (destination.isOnHost)
         copyToHost(
             results, rowCount,
@@ -310,7 +310,7 @@ struct CudaEvaluator<Real>::Data {
     std::optional<device::AdjointView<Real>> adjoint = {};
 
     Data(const stencils::StencilTable<Real>& source, const CudaTableOptions& options) {
-        const auto placeIn = [](DeviceArrays& memory) {
+        const auto inMemory = [](DeviceArrays& memory) {
             return [&memory](const auto& values) { return memory.add(std::span(values)); };
         };
         if (options.hasParameters && !options.isGrouped)
@@ -319,10 +319,10 @@ struct CudaEvaluator<Real>::Data {
                 "needs isGrouped");
         const device::TableArrays<Real> arrays(source, options.isGrouped, options.hasParameters);
         parametricRowCount = arrays.parametricRowCount;
-        table = device::viewOf(arrays, placeIn(tableMemory));
+        table = device::viewOf(arrays, inMemory(tableMemory));
         if (options.hasAdjoint)
             adjoint = device::viewOf(device::AdjointArrays<Real>(source, arrays), steps,
-                                     placeIn(adjointMemory));
+                                     inMemory(adjointMemory));
         check(device::loadKernels<Real>(), "cudaFuncGetAttributes");
     }
 
@@ -377,7 +377,7 @@ CudaWorkspace CudaEvaluator<Real>::workspace(Offset length, CudaStream stream) c
     const DeviceScope scope(data_->device);
     CudaWorkspace workspace(stream);
     if (data_->adjoint)
-        workspace.reserve(deviceScratchBytes<Real>(data_->adjoint->placeCount * length));
+        workspace.reserve(deviceScratchBytes<Real>(data_->adjoint->slotCount * length));
     return workspace;
 }
 
@@ -417,9 +417,9 @@ void CudaEvaluator<Real>::evaluateAdjoint(CudaSource<Real> source,
     if (columns.first == columns.last) return;
     const DeviceScope scope = data_->scopeFor(workspace);
     runOnDevice(rowCount(), source, sourceLayout, destination, destinationLayout, columns,
-                data_->adjoint->placeCount * sourceLayout.length, workspace,
-                [&](const auto& evaluation, Real* places, cudaStream_t stream) {
-                    return device::startAdjoint(data_->table, *data_->adjoint, evaluation, places,
+                data_->adjoint->slotCount * sourceLayout.length, workspace,
+                [&](const auto& evaluation, Real* slots, cudaStream_t stream) {
+                    return device::startAdjoint(data_->table, *data_->adjoint, evaluation, slots,
                                                 stream);
                 });
 }

@@ -64,13 +64,13 @@ public:
     template <int toBytes, int fromBytes, class T>
     static __device__ void copy(T* to, const T* from) {
 #if __CUDA_ARCH__ >= 800
-        const auto place = static_cast<unsigned>(__cvta_generic_to_shared(to));
+        const auto address = static_cast<unsigned>(__cvta_generic_to_shared(to));
         if constexpr (sizeof(T) == 16)
-            asm volatile("cp.async.cg.shared.global [%0 + %2], [%1 + %3], 16;" ::"r"(place),
+            asm volatile("cp.async.cg.shared.global [%0 + %2], [%1 + %3], 16;" ::"r"(address),
                          "l"(from), "n"(toBytes), "n"(fromBytes)
                          : "memory");
         else
-            asm volatile("cp.async.ca.shared.global [%0 + %2], [%1 + %3], %4;" ::"r"(place),
+            asm volatile("cp.async.ca.shared.global [%0 + %2], [%1 + %3], %4;" ::"r"(address),
                          "l"(from), "n"(toBytes), "n"(fromBytes), "n"(sizeof(T))
                          : "memory");
 #else

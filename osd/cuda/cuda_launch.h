@@ -22,6 +22,6 @@ cudaError_t startTable(const TableView<Real>& table, const Evaluation<Real>& eva
 /// Starts the kernels of launchAdjoint().
 template <class Real>
 cudaError_t startAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
-                         const Evaluation<Real>& evaluation, Real* places, cudaStream_t stream);
+                         const Evaluation<Real>& evaluation, Real* slots, cudaStream_t stream);
 
 }  // namespace espalier::osd::device

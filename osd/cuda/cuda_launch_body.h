@@ -52,9 +52,9 @@ cudaError_t startTable(const TableView<Real>& table, const Evaluation<Real>& eva
 
 template <class Real>
 cudaError_t startAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
-                         const Evaluation<Real>& evaluation, Real* places, cudaStream_t stream) {
+                         const Evaluation<Real>& evaluation, Real* slots, cudaStream_t stream) {
     auto launch = launchOn(stream);
-    launchAdjoint(table, adjoint, evaluation, places, launch);
+    launchAdjoint(table, adjoint, evaluation, slots, launch);
     return launch.error();
 }
 

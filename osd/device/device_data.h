@@ -80,26 +80,26 @@ struct TableView {
     SparseRows<Real> ungrouped;  ///< rows that are in no group
 };
 
-/// One step of the adjoint: adds up earlier results, for some places or for the columns of the
+/// One step of the adjoint: adds up earlier results, for some slots or for the columns of the
 /// table.
 template <class Real>
 struct SumStep {
-    SparseRows<Real> rows;  ///< their columns are places of earlier results
-    Offset firstPlace;  ///< place of the first result; not used in the last step, whose results are
-                        ///< the adjoint
+    SparseRows<Real> rows;  ///< their columns are slots of earlier results
+    Offset firstSlot;  ///< slot of the first result; not used in the last step, whose results are
+                       ///< the adjoint
 };
 
-/// The additional data of the adjoint. Each intermediate result has a place: first the sums of the
+/// The additional data of the adjoint. Each intermediate result has a slot: first the sums of the
 /// groups, one for each element of Groups::columns; then the sums of the segments; then the results
 /// of the steps.
 template <class Real>
 struct AdjointView {
     TaskList panels, products, splines;  ///< tiles of columns
     SparseRows<Real> segments;           ///< segments of the columns of the ungrouped rows
-    Offset firstSegment;                 ///< place of the sum of the first segment
+    Offset firstSegment;                 ///< slot of the sum of the first segment
     const SumStep<Real>* steps;          ///< an array in the memory of the host
     int stepCount;
-    Offset placeCount;
+    Offset slotCount;
 };
 
 /// The source and the destination of an evaluation. Component c of row r goes to destination[(r −

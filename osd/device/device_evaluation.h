@@ -97,17 +97,17 @@ void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluatio
 }
 
 /// Computes destination = tableᵀ · source. The rows of the evaluation are columns of the table.
-/// \param places temporary memory for placeCount · length numbers
+/// \param slots temporary memory for slotCount · length numbers
 template <class Real, class Launch>
 void launchAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
-                   const Evaluation<Real>& evaluation, Real* places, Launch&& launch) {
-    // Writes results to the places from `first` on, as if these were rows.
+                   const Evaluation<Real>& evaluation, Real* slots, Launch&& launch) {
+    // Writes results to the slots from `first` on, as if these were rows.
     const Offset length = evaluation.length;
-    const auto toPlaces = [&](const Evaluation<Real>& from, Offset first, Index count) {
+    const auto toSlots = [&](const Evaluation<Real>& from, Offset first, Index count) {
         return Evaluation<Real>{
-            from.source, from.sourceStride, places + first * length, length, 0, length, 0, count};
+            from.source, from.sourceStride, slots + first * length, length, 0, length, 0, count};
     };
-    const auto all = toPlaces(evaluation, 0, 0);
+    const auto all = toSlots(evaluation, 0, 0);
     forComponents<4>(length, [&]<int width>(const Components& components) {
         launch(AdjointProductKernel<false, width, Real>{table.groups, adjoint.products, all,
                                                         components});
@@ -118,17 +118,17 @@ void launchAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoin
         launch(AdjointPanelKernel<width, Real>{table.groups, adjoint.panels, all, components});
     });
     const Index segments = adjoint.segments.count;
-    launchSparse(adjoint.segments, 0, segments,
-                 toPlaces(evaluation, adjoint.firstSegment, segments), launch);
+    launchSparse(adjoint.segments, 0, segments, toSlots(evaluation, adjoint.firstSegment, segments),
+                 launch);
 
     // Adds up the results of earlier steps.
     Evaluation<Real> last = evaluation;
-    last.source = places;
+    last.source = slots;
     last.sourceStride = length;
     for (int i = 0; i + 1 < adjoint.stepCount; ++i) {
         const SumStep<Real>& step = adjoint.steps[i];
-        launchSparse(step.rows, 0, step.rows.count,
-                     toPlaces(last, step.firstPlace, step.rows.count), launch);
+        launchSparse(step.rows, 0, step.rows.count, toSlots(last, step.firstSlot, step.rows.count),
+                     launch);
     }
     launchSparse(adjoint.steps[adjoint.stepCount - 1].rows, last.first, last.last, last, launch);
 }

@@ -223,8 +223,8 @@ private:
 
     ESPALIER_DEVICE void load(const Group& group, const Staged& staged, int lane,
                               OwnFactors& factors) const {
-        Index place = 0;
-        const auto next = [&](RowNumbers<Real>& to) { to = staged(lane, place++); };
+        Index slot = 0;
+        const auto next = [&](RowNumbers<Real>& to) { to = staged(lane, slot++); };
         if constexpr (isSpline) {
             RowNumbers<Real> t[3];
             ESPALIER_UNROLL
@@ -266,7 +266,7 @@ private:
     ESPALIER_DEVICE static Sums multiply(const Group& group, const OwnFactors& factors,
                                          const Entries<width, Real>& entries) {
         Sums all = {};
-        Index place = 0;
+        Index slot = 0;
         ESPALIER_UNROLL
         for (int k = 0; k < 4; ++k) {
             if (k >= group.size[2]) continue;
@@ -276,8 +276,8 @@ private:
                 if (j >= group.size[1]) continue;
                 Sums line = {};
                 ESPALIER_UNROLL
-                for (int i = 0; i < n; ++i) addEntry(line, factors.a[i], entries[place + i]);
-                place += n;
+                for (int i = 0; i < n; ++i) addEntry(line, factors.a[i], entries[slot + i]);
+                slot += n;
                 addSums(plane, factors.b[j], line);
             }
             addSums(all, factors.c[k], plane);
@@ -292,7 +292,7 @@ private:
         const Index sizeB = coefficientCount(group.size[1]),
                     sizeC = coefficientCount(group.size[2]);
         Sums all;
-        Index place = 0;
+        Index slot = 0;
         ESPALIER_UNROLL
         for (int k = 0; k < 4; ++k) {
             if (k >= sizeC) continue;
@@ -300,10 +300,10 @@ private:
             ESPALIER_UNROLL
             for (int j = 0; j < 4; ++j) {
                 if (j >= sizeB) continue;
-                Sums line = everywhere(entries[place]);
+                Sums line = everywhere(entries[slot]);
                 ESPALIER_UNROLL
-                for (int i = 1; i < n; ++i) addEntry(line, factors.a[i], entries[place + i]);
-                place += n;
+                for (int i = 1; i < n; ++i) addEntry(line, factors.a[i], entries[slot + i]);
+                slot += n;
                 if (j == 0)
                     plane = line;
                 else

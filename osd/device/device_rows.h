@@ -36,9 +36,9 @@ ESPALIER_DEVICE Real withAddend(const Evaluation<Real>& e, Index row, Offset com
                                 Real result) {
     if (e.addend == nullptr) return result;
     // Lengths are below 2³¹ (checkLength()), and a division of 64 bits is slow on a device.
-    const auto place =
+    const auto slot =
         static_cast<std::uint32_t>(component) % static_cast<std::uint32_t>(e.addendLength);
-    return result + e.addend[row * e.addendStride + place];
+    return result + e.addend[row * e.addendStride + slot];
 }
 
 /// Returns how many numbers a row of an outer product has.

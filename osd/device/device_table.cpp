@@ -18,7 +18,7 @@ namespace {
 
 using stencils::StencilTable;
 
-/// Maximum number of entries of a segment, and of places of a sum. A longer one would still run
+/// Maximum number of entries of a segment, and of slots of a sum. A longer one would still run
 /// when all others are done.
 constexpr Offset kMaxEntries = 1024;
 
@@ -126,25 +126,24 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     segments.ownOffsets = std::move(cut.offsets);
     segments.offsets = segments.ownOffsets;
     firstSegment = std::ssize(arrays.groupColumns);
-    placeCount = firstSegment + segments.count();
+    slotCount = firstSegment + segments.count();
 
-    // For each column, the places of the sums that add up to its result.
-    const InverseIndex<Offset> places(table.columnCount(), [&](auto found) {
-        for (Offset place = 0; place < firstSegment; ++place)
-            found(arrays.groupColumns[place], place);
+    // For each column, the slots of the sums that add up to its result.
+    const InverseIndex<Offset> slots(table.columnCount(), [&](auto found) {
+        for (Offset slot = 0; slot < firstSegment; ++slot) found(arrays.groupColumns[slot], slot);
         for (Index column = 0; column < table.columnCount(); ++column)
             for (Offset i = cut.firstSegments[column]; i < cut.firstSegments[column + 1]; ++i)
                 found(column, firstSegment + i);
     });
     std::vector<Offset> offsets = {0}, summands;
     for (Index column = 0; column < table.columnCount(); ++column) {
-        const auto own = places.of(column);
+        const auto own = slots.of(column);
         summands.insert(summands.end(), own.begin(), own.end());
         offsets.push_back(std::ssize(summands));
     }
     const auto addStep = [&](std::vector<Offset> stepOffsets) {
-        if (placeCount > std::numeric_limits<Index>::max())
-            throw Error(concat("the adjoint of this table has ", placeCount,
+        if (slotCount > std::numeric_limits<Index>::max())
+            throw Error(concat("the adjoint of this table has ", slotCount,
                                " partial sums; at most ", std::numeric_limits<Index>::max(),
                                " are possible"));
         SparseArrays<Real> rows;
@@ -152,7 +151,7 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
         rows.ownColumns.assign(summands.begin(), summands.end());
         rows.offsets = rows.ownOffsets;
         rows.columns = rows.ownColumns;
-        steps.push_back({std::move(rows), placeCount});
+        steps.push_back({std::move(rows), slotCount});
     };
     const auto longest = [&] {
         Offset maximum = 0;
@@ -164,8 +163,8 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
         RowSegments parts = splitRows(offsets);
         addStep(std::move(parts.offsets));
         summands.resize(steps.back().rows.count());
-        std::iota(summands.begin(), summands.end(), placeCount);
-        placeCount += steps.back().rows.count();
+        std::iota(summands.begin(), summands.end(), slotCount);
+        slotCount += steps.back().rows.count();
         offsets = std::move(parts.firstSegments);
     }
     addStep(std::move(offsets));

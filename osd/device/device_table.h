@@ -64,22 +64,22 @@ struct ESPALIER_API TableArrays {
 /// The arrays of an AdjointView: the additional data of the adjoint.
 ///
 /// No two warps add to the same number, so results do not depend on the order in which warps run.
-/// Each warp stores its own sums in places, and further steps add these up until each column has
+/// Each warp stores its own sums in slots, and further steps add these up until each column has
 /// one sum.
 template <class Real>
 struct ESPALIER_API AdjointArrays {
     std::vector<Task> panels = {}, products = {}, splines = {};
     SparseArrays<Real> segments = {};
-    Offset firstSegment = 0;  ///< place of the sum of the first segment
+    Offset firstSegment = 0;  ///< slot of the sum of the first segment
     struct Step {
         SparseArrays<Real> rows;
-        Offset firstPlace;
+        Offset firstSlot;
     };
     std::vector<Step> steps = {};
-    Offset placeCount = 0;
+    Offset slotCount = 0;
 
     /// \param arrays made from the same table
-    /// \throws Error if the number of places exceeds the range of Index
+    /// \throws Error if the number of slots exceeds the range of Index
     /// \cost O(entries)
     AdjointArrays(const stencils::StencilTable<Real>& table, const TableArrays<Real>& arrays);
 };
@@ -90,31 +90,32 @@ template <class Real>
 ESPALIER_API int lanesLog2Of(const SparseArrays<Real>& rows);
 
 /// Returns a view of the arrays on the device.
-/// \param place returns the address of the elements of a vector on the device. For an empty vector
+/// \param toDevice returns the address of the elements of a vector on the device. For an empty
+/// vector
 ///        any address will do
-template <class Real, class Place>
-SparseRows<Real> viewOf(const SparseArrays<Real>& rows, Place place) {
-    return {place(rows.offsets),
-            place(rows.columns),
-            rows.weights.empty() ? nullptr : place(rows.weights),
-            rows.rows.empty() ? nullptr : place(rows.rows),
+template <class Real, class ToDevice>
+SparseRows<Real> viewOf(const SparseArrays<Real>& rows, ToDevice toDevice) {
+    return {toDevice(rows.offsets),
+            toDevice(rows.columns),
+            rows.weights.empty() ? nullptr : toDevice(rows.weights),
+            rows.rows.empty() ? nullptr : toDevice(rows.rows),
             rows.count(),
             lanesLog2Of(rows)};
 }
 
-template <class Real, class Place>
-TableView<Real> viewOf(const TableArrays<Real>& arrays, Place place) {
+template <class Real, class ToDevice>
+TableView<Real> viewOf(const TableArrays<Real>& arrays, ToDevice toDevice) {
     const auto tasks = [&](const std::vector<Task>& list) {
-        return TaskList{place(list), static_cast<Index>(list.size())};
+        return TaskList{toDevice(list), static_cast<Index>(list.size())};
     };
     TableView<Real> view = {arrays.rowCount,
                             arrays.columnCount,
-                            {place(arrays.groups), place(arrays.groupColumns),
-                             place(arrays.groupNumbers), place(arrays.groupRows)},
+                            {toDevice(arrays.groups), toDevice(arrays.groupColumns),
+                             toDevice(arrays.groupNumbers), toDevice(arrays.groupRows)},
                             tasks(arrays.panels),
                             {},
                             arrays.maxProductColumns,
-                            viewOf(arrays.ungrouped, place)};
+                            viewOf(arrays.ungrouped, toDevice)};
     for (std::size_t i = 0; i < arrays.products.size(); ++i)
         view.products[i] = tasks(arrays.products[i]);
     return view;
@@ -122,20 +123,20 @@ TableView<Real> viewOf(const TableArrays<Real>& arrays, Place place) {
 
 /// Returns a view of the arrays on the device.
 /// \param steps is filled, and must live as long as the result
-template <class Real, class Place>
+template <class Real, class ToDevice>
 AdjointView<Real> viewOf(const AdjointArrays<Real>& arrays, std::vector<SumStep<Real>>& steps,
-                         Place place) {
+                         ToDevice toDevice) {
     steps.clear();
     for (const auto& step : arrays.steps)
-        steps.push_back({viewOf(step.rows, place), step.firstPlace});
-    return {{place(arrays.panels), static_cast<Index>(arrays.panels.size())},
-            {place(arrays.products), static_cast<Index>(arrays.products.size())},
-            {place(arrays.splines), static_cast<Index>(arrays.splines.size())},
-            viewOf(arrays.segments, place),
+        steps.push_back({viewOf(step.rows, toDevice), step.firstSlot});
+    return {{toDevice(arrays.panels), static_cast<Index>(arrays.panels.size())},
+            {toDevice(arrays.products), static_cast<Index>(arrays.products.size())},
+            {toDevice(arrays.splines), static_cast<Index>(arrays.splines.size())},
+            viewOf(arrays.segments, toDevice),
             arrays.firstSegment,
             steps.data(),
             static_cast<int>(steps.size()),
-            arrays.placeCount};
+            arrays.slotCount};
 }
 
 }  // namespace espalier::osd::device

@@ -196,17 +196,17 @@ private:
     void keep(const Group& group) {
         const auto oldRows = std::span(old_.groupRows).subspan(group.firstRow, group.rowCount);
         const std::vector<Index> rows(oldRows.begin(), oldRows.end());
-        if (lengthOf(group) == 0) {  // Its place is the place of the next group.
+        if (lengthOf(group) == 0) {  // Its slot is the slot of the next group.
             add(group.size, columnsOf(group), rows, kNoSpline, std::ssize(numbers_));
             return;
         }
-        const auto [place, isNew] = places_.try_emplace(group.firstNumber, std::ssize(numbers_));
+        const auto [entry, isNew] = slots_.try_emplace(group.firstNumber, std::ssize(numbers_));
         if (isNew) {
             const std::size_t panels = (group.rowCount + kLanes<Real> - 1) / kLanes<Real>;
             const Real* first = old_.groupNumbers.data() + group.firstNumber;
             numbers_.insert(numbers_.end(), first, first + panels * kLanes<Real> * lengthOf(group));
         }
-        add(group.size, columnsOf(group), rows, kNoSpline, place->second);
+        add(group.size, columnsOf(group), rows, kNoSpline, entry->second);
     }
 
     void add(const std::array<Index, 3>& size, std::span<const Index> columns,
@@ -221,7 +221,7 @@ private:
     }
 
     /// Appends `length` numbers for each row, in panels.
-    /// \return the place of the first
+    /// \return the slot of the first
     template <std::size_t size>
     Offset append(const std::vector<std::array<Real, size>>& rows, std::size_t length) {
         constexpr std::size_t lanes = kLanes<Real>;
@@ -262,11 +262,11 @@ private:
                 left_[number].push_back(row);
                 continue;
             }
-            auto place = found.find(pieces);
-            if (place == found.end())
-                place = found.emplace(pieces, cellOf(group, *spline, orders, pieces)).first;
-            const auto& axes = place->second.axes;
-            place->second.rows->push_back({number, row, {t[axes[0]], t[axes[1]], t[axes[2]]}});
+            auto entry = found.find(pieces);
+            if (entry == found.end())
+                entry = found.emplace(pieces, cellOf(group, *spline, orders, pieces)).first;
+            const auto& axes = entry->second.axes;
+            entry->second.rows->push_back({number, row, {t[axes[0]], t[axes[1]], t[axes[2]]}});
         }
         isSplit_[number] = !found.empty();
     }
@@ -290,10 +290,10 @@ private:
         for (Index k = 0; k < cell.size[2]; ++k)
             for (Index j = 0; j < cell.size[1]; ++j)
                 for (Index i = 0; i < cell.size[0]; ++i) {
-                    const std::array<Index, 3> place = {i, j, k};
+                    const std::array<Index, 3> slot = {i, j, k};
                     std::array<Index, 3> at;  // along the axes of the group
                     for (std::size_t axis = 0; axis < 3; ++axis)
-                        at[axes[axis]] = orders[axes[axis]][all[axes[axis]].positions[place[axis]]];
+                        at[axes[axis]] = orders[axes[axis]][all[axes[axis]].positions[slot[axis]]];
                     cell.columns.push_back(
                         columns[(at[2] * group.size[1] + at[1]) * group.size[0] + at[0]]);
                 }
@@ -369,10 +369,10 @@ private:
     std::vector<Index> columns_, rows_, splines_;
     AlignedVector<Real> numbers_;
     std::map<Cell, std::vector<SplineRow>> cells_;
-    std::vector<std::vector<Index>> left_;       ///< rows of each group that stay in it
-    std::vector<bool> isSplit_;                  ///< whether each group has rows of cells
-    std::unordered_map<Offset, Offset> places_;  ///< old place of kept numbers → new place
-    Index last_ = kLimitSpline;                  ///< the spline that was found last
+    std::vector<std::vector<Index>> left_;      ///< rows of each group that stay in it
+    std::vector<bool> isSplit_;                 ///< whether each group has rows of cells
+    std::unordered_map<Offset, Offset> slots_;  ///< old slot of kept numbers → new slot
+    Index last_ = kLimitSpline;                 ///< the spline that was found last
 };
 
 }  // namespace

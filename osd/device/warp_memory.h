@@ -227,12 +227,12 @@ public:
     /// \tparam most maximum of `copied`
     /// \param from the address of the first of these numbers, of the first of these rows
     /// \param copied how many numbers
-    /// \param first the place of the first one among the numbers here
+    /// \param first the slot of the first one among the numbers here
     template <int most, class Warp>
     ESPALIER_DEVICE void copy(Warp& warp, int lane, const Real* from, Index copied,
                               Index first) const {
         using Numbers = RowNumbers<Real>;
-        auto* const to = reinterpret_cast<Numbers*>(placeOf(lane, first));
+        auto* const to = reinterpret_cast<Numbers*>(slotOf(lane, first));
         const auto* const numbers = reinterpret_cast<const Numbers*>(from);
         [&]<int... k>(std::integer_sequence<int, k...>) {
             ((k < copied ? warp.template copy<k * kRows* int{sizeof(Real)},
@@ -245,11 +245,11 @@ public:
 
     /// Returns number k of the rows of a lane.
     ESPALIER_DEVICE const RowNumbers<Real>& operator()(int lane, Index k) const {
-        return *reinterpret_cast<const RowNumbers<Real>*>(placeOf(lane, k));
+        return *reinterpret_cast<const RowNumbers<Real>*>(slotOf(lane, k));
     }
 
 private:
-    ESPALIER_DEVICE Real* placeOf(int lane, Index k) const {
+    ESPALIER_DEVICE Real* slotOf(int lane, Index k) const {
         return numbers_ + k * kRows + lane * kRowsPerLane<Real>;
     }
 

@@ -168,9 +168,9 @@ void sumProductRows(const AdjointRun<Real>& run, const RowValues<Real>& source, 
         for (Index j = 0; j < size[1]; ++j)
             for (Index i = 0; i < size[0]; ++i, result += source.length)
                 for (int d = 0; d < width; ++d) {
-                    const Offset place = 4 * j + i;
-                    result[from + d] = sums[k * sumStride + place / lanes * partStride + d * lanes +
-                                            place % lanes];
+                    const Offset slot = 4 * j + i;
+                    result[from + d] =
+                        sums[k * sumStride + slot / lanes * partStride + d * lanes + slot % lanes];
                 }
 }
 

@@ -154,7 +154,7 @@ private:
         check<fixed>();
     }
 
-    /// Adds up the absolute weights over two axes, for each place of the third.
+    /// Adds up the absolute weights over two axes, for each slot of the third.
     template <int fixed>
     void addUp(const Real* given) {
         // The factors follow from these sums. Each weight is rounded. The relative error of a sum

@@ -105,7 +105,7 @@ inline constexpr Index kAdjointRows = 64;
 /// How many numbers the adjoint needs for the sums of a group.
 template <class Real>
 constexpr Offset adjointSumCount(Offset columnCount) {
-    // Outer products take 4 × 4 × 4 places if they have fewer columns, too.
+    // Outer products take 4 × 4 × 4 slots if they have fewer columns, too.
     return 4 * ((columnCount < 64 ? 64 : columnCount) + kLanes<Real>);
 }
 
@@ -123,7 +123,7 @@ struct FactorRun {
     const Real* const* weights;  ///< the weights of each row: weightCount numbers
     Index rowCount;
     Index weightCount;     ///< number of weights of a row, at most kMaxProductColumns
-    const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: the place of
+    const Index* sources;  ///< size[0] · size[1] · size[2], in the product's order: the slot of
                            ///< each weight in a row; weightCount if rows lack this column
     Index size[3];
     Real* memory;  ///< temporary: factorizingCount() numbers, aligned to 64 bytes

@@ -33,12 +33,12 @@ bool isInRange(Index row, const Destination<Real>& to) {
     return to.isWhole || (row >= to.first && row < to.last);
 }
 
-/// The places in an entry of the addend that components `from` to `from` + width − 1 add.
+/// The slots in an entry of the addend that components `from` to `from` + width − 1 add.
 template <int width>
-struct AddendPlaces {
+struct AddendSlots {
     Offset at[width];
 
-    AddendPlaces(Offset from, Offset addendLength) {
+    AddendSlots(Offset from, Offset addendLength) {
         if (from >= addendLength) from %= addendLength;
         for (int c = 0; c < width; ++c) {
             at[c] = from;

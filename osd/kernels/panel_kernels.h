@@ -28,12 +28,12 @@ bool areAllInRange(const Index* rows, Index count, const Destination<Real>& to) 
 template <int width, class Real>
 void storeLanesPlusAddend(const Real (&results)[width][kLanes<Real>], const Index* rows,
                           Index count, Offset from, const Destination<Real>& to) {
-    const AddendPlaces<width> places(from, to.addendLength);
+    const AddendSlots<width> slots(from, to.addendLength);
     for (Index lane = 0; lane < count; ++lane) {
         if (!isInRange(rows[lane], to)) continue;
         Real* result = to.values + rows[lane] * to.stride + from;
         const Real* own = to.addend + rows[lane] * to.addendStride;
-        for (int c = 0; c < width; ++c) result[c] = results[c][lane] + own[places.at[c]];
+        for (int c = 0; c < width; ++c) result[c] = results[c][lane] + own[slots.at[c]];
     }
 }
 

@@ -6,7 +6,7 @@ template <int width, class Real>
 class RowStore {
 public:
     RowStore(Offset from, const Destination<Real>& to)
-        : to_(to), from_(from), places_(from, to.addend != nullptr ? to.addendLength : 1) {}
+        : to_(to), from_(from), slots_(from, to.addend != nullptr ? to.addendLength : 1) {}
 
     template <class V>
     void operator()(const V& sum, Index row) const {
@@ -15,7 +15,7 @@ public:
         if (to_.addend != nullptr) {
             const Real* own = to_.addend + row * to_.addendStride;
             V added = {};
-            for (int c = 0; c < width; ++c) added[c] = own[places_.at[c]];
+            for (int c = 0; c < width; ++c) added[c] = own[slots_.at[c]];
             value += added;
         }
         for (int c = 0; c < width; ++c) result[c] = value[c];
@@ -24,7 +24,7 @@ public:
 private:
     const Destination<Real>& to_;
     Offset from_;
-    AddendPlaces<width> places_;
+    AddendSlots<width> slots_;
 };
 
 /// Evaluates components `from` to `from` + width − 1 of each row.

@@ -24,7 +24,7 @@ TEST(Star, IsThePartOfTheLevelAroundAVertex) {
             const Level& whole = refiner.level(level);
             for (Index vertex = 0; vertex < whole.complex.count(0); vertex += 1 + 7 * level) {
                 const Star star = starOf(whole, {&vertex, 1});
-                const Index center = placeIn(star.entities[0], vertex);
+                const Index center = indexIn(star.entities[0], vertex);
                 EXPECT_EQ(star.entities[0][center], vertex);
                 for (int d = 1; d <= 3; ++d) {
                     const auto& entities = star.entities[d];

@@ -237,26 +237,26 @@ TYPED_TEST(CompiledTableTest, EmptyRowsBesideRowsOfOneMask) {
     expectWithinFourUlp(table);
 }
 
-/// Rows of outer products, rows × columns, with the columns in a random order; and the place of
+/// Rows of outer products, rows × columns, with the columns in a random order; and the slot of
 /// each column in the box.
 struct Products {
     std::vector<std::vector<double>> rows;
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> slots;
 };
 
 Products randomProducts(const std::array<std::size_t, 3>& sides, std::size_t rowCount) {
     std::mt19937 random(8);
     std::uniform_real_distribution<double> weight(0.05, 1);
     Products products;
-    products.places.resize(sides[0] * sides[1] * sides[2]);
-    std::iota(products.places.begin(), products.places.end(), std::size_t{0});
-    std::shuffle(products.places.begin(), products.places.end(), random);
+    products.slots.resize(sides[0] * sides[1] * sides[2]);
+    std::iota(products.slots.begin(), products.slots.end(), std::size_t{0});
+    std::shuffle(products.slots.begin(), products.slots.end(), random);
     for (std::size_t row = 0; row < rowCount; ++row) {
         std::array<std::vector<double>, 3> factors;
         for (std::size_t axis = 0; axis < 3; ++axis)
             for (std::size_t k = 0; k < sides[axis]; ++k) factors[axis].push_back(weight(random));
         products.rows.emplace_back();
-        for (const std::size_t p : products.places)
+        for (const std::size_t p : products.slots)
             products.rows.back().push_back(factors[0][p % sides[0]] *
                                            factors[1][p / sides[0] % sides[1]] *
                                            factors[2][p / sides[0] / sides[1]]);

@@ -79,16 +79,16 @@ protected:
             const std::array<std::size_t, 3> sides = {1 + random() % 5, 2 + random() % 3,
                                                       1 + random() % 4};
             const auto columns = randomColumns(columnCount, sides[0] * sides[1] * sides[2], random);
-            std::vector<std::size_t> places(columns.size());
-            std::iota(places.begin(), places.end(), std::size_t{0});
-            std::shuffle(places.begin(), places.end(), random);
+            std::vector<std::size_t> slots(columns.size());
+            std::iota(slots.begin(), slots.end(), std::size_t{0});
+            std::shuffle(slots.begin(), slots.end(), random);
             for (Index i = 0; i < size; ++i) {
                 std::array<std::vector<Real>, 3> factors;
                 for (std::size_t axis = 0; axis < 3; ++axis)
                     for (std::size_t k = 0; k < sides[axis]; ++k)
                         factors[axis].push_back(weight(random));
                 std::vector<Real> weights;
-                for (const std::size_t p : places)
+                for (const std::size_t p : slots)
                     weights.push_back(isProduct ? factors[0][p % sides[0]] *
                                                       factors[1][p / sides[0] % sides[1]] *
                                                       factors[2][p / sides[0] / sides[1]]

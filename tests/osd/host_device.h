@@ -21,8 +21,8 @@ public:
         : table_(std::move(table)),
           arrays_(table_, isGrouped, hasParameters),
           adjointArrays_(table_, arrays_),
-          view_(viewOf(arrays_, kInPlace)),
-          adjoint_(viewOf(adjointArrays_, steps_, kInPlace)) {}
+          view_(viewOf(arrays_, kInSlot)),
+          adjoint_(viewOf(adjointArrays_, steps_, kInSlot)) {}
 
     const device::TableArrays<Real>& arrays() const { return arrays_; }
     const device::AdjointArrays<Real>& adjointArrays() const { return adjointArrays_; }
@@ -42,16 +42,16 @@ public:
                          RowRange columns) const {
         checkEvaluation(view_.columnCount, view_.rowCount, source.size(), sourceLayout,
                         destination.size(), destinationLayout, columns);
-        std::vector<Real> places(adjoint_.placeCount * sourceLayout.length,
-                                 std::numeric_limits<Real>::quiet_NaN());
+        std::vector<Real> slots(adjoint_.slotCount * sourceLayout.length,
+                                std::numeric_limits<Real>::quiet_NaN());
         device::launchAdjoint(
             view_, adjoint_,
             evaluationOf(source, sourceLayout, destination, destinationLayout, columns),
-            places.data(), device::HostLaunch{});
+            slots.data(), device::HostLaunch{});
     }
 
 private:
-    static constexpr auto kInPlace = [](const auto& values) { return values.data(); };
+    static constexpr auto kInSlot = [](const auto& values) { return values.data(); };
 
     static device::Evaluation<Real> evaluationOf(Values<Real> source,
                                                  const BufferDescriptor& sourceLayout,

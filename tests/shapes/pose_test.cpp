@@ -63,7 +63,7 @@ TEST(Pose, AffineOperationsAreTheirMaps) {
 
 TEST(Pose, AffineOperationsHaveInverses) {
     const auto points = cloud();
-    const Place about{.center = Point3{0.1, 0.2, 0.3}};
+    const Options about{.center = Point3{0.1, 0.2, 0.3}};
     expectNear(move(move(points, {1, 2, -3}), {-1, -2, 3}), points);
     expectNear(rotate(rotate(points, {1, 2, 3}, 2.5, about), {1, 2, 3}, -2.5, about), points);
     expectNear(scale(scale(points, {2, 0.5, 3}, about), {0.5, 2, 1.0 / 3}, about), points);
@@ -157,7 +157,7 @@ TEST(Pose, ABendOfNothingIsExact) {
 // coordinates along an axis of rotation.
 TEST(Pose, PositionsWithoutEffectStayBitForBit) {
     const auto points = cloud(5);
-    const Place upper{.center = Point3{0.1, 0.2, 0.3}, .range = std::array{0.5, 2.0}};
+    const Options upper{.center = Point3{0.1, 0.2, 0.3}, .range = std::array{0.5, 2.0}};
     const std::vector<std::vector<Point3>> poses = {twist(points, kZ, 1.3, upper),
                                                     bend(points, kZ, 1.3, {1, 2, 0}, upper),
                                                     taper(points, kZ, 3, upper)};
@@ -197,7 +197,7 @@ TEST(Pose, WeightsGivePartsOfAnOperation) {
         weights.push_back(0.25 * static_cast<double>(i % 5));
     // Of the whole cloud, so that the places do not depend on the weights.
     const auto with = [&](std::span<const double> chosen) {
-        return Place{chosen, Point3{0, 0, 1}, std::array{0.0, 2.0}};
+        return Options{chosen, Point3{0, 0, 1}, std::array{0.0, 2.0}};
     };
     const std::vector<double> all(points.size(), 1);
     for (std::size_t part = 0; part <= 4; ++part) {
@@ -211,7 +211,7 @@ TEST(Pose, WeightsGivePartsOfAnOperation) {
                 }
             }
         };
-        const Place parts = with(weights), whole = with(all);
+        const Options parts = with(weights), whole = with(all);
         expectParts(move(points, {1, 2, 3}, weights), move(points, {w, 2 * w, 3 * w}));
         expectParts(rotate(points, kX, 2, parts), rotate(points, kX, 2 * w, whole));
         expectParts(scale(points, {3, 2, 0}, parts),
@@ -223,7 +223,7 @@ TEST(Pose, WeightsGivePartsOfAnOperation) {
 }
 
 // By default, centre and range are of the positions with a weight.
-TEST(Pose, ThePlaceIsTheSelectedPart) {
+TEST(Pose, TheRangeIsTheSelectedPart) {
     const auto points = cloud();
     const auto weights = selectBox(points, {-1, -1, 1}, {1, 1, 2});
     std::vector<Point3> upper;

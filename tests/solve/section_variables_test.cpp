@@ -43,7 +43,7 @@ TEST(SectionVariables, AtRestNothingMoves) {
 TEST(SectionVariables, EqualSectionsAreOneOperation) {
     const auto& rest = wing().positions;
     const SectionVariables sections(rest, kThreeSections);
-    const shapes::pose::Place origin{.center = Point3{0, 0, 0}};
+    const shapes::pose::Options origin{.center = Point3{0, 0, 0}};
     const auto all = [&](const std::vector<double>& one) {
         std::vector<double> values;
         for (int i = 0; i < 3; ++i) values.insert(values.end(), one.begin(), one.end());

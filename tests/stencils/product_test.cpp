@@ -114,20 +114,20 @@ TEST(Multiply, DoesNotDependOnOrderOrThreads) {
 }
 
 // Sums that cancel leave gaps between the rows, which are closed.
-TEST(Multiply, PutsRowsIntoTheirPlaces) {
+TEST(Multiply, PutsRowsIntoTheirSlots) {
     const auto left = randomTable(9000, 500, 9, 40, 6), right = randomTable(500, 200, 20, 30, 7);
     std::mt19937 random(8);
-    std::vector<Index> groups(9000), places(9000), rowOf(9000);
+    std::vector<Index> groups(9000), slots(9000), rowOf(9000);
     for (Index& group : groups) group = Index(random() % 5);
-    std::iota(places.begin(), places.end(), Index{0});
-    std::shuffle(places.begin(), places.end(), random);
-    for (std::size_t row = 0; row < places.size(); ++row)
-        rowOf[std::size_t(places[row])] = Index(row);
+    std::iota(slots.begin(), slots.end(), Index{0});
+    std::shuffle(slots.begin(), slots.end(), random);
+    for (std::size_t row = 0; row < slots.size(); ++row)
+        rowOf[std::size_t(slots[row])] = Index(row);
     const auto expected = selectRows<double>(plainProduct(left, right), rowOf);
     for (const int threads : {1, 3})
-        EXPECT_EQ(withThreads(threads,
-                              [&] { return multiply(left, right, RowOrder(groups, 5), places); }),
-                  expected);
+        EXPECT_EQ(
+            withThreads(threads, [&] { return multiply(left, right, RowOrder(groups, 5), slots); }),
+            expected);
 }
 
 TEST(Multiply, CompactColumnsKeepTheProduct) {
