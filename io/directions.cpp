@@ -17,19 +17,25 @@ struct MatrixWithSizes {
 };
 
 /// Returns the exponent e for which the largest absolute value of the numbers is in [2^e, 2^(e +
-/// 1)).
+/// 1)), or 0 if it is near 1, where products of the numbers are in range without scaling.
 template <class Numbers>
 int exponentOf(const Numbers& numbers) {
     double largest = 0;
     for (const double number : numbers) largest = std::max(largest, std::abs(number));
-    return largest > 0 ? std::ilogb(largest) : 0;
+    constexpr double kNear = 0x1p100;
+    if (largest == 0 || (largest > 1 / kNear && largest < kNear)) return 0;
+    return std::ilogb(largest);
 }
 
 /// Multiplies the numbers by 2^exponent. The products are exact unless one number is 2^1000 times
 /// smaller than another.
 template <class Numbers>
 Numbers timesPowerOfTwo(Numbers numbers, int exponent) {
-    for (double& number : numbers) number = std::scalbn(number, exponent);
+    if (exponent == 0) return numbers;
+    // In two factors: 2^exponent may exceed the range of doubles. The product by one of them is
+    // between the number and the result, so it neither overflows nor rounds before the result does.
+    const double half = std::ldexp(1, exponent / 2), rest = std::ldexp(1, exponent - exponent / 2);
+    for (double& number : numbers) number = number * half * rest;
     return numbers;
 }
 

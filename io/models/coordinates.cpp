@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/base/vector3.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
@@ -185,11 +186,11 @@ std::vector<Point3> carried(std::span<const Point3> directions,
                             std::span<const DeformationGradient> gradients, Carry carry,
                             Precision precision) {
     std::vector<Point3> result(directions.begin(), directions.end());
-    for (std::size_t point = 0; point < result.size(); ++point) {
-        checkCancelledEvery(point, 14);
-        if (isDirection(result[point], precision))
-            result[point] = carry(gradients[point], result[point]);
-    }
+    parallelFor(std::ssize(result), 1 << 14, [&](Offset first, Offset last) {
+        for (Offset point = first; point < last; ++point)
+            if (isDirection(result[point], precision))
+                result[point] = carry(gradients[point], result[point]);
+    });
     return result;
 }
 
