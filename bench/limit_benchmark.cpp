@@ -30,7 +30,7 @@ struct Scene {
     embed::BoundRows<> bind(int level) const {
         if (level > 0)
             return embed::bindPoints({base, lattice.positions}, points, {.level = level});
-        return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points));
+        return limit::bindLimit({base, lattice.positions}, points);
     }
 
     /// Returns a pose that moves all vertices differently, by sines of their positions.

@@ -19,11 +19,12 @@ struct Binder {
     const BindOptions& options;
 
     Binding operator()(const Level& target) const {
-        const embed::BindingOptions chosen{target.level, options.embedding, options.progress};
+        const embed::BindingOptions chosen = embedding(target.level);
         Binding binding = made(embed::bindPoints(lattice, points, chosen));
         if (!target.factors) return binding;
-        auto factors =
-            embed::bindFactored(lattice, points, {target.level, options.embedding, {}}).table;
+        auto factors = embed::bindFactored(lattice, points,
+                                           {.level = target.level, .embedding = options.embedding})
+                           .table;
         // The two searches may disagree at the tolerance. A point that stays in place by D does so
         // by the factors.
         factors.points = embed::emptyRows(std::move(factors.points), binding.table.emptyRows());
@@ -32,16 +33,11 @@ struct Binder {
     }
 
     Binding operator()(const Limit& target) const {
-        auto found = limit::bindLimit(lattice, points,
-                                      {.embedding = options.embedding,
-                                       .tolerance = target.tolerance,
-                                       .gradients = target.gradients,
-                                       .progress = options.progress});
-        std::optional<Gradients> gradients;
-        if (target.gradients) gradients = std::move(found.table.gradients);
-        Binding binding = made(limit::withoutGradients(std::move(found)));
-        binding.gradients = std::move(gradients);
-        return binding;
+        return made(limit::bindLimit(lattice, points,
+                                     {.embedding = options.embedding,
+                                      .tolerance = target.tolerance,
+                                      .gradients = options.gradients,
+                                      .progress = options.progress}));
     }
 
     Binding operator()(embed::Basis basis) const {
@@ -51,14 +47,19 @@ struct Binder {
                 "the lattice has marks (sharpness of edges or vertices), which only subdivision "
                 "applies; bind with subdivision, or remove the marks");
         const embed::TensorLattice tensor(lattice.base.level(0).complex, lattice.positions, basis);
-        return made(embed::bindPoints(tensor, points, options.embedding, options.progress));
+        return made(embed::bindPoints(tensor, points, embedding()));
     }
 
 private:
+    embed::BindingOptions embedding(int level = 1) const {
+        return {level, options.embedding, options.gradients, options.progress};
+    }
+
     static Binding made(embed::BoundRows<> bound) {
         Binding binding{std::move(bound.table)};
         binding.statuses = std::move(bound.statuses);
         binding.largestResidual = bound.largestResidual;
+        binding.gradients = std::move(bound.gradients);
         return binding;
     }
 };
@@ -79,9 +80,10 @@ void Binding::checkParts() const {
         if (ownRows != rows || ownColumns != columns)
             refuse(concat(what, " of ", ownRows, " points and ", ownColumns, " vertices"));
     };
-    if (gradients)
-        for (const auto& each : *gradients)
-            checkShape("gradients", each.rowCount(), each.columnCount());
+    if (gradients) {
+        checkShape("gradients", gradients->rowCount(), gradients->columnCount());
+        gradients->check();
+    }
     if (factors) checkShape("factors", factors->points.rowCount(), factors->vertices.columnCount());
     if (std::ssize(points) != rows) refuse(concat(points.size(), " points at rest"));
     if (std::ssize(rest) != columns) refuse(concat(rest.size(), " vertices at rest"));

@@ -37,7 +37,6 @@ struct Level {
 /// The limit volume, which the levels converge to.
 struct Limit {
     double tolerance = limit::kLimitTolerance;  ///< see limit::LimitOptions::tolerance
-    bool gradients = false;                     ///< makes Binding::gradients
 };
 
 /// Points are bound to a level of subdivision, to the limit, or to a Bézier or B-spline basis. A
@@ -47,14 +46,12 @@ using Target = std::variant<Level, Limit, embed::Basis>;
 struct BindOptions {
     embed::EmbeddingOptions embedding = {};
 
+    /// Makes Binding::gradients, which carry normals and tangents (io::Model::write()).
+    bool gradients = false;
+
     /// Called now and then with the number of points done, from any thread; may be empty.
     std::function<void(Offset)> progress = {};
 };
-
-/// Three tables that give the deformation gradient F = ∂x'/∂X at each point, as in
-/// limit::LimitTable::gradients: table j times the displacements of a pose from the rest is column
-/// j of F − 1, which is exactly 0 where nothing moves.
-using Gradients = std::array<stencils::StencilTable<double>, 3>;
 
 /// Points that are bound to a lattice: all that is needed to deform them. Neither the lattice nor
 /// its topology is needed any more.
@@ -62,9 +59,10 @@ using Gradients = std::array<stencils::StencilTable<double>, 3>;
 /// A point whose row is empty is outside the lattice, or could not be placed (`statuses`). Since
 /// its displacement is 0, it is exactly where it was in every pose.
 struct Binding {
-    stencils::StencilTable<double> table;     ///< D: points × base vertices
-    std::uint64_t topologyHash = 0;           ///< far::topologyHash of the base lattice
-    std::optional<Gradients> gradients = {};  ///< made on request, and only in the limit
+    stencils::StencilTable<double> table;  ///< D: points × base vertices
+    std::uint64_t topologyHash = 0;        ///< far::topologyHash of the base lattice
+    /// How F = ∂x'/∂X follows from a pose; made on request (osd::evaluateGradients()).
+    std::optional<embed::Gradients> gradients = {};
     /// D in its two factors, which are faster where cells of the level hold several points; only of
     /// a level that was asked for them.
     std::optional<stencils::FactoredTable<double>> factors = {};

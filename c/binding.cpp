@@ -26,10 +26,7 @@ namespace {
 
 /// Returns what to bind to: the limit if it has a tolerance, else a level.
 bind::Target targetOf(const espalier_bind_options& chosen) {
-    const bool withGradients = choice(chosen.gradients, 1, "gradients") != 0;
-    if (chosen.limit_tolerance != 0) return bind::Limit{chosen.limit_tolerance, withGradients};
-    if (withGradients)
-        throw Error("only a binding to the limit has gradients; set limit_tolerance");
+    if (chosen.limit_tolerance != 0) return bind::Limit{chosen.limit_tolerance};
     return bind::Level{chosen.level};
 }
 
@@ -40,7 +37,9 @@ espalier_binding* newBinding(io::BoundModel model) {
 espalier_binding* bindTo(const embed::RestLattice& lattice, std::span<const Point3> points,
                          const bind::Target& target, const espalier_bind_options& chosen) {
     io::BoundModel model{
-        bind::bindPoints(lattice, points, target, {.embedding = embeddingOptions(chosen)}),
+        bind::bindPoints(lattice, points, target,
+                         {.embedding = embeddingOptions(chosen),
+                          .gradients = choice(chosen.gradients, 1, "gradients") != 0}),
         {},
         {},
         io::facesOf(lattice.base.level(0).complex)};
@@ -78,7 +77,8 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         const auto& own = c::deref(lattice, "lattice").lattice;
         const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
         const auto model = c::positions(points, point_count, "points");
-        const auto chosen = c::levelBindOptions(options, "this basis has no levels and no limit");
+        const auto chosen = c::bindOptions(options);
+        c::checkNoLimit(chosen, "this basis has no levels and no limit");
         const far::TopologyRefiner base(own.complex, refinerOptions(own));
         return c::bindTo({base, own.positions}, model, chosenBasis, chosen);
     });
@@ -164,8 +164,7 @@ espalier_status espalier_binding_gradients(const espalier_binding* binding, int3
         const bind::Binding& own = c::bindingOf(binding);
         if (!own.gradients)
             throw Error(
-                "the binding has no gradients; make it with limit_tolerance and gradients of "
-                "espalier_bind_options");
+                "the binding has no gradients; make it with gradients of espalier_bind_options");
         c::checkCount(vertex_count, own.table.columnCount(), "positions of vertices");
         const auto from = c::finitePositions(pose, vertex_count, "pose");
         c::checkCount(point_count, own.table.rowCount(), "points in the array");

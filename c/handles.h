@@ -61,17 +61,23 @@ inline espalier_bind_options bindOptions(const espalier_bind_options* options) {
                              offsetof(espalier_bind_options, limit_tolerance));
 }
 
-/// Returns the given options, or the defaults, for binding to a level.
-/// \throws Error if the options ask for the limit; the message gives the reason
-inline espalier_bind_options levelBindOptions(const espalier_bind_options* options,
-                                              const char* reason) {
-    const espalier_bind_options chosen = bindOptions(options);
+/// Refuses options that ask for the limit.
+/// \throws ArgumentError with the reason
+inline void checkNoLimit(const espalier_bind_options& chosen, const char* reason) {
     if (chosen.limit_tolerance != 0)
         throw ArgumentError("", "limit_tolerance", textOf(chosen.limit_tolerance),
                             concat("0, since ", reason));
+}
+
+/// Returns the given options, or the defaults, for a table of a level.
+/// \throws ArgumentError if the options ask for the limit, with the reason, or for gradients
+inline espalier_bind_options levelBindOptions(const espalier_bind_options* options,
+                                              const char* reason) {
+    const espalier_bind_options chosen = bindOptions(options);
+    checkNoLimit(chosen, reason);
     if (chosen.gradients != 0)
         throw ArgumentError("", "gradients", std::to_string(chosen.gradients),
-                            concat("0, since ", reason));
+                            "0, since only bindings have gradients");
     return chosen;
 }
 

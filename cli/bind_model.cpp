@@ -18,9 +18,9 @@ namespace espalier::cli {
 namespace {
 
 /// Returns what the options bind to.
-bind::Target targetOf(const BindOptions& options, bool hasGradients) {
+bind::Target targetOf(const BindOptions& options) {
     if (options.basis) return *options.basis;
-    if (options.limit) return bind::Limit{options.common.embedding.tolerance, hasGradients};
+    if (options.limit) return bind::Limit{options.common.embedding.tolerance};
     return bind::Level{options.level};
 }
 
@@ -78,7 +78,7 @@ void addBasisOptions(CLI::App& command, BindOptions& options) {
         .add_flag(
             "--limit", options.limit,
             "Bind to the limit of refinement instead of a level. --tolerance also sets how close "
-            "to the limit points are placed. Normals and tangents are deformed too")
+            "to the limit points are placed")
         ->excludes(command.get_option("-n"));
     for (const char* name :
          {"-n", "--limit", "--boundary", "--creasing", "--triangles", "--sharp-edges", "--rules"})
@@ -107,9 +107,9 @@ bind::Binding bindModel(const BindOptions& options, std::span<const Point3> poin
     return stages.run("binding", [&] {
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
         const auto bindPoints = [&] {
-            return bind::bindPoints({base, lattice.positions}, points,
-                                    targetOf(options, hasGradients),
+            return bind::bindPoints({base, lattice.positions}, points, targetOf(options),
                                     {.embedding = options.common.embedding,
+                                     .gradients = hasGradients,
                                      .progress = progressOf(stages, points.size())});
         };
         // A basis has demands on the lattice: the errors name its file.

@@ -42,7 +42,7 @@ void checkBasis(const BindOptions& options);
 
 /// Binds points to a lattice that was read from options.rest, in the stage "binding". Errors in the
 /// lattice name its file.
-/// \param hasGradients whether a binding to the limit gets its gradients
+/// \param hasGradients whether the binding gets its gradients
 bind::Binding bindModel(const BindOptions& options, std::span<const Point3> points,
                         const Lattice& lattice, Stages& stages, bool hasGradients = false);
 

@@ -32,6 +32,7 @@ struct DeformOptions : BindOptions {
     MeshOptions mesh;
     std::vector<std::string> poses;
     std::string output;
+    bool keepNormals = false;     ///< normals and tangents stay as they are
     double framesPerSecond = 24;  ///< the frame rate of an animation
     ReportFormat report = ReportFormat::Text;
 };
@@ -60,7 +61,8 @@ void checkTarget(const io::Model& model, const std::filesystem::path& output) {
 /// A model and its binding.
 struct Deformation {
     const io::Model& model;
-    const bind::Binding& binding;  ///< has gradients if normals and tangents follow
+    const bind::Binding& binding;
+    bool turnsDirections;  ///< normals and tangents follow
 
     std::vector<Point3> pointsAt(const std::vector<Point3>& pose, Stages& stages) const {
         return stages.run("applying", [&] {
@@ -74,7 +76,7 @@ struct Deformation {
     void write(const std::filesystem::path& path, const std::vector<Point3>& points,
                const std::vector<Point3>& pose, Stages& stages) const {
         stages.run("writing", [&] {
-            if (binding.gradients)
+            if (turnsDirections)
                 model.write(path, points, osd::evaluateGradients(binding, pose));
             else
                 model.write(path, points);
@@ -168,6 +170,34 @@ const MeshCheck* requiredCheck(const std::optional<MeshCheck>& check,
                                                    : ""));
 }
 
+/// Returns true if normals and tangents of the model follow its points.
+bool turnsDirections(const io::Model& model, const bind::Binding& binding,
+                     const DeformOptions& options) {
+    return binding.gradients && !options.keepNormals && !isAnimation(options) &&
+           model.hasDirections();
+}
+
+/// Says what happens to the normals and tangents of a model; nothing if it has none.
+std::string directionsReport(const io::Model& model, const bind::Binding& binding,
+                             const DeformOptions& options) {
+    const auto [normals, tangents] = model.directions();
+    const auto numbered = [](std::size_t count, const char* what) {
+        return count == 0 ? std::string()
+                          : fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+    };
+    const std::string both = numbered(normals, "normal"), other = numbered(tangents, "tangent");
+    const std::string all = both + (both.empty() || other.empty() ? "" : " and ") + other;
+    if (all.empty()) return {};
+    if (isAnimation(options)) return all + " are not in the animation, which holds points only";
+    if (options.keepNormals) return all + " stay, as --keep-normals asks";
+    if (!binding.gradients) return all + " stay: the model was bound with --keep-normals";
+    const std::size_t kept = binding.table.emptyRows().size();
+    return all + " turn with the model" +
+           (kept == 0 ? ""
+                      : fmt::format("; those of the {} left in place stay",
+                                    kept == 1 ? "point" : fmt::format("{} points", kept)));
+}
+
 void print(const RunReport& report, const MeshReports& meshes, const DeformOptions& options) {
     if (options.common.quiet) return;
     if (options.report == ReportFormat::Json) {
@@ -193,8 +223,10 @@ void runDeform(const DeformOptions& options) {
     if (!isAnimation(options)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
-    const bind::Binding binding = bindModel(options, model->positions(), rest, stages,
-                                            options.limit && model->hasDirections());
+    const bool hasGradients =
+        model->hasDirections() && !options.keepNormals && !isAnimation(options);
+    const bind::Binding binding =
+        bindModel(options, model->positions(), rest, stages, hasGradients);
     const bool isChecked =
         !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
     std::optional<MeshCheck> check;
@@ -205,8 +237,10 @@ void runDeform(const DeformOptions& options) {
         });
     }
     const MeshReports meshes =
-        writePoses({*model, binding}, options, poses, paths, requiredCheck(check, options), stages);
-    print({binding, stages, peakMemory()}, meshes, options);
+        writePoses({*model, binding, turnsDirections(*model, binding, options)}, options, poses,
+                   paths, requiredCheck(check, options), stages);
+    print({binding, stages, peakMemory(), directionsReport(*model, binding, options)}, meshes,
+          options);
 }
 
 void runBind(const DeformOptions& options) {
@@ -232,13 +266,14 @@ void runBind(const DeformOptions& options) {
                                                           "deform"));
     const Lattice rest = readLattice(options.rest, stages);
     file.binding = bindModel(options, model->positions(), rest, stages,
-                             options.limit && model->hasDirections());
+                             model->hasDirections() && !options.keepNormals);
     file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
     });
-    print({file.binding, stages, peakMemory()}, options.report, options.common);
+    print({file.binding, stages, peakMemory(), directionsReport(*model, file.binding, options)},
+          options.report, options.common);
 }
 
 void runApply(const DeformOptions& options) {
@@ -260,9 +295,11 @@ void runApply(const DeformOptions& options) {
     std::optional<MeshCheck> check;
     if (options.mesh.noInverted || options.mesh.largestStep)
         check.emplace(options.model, *model, readVolume(*model, stages), options.output, stages);
-    const MeshReports meshes = writePoses({*model, bound.binding}, options, poses, paths,
-                                          requiredCheck(check, options), stages);
-    print({bound.binding, stages, peakMemory()}, meshes, options);
+    const MeshReports meshes =
+        writePoses({*model, bound.binding, turnsDirections(*model, bound.binding, options)},
+                   options, poses, paths, requiredCheck(check, options), stages);
+    print({bound.binding, stages, peakMemory(), directionsReport(*model, bound.binding, options)},
+          meshes, options);
 }
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
@@ -286,6 +323,12 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         ->capture_default_str();
 }
 
+void addKeepNormals(CLI::App& command, DeformOptions& options) {
+    command.add_flag("--keep-normals", options.keepNormals,
+                     "Leave normals and tangents of the model as they are. By default they turn "
+                     "with the points");
+}
+
 void addRunAndReport(CLI::App& command, DeformOptions& options) {
     addRunOptions(command, options.common);
     addReportOption(command, options.report);
@@ -301,6 +344,7 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(deform, deformOptions);
     addPosesAndOutput(deform, deformOptions);
     addBindingOptions(deform, deformOptions);
+    addKeepNormals(deform, deformOptions);
     addMeshOptions(deform, deformOptions.mesh);
     addRunAndReport(deform, deformOptions);
 
@@ -310,12 +354,14 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(bind, bindOptions);
     addOutputOption(bind, bindOptions.output, "The bound model: .espb")->required();
     addBindingOptions(bind, bindOptions);
+    addKeepNormals(bind, bindOptions);
     addRunAndReport(bind, bindOptions);
 
     const auto [apply, applyOptions] =
         addCommand(program, "apply", "Deform a bound model by each pose of its lattice", runApply);
     apply.add_option("BINDING", applyOptions.model, "The bound model: .espb")->required();
     addPosesAndOutput(apply, applyOptions);
+    addKeepNormals(apply, applyOptions);
     addMeshOptions(apply, applyOptions.mesh);
     addRunAndReport(apply, applyOptions);
 }

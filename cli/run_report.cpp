@@ -65,6 +65,8 @@ OrderedJson toJson(const RunReport& report) {
                       {"not_converged", report.binding.count(PointStatus::NotConverged)}};
     json["largest_residual"] = report.binding.largestResidual;
     json["kept"] = table.emptyRows().size();
+    json["directions"] =
+        report.directions.empty() ? OrderedJson(nullptr) : OrderedJson(report.directions);
     json["matrix"] = {{"rows", table.rowCount()},
                       {"columns", table.columnCount()},
                       {"entries", table.entryCount()},
@@ -89,6 +91,7 @@ void printText(const RunReport& report) {
     if (kept > 0)
         printLine("left in place",
                   fmt::format("{} {}, whatever the pose", kept, kept == 1 ? "point" : "points"));
+    if (!report.directions.empty()) printLine("directions", report.directions);
     printLine("placement error",
               fmt::format("{:.2g}: the largest distance of a point from its place in the lattice",
                           report.binding.largestResidual));

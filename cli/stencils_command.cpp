@@ -87,6 +87,8 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
     bind::Binding bound =
         bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
     warnOfPointsOutside(bound, options.common);
+    embed::GradientTables gradients;
+    if (bound.gradients) gradients = embed::gradientTables(*bound.gradients, bound.rest);
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",
@@ -96,8 +98,8 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
                       fmt::format("{}: {}", nameOfD(options), rowsAndColumns)});
     for (std::size_t axis = 0; bound.gradients && axis < 3; ++axis)
         result.push_back(
-            {gradientPath(options, axis), std::move((*bound.gradients)[axis]),
-             fmt::format("Gradient of D in the limit: its product with a pose is column {} of the "
+            {gradientPath(options, axis), std::move(gradients[axis]),
+             fmt::format("Gradient of D: its product with a pose is column {} of the "
                          "deformation gradient, the derivative by {} of the rest pose; {}",
                          axis, "xyz"[axis], rowsAndColumns)});
     return result;
@@ -182,11 +184,10 @@ void addStencilsCommand(CLI::App& program) {
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
     addBasisOptions(command, options.bind);
     addEmbeddingOptions(command, options.common);
-    command
-        .add_flag("--gradients", options.gradients,
-                  "Also write the gradients of D, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
-                  "their products with a pose are the columns of the deformation gradient")
-        ->needs(command.get_option("--limit"));
+    command.add_flag(
+        "--gradients", options.gradients,
+        "Also write the gradients of D, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
+        "their products with a pose are the columns of the deformation gradient");
     const auto all = command.get_options();
     for (auto option = all.begin() + others; option != all.end(); ++option)
         (*option)->needs(points);

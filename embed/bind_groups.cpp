@@ -41,14 +41,14 @@ private:
 };
 
 /// Puts the rows of the points of all parts into one table, and empties the rows of the parts.
-/// \param rowsOf returns the rows of a part's points from the part's table
+/// \param rowsOf returns the rows of the points of a part
 /// \param numberOf numberOf(p, column) returns the number in the result of a column of part p
 template <class Table, class RowsOf, class NumberOf>
 stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowCount,
                                             Index columnCount, RowsOf rowsOf, NumberOf numberOf) {
     Array<Offset> lengths(Offset{rowCount} + 1, 0);
     for (BoundPart<Table>& part : parts) {
-        const stencils::StencilTable<double>& rows = rowsOf(part.table);
+        const stencils::StencilTable<double>& rows = rowsOf(part);
         for (Index i = 0; i < rows.rowCount(); ++i)
             // A point placed by a later part has an empty row in the earlier one.
             lengths[part.points[i] + 1] += static_cast<Offset>(rows.columns(i).size());
@@ -57,7 +57,7 @@ stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts
     parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
             BoundPart<Table>& part = parts[p];
-            stencils::StencilTable<double>& rows = rowsOf(part.table);
+            stencils::StencilTable<double>& rows = rowsOf(part);
             for (Index i = 0; i < rows.rowCount(); ++i)
                 if (!rows.columns(i).empty())
                     scattered.set(part.points[i], rows.columns(i), rows.weights(i),
@@ -74,10 +74,22 @@ void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, I
                 Index columnCount, stencils::StencilTable<double>& result) {
     result = gatherPoints(
         parts, rowCount, columnCount,
-        [](stencils::StencilTable<double>& table) -> stencils::StencilTable<double>& {
-            return table;
+        [](BoundPart<stencils::StencilTable<double>>& part) -> stencils::StencilTable<double>& {
+            return part.table;
         },
         [&](Offset p, Index column) { return parts[p].baseVertex(column); });
+}
+
+GradientTables gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>& parts,
+                               Index rowCount, Index columnCount) {
+    GradientTables result;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        result[axis] = gatherPoints(
+            parts, rowCount, columnCount,
+            [axis](BoundPart<stencils::StencilTable<double>>& part)
+                -> stencils::StencilTable<double>& { return part.gradients[axis]; },
+            [&](Offset p, Index column) { return parts[p].baseVertex(column); });
+    return result;
 }
 
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
@@ -109,8 +121,8 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
     });
     stencils::StencilTable<double> points = gatherPoints(
         parts, rowCount, vertexCount,
-        [](stencils::FactoredTable<double>& table) -> stencils::StencilTable<double>& {
-            return table.points;
+        [](BoundPart<stencils::FactoredTable<double>>& part) -> stencils::StencilTable<double>& {
+            return part.table.points;
         },
         [&](Offset p, Index column) { return column + shifts[p]; });
     result = {scattered.take(columnCount), std::move(points)};

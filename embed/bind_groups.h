@@ -3,6 +3,7 @@
 
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
+#include <espalier/embed/gradients.h>
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/place_points.h>
@@ -12,11 +13,11 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-// Binds points in groups, to D or to its factors. limit_binding.cpp binds to D with its gradients
-// in the same way, and adds overloads of pointRows() and gatherRows().
+// Binds points in groups, to D or to its factors.
 namespace espalier::embed {
 
 /// The result of binding some points of a group.
@@ -26,6 +27,7 @@ struct BoundPart {
     std::vector<PointStatus> statuses;
     double largestResidual = 0;
     Table table;                           ///< one row per point; empty if the point has no place
+    GradientTables gradients = {};         ///< the same rows; 0 × 0 if they were not requested
     std::vector<Index> baseVertices = {};  ///< numbers in the base of the vertices that the table
                                            ///< starts from; empty if the numbers are equal
 
@@ -59,6 +61,10 @@ void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, I
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::FactoredTable<double>& result);
 
+/// Does the same for the gradients of D.
+GradientTables gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>& parts,
+                               Index rowCount, Index columnCount);
+
 /// Completes the statuses: a point inside without a row is NotConverged, because its place has
 /// unbounded weights (kMaxRowSum).
 /// \throws Error under OutsidePolicy::Error if a point is not inside
@@ -73,12 +79,11 @@ void completeStatuses(std::span<const Point3> points, OutsidePolicy outside,
 /// Binds points in parallel, group by group; the points of a group are near each other.
 /// \param bindGroup works in units of `unit`. It is destroyed before the rows are gathered, since
 ///        gathering needs the most memory
-/// \param progress as BindingOptions::progress
+/// \param options the level has no meaning here
 template <class Table>
 BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefiner& base,
                             const LengthUnit& unit, std::span<const Point3> points,
-                            Offset groupSize, OutsidePolicy outside,
-                            const std::function<void(Offset)>& progress) {
+                            Offset groupSize, const BindingOptions& options) {
     checkPointCount(points);
     const Offset pointCount = std::ssize(points);
     const std::vector<Index> order = alongCurve(points);
@@ -95,7 +100,7 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
         // gatherRows() needs as much memory again as the rows of the groups.
         requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(double)),
                       "a table of the " + std::to_string(entryCount) + " weights so far");
-        if (progress) progress(done += last - first);
+        if (options.progress) options.progress(done += last - first);
     });
 
     bindGroup = {};
@@ -110,8 +115,13 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
                 std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
             parts.push_back(std::move(part));
         }
-    gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0), model.table);
-    completeStatuses(points, outside, model);
+    const auto rowCount = static_cast<Index>(pointCount);
+    const Index columnCount = base.level(0).complex.count(0);
+    if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
+        if (options.gradients)
+            model.gradients = Gradients{gatherGradients(parts, rowCount, columnCount)};
+    gatherRows(parts, rowCount, columnCount, model.table);
+    completeStatuses(points, options.embedding.outside, model);
     return model;
 }
 

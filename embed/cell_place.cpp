@@ -50,4 +50,22 @@ std::vector<VertexWeight> placeWeights(const far::CellComplex& complex, const Ce
     return result;
 }
 
+std::vector<VertexWeight> directionWeights(const far::CellComplex& complex, const CellPlace& place,
+                                           int axis) {
+    const auto number = static_cast<std::size_t>(axis);
+    std::vector<VertexWeight> result;
+    if (const auto corners = far::hexahedronVertices(complex, place.cell)) {
+        const auto weights =
+            Trilinear::weightDerivatives(Eigen::Vector3d(place.uvw.data()))[number];
+        for (std::size_t i = 0; i < 8; ++i) result.push_back({(*corners)[i], weights[i]});
+        return result;
+    }
+    // From P₀ to a vertex of the base.
+    result.push_back({tetrahedronBase(complex, place.cell, place.tetrahedron)[number], 1});
+    const auto vertices = complex.relation(3, 0)[place.cell.value];
+    for (const Index vertex : vertices)
+        result.push_back({vertex, -1 / static_cast<double>(vertices.size())});
+    return result;
+}
+
 }  // namespace espalier::embed

@@ -44,6 +44,12 @@ struct VertexWeight {
 ESPALIER_API std::vector<VertexWeight> placeWeights(const far::CellComplex& complex,
                                                     const CellPlace& place);
 
+/// Returns the derivative of these weights by coordinate `axis` of the place, with offset 0: the
+/// direction in which the position moves. The weights sum to 0.
+/// \param axis 0 for u, 1 for v, 2 for w
+ESPALIER_API std::vector<VertexWeight> directionWeights(const far::CellComplex& complex,
+                                                        const CellPlace& place, int axis);
+
 /// Returns the weights of a place in a hexahedron, one per corner in the order of
 /// far::hexahedronVertices().
 ESPALIER_API std::array<double, 8> hexahedronWeights(const CellPlace& place);

@@ -116,6 +116,20 @@ stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& compl
                                        });
 }
 
+stencils::StencilTable<double> buildDirectionTable(const far::CellComplex& complex,
+                                                   const Embedding& embedding) {
+    checkVertexCount(embedding.vertexCount, complex.count(0));
+    return stencils::buildTable(
+        static_cast<Index>(3 * embedding.points.size()), complex.count(0),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            const auto& place = embedding.points[row / 3].place;
+            if (!place) return;
+            for (const auto& [vertex, weight] : directionWeights(complex, *place, row % 3))
+                accumulator.add(vertex, weight);
+            accumulator.makeSumZero();
+        });
+}
+
 stencils::RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
                                    Index groupCount) {
     std::vector<Index> groups;

@@ -119,6 +119,13 @@ ESPALIER_API Embedding embedPoints(const far::CellComplex& complex,
 ESPALIER_API stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
                                                                 const Embedding& embedding);
 
+/// Returns the derivatives of W by the coordinates of the places: rows 3i to 3i + 2 are the
+/// directions in which point i moves with u, v and w. Rows sum to 0; they are empty for a point
+/// without a place. The offset of a place has no effect.
+/// \throws Error if the embedding is in a lattice with another number of vertices
+ESPALIER_API stencils::StencilTable<double> buildDirectionTable(const far::CellComplex& complex,
+                                                                const Embedding& embedding);
+
 /// Returns the order in which to multiply the rows of W by S_level: grouped by base cell, since the
 /// points in a base cell depend on the vertices around it.
 /// \param baseCells for each cell of the level, the number of its base cell

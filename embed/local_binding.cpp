@@ -6,6 +6,7 @@
 #include <espalier/embed/regular_binding.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <cmath>
@@ -46,8 +47,29 @@ Table rowsIn(const stencils::Levels& levels, const Embedding& embedding) {
         return buildFactoredTable(levels, embedding);
 }
 
+/// Returns the gradients of points with a row in D, over the base of the level tables.
+/// \param tables R_1 to R_n, where the embedding is in level n
+/// \param table D, or W
+/// \param rest the base, in units
+GradientTables gradientTablesIn(const far::CellComplex& level,
+                                std::span<const stencils::StencilTable<double>> tables,
+                                const Embedding& embedding,
+                                const stencils::StencilTable<double>& table,
+                                std::span<const Point3> rest, const LengthUnit& unit) {
+    std::vector<stencils::StencilTable<double>> rows;
+    for (const auto& each : tables)
+        rows.push_back(stencils::buildTable(0, each.columnCount(), [](Index, auto&) {}));
+    rows.push_back(buildDirectionTable(level, embedding));
+    const auto directions = std::move(
+        stencils::composeDerivatives(tables, std::move(rows), stencils::RowMeaning::Spans).back());
+    GradientTables gradients = gradientsOf(directions, rest, unit.toUnits(1.0));
+    for (auto& gradient : gradients) gradient = emptyRows(std::move(gradient), table.emptyRows());
+    return gradients;
+}
+
 template <class Table>
-std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<const Point3> points) {
+std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<const Point3> points,
+                                        const LengthUnit* unitOfGradients = nullptr) {
     std::vector<BoundPart<Table>> parts;
     search.locate(points, far::TopologyRefiner::Extent::Cells, [&](LocatedPart located) {
         BoundPart<Table> part;
@@ -55,7 +77,12 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
         for (const LocatedPoint& point : located.embedding.points)
             part.statuses.push_back(point.status);
         if (located.levels) {
-            part.table = rowsIn<Table>(*located.levels, located.embedding);
+            const stencils::Levels& levels = *located.levels;
+            part.table = rowsIn<Table>(levels, located.embedding);
+            if (unitOfGradients != nullptr)
+                part.gradients = gradientTablesIn(levels.finestLevel().complex, levels.tables(),
+                                                  located.embedding, pointRows(part.table),
+                                                  levels.positions(0), *unitOfGradients);
             part.largestResidual = located.embedding.largestResidual(pointRows(part.table));
         }
         part.baseVertices = std::move(located.baseVertices);
@@ -128,13 +155,15 @@ struct PointsInLevel {
     double largestResidual;
     stencils::FactoredTable<double> factors;
     stencils::RowOrder byBaseCell;
+    GradientTables gradients;  ///< 0 × 0 if they were not requested
 };
 
 /// Locates points in the whole level.
 /// \param rest the positions of the lattice, in units
 /// \param points in units, each near the one before
 PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const Point3> rest,
-                                 std::span<const Point3> points, const BindingOptions& options) {
+                                 std::span<const Point3> points, const BindingOptions& options,
+                                 const LengthUnit& unit) {
     const int level = options.level;
     refiner.refineUniform(level);
     const auto embed = [&] {
@@ -151,21 +180,32 @@ PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const P
     PointsInLevel located{{},
                           0,
                           buildFactoredTable(refiner, level, embedding),
-                          orderByBaseCell(embedding, origins.of(3), origins.count())};
+                          orderByBaseCell(embedding, origins.of(3), origins.count()),
+                          {}};
+    if (options.gradients)
+        located.gradients = gradientTablesIn(refiner.level(level).complex,
+                                             stencils::buildLevelTables(refiner, level), embedding,
+                                             located.factors.points, rest, unit);
     located.largestResidual = embedding.largestResidual(located.factors.points);
     located.statuses.reserve(points.size());
     for (const LocatedPoint& point : embedding.points) located.statuses.push_back(point.status);
     return located;
 }
 
+/// Returns the row of each point, where the points of the rows are in `order`.
+std::vector<Index> rowsOfPoints(std::span<const Index> order) {
+    std::vector<Index> rowOf(order.size());
+    for (std::size_t row = 0; row < order.size(); ++row)
+        rowOf[order[row]] = static_cast<Index>(row);
+    return rowOf;
+}
+
 /// Makes D or its factors from factors whose points are in another order.
 /// \param order the points in the order of the factors
 void orderRows(stencils::FactoredTable<double> factors, const stencils::RowOrder&,
                std::span<const Index> order, stencils::FactoredTable<double>& result) {
-    std::vector<Index> rowOf(order.size());
-    for (std::size_t row = 0; row < order.size(); ++row)
-        rowOf[order[row]] = static_cast<Index>(row);
-    result = {std::move(factors.vertices), stencils::selectRows<double>(factors.points, rowOf)};
+    result = {std::move(factors.vertices),
+              stencils::selectRows<double>(factors.points, rowsOfPoints(order))};
 }
 void orderRows(const stencils::FactoredTable<double>& factors, const stencils::RowOrder& byCell,
                std::span<const Index> order, stencils::StencilTable<double>& result) {
@@ -181,11 +221,19 @@ BoundRows<Table> bindToWholeLevel(const far::TopologyRefiner& base, const Length
                                   const BindingOptions& options) {
     const std::vector<Index> order = alongCurve(points);
     PointsInLevel located =
-        locateInWholeLevel(base, rest, unit.toUnits(chosenPoints(points, order)), options);
+        locateInWholeLevel(base, rest, unit.toUnits(chosenPoints(points, order)), options, unit);
     BoundRows<Table> model;
     model.statuses.resize(points.size());
     for (std::size_t i = 0; i < order.size(); ++i) model.statuses[order[i]] = located.statuses[i];
     model.largestResidual = unit.fromUnits(located.largestResidual);
+    if (options.gradients) {
+        model.gradients.emplace();
+        const std::vector<Index> rowOf = rowsOfPoints(order);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            model.gradients->tables[axis] =
+                stencils::selectRows<double>(located.gradients[axis], rowOf);
+        located.gradients = {};
+    }
     orderRows(std::move(located.factors), located.byBaseCell, order, model.table);
     completeStatuses(points, options.embedding.outside, model);
     return model;
@@ -206,11 +254,10 @@ BoundRows<Table> bindByRefinement(const RestLattice& lattice, const LengthUnit& 
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
             requireForRows(*search, unit, points, complex.count(0));
     return bindGroups<Table>(
-        [search = std::move(search)](std::span<const Point3> group) {
-            return bindGroup<Table>(*search, group);
+        [search = std::move(search), &options, &unit](std::span<const Point3> group) {
+            return bindGroup<Table>(*search, group, options.gradients ? &unit : nullptr);
         },
-        lattice.base, unit, points, groupSizeFor(std::ssize(points)), options.embedding.outside,
-        options.progress);
+        lattice.base, unit, points, groupSizeFor(std::ssize(points)), options);
 }
 
 }  // namespace
@@ -225,11 +272,8 @@ BoundRows<> bindPoints(const RestLattice& lattice, std::span<const Point3> point
     auto search = std::make_shared<const LevelSearch>(rest, options.level, options.embedding);
     const RegularSearch regular(rest, search->descent(), spacingOf(options.level));
     return bindRegularFirst(
-        regular, unit, points, options.embedding.outside, options.progress,
-        [&](std::span<const Point3> others, OutsidePolicy outside,
-            const std::function<void(Offset)>& progress) {
-            const BindingOptions optionsOfOthers = {
-                options.level, {outside, options.embedding.tolerance}, progress};
+        regular, unit, points, options,
+        [&](std::span<const Point3> others, const BindingOptions& optionsOfOthers) {
             return bindByRefinement<stencils::StencilTable<double>>(rest, unit, std::move(search),
                                                                     others, optionsOfOthers);
         });
@@ -243,9 +287,11 @@ BoundRows<stencils::FactoredTable<double>> bindFactored(const RestLattice& latti
     const LengthUnit unit(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
     const RestLattice rest{lattice.base, inUnits};
+    BindingOptions withoutGradients = options;
+    withoutGradients.gradients = false;
     return bindByRefinement<stencils::FactoredTable<double>>(
         rest, unit, std::make_shared<const LevelSearch>(rest, options.level, options.embedding),
-        points, options);
+        points, withoutGradients);
 }
 
 }  // namespace espalier::embed

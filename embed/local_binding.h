@@ -3,9 +3,11 @@
 
 #include <espalier/base/api.h>
 #include <espalier/embed/embedding.h>
+#include <espalier/embed/gradients.h>
 #include <espalier/stencils/factored_table.h>
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,14 +34,15 @@ namespace espalier::embed {
 /// x' = D · p'; points whose rows are empty stay where they were. bind::Binding adds what is needed
 /// to deform a model.
 ///
-/// Table is StencilTable<double>, FactoredTable<double>, or limit::LimitTable.
+/// Table is StencilTable<double> or FactoredTable<double>.
 ///
 /// \cite MacCracken & Joy 1996, section 5
 template <class Table = stencils::StencilTable<double>>
 struct BoundRows {
-    Table table;                        ///< D: points × base vertices
-    std::vector<PointStatus> statuses;  ///< one per point
-    double largestResidual = 0;         ///< see PointPlaces::largestResidual()
+    Table table;                              ///< D: points × base vertices
+    std::vector<PointStatus> statuses;        ///< one per point
+    double largestResidual = 0;               ///< see PointPlaces::largestResidual()
+    std::optional<Gradients> gradients = {};  ///< made on request
 
     Index count(PointStatus status) const {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
@@ -51,6 +54,7 @@ struct BoundRows {
 struct BindingOptions {
     int level = 3;  ///< the level whose cells hold the points, 1 to kMaxLevelOfPoints
     EmbeddingOptions embedding = {};
+    bool gradients = false;  ///< makes BoundRows::gradients; has no effect on bindFactored()
 
     /// Called now and then with the number of points done, from any thread; may be empty.
     std::function<void(Offset)> progress = {};

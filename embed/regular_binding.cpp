@@ -79,16 +79,43 @@ stencils::StencilTable<double> rowsOf(const RegularPlaces& places, double spacin
             std::move(weights)};
 }
 
+/// Makes a table from the rows of the points that have no place; the other rows are empty.
+stencils::StencilTable<double> rowsOfOthers(const RegularPlaces& places, Index columnCount,
+                                            const stencils::StencilTable<double>& others) {
+    Array<Offset> offsets = {0};
+    offsets.reserve(places.places.size() + 1);
+    Index other = 0;
+    for (const RegularPlaces::Place& place : places.places) {
+        const bool isEmpty = place.length > 0 || others.rowCount() == 0;
+        offsets.push_back(offsets.back() + (isEmpty ? 0 : std::ssize(others.columns(other++))));
+    }
+    const auto columns = others.columns();
+    const auto weights = others.weights();
+    return {stencils::Trusted{}, columnCount, std::move(offsets),
+            Array<Index>(columns.begin(), columns.end()),
+            Array<double>(weights.begin(), weights.end())};
+}
+
+SplinePlaces splinesOf(const RegularPlaces& places, double spacing) {
+    SplinePlaces splines{spacing};
+    for (const TricubicPatch& patch : places.patches) splines.patches.push_back(patch.vertices());
+    for (const RegularPlaces::Place& place : places.places)
+        splines.places.push_back({place.uvw, place.length > 0 ? place.patch : kMaxIndex});
+    return splines;
+}
+
 }  // namespace
 
 BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,
-                             std::span<const Point3> points, OutsidePolicy outside,
-                             const std::function<void(Offset)>& progress, BindOthers bindOthers) {
-    if (search.isEmpty()) return bindOthers(points, outside, progress);
+                             std::span<const Point3> points, const BindingOptions& options,
+                             BindOthers bindOthers) {
+    if (search.isEmpty()) return bindOthers(points, options);
+    const auto& progress = options.progress;
+    const OutsidePolicy outside = options.embedding.outside;
     const far::CellComplex& base = search.base();
     const RegularPlaces places = placesOf(search, unit, points, progress);
     const Offset placed = places.count();
-    if (placed == 0) return bindOthers(points, outside, progress);
+    if (placed == 0) return bindOthers(points, options);
     BoundRows<> model, others;
     model.statuses.assign(points.size(), PointStatus::Inside);
     if (placed < std::ssize(points)) {
@@ -96,16 +123,24 @@ BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit
         for (std::size_t i = 0; i < points.size(); ++i)
             if (places.places[i].length == 0) numbers.push_back(static_cast<Index>(i));
         // The numbers of points in an error would be their numbers among the others.
-        others = bindOthers(chosenPoints(points, numbers),
-                            outside == OutsidePolicy::Error ? OutsidePolicy::Keep : outside,
-                            progress ? [&](Offset done) { progress(placed + done); }
-                                     : std::function<void(Offset)>());
+        BindingOptions ofOthers = options;
+        if (outside == OutsidePolicy::Error) ofOthers.embedding.outside = OutsidePolicy::Keep;
+        if (progress) ofOthers.progress = [&](Offset done) { progress(placed + done); };
+        others = bindOthers(chosenPoints(points, numbers), ofOthers);
         for (std::size_t i = 0; i < numbers.size(); ++i)
             model.statuses[numbers[i]] = others.statuses[i];
     }
     model.largestResidual =
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
     model.table = rowsOf(places, search.spacing(), base.count(0), others.table);
+    if (options.gradients) {
+        const GradientTables none;
+        const auto& ofOthers = others.gradients ? others.gradients->tables : none;
+        model.gradients.emplace();
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            model.gradients->tables[axis] = rowsOfOthers(places, base.count(0), ofOthers[axis]);
+        model.gradients->splines = splinesOf(places, search.spacing());
+    }
     completeStatuses(points, outside, model);
     return model;
 }

@@ -7,23 +7,21 @@
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/regular_search.h>
 
-#include <functional>
 #include <span>
 
 namespace espalier::embed {
 
 /// Binds points that a regular search does not find. They are the points that are given to it, in
 /// the order of the model.
-using BindOthers = FunctionRef<BoundRows<>(std::span<const Point3> points, OutsidePolicy outside,
-                                           const std::function<void(Offset)>& progress)>;
+using BindOthers =
+    FunctionRef<BoundRows<>(std::span<const Point3> points, const BindingOptions& options)>;
 
 /// Binds points in regular cells by their places, and all others by another function.
 /// \param bindOthers called at most once, and not if all points are in regular cells
-/// \param progress as BindingOptions::progress
+/// \param options the level has no meaning here
 /// \throws Error as bindOthers, and under OutsidePolicy::Error for a point outside
 ESPALIER_API BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit,
-                                          std::span<const Point3> points, OutsidePolicy outside,
-                                          const std::function<void(Offset)>& progress,
-                                          BindOthers bindOthers);
+                                          std::span<const Point3> points,
+                                          const BindingOptions& options, BindOthers bindOthers);
 
 }  // namespace espalier::embed

@@ -3,6 +3,7 @@
 #include <espalier/base/memory.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/box_least_squares.h>
+#include <espalier/embed/length_unit.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/rounded_product.h>
 #include <espalier/embed/row_bound.h>
@@ -201,6 +202,23 @@ void TensorLattice::setWeights(const TensorPlace& place, Row& row) const {
                   [](const VertexWeight& a, const VertexWeight& b) { return a.vertex < b.vertex; });
 }
 
+std::vector<VertexWeight> TensorLattice::directionWeights(const TensorPlace& place,
+                                                          std::size_t axis) const {
+    std::array<AxisFunctions, 3> axes;
+    for (std::size_t a = 0; a < 3; ++a) axisFunctions(basis_, grid_.cells[a], place.at[a], axes[a]);
+    axes[axis].values = axes[axis].derivatives;
+    const auto& [x, y, z] = axes;
+    std::vector<VertexWeight> result;
+    for (std::size_t k = 0; k < z.values.size(); ++k)
+        for (std::size_t j = 0; j < y.values.size(); ++j)
+            for (std::size_t i = 0; i < x.values.size(); ++i)
+                result.push_back({grid_.vertexAt({x.first + static_cast<Index>(i),
+                                                  y.first + static_cast<Index>(j),
+                                                  z.first + static_cast<Index>(k)}),
+                                  x.values[i] * y.values[j] * z.values[k]});
+    return result;
+}
+
 TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3> points,
                             const EmbeddingOptions& options,
                             const std::function<void(Offset)>& progress) {
@@ -242,12 +260,32 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
     return table;
 }
 
+GradientTables buildGradientTables(const TensorLattice& lattice, const TensorEmbedding& embedding) {
+    checkVertexCount(embedding.vertexCount, lattice.complex().count(0));
+    const auto directions = stencils::buildTable(
+        static_cast<Index>(3 * embedding.points.size()), lattice.complex().count(0),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            const auto& place = embedding.points[row / 3].place;
+            if (!place) return;
+            for (const auto& [vertex, weight] : lattice.directionWeights(*place, row % 3))
+                accumulator.add(vertex, weight);
+            accumulator.makeSumZero();
+        });
+    const LengthUnit unit(lattice.rest());
+    return gradientsOf(directions, unit.toUnits(lattice.rest()), unit.toUnits(1.0));
+}
+
 BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                       const EmbeddingOptions& options,
-                       const std::function<void(Offset)>& progress) {
-    const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
+                       const BindingOptions& options) {
+    const TensorEmbedding embedding =
+        embedPoints(lattice, points, options.embedding, options.progress);
     BoundRows<> result;
     result.table = buildDeformationTable(lattice, embedding);
+    if (options.gradients) {
+        result.gradients = Gradients{buildGradientTables(lattice, embedding)};
+        for (auto& table : result.gradients->tables)
+            table = emptyRows(std::move(table), result.table.emptyRows());
+    }
     result.largestResidual = embedding.largestResidual(result.table);
     result.statuses.reserve(points.size());
     for (const auto& point : embedding.points) result.statuses.push_back(point.status);

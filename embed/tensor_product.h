@@ -73,6 +73,12 @@ public:
     /// between 0 and 1 if the offset is 0.
     std::vector<VertexWeight> weights(const TensorPlace& place) const;
 
+    /// Returns the derivatives of these weights by coordinate `axis` of the place, with offset 0.
+    /// They sum to 0.
+    std::vector<VertexWeight> directionWeights(const TensorPlace& place, std::size_t axis) const;
+
+    std::span<const Point3> rest() const { return rest_; }
+
     /// Sets row.weights to these weights.
     void setWeights(const TensorPlace& place, Row& row) const;
 
@@ -117,12 +123,18 @@ ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
                                                                   const TensorEmbedding& embedding);
 
-/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and
-/// buildDeformationTable().
+/// Returns the gradients of D, by the derivatives of the basis at the places.
+/// \throws Error if the embedding is in a lattice with another number of vertices
+/// \cost O(entries), in parallel; three times the memory of D
+ESPALIER_API GradientTables buildGradientTables(const TensorLattice& lattice,
+                                                const TensorEmbedding& embedding);
+
+/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints(),
+/// buildDeformationTable() and, on request, buildGradientTables().
+/// \param options the level has no meaning here
 /// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one);
 ///         ArgumentError if the tolerance is out of range
 ESPALIER_API BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                                    const EmbeddingOptions& options = {},
-                                    const std::function<void(Offset)>& progress = {});
+                                    const BindingOptions& options = {});
 
 }  // namespace espalier::embed

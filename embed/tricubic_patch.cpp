@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/embed/tricubic_patch.h>
 
 #include <algorithm>
@@ -41,6 +42,43 @@ TricubicPatch::TricubicPatch(const far::Level& level, const CellFrame& frame) {
         }
     };
     visit(visit, frame, {0, 0, 0}, 2);
+    sortVertices(vertices);
+}
+
+TricubicPatch::TricubicPatch(const Vertices& vertices) {
+    std::size_t stride = 1;
+    for (SplineSpan& span : spans_) {
+        span.hasLow = vertices[kCorner - stride] != kMaxIndex;
+        span.hasHigh = vertices[kCorner + 2 * stride] != kMaxIndex;
+        stride *= 4;
+    }
+    sortVertices(vertices);
+}
+
+TricubicPatch::Vertices TricubicPatch::vertices() const {
+    Vertices result;
+    for (std::size_t k = 0; k < 64; ++k) result[places_[k]] = vertices_[k];
+    return result;
+}
+
+void TricubicPatch::checkVertices(const Vertices& vertices, Index vertexCount) {
+    const TricubicPatch patch(vertices);
+    for (std::size_t i = 0; i < 64; ++i) {
+        bool exists = true;
+        std::size_t at = i;
+        for (const SplineSpan& span : patch.spans_) {
+            exists = exists && (at % 4 != 0 || span.hasLow) && (at % 4 != 3 || span.hasHigh);
+            at /= 4;
+        }
+        const Index vertex = vertices[i];
+        if (exists ? vertex < 0 || vertex >= vertexCount : vertex != kMaxIndex)
+            throw Error(concat(
+                "a patch has vertex ", vertex, " at its control point ", i, "; ",
+                exists ? concat("expected 0 to ", vertexCount - 1) : concat("expected none")));
+    }
+}
+
+void TricubicPatch::sortVertices(const Vertices& vertices) {
     std::iota(places_.begin(), places_.end(), std::uint8_t{0});
     std::sort(places_.begin(), places_.end(), [&](std::uint8_t a, std::uint8_t b) {
         return std::pair(vertices[a], a) < std::pair(vertices[b], b);

@@ -41,6 +41,19 @@ public:
     /// \param frame frame of a regular cell: see isRegularCell()
     TricubicPatch(const far::Level& level, const CellFrame& frame);
 
+    /// The vertex of each control point; kMaxIndex for phantoms.
+    using Vertices = std::array<Index, 64>;
+    static constexpr std::size_t kCorner = 1 + 4 + 16;  ///< the control point of corner 0
+
+    /// Makes a patch from its vertices().
+    explicit TricubicPatch(const Vertices& vertices);
+
+    Vertices vertices() const;
+
+    /// Checks the vertices of a patch.
+    /// \throws Error unless each exists, except those of whole layers at the ends of an axis
+    static void checkVertices(const Vertices& vertices, Index vertexCount);
+
     /// Returns the weights of the vertices in a derivative of the limit: at most 64, in ascending
     /// order of the vertices. Weights of the position sum to 1, weights of a derivative to 0. Where
     /// three cells form a closed loop, a vertex occurs more than once.
@@ -70,6 +83,8 @@ public:
     void writeRow(const AxisWeights& along, Index* vertices, double* weights) const;
 
 private:
+    void sortVertices(const Vertices& vertices);
+
     std::array<Index, 64> vertices_ = {};       ///< ascending; kMaxIndex for phantoms
     std::array<std::uint8_t, 64> places_ = {};  ///< the control points that they are
     std::array<SplineSpan, 3> spans_ = {};

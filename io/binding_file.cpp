@@ -19,7 +19,7 @@ namespace espalier::io {
 namespace {
 
 constexpr std::string_view kBindingMagic = "ESPALIER";
-constexpr std::uint32_t kBindingVersion = 5;
+constexpr std::uint32_t kBindingVersion = 6;
 
 using stencils::StencilTable;
 
@@ -31,6 +31,7 @@ struct Header {
     std::int64_t rows = 0, columns = 0, entries = 0, faces = 0, corners = 0, nameBytes = 0,
                  modelBytes = 0;
     std::array<std::int64_t, 3> gradientEntries = {};
+    std::int64_t patches = 0, places = 0;
 };
 
 template <class Number>
@@ -76,6 +77,10 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
     };
     for (const std::int64_t entries : header.gradientEntries)
         if (header.hasGradients ? !takeTable(entries) : entries != 0) return false;
+    if (header.hasGradients ? !take(1, 8) : header.patches != 0 || header.places != 0) return false;
+    if (!take(header.patches, sizeof(embed::SplinePlaces::Patch)) ||
+        !take(header.places, 3 * 8 + 4))
+        return false;
     return takeTable(header.entries) && take(header.rows, sizeof(Point3) + 1) &&
            take(header.columns, sizeof(Point3)) && take(header.faces, 8) &&
            take(header.corners, 4) && take(header.nameBytes, 1) && take(header.modelBytes, 1) &&
@@ -83,7 +88,7 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
 }
 
 Header readHeader(ByteInput& in) {
-    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 10 * 8;
+    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 12 * 8;
     if (in.left() < kBindingMagic.size() || in.bytes(kBindingMagic.size()) != kBindingMagic)
         throw CodingError("is not a bound model");
     if (in.left() < 4) throw CodingError("is truncated");
@@ -103,7 +108,7 @@ Header readHeader(ByteInput& in) {
     for (std::int64_t* size :
          {&header.rows, &header.columns, &header.entries, &header.faces, &header.corners,
           &header.nameBytes, &header.modelBytes, &header.gradientEntries[0],
-          &header.gradientEntries[1], &header.gradientEntries[2]})
+          &header.gradientEntries[1], &header.gradientEntries[2], &header.patches, &header.places})
         *size = in.number<std::int64_t>();
     if (!fileSizeMatches(header, in.left()))
         throw CodingError("is truncated or corrupted: its size is not what its header says");
@@ -122,6 +127,18 @@ StencilTable<double> readTable(ByteInput& in, const Header& header, std::int64_t
     } catch (const Error& error) {
         throw CodingError(error.what());
     }
+}
+
+embed::SplinePlaces readSplines(ByteInput& in, const Header& header) {
+    embed::SplinePlaces splines{in.number<double>()};
+    splines.patches.resize(header.patches);
+    for (auto& patch : splines.patches)
+        for (Index& vertex : patch) vertex = in.number<Index>();
+    splines.places.resize(header.places);
+    for (auto& place : splines.places)
+        for (double& coordinate : place.uvw) coordinate = in.number<double>();
+    for (auto& place : splines.places) place.patch = in.number<Index>();
+    return splines;
 }
 
 /// Reads the faces of the lattice.
@@ -159,6 +176,13 @@ void write(ByteOutput& out, const StencilTable<double>& table) {
     out.numbers(table.columns());
 }
 
+void write(ByteOutput& out, const embed::SplinePlaces& splines) {
+    out.number(splines.spacing);
+    for (const auto& patch : splines.patches) out.numbers(std::span<const Index>(patch));
+    for (const auto& place : splines.places) out.numbers(std::span<const double>(place.uvw));
+    for (const auto& place : splines.places) out.number(place.patch);
+}
+
 BoundModel decodeBoundModel(std::string_view bytes) {
     ByteInput in(bytes, std::endian::little);
     const Header header = readHeader(in);
@@ -182,7 +206,13 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     if (header.hasGradients) {
         binding.gradients.emplace();
         for (std::size_t axis = 0; axis < 3; ++axis)
-            (*binding.gradients)[axis] = readTable(in, header, header.gradientEntries[axis]);
+            binding.gradients->tables[axis] = readTable(in, header, header.gradientEntries[axis]);
+        binding.gradients->splines = readSplines(in, header);
+        try {
+            binding.gradients->check();
+        } catch (const Error& error) {
+            throw CodingError(concat("is damaged: ", error.what()));
+        }
     }
     binding.points = readPoints(in, header.rows, "point");
     binding.rest = readPoints(in, header.columns, "vertex of the lattice at rest");
@@ -215,9 +245,11 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
     checkBoundModel(model);
     const bind::Binding& binding = model.binding;
     std::array<Offset, 3> gradientEntries = {};
+    const embed::SplinePlaces noSplines;
+    const auto& splines = binding.gradients ? binding.gradients->splines : noSplines;
     if (binding.gradients)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            gradientEntries[axis] = (*binding.gradients)[axis].entryCount();
+            gradientEntries[axis] = binding.gradients->tables[axis].entryCount();
     writeFile(path, [&](std::ostream& stream) {
         ChecksummedOutput out(stream, std::endian::little);
         out.bytes(kBindingMagic);
@@ -233,9 +265,13 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
               std::int64_t{std::ssize(model.modelBytes)}})
             out.number(size);
         for (const std::int64_t entries : gradientEntries) out.number(entries);
+        out.number(std::int64_t{std::ssize(splines.patches)});
+        out.number(std::int64_t{std::ssize(splines.places)});
         write(out, binding.table);
-        if (binding.gradients)
-            for (const StencilTable<double>& table : *binding.gradients) write(out, table);
+        if (binding.gradients) {
+            for (const StencilTable<double>& table : binding.gradients->tables) write(out, table);
+            write(out, splines);
+        }
         write(out, binding.points);
         write(out, binding.rest);
         for (const embed::PointStatus status : binding.statuses)

@@ -19,8 +19,8 @@ namespace espalier::io {
 /// A model with its binding: all that is needed to apply a pose, and to write the result in the
 /// format of the model.
 struct BoundModel {
-    /// With gradients if the model has normals or tangents and was bound to the limit. Without
-    /// gradients, applying a pose leaves normals and tangents as they are.
+    /// With gradients if normals and tangents of the model follow its points. Without them,
+    /// applying a pose leaves normals and tangents as they are.
     bind::Binding binding;
 
     std::string modelName = {};   ///< file name without folders, whose extension is the format;
@@ -35,18 +35,23 @@ struct BoundModel {
 /// Writes a bound model (.espb). The file is little-endian throughout and holds:
 ///
 ///     8 bytes   "ESPALIER"
-///     u32       version of the format: 5
+///     u32       version of the format: 6
 ///     u32       1 with gradients, 0 without
 ///     u64       hash of the lattice topology (far::topologyHash)
 ///     f64       largest residual
 ///     i64 × 7   rows, columns, entries, faces of the lattice, corners of all faces, bytes of the
 ///               model's name, bytes of the model
-///     i64 × 3   entries of the gradients by x, y and z; 0 without gradients
+///     i64 × 5   entries of the gradients by x, y and z, patches, places; 0 without gradients
 ///     the table:
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
 ///       i32     columns
-///     with gradients, three more tables: the gradients by x, y and z
+///     with gradients (embed::Gradients):
+///       three more tables: the gradients by x, y and z
+///       f64      spacing
+///       i32 × 64 vertices of each patch; 2³¹ − 1 where a layer is missing
+///       f64 × 3  u, v and w of each place
+///       i32      patch of each place; 2³¹ − 1 for a point without a place
 ///     f64 × 3   the points at rest, one per row
 ///     f64 × 3   the lattice at rest, one position per column
 ///     u8        status of each point (embed::PointStatus)

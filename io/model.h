@@ -101,6 +101,12 @@ private:
     std::set<std::pair<std::string, std::string>> known_;  ///< kinds and names in `others`
 };
 
+/// Numbers of directions in a file, which follow a deformation by its gradients.
+struct DirectionCounts {
+    std::size_t normals = 0;
+    std::size_t tangents = 0;
+};
+
 class ModelConversion;
 struct Format;
 
@@ -174,9 +180,10 @@ public:
 
     const Format& format() const { return format_; }
 
-    /// Returns true if the file has directions that write() can carry by gradients. The normals of
+    /// Returns how many directions the file has that write() can carry by gradients. The normals of
     /// an STL do not count: they always follow the points.
-    virtual bool hasDirections() const = 0;
+    virtual DirectionCounts directions() const = 0;
+    bool hasDirections() const { return directions().normals + directions().tangents > 0; }
 
     /// Checks a name for write() without touching the file, so that a wrong name is refused before
     /// long work.

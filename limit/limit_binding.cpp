@@ -8,7 +8,6 @@
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,33 +19,7 @@
 
 namespace espalier::limit {
 
-// bindGroups() finds these functions by the namespace of LimitTable.
-const stencils::StencilTable<double>& pointRows(const LimitTable& table) {
-    return table.points;
-}
-
-void gatherRows(std::vector<embed::BoundPart<LimitTable>>& parts, Index rowCount, Index columnCount,
-                LimitTable& result) {
-    std::vector<embed::BoundPart<stencils::StencilTable<double>>> rows(parts.size());
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        rows[p].points = std::move(parts[p].points);
-        rows[p].baseVertices = std::move(parts[p].baseVertices);
-    }
-    const auto gather = [&](auto tableOf) {
-        for (std::size_t p = 0; p < parts.size(); ++p)
-            rows[p].table = std::move(tableOf(parts[p].table));
-        gatherRows(rows, rowCount, columnCount, tableOf(result));
-    };
-    using Rows = stencils::StencilTable<double>;
-    gather([](LimitTable& table) -> Rows& { return table.points; });
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        gather([axis](LimitTable& table) -> Rows& { return table.gradients[axis]; });
-}
-
 namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 /// Size of cell at irregular features when gradients are requested. There the gradient of a place
 /// is taken at the nearest vertex of its cell.
@@ -84,65 +57,6 @@ stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t place
                                         });
 }
 
-/// Returns (T X)⁻¹ for the directions T of one place, rows `first` to first + 2, and the rest pose
-/// X. NaN where T X spans no volume.
-Matrix3d inverseAtRest(const stencils::StencilTable<double>& tangents, Index first,
-                       std::span<const Point3> positions) {
-    // The rounding of T X is about 1e-16 of the sum of the sizes of its terms. Where T X is flatter
-    // than this, F would have at most six correct digits.
-    constexpr double kFlat = 1e-10;
-    Matrix3d atRest = Matrix3d::Zero();
-    Vector3d sizes = Vector3d::Zero();
-    for (Index row = 0; row < 3; ++row) {
-        const auto columns = tangents.columns(first + row);
-        const auto weights = tangents.weights(first + row);
-        if (columns.empty()) continue;
-        // Rows sum to 0, so that the origin may be a nearby vertex: coordinates are then small.
-        const Vector3d origin(positions[columns.front()].data());
-        for (std::size_t k = 0; k < columns.size(); ++k) {
-            const Vector3d term = weights[k] * (Vector3d(positions[columns[k]].data()) - origin);
-            atRest.row(row) += term.transpose();
-            sizes[row] += term.norm();
-        }
-    }
-    // Scale each direction to unit length: derivatives of deep levels are very small.
-    const Matrix3d unit = sizes.cwiseInverse().asDiagonal() * atRest;
-    if (!(std::abs(unit.determinant()) > kFlat))
-        return Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
-    return unit.inverse() * sizes.cwiseInverse().asDiagonal();
-}
-
-/// Returns a table for each column of F, with one row for each place. F maps the directions T X of
-/// the rest pose to the directions T x of the pose: Fᵀ = (T X)⁻¹ T x.
-/// \param tangents three rows for each place, over the base
-/// \param positions positions of the base at rest
-/// \param scale factor for gradients by these positions
-std::array<stencils::StencilTable<double>, 3> gradientsOf(
-    const stencils::StencilTable<double>& tangents, std::span<const Point3> positions,
-    double scale) {
-    const Index placeCount = tangents.rowCount() / 3;
-    std::vector<Matrix3d> inverses(placeCount);
-    for (Index i = 0; i < placeCount; ++i)
-        inverses[i] = scale * inverseAtRest(tangents, 3 * i, positions);
-    std::array<stencils::StencilTable<double>, 3> gradients;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        gradients[axis] = stencils::buildTable(
-            placeCount, tangents.columnCount(),
-            [&](Index place, stencils::RowAccumulator& accumulator) {
-                const Matrix3d& inverse = inverses[place];
-                if (!inverse.allFinite()) return;
-                for (Index row = 0; row < 3; ++row) {
-                    const double factor = inverse(static_cast<Eigen::Index>(axis), row);
-                    const auto columns = tangents.columns(3 * place + row);
-                    const auto weights = tangents.weights(3 * place + row);
-                    for (std::size_t k = 0; k < columns.size(); ++k)
-                        accumulator.add(columns[k], factor * weights[k]);
-                }
-                accumulator.makeSumZero();
-            });
-    return gradients;
-}
-
 /// Limits the number of sides. Each point near an irregular entity needs twenty to thirty levels,
 /// each with as many cells as the entity has sides: with more sides the levels would take all the
 /// memory.
@@ -174,7 +88,7 @@ public:
           carriesOutside_(options.embedding.outside == embed::OutsidePolicy::Nearest),
           search_(lattice, forGradients(options)) {}
 
-    using Part = embed::BoundPart<LimitTable>;
+    using Part = embed::BoundPart<stencils::StencilTable<double>>;
 
     const embed::PointDescent& descent() const { return search_.descent(); }
 
@@ -238,15 +152,15 @@ private:
             if (places[level].empty()) continue;
             Part& part = ofLevels[level];
             const std::vector<Index> unbounded = embed::unboundedRows(tables[level]);
-            part.table.points = embed::emptyRows(std::move(tables[level]), unbounded);
+            part.table = embed::emptyRows(std::move(tables[level]), unbounded);
             if (gradients_) {
-                part.table.gradients =
-                    gradientsOf(directions[level], levels.positions(0), perLength_);
-                for (auto& gradient : part.table.gradients)
+                part.gradients =
+                    embed::gradientsOf(directions[level], levels.positions(0), perLength_);
+                for (auto& gradient : part.gradients)
                     gradient = embed::emptyRows(std::move(gradient), unbounded);
             }
             for (std::size_t i = 0; i < places[level].size(); ++i)
-                if (!part.table.points.columns(static_cast<Index>(i)).empty())
+                if (!part.table.columns(static_cast<Index>(i)).empty())
                     part.largestResidual = std::max(part.largestResidual, residuals[level][i]);
             part.baseVertices = found.descent.baseVertices;
             parts.push_back(std::move(part));
@@ -262,9 +176,8 @@ private:
 
 }  // namespace
 
-embed::BoundRows<LimitTable> bindLimit(const embed::RestLattice& lattice,
-                                       std::span<const Point3> points,
-                                       const LimitOptions& options) {
+embed::BoundRows<> bindLimit(const embed::RestLattice& lattice, std::span<const Point3> points,
+                             const LimitOptions& options) {
     checkLimitTolerance(options.tolerance, "limitTolerance");
     checkLimitRules(lattice.base.rules());
     embed::checkRest(lattice, 1);
@@ -273,26 +186,22 @@ embed::BoundRows<LimitTable> bindLimit(const embed::RestLattice& lattice,
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
     const embed::RestLattice rest{lattice.base, inUnits};
     auto binder = std::make_shared<const LimitBinder>(rest, unit, options);
-    const auto bindInGroups = [&](std::span<const Point3> some, embed::OutsidePolicy outside,
-                                  const std::function<void(Offset)>& progress) {
-        // As in a deep level: most points at irregular features share no cells with other points.
-        constexpr Offset kGroupSize = 1 << 12;
-        return embed::bindGroups<LimitTable>(
-            [binder = std::move(binder)](std::span<const Point3> group) {
-                return binder->bind(group);
-            },
-            lattice.base, unit, some, kGroupSize, outside, progress);
-    };
-    const auto& [outside, tolerance] = options.embedding;
-    if (options.gradients) return bindInGroups(points, outside, options.progress);
     const embed::RegularSearch regular(rest, binder->descent(), embed::kLimitSpacing);
-    auto model =
-        embed::bindRegularFirst(regular, unit, points, outside, options.progress,
-                                [&](std::span<const Point3> others, embed::OutsidePolicy policy,
-                                    const std::function<void(Offset)>& progress) {
-                                    return withoutGradients(bindInGroups(others, policy, progress));
-                                });
-    return {{std::move(model.table)}, std::move(model.statuses), model.largestResidual};
+    return embed::bindRegularFirst(
+        regular, unit, points,
+        {.embedding = options.embedding,
+         .gradients = options.gradients,
+         .progress = options.progress},
+        [&](std::span<const Point3> others, const embed::BindingOptions& optionsOfOthers) {
+            // As in a deep level: most points at irregular features share no cells with other
+            // points.
+            constexpr Offset kGroupSize = 1 << 12;
+            return embed::bindGroups<stencils::StencilTable<double>>(
+                [binder = std::move(binder)](std::span<const Point3> group) {
+                    return binder->bind(group);
+                },
+                lattice.base, unit, others, kGroupSize, optionsOfOthers);
+        });
 }
 
 }  // namespace espalier::limit

@@ -16,8 +16,7 @@
 //
 // Types: a VertexRing holds a vertex with its neighbours; the left eigenvector of its subdivision
 // matrix gives the limit of the vertex. An embed::TricubicPatch is the limit of a regular cell.
-// LimitSearch finds points, on irregular edges by an EdgeRefinement. A LimitTable is D with its
-// gradients.
+// LimitSearch finds points, on irregular edges by an EdgeRefinement.
 //
 // Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header, limit_search.h and
 // layered_edge.h.
@@ -38,38 +37,22 @@ struct LimitOptions {
     /// since `embedding` has a tolerance as well.
     double tolerance = kLimitTolerance;
 
-    /// Makes LimitTable::gradients. Points are then placed with a tolerance of at most 1e-12,
-    /// whatever `tolerance` is, which takes more levels at irregular features.
+    /// Makes the gradients of D, by the derivatives of the limit. Points are then placed with a
+    /// tolerance of at most 1e-12, whatever `tolerance` is, which takes more levels at irregular
+    /// features. F is exact in regular cells of all levels, and exact at irregular features, where
+    /// it comes from the eigenvectors of their rings. Near irregular edges F may change faster than
+    /// the rounding of the points resolves; it is accurate to 1e-6 there.
     bool gradients = false;
 
     /// Called now and then with the number of points done, from any thread; or empty.
     std::function<void(Offset)> progress = {};
 };
 
-/// D, and the gradient of the deformation.
-///
-/// With p' the base vertices of a pose, column j of the deformation gradient F = ∂x'/∂X at a point
-/// is gradients[j] · p', where X is the rest pose: F is the identity at rest. Transform normals by
-/// the cofactor matrix of F, tangents by F. Rows of gradients sum to 0. A row is empty if the row
-/// of the point in D is empty, or if the lattice at rest has no volume at the point.
-///
-/// For an affine pose, F is the matrix of the pose to about 1e-12, at any tolerance. For any other
-/// pose, F is exact in regular cells of all levels, and exact at irregular features, where it comes
-/// from the eigenvectors of their rings. Near irregular edges F may change faster than the rounding
-/// of the points resolves; it is accurate to 1e-6 there.
-struct LimitTable {
-    stencils::StencilTable<double> points;  ///< D: points × base vertices
-    /// The same shape; 0 × 0 if they were not requested.
-    std::array<stencils::StencilTable<double>, 3> gradients = {};
-
-    friend bool operator==(const LimitTable&, const LimitTable&) = default;
-};
-
 /// Binds points to the limit volume itself instead of a level, without an approximation by
 /// trilinear cells.
 ///
 /// In the regular cells of the base, points are bound as bindPoints() binds them, without
-/// refinement, unless gradients are made. In a regular cell of any level the limit is a tricubic
+/// refinement. In a regular cell of any level the limit is a tricubic
 /// polynomial, and Newton's method finds the place of a point. Cells at irregular features are
 /// refined, only where there are points, until they are regular or smaller than the tolerance. In
 /// the small ones the exact limits of the cell's vertices are blended in the way a level blends its
@@ -96,13 +79,8 @@ struct LimitTable {
 ///       level. In parallel; the result does not depend on the number of threads. A few points at a
 ///       time are taken to fine levels, with 15 MB for each
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (the limit replaces their trilinear cells)
-ESPALIER_API embed::BoundRows<LimitTable> bindLimit(const embed::RestLattice& lattice,
-                                                    std::span<const Point3> points,
-                                                    const LimitOptions& options = {});
-
-/// Drops the gradients, so that the result has the type of a binding to a level.
-inline embed::BoundRows<> withoutGradients(embed::BoundRows<LimitTable> bound) {
-    return {std::move(bound.table.points), std::move(bound.statuses), bound.largestResidual};
-}
+ESPALIER_API embed::BoundRows<> bindLimit(const embed::RestLattice& lattice,
+                                          std::span<const Point3> points,
+                                          const LimitOptions& options = {});
 
 }  // namespace espalier::limit

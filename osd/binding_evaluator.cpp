@@ -7,28 +7,30 @@ namespace espalier::osd {
 
 namespace {
 
-/// Returns p' − p, three numbers for each vertex.
+/// Returns p' − p.
 /// \throws Error unless the pose has the vertices of the lattice
-std::vector<double> displacements(const bind::Binding& binding, std::span<const Point3> pose) {
+std::vector<Point3> displacements(const bind::Binding& binding, std::span<const Point3> pose) {
     binding.checkParts();
     if (std::ssize(pose) != binding.table.columnCount())
         throw Error(concat("the pose has ", pose.size(),
                            " vertices; the model is bound to a lattice of ",
                            binding.table.columnCount()));
-    std::vector<double> result;
-    result.reserve(3 * pose.size());
+    std::vector<Point3> result(pose.size());
     for (std::size_t v = 0; v < pose.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) result.push_back(pose[v][c] - binding.rest[v][c]);
+        for (std::size_t c = 0; c < 3; ++c) result[v][c] = pose[v][c] - binding.rest[v][c];
     return result;
 }
 
 /// Returns the table times one vector per column.
 std::vector<Point3> product(const stencils::StencilTable<double>& table,
-                            std::span<const double> vectors) {
+                            std::span<const Point3> vectors) {
     constexpr BufferDescriptor kXyz = {0, 3, 3};
     std::vector<Point3> result(table.rowCount());
-    const std::span numbers(result.empty() ? nullptr : result.data()->data(), 3 * result.size());
-    CpuEvaluator::evaluate(table, vectors, kXyz, numbers, kXyz, {0, table.rowCount()});
+    const auto numbersOf = [](auto& points) {
+        return std::span(points.empty() ? nullptr : points.front().data(), 3 * points.size());
+    };
+    CpuEvaluator::evaluate(table, numbersOf(vectors), kXyz, numbersOf(result), kXyz,
+                           {0, table.rowCount()});
     return result;
 }
 
@@ -44,14 +46,15 @@ std::vector<Point3> evaluateBinding(const bind::Binding& binding, std::span<cons
 std::vector<DeformationGradient> evaluateGradients(const bind::Binding& binding,
                                                    std::span<const Point3> pose) {
     if (!binding.gradients)
-        throw Error("the binding has no gradients: bind to the limit, and ask for them");
-    const std::vector<double> moved = displacements(binding, pose);
+        throw Error("the binding has no gradients: bind the points with BindOptions::gradients");
+    const std::vector<Point3> moved = displacements(binding, pose);
     std::vector<DeformationGradient> result(binding.points.size(), {1, 0, 0, 0, 1, 0, 0, 0, 1});
     for (std::size_t j = 0; j < 3; ++j) {
-        const std::vector<Point3> column = product((*binding.gradients)[j], moved);
+        const std::vector<Point3> column = product(binding.gradients->tables[j], moved);
         for (std::size_t point = 0; point < result.size(); ++point)
             for (std::size_t i = 0; i < 3; ++i) result[point][3 * i + j] += column[point][i];
     }
+    embed::addSplineGradients(binding.gradients->splines, binding.rest, moved, result);
     return result;
 }
 

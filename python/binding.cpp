@@ -29,7 +29,7 @@ using BoundPointer = std::shared_ptr<BoundPoints>;
 
 BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,
                   const std::string& outside, double tolerance, const std::string& basis,
-                  bool limit) {
+                  bool limit, std::optional<bool> gradients) {
     const auto refiner = refinerOf(lattice);
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
@@ -51,11 +51,12 @@ BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level
     }
     bind::Target target = bind::Level{level};
     if (weights) target = *weights;
-    if (limit) target = bind::Limit{tolerance, hasDirections};
+    if (limit) target = bind::Limit{tolerance};
     withoutGil([&] {
         const Lattice& rest = *refiner->lattice();
-        result->bound.binding = bind::bindPoints({refiner->base(), rest.positions}, atRest, target,
-                                                 {.embedding = options});
+        result->bound.binding = bind::bindPoints(
+            {refiner->base(), rest.positions}, atRest, target,
+            {.embedding = options, .gradients = gradients.value_or(hasDirections)});
         result->bound.faces = io::facesOf(rest.complex);
     });
     return result;
@@ -97,6 +98,18 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     if (hash != self.binding().topologyHash)
         throw Error("pose: its topology differs from the lattice that the points are bound to");
     return viewOf(lattice.positions, pose);
+}
+
+py::array gradientsAt(const BoundPoints& self, const ArrayLike& pose) {
+    const auto positions =
+        toPoints(positionsOf(self, pose), "pose", self.binding().table.columnCount());
+    const auto gradients =
+        withoutGil([&] { return osd::evaluateGradients(self.binding(), positions); });
+    py::array_t<double> result(
+        {static_cast<py::ssize_t>(gradients.size()), py::ssize_t{3}, py::ssize_t{3}});
+    std::memcpy(result.mutable_data(), gradients.data(),
+                gradients.size() * sizeof(DeformationGradient));
+    return result;
 }
 
 py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
@@ -195,6 +208,13 @@ products of a row in another order than `espalier deform`, `espalier apply` and
 espalier_binding_apply() of C, which do not compile. So their results differ from these by rounding,
 mostly by one unit in the last place.
 )")
+        .def("gradients", &gradientsAt, "pose"_a, R"(
+Returns the deformation gradient F of each point for a pose of the lattice, F[n, i, j] = dx'_i / dX_j:
+array (N, 3, 3). Model.write() turns normals and tangents by it. A point in `kept` has the identity.
+
+pose : array (V, 3), or a Lattice; in the units of the points
+Bind with gradients=True, or a Model that has normals or tangents.
+)")
         .def("adjoint", &adjoint, "gradients"_a, "out"_a = py::none(), R"(
 Returns gradients with respect to the lattice vertices, given those with respect to the points:
 D.T @ gradients.
@@ -209,9 +229,9 @@ Precision, compiling and rounding are as in deform().
                 withoutGil([&] { io::writeBoundModel(path, self.bound); });
             },
             "path"_a,
-            "Writes the binding (.espb), for load_binding() and `espalier apply`. For a Model that "
-            "was bound with limit=True, apply also deforms its normals and tangents. Of points "
-            "that did not come from a Model, apply makes a model points.obj.")
+            "Writes the binding (.espb), for load_binding() and `espalier apply`. With gradients, "
+            "apply also turns the normals and tangents of a Model. Of points that did not come "
+            "from a Model, apply makes a model points.obj.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.binding().table;
             return concat("<espalier.Binding: ", table.rowCount(), " points x ",
@@ -222,7 +242,7 @@ Precision, compiling and rounding are as in deform().
     addPickling(type, &stateOfBinding, &bindingOfState);
     module.def("bind", &bind, "lattice"_a, "points"_a, "level"_a = 3, py::kw_only(),
                "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision",
-               "limit"_a = false, R"(
+               "limit"_a = false, "gradients"_a = py::none(), R"(
 Binds points to a level of a lattice at rest, or to its limit. Returns a Binding.
 
 lattice   : Lattice, or Refiner where the rules are not the usual ones
@@ -237,6 +257,8 @@ basis     : "subdivision"; or, for a box lattice that is an evenly divided paral
             "bezier" or "bspline", which have no levels
 limit     : whether to bind to the limit of refinement instead of a level. The tolerance, 1e-14 to
             0.1, is then also how close to the limit points are placed
+gradients : whether to prepare Binding.gradients(), by which normals and tangents turn: bool. Default:
+            if `points` is a Model that has normals or tangents
 )");
     module.def(
         "load_binding",

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/number_text.h>
 #include <espalier/base/printable.h>
+#include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/formats.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cstring>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "arguments.h"
@@ -35,6 +38,27 @@ py::str nameOf(const ModelFile& file) {
     return py::reinterpret_steal<py::str>(name);
 }
 
+std::vector<DeformationGradient> toGradients(const ArrayLike& object, std::size_t count) {
+    const auto array = realArray<double>(object, "gradients");
+    if (array.ndim() != 3 || array.shape(0) != static_cast<py::ssize_t>(count) ||
+        array.shape(1) != 3 || array.shape(2) != 3)
+        throw Error(concat("gradients: expected an array of shape (", count, ", 3, 3)"));
+    std::vector<DeformationGradient> result(count);
+    std::memcpy(result.data(), array.data(), count * sizeof(DeformationGradient));
+    return result;
+}
+
+/// Turns directions by gradients.
+template <Point3 (*carry)(const DeformationGradient&, const Point3&)>
+py::array carriedBy(const ArrayLike& gradients, const ArrayLike& directions, const char* name) {
+    auto vectors = toPoints(directions, name);
+    const auto atPoints = toGradients(gradients, vectors.size());
+    for (std::size_t i = 0; i < vectors.size(); ++i) vectors[i] = carry(atPoints[i], vectors[i]);
+    py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
+    std::memcpy(result.mutable_data(), vectors.data(), vectors.size() * sizeof(Point3));
+    return result;
+}
+
 }  // namespace
 
 void addModel(py::module_& module) {
@@ -53,22 +77,47 @@ byte for byte, unless it is written in another format. Made by read_model().
         .def_property_readonly("name", &nameOf, "Name of the file, without folders: str.")
         .def(
             "write",
-            [](const ModelFile& self, const std::filesystem::path& path,
-               const ArrayLike& positions) {
+            [](const ModelFile& self, const std::filesystem::path& path, const ArrayLike& positions,
+               const std::optional<ArrayLike>& gradients) {
                 const auto points =
                     toPoints(positions, "positions", self.model->positions().size());
                 warn(withoutGil([&] { return self.model->checkTarget(path); }));
-                withoutGil([&] { self.model->write(path, points); });
+                if (!gradients) return withoutGil([&] { self.model->write(path, points); });
+                const auto atPoints = toGradients(*gradients, points.size());
+                withoutGil([&] { self.model->write(path, points, atPoints); });
             },
-            "path"_a, "positions"_a, R"(
+            "path"_a, "positions"_a, "gradients"_a = py::none(), R"(
 Writes the model with these points, array (N, 3). The extension of the path names the format. In the
 model's own format, everything but the points is kept. A file in another model format gets the points,
 the faces and the normals, and a UserWarning names the data that are not written.
+
+gradients : array (N, 3, 3), by which normals and tangents turn: Binding.gradients(). Without it they
+            stay as they are
 )")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")
                 .format(printable(self.name), self.model->positions().size());
         });
+    module.def(
+        "carry_normals",
+        [](const ArrayLike& gradients, const ArrayLike& normals) {
+            return carriedBy<io::carryNormal>(gradients, normals, "normals");
+        },
+        "gradients"_a, "normals"_a, R"(
+Returns normals of a deformed surface, one per point, along det(F) F^-T n, with their lengths: array
+(N, 3). A vector of zeros stays zero.
+
+gradients : array (N, 3, 3), the deformation gradient F of each point: Binding.gradients()
+normals   : array (N, 3), the normals at rest
+)");
+    module.def(
+        "carry_tangents",
+        [](const ArrayLike& gradients, const ArrayLike& tangents) {
+            return carriedBy<io::carryTangent>(gradients, tangents, "tangents");
+        },
+        "gradients"_a, "tangents"_a,
+        "Returns tangents of a deformed surface, one per point, along F t, with their lengths: "
+        "array (N, 3). The arguments are as in carry_normals().");
     module.def(
         "read_model",
         [](const std::filesystem::path& path) {

@@ -231,22 +231,50 @@ std::shared_ptr<Table> tableOfState(const py::tuple& state) {
 
 namespace {
 
-py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
-    if (!bound->binding().gradients) return py::none();
-    bind::Gradients& gradients = *bound->bound.binding.gradients;
-    py::tuple tables(gradients.size());
-    for (std::size_t axis = 0; axis < gradients.size(); ++axis)
-        tables[axis] = stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients[axis])));
-    return tables;
+template <class T>
+py::array copyOf(const std::vector<T>& values) {
+    return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
-std::optional<bind::Gradients> gradientsOfState(const py::handle& state) {
+py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
+    if (!bound->binding().gradients) return py::none();
+    embed::Gradients& gradients = *bound->bound.binding.gradients;
+    const auto stateOf = [&](std::size_t axis) {
+        return stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients.tables[axis])));
+    };
+    const auto& [spacing, patches, places] = gradients.splines;
+    std::vector<double> coordinates;
+    std::vector<Index> patchOf;
+    for (const auto& place : places) {
+        coordinates.insert(coordinates.end(), place.uvw.begin(), place.uvw.end());
+        patchOf.push_back(place.patch);
+    }
+    std::vector<Index> vertices;
+    for (const auto& patch : patches) vertices.insert(vertices.end(), patch.begin(), patch.end());
+    return py::make_tuple(stateOf(0), stateOf(1), stateOf(2), spacing, copyOf(vertices),
+                          copyOf(coordinates), copyOf(patchOf));
+}
+
+std::optional<embed::Gradients> gradientsOfState(const py::handle& state) {
     if (state.is_none()) return std::nullopt;
-    const auto tables = state.cast<py::tuple>();
-    bind::Gradients gradients;
-    requireState(tables.size() == gradients.size());
-    for (std::size_t axis = 0; axis < tables.size(); ++axis)
-        gradients[axis] = std::move(*tableOfState(tables[axis]));
+    const auto parts = state.cast<py::tuple>();
+    requireState(parts.size() == 7);
+    embed::Gradients gradients;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        gradients.tables[axis] = std::move(*tableOfState(parts[axis]));
+    auto& [spacing, patches, places] = gradients.splines;
+    spacing = parts[3].cast<double>();
+    const auto vertices = numbersOf<std::vector<Index>>(parts[4]);
+    requireState(vertices.size() % 64 == 0);
+    patches.resize(vertices.size() / 64);
+    for (std::size_t i = 0; i < vertices.size(); ++i) patches[i / 64][i % 64] = vertices[i];
+    const auto coordinates = numbersOf<std::vector<double>>(parts[5]);
+    const auto patchOf = numbersOf<std::vector<Index>>(parts[6]);
+    requireState(coordinates.size() == 3 * patchOf.size());
+    places.resize(patchOf.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+        places[i] = {{coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]},
+                     patchOf[i]};
     return gradients;
 }
 

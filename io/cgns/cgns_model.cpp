@@ -469,7 +469,7 @@ public:
     }
 
     std::span<const Point3> positions() const override { return positions_; }
-    bool hasDirections() const override { return false; }
+    DirectionCounts directions() const override { return {}; }
 
     CoordinateStorage storage() const override {
         for (const Zone& zone : zones_)

@@ -32,8 +32,12 @@ public:
 
     std::span<const Point3> positions() const override { return numbers_.points.values; }
     CoordinateStorage storage() const override { return numbers_.storage; }
-    bool hasDirections() const override {
-        return numbers_.hasDirections || !numbers_.directions.empty();
+    DirectionCounts directions() const override {
+        DirectionCounts counts{numbers_.ownNormals};
+        for (const FileVectors& vectors : numbers_.directions)
+            (vectors.carry == carryNormal ? counts.normals : counts.tangents) +=
+                vectors.values.size();
+        return counts;
     }
     ModelSurface readSurface() const override { return functions_.readSurface(view()); }
     ModelVolume readVolume() const override {

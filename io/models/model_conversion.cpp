@@ -215,15 +215,16 @@ void ModelConversion::carryNormals(std::span<const DeformationGradient> gradient
         if (!normals.empty()) normals = carried(normals, gradients, carryNormal, Precision::Double);
         return;
     }
-    // Corners that agree on the result share it.
-    std::map<Point3, Index> numbers;
+    // Corners that shared a normal share the result, if they agree on it.
+    std::map<std::pair<Index, Point3>, Index> numbers;
     std::vector<Point3> results;
     for (std::size_t corner = 0; corner < normalCorners.size(); ++corner) {
-        const Point3& normal = normals[normalCorners[corner]];
+        const Index before = normalCorners[corner];
+        const Point3& normal = normals[before];
         const Point3 result = carried({&normal, 1}, {&gradients[surface_.faces.corners[corner]], 1},
                                       carryNormal, Precision::Double)[0];
         const auto [number, isNew] =
-            numbers.try_emplace(result, static_cast<Index>(results.size()));
+            numbers.try_emplace({before, result}, static_cast<Index>(results.size()));
         if (isNew) results.push_back(result);
         normalCorners[corner] = number->second;
     }

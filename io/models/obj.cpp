@@ -338,7 +338,7 @@ FileNumbers readObjNumbers(const std::filesystem::path& path, std::string_view t
     numbers.points.offsets.reserve(expected);
     forEachObjStatement(path, text, [&](ObjWords& words, std::size_t line) {
         const std::string_view keyword = readObjKeyword(words, path, line);
-        if (keyword == "vn") numbers.hasDirections = true;
+        if (keyword == "vn") ++numbers.ownNormals;
         if (keyword != "v") return;
         const ObjPoint point = readObjPoint(words, path, line);
         numbers.points.values.push_back(point.position);
@@ -402,7 +402,7 @@ void nameOtherData(std::string_view keyword, ModelSurface& surface) {
 
 ModelSurface readObjSurface(const FileView& file) {
     ModelSurface surface;
-    bool haveAllNormals = file.numbers.hasDirections;
+    bool haveAllNormals = file.numbers.ownNormals > 0;
     CountsBefore before;
     forEachObjStatement(file.path, file.bytes, [&](ObjWords& words, std::size_t line) {
         const std::string_view keyword = words.next();
@@ -425,7 +425,7 @@ ModelSurface readObjSurface(const FileView& file) {
     if (haveAllNormals && !surface.normalCorners.empty() &&
         std::ranges::all_of(surface.normalCorners, isNormal))
         return surface;
-    if (file.numbers.hasDirections)
+    if (file.numbers.ownNormals > 0)
         surface.addOther(surface.faces.count() == 0 ? "normals (the model has no faces)"
                                                     : "normals (some corners have none)");
     surface.normals.clear();
@@ -435,7 +435,7 @@ ModelSurface readObjSurface(const FileView& file) {
 
 void writeObj(std::ostream& out, const FileView& file, std::span<const Point3> moved,
               std::span<const DeformationGradient> gradients) {
-    if (gradients.empty() || !file.numbers.hasDirections)
+    if (gradients.empty() || file.numbers.ownNormals == 0)
         writeNumbers(out, file, moved, {});
     else
         NormalWriter(file.path, file.bytes, gradients)

@@ -114,9 +114,13 @@ public:
     }
 
     std::span<const Point3> positions() const override { return positions_; }
-    bool hasDirections() const override {
-        return std::any_of(arrays_.begin(), arrays_.end(),
-                           [](const PointArray& a) { return a.carry != nullptr; });
+    DirectionCounts directions() const override {
+        DirectionCounts counts;
+        for (const PointArray& each : arrays_)
+            if (each.carry != nullptr)
+                (each.carry == carryNormal ? counts.normals : counts.tangents) +=
+                    each.directions.size();
+        return counts;
     }
 
     ModelSurface readSurface() const override {

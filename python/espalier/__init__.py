@@ -53,6 +53,8 @@ __all__ = [
     "ValidityCheck",
     "__version__",
     "bind",
+    "carry_normals",
+    "carry_tangents",
     "check",
     "compare",
     "fit",

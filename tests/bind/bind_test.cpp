@@ -53,13 +53,12 @@ TEST(Binding, IsTheResultOfItsTarget) {
         expectSame(bindTo(lattice, points, Level{2}, {options}),
                    embed::bindPoints(rest, points, {.level = 2, .embedding = options}));
         expectSame(bindTo(lattice, points, Limit{1e-7}, {options}),
-                   limit::withoutGradients(
-                       limit::bindLimit(rest, points, {.embedding = options, .tolerance = 1e-7})));
+                   limit::bindLimit(rest, points, {.embedding = options, .tolerance = 1e-7}));
         for (const embed::Basis basis : {embed::Basis::Bezier, embed::Basis::BSpline})
             expectSame(
                 bindTo(lattice, points, basis, {options}),
                 embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, basis),
-                                  points, options));
+                                  points, {.embedding = options}));
     }
 }
 
@@ -103,24 +102,6 @@ TEST(Binding, HasTheFactorsOfALevelOnRequest) {
     for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis)
             EXPECT_NEAR(moved[i][axis], expected[i][axis], 1e-13);
-}
-
-TEST(Binding, HasGradientsOfTheLimitOnRequest) {
-    const Lattice lattice = box();
-    const std::vector<Point3> points = pointsAround(50);
-    const Binding binding = bindTo(lattice, points, Limit{.gradients = true});
-    ASSERT_TRUE(binding.gradients);
-    // A pose that doubles x: F is the matrix of the pose, and 1 where nothing moves.
-    std::vector<Point3> pose = lattice.positions;
-    for (Point3& p : pose) p[0] *= 2;
-    const auto gradients = osd::evaluateGradients(binding, pose);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const bool isMoved = !binding.table.columns(static_cast<Index>(i)).empty();
-        const DeformationGradient expected = {isMoved ? 2.0 : 1.0, 0, 0, 0, 1, 0, 0, 0, 1};
-        for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(gradients[i][k], expected[k], 1e-12);
-    }
-    EXPECT_REFUSED(Error, "the binding has no gradients",
-                   osd::evaluateGradients(bindTo(lattice, points, Limit{}), pose));
 }
 
 // around() promises that binding finds all points inside, also a model whose size is near the

@@ -209,7 +209,7 @@ class Export(CliTest):
                                                       "--level-tables", "-o", "r.npz", code=2))
         for options in [["--outside", "nearest"], ["--points", "model.obj", "--level-tables"],
                         ["--petsc-indices", "16"], ["--limit"], ["--basis", "bspline"],
-                        ["--points", "model.obj", "--gradients"],
+                        ["--gradients"],
                         ["--points", "model.obj", "--limit", "-n", "2"],
                         ["--points", "model.obj", "--limit", "--basis", "bezier"],
                         ["--points", "model.obj", "--basis", "bezier", "-n", "2"],

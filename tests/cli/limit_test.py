@@ -70,11 +70,56 @@ class LimitTest(CliTest):
 
     def test_a_turn_turns_points_and_normals(self):
         self.pose(turn)
-        points = self.deform("--limit")
-        # The files' digits: the lattice's and the model's are exact, nine are written of normals.
-        self.assert_near(points, [turn(p) for p in self.vectors("model.obj", "v")], 1e-9)
-        self.assert_near(self.vectors("out.obj", "vn"),
-                         [turn(n) for n in self.vectors("model.obj", "vn")], 3e-9)
+        for target in (["--limit"], ["-n", 1], ["-n", 3], []):
+            points = self.deform(*target)
+            # The files' digits: the lattice's and the model's are exact, nine are written of normals.
+            self.assert_near(points, [turn(p) for p in self.vectors("model.obj", "v")], 1e-9)
+            self.assert_near(self.vectors("out.obj", "vn"),
+                             [turn(n) for n in self.vectors("model.obj", "vn")], 3e-9)
+        self.run_program("shape", "box", "--cells", 3, 3, 3, "--min", -1, -1, -1, "--max", 1, 1, 1,
+                         "-o", "rest.ovm")
+        self.pose(turn)
+        for basis in ("bezier", "bspline"):
+            self.deform("--basis", basis)
+            self.assert_near(self.vectors("out.obj", "vn"),
+                             [turn(n) for n in self.vectors("model.obj", "vn")], 3e-9)
+
+    def report(self, *arguments):
+        """The report's line on normals and tangents; None if there is none."""
+        text = self.run_program(*arguments).stdout
+        lines = [line.split(maxsplit=1)[1] for line in text.splitlines()
+                 if line.startswith("directions")]
+        as_json = json.loads(self.run_program(*arguments, "--report", "json").stdout)
+        self.assertEqual(as_json["directions"], lines[0] if lines else None)
+        return as_json["directions"]
+
+    def test_the_report_says_what_follows(self):
+        self.models_with_directions()
+        self.pose(turn)
+        rest = ["--rest", "rest.ovm", "--outside", "keep"]
+        deform = lambda model, output, *options: self.report(
+            "deform", model, *rest, "--to", "pose.ovm", "-o", output, *options)
+        self.assertEqual(deform("model.obj", "out.obj"), "4 normals turn with the model")
+        self.assertEqual(deform("model.ply", "out.ply"),
+                         "5 normals and 5 tangents turn with the model; those of the point left in "
+                         "place stay")
+        self.assertIsNone(deform("plain.obj", "out.obj"))
+        self.assertEqual(deform("model.obj", "out.obj", "--keep-normals"),
+                         "4 normals stay, as --keep-normals asks")
+        self.assertEqual(self.vectors("out.obj", "vn"), self.vectors("model.obj", "vn"))
+        self.assertEqual(deform("model.obj", "out.glb"),
+                         "4 normals are not in the animation, which holds points only")
+        # A binding without gradients, and one with them.
+        apply = ["apply", "bound.espb", "--to", "pose.ovm", "-o", "out.obj"]
+        for options, gradients, said in (
+                (["--keep-normals"], 0, "4 normals stay: the model was bound with --keep-normals"),
+                ([], 1, "4 normals turn with the model")):
+            self.run_program("bind", "model.obj", *rest, *options, "-o", "bound.espb")
+            self.assertEqual(self.bytes("bound.espb")[12], gradients)
+            self.assertEqual(self.report(*apply), said)
+        self.assertEqual(self.report(*apply, "--keep-normals"),
+                         "4 normals stay, as --keep-normals asks")
+        self.assertEqual(self.vectors("out.obj", "vn"), self.vectors("model.obj", "vn"))
 
     def models_with_directions(self):
         """The points of model.obj with normals and tangents, in all formats that carry them, and
@@ -119,10 +164,11 @@ class LimitTest(CliTest):
             self.run_program("shape", *shape, "-o", "rest.ovm")
             poses = [self.pose(bend, "bend.ovm"), "rest.ovm", self.pose(turn, "turn.ovm")]
             for model in models:
-                for outside in ("keep", "nearest"):
-                    with self.subTest(f"{shape} {model} {outside}"):
+                for outside, target in (("keep", ["--limit"]), ("nearest", ["--limit"]),
+                                        ("nearest", ["-n", 2])):
+                    with self.subTest(f"{shape} {model} {outside} {target}"):
                         extension = model.split(".")[1]
-                        options = [model, "--rest", "rest.ovm", "--limit", "--outside", outside]
+                        options = [model, "--rest", "rest.ovm", *target, "--outside", outside]
                         self.run_program("deform", *options, "--to", *poses,
                                          "-o", f"deformed%d.{extension}")
                         self.run_program("bind", *options, "-o", "bound.espb")
@@ -135,13 +181,6 @@ class LimitTest(CliTest):
                         # Both files have deformed directions; the plain model has moved points only.
                         has_gradients = self.bytes("bound.espb")[12]
                         self.assertEqual(has_gradients, model != "plain.obj")
-
-    def test_a_binding_to_a_level_has_no_gradients(self):
-        self.bind("model.obj", "rest.ovm", "-n", 2, out="bound.espb")
-        self.assertEqual(self.bytes("bound.espb")[12], 0)
-        self.pose(turn)
-        self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
-        self.assertEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))
 
     def test_options_that_do_not_go_together_are_refused(self):
         command = ["bind", "model.obj", "--rest", "rest.ovm", "--limit", "-o", "bound.espb"]

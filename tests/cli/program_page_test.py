@@ -67,6 +67,7 @@ EXCEPTIONS = {
 SAMPLES = {
     "--limit": [[]],
     "--gradients": [[]],
+    "--keep-normals": [[]],
     "--level-tables": [[]],
     "--json": [[]],
     "--quiet": [[]],

@@ -160,14 +160,14 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
     const TopologyRefiner base(lattice.complex, refiner.options());
     const auto bound = limit::bindLimit({base, lattice.positions}, points, {.gradients = true});
+    const auto tables = embed::gradientTables(*bound.gradients, lattice.positions);
     std::array<Positions, 3> columns;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        columns[axis] = times(bound.table.gradients[axis], pose);
+    for (std::size_t axis = 0; axis < 3; ++axis) columns[axis] = times(tables[axis], pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Entity vertex{0, surface.vertices[i]};
         const auto row = Index(i);
         if (level.strata.of(vertex) != 2 || isDart(level, vertex.index)) continue;
-        if (bound.table.gradients[0].columns(row).empty()) continue;
+        if (tables[0].columns(row).empty()) continue;
         Eigen::Matrix3d f;
         for (std::size_t axis = 0; axis < 3; ++axis)
             f.col(Eigen::Index(axis)) = columns[axis].row(row).transpose();

@@ -188,11 +188,12 @@ TEST(RegularSearch, BindsTheOtherPointsByAnotherFunction) {
     Offset last = 0;
     const auto bind = [&](OutsidePolicy policy) {
         return bindRegularFirst(
-            search.regular, unit, points, policy, [&](Offset done) { last = std::max(last, done); },
-            [&](std::span<const Point3> others, OutsidePolicy,
-                const std::function<void(Offset)>& progress) {
+            search.regular, unit, points,
+            {.embedding = {.outside = policy},
+             .progress = [&](Offset done) { last = std::max(last, done); }},
+            [&](std::span<const Point3> others, const BindingOptions& options) {
                 EXPECT_THAT(others, ElementsAre(points[17], points[4321]));
-                progress(2);
+                options.progress(2);
                 BoundRows<> result;
                 result.statuses.assign(2, PointStatus::Outside);
                 result.table = stencils::StencilTable<double>(8, {0, 1, 1}, {3}, {1.0});

@@ -26,11 +26,19 @@ BoundModel sample(bool hasGradients = false) {
     binding.statuses = {embed::PointStatus::Inside, embed::PointStatus::Outside,
                         embed::PointStatus::NotConverged};
     binding.largestResidual = 1e-15;
-    if (hasGradients)
-        binding.gradients = {
-            stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
-            stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
-            stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})};
+    if (hasGradients) {
+        // A cell of the four vertices, without layers around it.
+        embed::SplinePlaces::Patch patch;
+        patch.fill(kMaxIndex);
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            patch[21 + corner % 2 + 4 * (corner / 2 % 2) + 16 * (corner / 4)] = Index(corner % 4);
+        binding.gradients = embed::Gradients{
+            {stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2},
+                                            {-1. / 3, 1. / 3, 2, -2}),
+             stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
+             stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})},
+            {0.125, {patch}, {{{0.5, 0.25, 1. / 3}, 0}, {}, {}}}};
+    }
     model.faces = {{0, 1, 3, 3, 2, 1, 0}, {3, 7}};
     model.modelName = "bunny.obj";
     model.modelBytes = std::string("v 1 2 3\n\0\xff", 10);
@@ -54,7 +62,7 @@ std::string withChecksum(std::string bytes) {
 }
 
 // Places in the file of sample() without gradients.
-constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 10 * 8, kWeightsAt = kTableAt + 4 * 8,
+constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 12 * 8, kWeightsAt = kTableAt + 4 * 8,
                       kPointsAt = kWeightsAt + 3 * 8 + 3 * 4, kRestAt = kPointsAt + 3 * 24,
                       kStatusesAt = kRestAt + 4 * 24, kEndsAt = kStatusesAt + 3,
                       kCornersAt = kEndsAt + 2 * 8, kNameAt = kCornersAt + 7 * 4,
@@ -66,10 +74,12 @@ TEST(BindingFile, RoundTripIsExact) {
         writeBoundModel(folder / "a.espb", sample(hasGradients));
         expectEqual(readBoundModel(folder / "a.espb"), sample(hasGradients));
         const std::string bytes = readFile(folder / "a.espb");
-        EXPECT_EQ(bytes[8], 5) << "the version";
+        EXPECT_EQ(bytes[8], 6) << "the version";
         EXPECT_EQ(bytes[12], hasGradients);
-        // Three tables with 4 offsets each, and 6 entries.
-        EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? 3 * 4 * 8 + 6 * (8 + 4) : 0));
+        // Three tables with 4 offsets each, and 6 entries; a spacing, a patch, three places.
+        constexpr std::size_t kTables = 3 * 4 * 8 + 6 * (8 + 4),
+                              kSplines = 8 + 64 * 4 + 3 * (3 * 8 + 4);
+        EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? kTables + kSplines : 0));
     }
 }
 
@@ -81,7 +91,9 @@ TEST(BindingFile, PartsThatDoNotFitAreNotWritten) {
         EXPECT_REFUSED(Error, why, writeBoundModel(folder / "a.espb", model));
     };
     expectRefused("of 3 points and 4 lattice vertices has gradients of 0 points and 0 vertices",
-                  [](BoundModel& model) { (*model.binding.gradients)[1] = {}; });
+                  [](BoundModel& model) { *model.binding.gradients = {}; });
+    expectRefused("point 2 is in patch 1 of 1",
+                  [](BoundModel& model) { model.binding.gradients->splines.places[2].patch = 1; });
     expectRefused("has 3 vertices at rest",
                   [](BoundModel& model) { model.binding.rest.pop_back(); });
     expectRefused("has 2 points at rest",
@@ -174,18 +186,18 @@ TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
 
 TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
-    for (const int version : {1, 4, 6}) {
+    for (const int version : {1, 5, 7}) {
         std::string other = bytes;
         other[8] = char(version);
         expectRefused(other,
                       concat("is a bound model of version ", version,
-                             ", and this program reads version 5 only: bind the model again"));
+                             ", and this program reads version 6 only: bind the model again"));
     }
 }
 
 // A header that claims 10¹⁸ entries is refused before memory is allocated for them.
 TEST_P(DamagedBindingFile, HugeClaimedSizesAreRefused) {
-    for (std::size_t field = 0; field < 10; ++field) {
+    for (std::size_t field = 0; field < 12; ++field) {
         std::string damaged = bytes;
         damaged[kSizesAt + 8 * field + 7] = 0x0d;
         expectRefused(damaged, "its size is not what its header says");
@@ -218,6 +230,29 @@ TEST_P(DamagedBindingFile, NumbersThatAreNotFiniteAreRefused) {
             "has a position that is not finite: vertex of the lattice at rest 1");
     if (GetParam())
         refused(kPointsAt + 4 * 8, "has a weight that is not finite: number 0 of its table");
+}
+
+TEST(BindingFile, DamagedPlacesAreRefused) {
+    const TemporaryFolder folder;
+    const auto path = folder / "p.espb";
+    writeBoundModel(path, sample(true));
+    const std::string bytes = readFile(path);
+    // The places end before the points; the patches and the spacing are before the places.
+    constexpr std::size_t kEnd = kPointsAt + 3 * 4 * 8 + 6 * (8 + 4) + 8 + 64 * 4 + 3 * (3 * 8 + 4),
+                          kPatchOf = kEnd - 3 * 4, kPlaces = kPatchOf - 3 * 24,
+                          kPatch = kPlaces - 64 * 4;
+    const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
+        std::string damaged = bytes;
+        storeNumber(damaged.data() + at, number, std::endian::little);
+        std::ofstream(path, std::ios::binary) << withChecksum(damaged);
+        EXPECT_THAT(messageOf<FileError>([&] { readBoundModel(path); }),
+                    AllOf(HasSubstr("is damaged"), HasSubstr(why)));
+    };
+    expectRefused(kPatchOf, std::int32_t{7}, "the gradient of point 0 is in patch 7 of 1");
+    expectRefused(kPlaces + 8, kNan, "the place of point 0 in its patch is not finite");
+    expectRefused(kPatch + 4 * 21, std::int32_t{4}, "has vertex 4 at its control point 21");
+    expectRefused(kPatch, std::int32_t{0}, "has vertex 0 at its control point 0; expected none");
+    expectRefused(kPatch - 8, -1.0, "a spacing of -1");
 }
 
 INSTANTIATE_TEST_SUITE_P(BindingFile, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {

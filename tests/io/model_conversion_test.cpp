@@ -320,7 +320,7 @@ public:
         return surface;
     }
     CoordinateStorage storage() const override { return CoordinateStorage::Double; }
-    bool hasDirections() const override { return false; }
+    DirectionCounts directions() const override { return {}; }
 
     mutable std::atomic<int> reads = 0;
 

@@ -21,7 +21,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using Bound = embed::BoundRows<LimitTable>;
+using Bound = embed::BoundRows<>;
 
 /// A lattice with bent irregular edges, and points on these.
 class Scene {
@@ -81,10 +81,10 @@ public:
 
     /// Returns F at point i in the pose.
     Matrix3d gradient(const Bound& result, Index i) const {
+        const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
         Matrix3d f;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            f.col(Eigen::Index(axis)) =
-                times(result.table.gradients[axis], pose).row(i).transpose();
+            f.col(Eigen::Index(axis)) = times(tables[axis], pose).row(i).transpose();
         return f;
     }
 
@@ -110,7 +110,7 @@ TEST(EdgeBinding, PointsOnIrregularEdgesMoveWithTheLimit) {
             EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(scene.points));
             // Rounding of sums of terms below 1.
             EXPECT_LT(result.largestResidual, 1e-14);
-            const auto& rows = result.table.points;
+            const auto& rows = result.table;
             EXPECT_LT(largestDistance(times(rows, scene.lattice.positions), asMatrix(scene.points)),
                       1e-14);
             // Far below the tolerance, 1e-6: the place on the edge is exact.
@@ -131,9 +131,8 @@ TEST(EdgeBinding, LoopsAndOpenBoundaries) {
     for (const Scene* scene : {&loop, &open}) {
         const Bound result = scene->bind();
         EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(scene->points));
-        EXPECT_LT(
-            largestDistance(times(result.table.points, scene->pose), asMatrix(scene->expected)),
-            1e-14);
+        EXPECT_LT(largestDistance(times(result.table, scene->pose), asMatrix(scene->expected)),
+                  1e-14);
     }
 }
 
@@ -147,14 +146,14 @@ TEST(EdgeBinding, PointsBesideIrregularEdgesMoveWithTheLimit) {
             point = toPoint(vec(point) + distance * Vector3d(0.48, 0.6, 0.64));
         const Bound result = scene.bind();
         EXPECT_EQ(result.count(embed::PointStatus::Inside), 2);
-        const auto& rows = result.table.points;
+        const auto& rows = result.table;
         EXPECT_LT(largestDistance(times(rows, scene.lattice.positions), asMatrix(scene.points)),
                   1e-14)
             << distance;
         // With this tolerance, points farther away than 5e-13 are not taken to the edge.
         const Bound exact = scene.bind({.tolerance = 1e-13});
         const double error =
-            largestDistance(times(rows, scene.pose), times(exact.table.points, scene.pose));
+            largestDistance(times(rows, scene.pose), times(exact.table, scene.pose));
         // In a distance of 1e-7, the gradient changes by 5e-5 here (see the next test). Added is
         // the rounding of sums of terms below 1.
         EXPECT_LT(error, 1e-4 * distance + 1e-15) << distance;
@@ -179,8 +178,9 @@ TEST(EdgeBinding, GradientsOnIrregularEdges) {
             // The error of central differences grows like a power of the step, 0.6 for seven cells.
             EXPECT_LT((scene.gradient(result, Index(i)) * tangent - posed).norm(), 1e-6) << sectors;
         }
+        const auto tables = embed::gradientTables(*result.gradients, scene.lattice.positions);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto column = times(result.table.gradients[axis], scene.lattice.positions);
+            const auto column = times(tables[axis], scene.lattice.positions);
             for (Eigen::Index i = 0; i < column.rows(); ++i)
                 EXPECT_LT((column.row(i).transpose() - Vector3d::Unit(Eigen::Index(axis))).norm(),
                           1e-12);
@@ -215,12 +215,12 @@ TEST(EdgeBinding, DoesNotDependOnOtherPointsOrThreads) {
     EXPECT_TRUE(withThreads(5, [&] { return scene.bind(options); }) == together);
     for (std::size_t i = 0; i < onEdges.size(); ++i) {
         scene.points = {onEdges[i]};
-        const auto alone = scene.bind(options).table;
+        const Bound alone = scene.bind(options);
         const std::vector<Index> row = {Index(i)};
-        EXPECT_TRUE(stencils::selectRows(together.table.points, row) == alone.points) << i;
+        EXPECT_TRUE(stencils::selectRows(together.table, row) == alone.table) << i;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            EXPECT_TRUE(stencils::selectRows(together.table.gradients[axis], row) ==
-                        alone.gradients[axis])
+            EXPECT_TRUE(stencils::selectRows(together.gradients->tables[axis], row) ==
+                        alone.gradients->tables[axis])
                 << i;
     }
 }

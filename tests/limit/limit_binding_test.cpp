@@ -23,7 +23,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using Bound = embed::BoundRows<LimitTable>;
+using Bound = embed::BoundRows<>;
 
 Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
             const LimitOptions& options = {}) {
@@ -111,7 +111,7 @@ TEST(LimitBinding, BoxEqualsTheTensorSpline) {
         EXPECT_EQ(result.count(embed::PointStatus::Inside), 200);
         // The bound that the project promises for the rest pose, relative to a size of a few units.
         EXPECT_LT(result.largestResidual, 1e-12);
-        const auto moved = times(result.table.points, pose);
+        const auto moved = times(result.table, pose);
         for (std::size_t i = 0; i < points.size(); ++i)
             // The rounding of the place, 1e-16, is multiplied by the slopes of the pose divided by
             // the slopes of the rest pose. This factor is a few tens.
@@ -143,10 +143,11 @@ TEST(LimitBinding, KeepsTheRestPose) {
         const auto points = pointsInside(lattice, 3);
         const Bound result = bound(lattice, points, {.gradients = true});
         EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(points)) << name;
-        const auto moved = times(result.table.points, lattice.positions);
+        const auto moved = times(result.table, lattice.positions);
         EXPECT_LT(largestDistance(moved, asMatrix(points)), 1e-11) << name;
+        const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto& rows = result.table.gradients[axis];
+            const auto& rows = tables[axis];
             const auto column = times(rows, lattice.positions);
             for (Index i = 0; i < rows.rowCount(); ++i) {
                 if (rows.columns(i).empty()) continue;
@@ -169,7 +170,7 @@ TEST(LimitBinding, AffinePosesAreExact) {
         auto pose = lattice.positions;
         for (Point3& p : pose) p = toPoint(map * vec(p) + shift);
         const Bound result = bound(lattice, points, {.gradients = true});
-        const auto moved = times(result.table.points, pose);
+        const auto moved = times(result.table, pose);
         for (std::size_t i = 0; i < points.size(); ++i)
             EXPECT_LT(
                 (moved.row(Eigen::Index(i)).transpose() - (map * vec(points[i]) + shift)).norm(),
@@ -197,7 +198,7 @@ TEST(LimitBinding, MapsVertexLimitsAtRestToVertexLimitsInThePose) {
         const Bound result = bound(lattice, some);
         // A place in a blended cell is off by at most the size of the cell, which is below the
         // tolerance of 1e-6.
-        EXPECT_LT(largestDistance(times(result.table.points, pose), asMatrix(moved)), 2e-6) << name;
+        EXPECT_LT(largestDistance(times(result.table, pose), asMatrix(moved)), 2e-6) << name;
     }
 }
 
@@ -209,7 +210,7 @@ TEST(LimitBinding, LevelsConvergeToTheLimit) {
     auto pose = lattice.positions;
     for (Point3& p : pose) p = {p[0] + 0.3 * p[2] * p[2], p[1] - 0.2 * p[0] * p[2], p[2]};
     const TopologyRefiner base(lattice.complex);
-    const auto limit = times(bound(lattice, points).table.points, pose);
+    const auto limit = times(bound(lattice, points).table, pose);
     double before = 0;
     for (int level = 2; level <= 5; ++level) {
         const auto model = embed::bindPoints(
@@ -237,9 +238,10 @@ TEST(LimitBinding, GradientsAreTheDerivativeOfTheDeformation) {
             points.push_back(toPoint(point));
         }
     const Bound result = bound(lattice, points, {.gradients = true});
-    const auto moved = times(result.table.points, pose);
+    const auto moved = times(result.table, pose);
+    const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto column = times(result.table.gradients[axis], pose);
+        const auto column = times(tables[axis], pose);
         for (Eigen::Index i = 0; i < moved.rows(); i += 7) {
             const Eigen::Index k = i + 1 + 2 * Eigen::Index(axis);
             // The error of central differences is the third derivative times 1e-10, plus rounding.
@@ -265,13 +267,13 @@ TEST(LimitBinding, StatusesOfPointsOutsideAndNotFinite) {
     const Bound kept = bound(lattice, points);
     EXPECT_THAT(kept.statuses,
                 ElementsAre(Inside, Inside, Outside, Outside, NotConverged, Outside));
-    EXPECT_THAT(kept.table.points.emptyRows(), ElementsAre(2, 3, 4, 5));
+    EXPECT_THAT(kept.table.emptyRows(), ElementsAre(2, 3, 4, 5));
     const LimitOptions nearest{.embedding = {.outside = embed::OutsidePolicy::Nearest}};
     const Bound carried = bound(lattice, points, nearest);
     EXPECT_THAT(carried.statuses,
                 ElementsAre(Inside, Inside, Outside, Outside, NotConverged, Outside));
-    EXPECT_THAT(carried.table.points.emptyRows(), ElementsAre(4, 5));
-    const auto moved = times(carried.table.points, lattice.positions);
+    EXPECT_THAT(carried.table.emptyRows(), ElementsAre(4, 5));
+    const auto moved = times(carried.table, lattice.positions);
     for (Eigen::Index i = 0; i < 4; ++i)
         EXPECT_LT((moved.row(i).transpose() - vec(points[i])).norm(), 1e-12);
     EXPECT_THROW(bound(lattice, points, {.embedding = {.outside = embed::OutsidePolicy::Error}}),
@@ -281,10 +283,10 @@ TEST(LimitBinding, StatusesOfPointsOutsideAndNotFinite) {
 /// Expects that the rest pose reproduces each point that has a row, and that a third of the points
 /// have one: for the others the weights would be too large.
 void expectCarried(const Bound& result, const Lattice& lattice, std::span<const Point3> points) {
-    EXPECT_LE(3 * result.table.points.emptyRows().size(), 2 * points.size());
-    const auto moved = times(result.table.points, lattice.positions);
+    EXPECT_LE(3 * result.table.emptyRows().size(), 2 * points.size());
+    const auto moved = times(result.table, lattice.positions);
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (!result.table.points.columns(static_cast<Index>(i)).empty()) {
+        if (!result.table.columns(static_cast<Index>(i)).empty()) {
             EXPECT_LT((moved.row(Eigen::Index(i)).transpose() - vec(points[i])).norm(), 1e-11) << i;
         }
 }
@@ -330,7 +332,7 @@ TEST(LimitBinding, ATightToleranceIsMet) {
     const auto pose = test::shaken(lattice.positions, 8);
     const auto expected = limitPoints(lattice, 0, pose);
     const Bound result = bound(lattice, rest, {.tolerance = 1e-12});
-    EXPECT_LT(largestDistance(times(result.table.points, pose), asMatrix(expected)), 2e-12);
+    EXPECT_LT(largestDistance(times(result.table, pose), asMatrix(expected)), 2e-12);
 }
 
 // Points very near an irregular edge share no cells on fine levels, and each takes 15 MB there. So
@@ -345,9 +347,9 @@ TEST(LimitBinding, PointsBesideAnIrregularEdgeTakeLittleMemory) {
     if (!kIsSlow) limit.emplace(residentMemory() + 150'000'000);
     const Bound together = bound(lattice, points);
     EXPECT_EQ(together.count(embed::PointStatus::Inside), std::ssize(points));
-    const auto& rows = together.table.points;
+    const auto& rows = together.table;
     for (const Index i : {0, 5}) {
-        const auto alone = bound(lattice, {points[i]}).table.points;
+        const auto alone = bound(lattice, {points[i]}).table;
         EXPECT_TRUE(stencils::selectRows(rows, std::vector<Index>{i}) == alone) << i;
     }
 }
@@ -397,7 +399,7 @@ TEST(LimitBinding, LatticesWithoutVolumeGiveAStatus) {
         for (const embed::OutsidePolicy outside :
              {embed::OutsidePolicy::Keep, embed::OutsidePolicy::Nearest}) {
             const Bound result = bound(lattice, points, {.embedding = {.outside = outside}});
-            const auto moved = times(result.table.points, lattice.positions);
+            const auto moved = times(result.table, lattice.positions);
             for (std::size_t i = 0; i < points.size(); ++i) {
                 if (result.statuses[i] != embed::PointStatus::Inside) continue;
                 EXPECT_LT((moved.row(Eigen::Index(i)).transpose() - vec(points[i])).norm(),

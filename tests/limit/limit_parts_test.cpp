@@ -50,7 +50,7 @@ TEST(LimitParts, PatchesAgreeWithBindings) {
                 expected.push_back({to[0], to[1], to[2]});
             }
             const auto bound = bindLimit({base, lattice.positions}, points);
-            const auto got = stencils::applyLevelTable(bound.table.points, pose);
+            const auto got = stencils::applyLevelTable(bound.table, pose);
             for (std::size_t i = 0; i < points.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
                     // A solve has a residual of 1e-12, and thin cells may stretch it a thousand

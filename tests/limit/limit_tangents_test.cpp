@@ -22,7 +22,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using Bound = embed::BoundRows<LimitTable>;
+using Bound = embed::BoundRows<>;
 
 /// Returns the limits of the vertices of a level at rest: they cover every kind of feature of the
 /// lattice.
@@ -32,10 +32,12 @@ std::vector<Point3> limitsOfLevel(const Lattice& lattice, int level) {
 }
 
 /// Returns F at point i in a pose.
-Matrix3d gradientAt(const Bound& result, Index i, const std::vector<Point3>& pose) {
+Matrix3d gradientAt(const Bound& result, Index i, const Lattice& lattice,
+                    const std::vector<Point3>& pose) {
+    const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
     Matrix3d f;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        f.col(Eigen::Index(axis)) = times(result.table.gradients[axis], pose).row(i).transpose();
+        f.col(Eigen::Index(axis)) = times(tables[axis], pose).row(i).transpose();
     return f;
 }
 
@@ -57,8 +59,9 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
         for (const double tolerance : {1e-2, 1e-6, 1e-8, 1e-9, 1e-12, 1e-14}) {
             const Bound result = bindLimit({base, lattice.positions}, points,
                                            {.tolerance = tolerance, .gradients = true});
+            const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto& rows = result.table.gradients[axis];
+                const auto& rows = tables[axis];
                 const auto column = times(rows, pose);
                 for (Index i = 0; i < rows.rowCount(); ++i) {
                     if (rows.columns(i).empty()) continue;  // The lattice has no volume there.
@@ -126,7 +129,7 @@ TEST(LimitGradients, EqualTheEigenvectorsOnIrregularEdges) {
                                            {.tolerance = tolerance, .gradients = true});
             // For 16 cells both computations have this accuracy: the eigenvalues are 0.03 apart,
             // and the rounding of the axis grows by 1.22 per level while the axis converges.
-            EXPECT_LT((gradientAt(result, 0, pose) - expected).norm(), 1e-8)
+            EXPECT_LT((gradientAt(result, 0, lattice, pose) - expected).norm(), 1e-8)
                 << sectors << " sectors, tolerance " << tolerance;
         }
     }
@@ -143,7 +146,8 @@ TEST(LimitGradients, AreContinuousAtFeatures) {
         const std::vector<Point3> points = {{0, 0, 0.2}, {step, 0.3 * step, 0.2 + 0.5 * step}};
         const Bound result = bindLimit({base, lattice.positions}, points, {.gradients = true});
         ASSERT_EQ(result.count(embed::PointStatus::Inside), 2);
-        const double change = (gradientAt(result, 1, pose) - gradientAt(result, 0, pose)).norm();
+        const double change =
+            (gradientAt(result, 1, lattice, pose) - gradientAt(result, 0, lattice, pose)).norm();
         // The change is a power of the distance: each level multiplies the distance by 0.5985 and
         // the change by 0.4619/0.5985. So at a hundredth of the distance the change is a tenth.
         if (before > 0) {

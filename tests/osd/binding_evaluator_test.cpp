@@ -39,7 +39,7 @@ TEST(Binding, GradientsOfAnEdge) {
     binding.statuses.resize(2);
     binding.rest = rest;
     EXPECT_REFUSED(Error, "has no gradients", evaluateGradients(binding, pose));
-    binding.gradients = {along, none, none};
+    binding.gradients = embed::Gradients{{along, none, none}};
     const auto gradients = evaluateGradients(binding, pose);
     const std::vector<DeformationGradient> expected = {{2, 0, 0, 3, 1, 0, 0, 0, 1},
                                                        {1, 0, 0, 0, 1, 0, 0, 0, 1}};

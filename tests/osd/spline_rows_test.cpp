@@ -106,7 +106,7 @@ StencilTable<Real> splineTable(const std::array<int, 3>& cells, int level, int c
     const auto points = pointsInCells(cells, count);
     const embed::RestLattice lattice = {base, box.positions};
     return stencils::convertTable<Real>(
-        level == 0 ? limit::bindLimit(lattice, points).table.points
+        level == 0 ? limit::bindLimit(lattice, points).table
                    : embed::bindPoints(lattice, points, {.level = level}).table);
 }
 
@@ -215,9 +215,10 @@ TYPED_TEST(SplineRows, LeaveOtherRowsAsTheyAre) {
     const auto cylinder = boundTable<Real>(shapes::cylinder({.sectors = 5}));
     const Lattice box = shapes::box({.cells = {3, 3, 3}});
     const TopologyRefiner base(box.complex, {.marks = box.marks});
-    const auto gradients = stencils::convertTable<Real>(
-        limit::bindLimit({base, box.positions}, pointsInCells({3, 3, 3}, 500), {.gradients = true})
-            .table.gradients[0]);
+    const auto bound =
+        limit::bindLimit({base, box.positions}, pointsInCells({3, 3, 3}, 500), {.gradients = true});
+    const auto gradients =
+        stencils::convertTable<Real>(embed::gradientTables(*bound.gradients, box.positions)[0]);
     for (const StencilTable<Real>* table : {&cylinder, &gradients}) {
         const HostDevice<Real> device(*table, true, true), before(*table, true);
         EXPECT_EQ(device.arrays().parametricRowCount, 0);

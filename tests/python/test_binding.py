@@ -162,22 +162,54 @@ def test_the_rest_pose_in_float32_leaves_all_points_as_they_were():
         np.testing.assert_array_equal(binding.deform(rest.positions), points)
 
 
-def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, points):
+def test_a_model_with_normals_keeps_its_gradients(tmp_path, rest, points):
     lines = ["v {} {} {}".format(*p.tolist()) for p in points]
     (tmp_path / "plain.obj").write_text("\n".join([*lines, ""]))
     (tmp_path / "model.obj").write_text("\n".join([*lines, "vn 0 0 1", "f 1//1 2//1 3//1", ""]))
     model = espalier.read_model(tmp_path / "model.obj")
     first, copy = tmp_path / "first.espb", tmp_path / "copy.espb"
     for binding, has_gradients in [(espalier.bind(rest, model, limit=True), 1),
-                                   (espalier.bind(rest, model), 0),
+                                   (espalier.bind(rest, model), 1),
+                                   (espalier.bind(rest, model, gradients=False), 0),
                                    (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
                                                   limit=True), 0)]:
         binding.save(first)
-        assert first.read_bytes()[8] == 5  # the version
+        assert first.read_bytes()[8] == 6  # the version
         assert first.read_bytes()[12] == has_gradients
         for other in [espalier.load_binding(first), pickle.loads(pickle.dumps(binding))]:
             other.save(copy)
             assert copy.read_bytes() == first.read_bytes()
+
+
+# For an affine pose F is the matrix of the pose, at each level, in the limit and under each basis.
+def test_gradients_turn_the_normals_of_a_model(tmp_path, rest, points):
+    matrix = np.array([[0.0, -2.0, 0.0], [1.0, 0.0, 0.5], [0.0, 0.0, 1.0]])
+    for options in {"level": 2}, {"limit": True}, {"basis": "bezier"}:
+        binding = espalier.bind(rest, points, outside="nearest", gradients=True, **options)
+        gradients = binding.gradients(rest.positions @ matrix.T)
+        assert gradients.shape == (500, 3, 3)
+        np.testing.assert_allclose(gradients, np.broadcast_to(matrix, (500, 3, 3)), atol=1e-12)
+    with pytest.raises(ValueError, match="the binding has no gradients"):
+        espalier.bind(rest, points).gradients(rest.positions)
+
+    lines = ["v {} {} {}".format(*p.tolist()) for p in points]
+    (tmp_path / "model.obj").write_text("\n".join([*lines, "vn 1 0 0", "f 1//1 2//1 3//1", ""]))
+    model = espalier.read_model(tmp_path / "model.obj")
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    moved = np.asarray(model.positions) @ turn.T
+    model.write(tmp_path / "turned.obj", moved, np.broadcast_to(turn, (500, 3, 3)))
+    assert "vn 0 1 0" in (tmp_path / "turned.obj").read_text()
+    model.write(tmp_path / "kept.obj", moved)
+    assert "vn 1 0 0" in (tmp_path / "kept.obj").read_text()
+    # A shear of the plane z = 0 along x turns the normal x, and the tangent y.
+    shear = np.array([[[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]])
+    np.testing.assert_allclose(espalier.carry_normals(shear, [[1, 0, 0]]),
+                               [[0.5 ** 0.5, -0.5 ** 0.5, 0]], atol=1e-15)
+    np.testing.assert_allclose(espalier.carry_tangents(shear, [[0, 3, 0]]),
+                               [[3 * 0.5 ** 0.5, 3 * 0.5 ** 0.5, 0]], atol=1e-15)
+    for wrong in np.zeros((500, 9)), np.zeros((499, 3, 3)):
+        with pytest.raises(ValueError, match=r"^gradients: expected an array of shape \(500, 3, 3\)"):
+            model.write(tmp_path / "wrong.obj", moved, wrong)
 
 
 def test_a_binding_of_nothing(tmp_path, rest, pose):

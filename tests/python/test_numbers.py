@@ -16,7 +16,8 @@ BOX = espalier.shapes.box(cells=(2, 2, 2))
 POSITIONS = BOX.positions
 POINTS = np.array([[0.5, 0.5, 0.5], [0.2, 0.3, 0.9]])
 FACES = BOX.boundary_faces
-BOUND = espalier.bind(BOX, POINTS, level=1)
+BOUND = espalier.bind(BOX, POINTS, level=1, gradients=True)
+GRADIENTS = np.array([np.eye(3), np.eye(3)])
 TABLE = espalier.CompiledTable(BOUND.table)
 MARKS = {"edge_sharpness": {(0, 1): 1.0}, "vertex_sharpness": {0: 1.0}}
 FALLOFF = {"positions": POSITIONS, "falloff_radius": 0.5}
@@ -39,9 +40,12 @@ GOOD = {
     "CompiledTable.evaluate": {"values": POSITIONS},
     "CompiledAdjoint.evaluate": {"values": POINTS},
     "ChangeEvaluator.evaluate_changed": {"values": POSITIONS, "changed": [0], "out": np.zeros((2, 3))},
-    "Model.write": {"path": "out.obj", "positions": POINTS},
+    "Model.write": {"path": "out.obj", "positions": POINTS, "gradients": GRADIENTS},
     "Binding.deform": {"pose": POSITIONS},
     "Binding.adjoint": {"gradients": POINTS},
+    "Binding.gradients": {"pose": POSITIONS},
+    "carry_normals": {"gradients": GRADIENTS, "normals": POINTS},
+    "carry_tangents": {"gradients": GRADIENTS, "tangents": POINTS},
     "DesignVariables.link": {"vertex": 1, "to": 0, "factors": (1.0, 2.0, 3.0)},
     "DesignVariables.mirror": {"positions": POSITIONS, "axis": 0, "at": 0.5, "tolerance": 1e-9},
     "DesignVariables.scale": {"vertices": 1, "unit": 2.0},

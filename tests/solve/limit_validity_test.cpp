@@ -87,11 +87,12 @@ TEST(LimitValidity, AgreesWithSampledGradients) {
         const auto points = pointsIn(refined, kIsSlow ? 20 : 100, 3);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const auto bound = limit::bindLimit({base, lattice.positions}, points, options);
+        const auto tables = embed::gradientTables(*bound.gradients, lattice.positions);
         /// Returns the smallest determinant of the points in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;
             for (std::size_t c = 0; c < 3; ++c)
-                columns[c] = stencils::applyLevelTable(bound.table.gradients[c], pose);
+                columns[c] = stencils::applyLevelTable(tables[c], pose);
             double least = kInfinity;
             for (std::size_t i = 0; i < points.size(); ++i) {
                 if (bound.statuses[i] != embed::PointStatus::Inside) continue;

@@ -15,7 +15,7 @@ export interface BindOptions {
   /** what happens to points outside; default "keep" */
   outside?: "keep" | "nearest" | "refuse";
   tolerance?: number;
-  /** makes the gradients of the limit too, for Binding.gradients() */
+  /** makes the gradients too, for Binding.gradients() */
   gradients?: boolean;
 }
 

@@ -237,11 +237,11 @@ function bind(settings: BindSettings): Uint32Array {
     level: settings.level,
     outside: settings.outside,
     limitTolerance: settings.limit ? 1e-6 : 0,
-    gradients: settings.limit && file.hasDirections(),
+    gradients: file.hasDirections(),
   });
   bound = {
     binding,
-    hasGradients: settings.limit && file.hasDirections(),
+    hasGradients: file.hasDirections(),
     table: binding.table(),
     deformer: binding.deformer(),
   };
