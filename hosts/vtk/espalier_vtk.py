@@ -11,7 +11,8 @@
     deform.Update()
     moved = deform.GetOutputDataObject(0)
 
-The output is the model with moved points. Its point data has the array "espalier_status": 0 for points inside
+The output is the model with moved points; its active normals and tangents of points turn with it, unless
+SetKeepNormals(True). Normals of cells are left out, since they would be wrong. Its point data has the array "espalier_status": 0 for points inside
 the lattice, 1 for points outside, 2 for points that could not be placed. The binding is kept: a new pose
 costs one sparse product.
 
@@ -104,6 +105,15 @@ def have_same_cells(one, other):
     return cells_of(one) == cells_of(other)
 
 
+def directions_of(model):
+    """Returns the active normals and tangents of the points: the array, the function that turns it, and the
+    method that makes an array the active one."""
+    data = model.GetPointData()
+    known = ((data.GetNormals(), espalier.carry_normals, "SetNormals"),
+             (data.GetTangents(), espalier.carry_tangents, "SetTangents"))
+    return [each for each in known if each[0] is not None and each[0].GetNumberOfComponents() == 3]
+
+
 class EspalierDeform(VTKPythonAlgorithmBase):
     """Moves the points of a model as a lattice around it moves."""
 
@@ -112,6 +122,7 @@ class EspalierDeform(VTKPythonAlgorithmBase):
         self._level = 3
         self._limit = False
         self._outside = "keep"
+        self._keep_normals = False
         self._binding = None
         self._bound_to = None  # what the binding depends on
         self._error = None
@@ -149,6 +160,13 @@ class EspalierDeform(VTKPythonAlgorithmBase):
     def GetOutside(self):
         return self._outside
 
+    def SetKeepNormals(self, keep):
+        """Sets whether normals and tangents stay as they are."""
+        self._set("_keep_normals", bool(keep))
+
+    def GetKeepNormals(self):
+        return self._keep_normals
+
     def GetBinding(self):
         """Returns the espalier.Binding of the last update; None before."""
         return self._binding
@@ -173,21 +191,22 @@ class EspalierDeform(VTKPythonAlgorithmBase):
             raise
         return 1
 
-    def _bind(self, points, rest, key):
+    def _bind(self, points, rest, gradients, key):
         """Binds the points to the lattice, unless they are bound to it already."""
         if key == self._bound_to:
             return
         lattice, used = lattice_of(rest)
         options = {"limit": True} if self._limit else {"level": self._level}
-        binding = espalier.bind(lattice, points, outside=self._outside, **options)
-        self._compiled = espalier.CompiledTable(binding)
-        self._lattice, self._used, self._binding, self._bound_to = lattice, used, binding, key
+        binding = espalier.bind(lattice, points, outside=self._outside, gradients=gradients, **options)
+        self._used, self._binding, self._bound_to = used, binding, key
 
     def _deform(self, model, rest, pose, output):
         """Fills the output, or raises an error before it does."""
         points = positions_of(model)
-        self._bind(points, rest, (model.GetPoints().GetMTime() if len(points) else 0, rest.GetMTime(),
-                                  self._level, self._limit, self._outside))
+        directions = [] if self._keep_normals else directions_of(model)
+        self._bind(points, rest, bool(directions),
+                   (model.GetPoints().GetMTime() if len(points) else 0, rest.GetMTime(),
+                    self._level, self._limit, self._outside, bool(directions)))
         if pose.GetNumberOfPoints() != rest.GetNumberOfPoints():
             raise ValueError(f"the pose has {pose.GetNumberOfPoints()} points; the lattice at rest has "
                              f"{rest.GetNumberOfPoints()}")
@@ -195,8 +214,7 @@ class EspalierDeform(VTKPythonAlgorithmBase):
             raise ValueError("the cells of the pose are not the cells of the lattice at rest; move the points "
                              "of the lattice at rest to make a pose")
         posed = positions_of(pose)[self._used]
-        # Displacements, so that points that do not move keep their coordinates exactly.
-        moved = points + self._compiled.evaluate(posed - self._lattice.positions)
+        moved = self._binding.deform(posed)
         statuses = numpy_support.numpy_to_vtk(np.asarray(self._binding.statuses, dtype=np.uint8), deep=True)
         statuses.SetName("espalier_status")
         output.ShallowCopy(model)
@@ -208,6 +226,15 @@ class EspalierDeform(VTKPythonAlgorithmBase):
             moved_points.SetData(array)
             output.SetPoints(moved_points)
         output.GetPointData().AddArray(statuses)
+        if directions:
+            gradients = self._binding.gradients(posed)
+        for array, carry, activate in directions:
+            turned = numpy_support.numpy_to_vtk(carry(gradients, numpy_support.vtk_to_numpy(array)), deep=True,
+                                                array_type=array.GetDataType())
+            turned.SetName(array.GetName())
+            getattr(output.GetPointData(), activate)(turned)
+        if not self._keep_normals and output.GetCellData().GetNormals() is not None:
+            output.GetCellData().RemoveArray(output.GetCellData().GetNormals().GetName())
 
 
 try:
@@ -235,6 +262,11 @@ else:
                         'default_values="0"><BooleanDomain name="bool"/></IntVectorProperty>')
         def SetLimit(self, limit):
             super().SetLimit(limit)
+
+        @smproperty.xml('<IntVectorProperty name="KeepNormals" command="SetKeepNormals" number_of_elements="1" '
+                        'default_values="0"><BooleanDomain name="bool"/></IntVectorProperty>')
+        def SetKeepNormals(self, keep):
+            super().SetKeepNormals(keep)
 
         @smproperty.xml('<StringVectorProperty name="Outside" command="SetOutside" number_of_elements="1" '
                         'default_values="keep"><StringListDomain name="list"><String value="keep"/>'

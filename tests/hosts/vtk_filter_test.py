@@ -38,7 +38,7 @@ class VtkFilter(CliTest):
         self.run_program("pose", "rest.vtu", "--twist", "z", 50, "--move", 0.1, 0.2, 0.3, "-o", "pose.vtu")
 
     def read(self, name):
-        reader = vtk_io.vtkXMLUnstructuredGridReader()
+        reader = (vtk_io.vtkXMLPolyDataReader if name.endswith(".vtp") else vtk_io.vtkXMLUnstructuredGridReader)()
         reader.SetFileName(str(self.path / name))
         reader.Update()
         return reader.GetOutput()
@@ -87,6 +87,26 @@ class VtkFilter(CliTest):
         self.assertEqual(output.GetPoints().GetDataType(), source.GetOutput().GetPoints().GetDataType())
         self.assertEqual(output.GetNumberOfPolys(), source.GetOutput().GetNumberOfPolys())
         self.assertIsNotNone(output.GetPointData().GetArray("Normals"))
+
+    def test_normals_of_points_turn_as_in_the_program(self):
+        source = vtkSphereSource()
+        source.SetRadius(0.4)
+        source.SetCenter(0, 0, 0.5)
+        source.Update()
+        self.write("sphere.vtp", source.GetOutput(), vtk_io.vtkXMLPolyDataWriter())
+        self.run_program("deform", "sphere.vtp", "--rest", "rest.vtu", "--to", "pose.vtu", "-o", "out.vtp",
+                         "--quiet")
+        normals = lambda data: numpy_support.vtk_to_numpy(data.GetPointData().GetNormals())
+        expected = normals(self.read("out.vtp"))
+        deform = self.filter(self.read("sphere.vtp"))
+        turned = normals(deform.GetOutputDataObject(0))
+        # Both round to floats.
+        self.assertLess(np.abs(turned - expected).max(), 1e-7)
+        at_rest = normals(self.read("sphere.vtp"))
+        self.assertGreater(np.abs(turned - at_rest).max(), 0.01)
+        deform.SetKeepNormals(True)
+        deform.Update()
+        np.testing.assert_array_equal(normals(deform.GetOutputDataObject(0)), at_rest)
 
     def test_a_new_pose_keeps_the_binding(self):
         self.run_program("refine", "rest.vtu", "-n", 1, "-o", "model.vtu")
