@@ -96,6 +96,7 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
         for (BoundPart<Table>& part : parts) {
             for (Index& point : part.points) point = numbers[point];
             entryCount += pointRows(part.table).entryCount();
+            for (const auto& gradient : part.gradients) entryCount += gradient.entryCount();
         }
         // gatherRows() needs as much memory again as the rows of the groups.
         requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(double)),

@@ -4,6 +4,7 @@
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/embed/row_bound.h>
+#include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
@@ -13,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace espalier::embed {
@@ -47,22 +49,41 @@ Array<std::optional<SortedCorners>> allSortedCorners(const far::CellComplex& com
     return all;
 }
 
+/// Finds the corners of cells that contain points.
+class CornersOfCells {
+public:
+    /// \throws Error if the embedding is in a lattice with another number of vertices
+    CornersOfCells(const far::CellComplex& complex, const Embedding& embedding)
+        : complex_(complex) {
+        checkVertexCount(embedding.vertexCount, complex.count(0));
+        // With many points, looking up the corners of each cell once takes a quarter of the time.
+        // With few points, looking up all cells would take longer.
+        if (std::ssize(embedding.points) > complex.count(3) / 4) all_ = allSortedCorners(complex);
+    }
+
+    std::optional<SortedCorners> operator()(CellId cell) const {
+        return all_.empty() ? sortedCorners(complex_, cell) : all_[cell.value];
+    }
+
+private:
+    const far::CellComplex& complex_;
+    Array<std::optional<SortedCorners>> all_;
+};
+
 void appendEntry(Index vertex, double weight, stencils::RowList& rows) {
     if (weight == 0) return;
     rows.columns.push_back(vertex);
     rows.weights.push_back(weight);
 }
 
-void appendHexahedron(const SortedCorners& corners, const CellPlace& place,
+void appendHexahedron(const SortedCorners& corners, const Trilinear::Weights& weights,
                       stencils::RowList& rows) {
-    const auto weights = hexahedronWeights(place);
     for (std::size_t i = 0; i < 8; ++i)
         appendEntry(corners.vertices[i], weights[corners.positions[i]], rows);
 }
 
-/// placeWeights() gives a vertex of the tetrahedron twice; the row has the sum.
-void appendTypeN(const far::CellComplex& complex, const CellPlace& place, stencils::RowList& rows) {
-    auto weights = placeWeights(complex, place);
+/// The weights of a type-n cell contain a vertex of the tetrahedron twice; the row has the sum.
+void appendSums(std::vector<VertexWeight> weights, stencils::RowList& rows) {
     std::sort(weights.begin(), weights.end(),
               [](const VertexWeight& a, const VertexWeight& b) { return a.vertex < b.vertex; });
     for (std::size_t i = 0; i < weights.size();) {
@@ -88,45 +109,55 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
 
 stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
                                                    const Embedding& embedding) {
-    checkVertexCount(embedding.vertexCount, complex.count(0));
     const auto pointCount = static_cast<Index>(embedding.points.size());
-    // With many points, looking up the corners of each cell once takes a quarter of the time. With
-    // few points, looking up all cells would take longer.
-    Array<std::optional<SortedCorners>> all;
-    if (pointCount > complex.count(3) / 4) all = allSortedCorners(complex);
-    const auto cornersOf = [&](CellId cell) {
-        return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
-    };
-    return stencils::buildTableInPlace(pointCount, complex.count(0),
-                                       [&](Offset first, Offset last, stencils::RowList& rows) {
-                                           const std::size_t count = last - first;
-                                           rows.columns.reserve(8 * count);
-                                           rows.weights.reserve(8 * count);
-                                           rows.ends.reserve(count);
-                                           for (Offset point = first; point < last; ++point) {
-                                               const auto& place = embedding.points[point].place;
-                                               if (place) {
-                                                   if (const auto corners = cornersOf(place->cell))
-                                                       appendHexahedron(*corners, *place, rows);
-                                                   else
-                                                       appendTypeN(complex, *place, rows);
-                                               }
-                                               rows.endRow();
-                                           }
-                                       });
+    const CornersOfCells cornersOf(complex, embedding);
+    return stencils::buildTableInPlace(
+        pointCount, complex.count(0), [&](Offset first, Offset last, stencils::RowList& rows) {
+            const std::size_t count = last - first;
+            rows.columns.reserve(8 * count);
+            rows.weights.reserve(8 * count);
+            rows.ends.reserve(count);
+            for (Offset point = first; point < last; ++point) {
+                const auto& place = embedding.points[point].place;
+                if (place) {
+                    if (const auto corners = cornersOf(place->cell))
+                        appendHexahedron(*corners, hexahedronWeights(*place), rows);
+                    else
+                        appendSums(placeWeights(complex, *place), rows);
+                }
+                rows.endRow();
+            }
+        });
 }
 
 stencils::StencilTable<double> buildDirectionTable(const far::CellComplex& complex,
                                                    const Embedding& embedding) {
-    checkVertexCount(embedding.vertexCount, complex.count(0));
-    return stencils::buildTable(
+    const CornersOfCells cornersOf(complex, embedding);
+    return stencils::buildTableInPlace(
         static_cast<Index>(3 * embedding.points.size()), complex.count(0),
-        [&](Index row, stencils::RowAccumulator& accumulator) {
-            const auto& place = embedding.points[row / 3].place;
-            if (!place) return;
-            for (const auto& [vertex, weight] : directionWeights(complex, *place, row % 3))
-                accumulator.add(vertex, weight);
-            accumulator.makeSumZero();
+        [&](Offset first, Offset last, stencils::RowList& rows) {
+            const std::size_t count = last - first;
+            rows.columns.reserve(8 * count);
+            rows.weights.reserve(8 * count);
+            rows.ends.reserve(count);
+            Offset known = -1;  // The point whose corners and derivatives these are.
+            std::optional<SortedCorners> corners;
+            std::array<Trilinear::Weights, 3> derivatives;
+            for (Offset row = first; row < last; ++row) {
+                const auto& place = embedding.points[row / 3].place;
+                if (place && row / 3 != std::exchange(known, row / 3)) {
+                    corners = cornersOf(place->cell);
+                    if (corners)
+                        derivatives =
+                            Trilinear::weightDerivatives(Eigen::Vector3d(place->uvw.data()));
+                }
+                const auto axis = static_cast<int>(row % 3);
+                if (place && corners)
+                    appendHexahedron(*corners, derivatives[static_cast<std::size_t>(axis)], rows);
+                else if (place)
+                    appendSums(directionWeights(complex, *place, axis), rows);
+                rows.endRow();
+            }
         });
 }
 

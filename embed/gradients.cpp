@@ -115,7 +115,7 @@ struct PointsOfPatches {
     }
 };
 
-/// Calls use(point, patch, weights, derivatives) for each point that has a place, from several
+/// Calls use(point, derivatives) for each point that has a place, from several
 /// threads.
 template <class Use>
 void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
@@ -133,7 +133,7 @@ void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
                 const Vector3d uvw(splines.places[point].uvw.data());
                 const PlaceWeights weights{patch.axisWeights(uvw, splines.spacing, values),
                                            patch.axisWeights(uvw, splines.spacing, {1, 1, 1})};
-                use(point, patch, weights, derivatives(positions, weights));
+                use(point, derivatives(positions, weights));
             }
         }
     });
@@ -173,8 +173,7 @@ void addSplineGradients(const SplinePlaces& splines, std::span<const Point3> res
                         std::span<const Point3> displacements,
                         std::span<DeformationGradient> sums) {
     forEachPlace(splines, rest, displacements,
-                 [&](Index point, const TricubicPatch&, const PlaceWeights&,
-                     const Eigen::Matrix<double, 6, 3>& derivatives) {
+                 [&](Index point, const Eigen::Matrix<double, 6, 3>& derivatives) {
                      const Matrix3d inverse = inverseAtRest(derivatives);
                      if (!inverse.allFinite()) return;
                      // Fᵀ − 1 = (T X)⁻¹ T (x − X)
@@ -192,8 +191,7 @@ GradientTables gradientTables(const Gradients& gradients, std::span<const Point3
     const double perLength = LengthUnit(rest).toUnits(1.0);  // Derivatives are in units.
     std::vector<Matrix3d> inverses(splines.places.size());
     forEachPlace(splines, rest, none,
-                 [&](Index point, const TricubicPatch&, const PlaceWeights&,
-                     const Eigen::Matrix<double, 6, 3>& derivatives) {
+                 [&](Index point, const Eigen::Matrix<double, 6, 3>& derivatives) {
                      inverses[point] = perLength * inverseAtRest(derivatives);
                  });
     std::vector<TricubicPatch> patches(splines.patches.begin(), splines.patches.end());

@@ -64,7 +64,7 @@ struct Gradients {
 /// Adds F − 1 of the points that have a place to `sums`, for one pose.
 /// \param rest, displacements one per base vertex: the lattice at rest, and p' − p
 /// \param sums one per point
-/// \cost 0.3 µs for each point, in parallel
+/// \cost 0.5 µs for each point on two cores
 ESPALIER_API void addSplineGradients(const SplinePlaces& splines, std::span<const Point3> rest,
                                      std::span<const Point3> displacements,
                                      std::span<DeformationGradient> sums);
