@@ -662,7 +662,7 @@ ESPALIER_C_API espalier_status espalier_binding_apply(const espalier_binding* bi
 /// \retval ESPALIER_ERROR_INPUT the binding has no gradients: it was made without
 ///         espalier_bind_options.gradients, or loaded from a file without them; a position is not
 ///         finite
-/// \cost 0.3 µs for each point in a regular cell; for the others three times that of
+/// \cost 0.5 µs for each point in a regular cell; for the others three times that of
 ///       espalier_binding_apply()
 ESPALIER_C_API espalier_status espalier_binding_gradients(const espalier_binding* binding,
                                                           int32_t vertex_count, const double* pose,

@@ -188,14 +188,20 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
     const std::string both = numbered(normals, "normal"), other = numbered(tangents, "tangent");
     const std::string all = both + (both.empty() || other.empty() ? "" : " and ") + other;
     if (all.empty()) return {};
-    if (isAnimation(options)) return all + " are not in the animation, which holds points only";
-    if (options.keepNormals) return all + " stay, as --keep-normals asks";
-    if (!binding.gradients) return all + " stay: the model was bound with --keep-normals";
+    const bool isOne = normals + tangents == 1;
+    if (isAnimation(options))
+        return fmt::format("{} {} not in the animation, which holds points only", all,
+                           isOne ? "is" : "are");
+    const char* const stay = isOne ? "stays" : "stay";
+    if (options.keepNormals) return fmt::format("{} {}, as --keep-normals asks", all, stay);
+    if (!binding.gradients)
+        return fmt::format("{} {}: the model was bound with --keep-normals", all, stay);
     const std::size_t kept = binding.table.emptyRows().size();
-    return all + " turn with the model" +
-           (kept == 0 ? ""
-                      : fmt::format("; those of the {} left in place stay",
-                                    kept == 1 ? "point" : fmt::format("{} points", kept)));
+    return fmt::format("{} {} with the model{}", all, isOne ? "turns" : "turn",
+                       kept == 0
+                           ? ""
+                           : fmt::format("; those of the {} left in place stay",
+                                         kept == 1 ? "point" : fmt::format("{} points", kept)));
 }
 
 void print(const RunReport& report, const MeshReports& meshes, const DeformOptions& options) {

@@ -104,6 +104,8 @@ class LimitTest(CliTest):
                          "5 normals and 5 tangents turn with the model; those of the point left in "
                          "place stay")
         self.assertIsNone(deform("plain.obj", "out.obj"))
+        self.put("one.obj", "v 0.2 0.1 0.3\nvn 0 0 1\n")
+        self.assertEqual(deform("one.obj", "out.obj"), "1 normal turns with the model")
         self.assertEqual(deform("model.obj", "out.obj", "--keep-normals"),
                          "4 normals stay, as --keep-normals asks")
         self.assertEqual(self.vectors("out.obj", "vn"), self.vectors("model.obj", "vn"))
