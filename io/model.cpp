@@ -118,15 +118,21 @@ std::string Model::checkTarget(const std::filesystem::path& name) const {
     const std::filesystem::path path = modelTarget(name);
     if (const Format* other = conversionFor(*this, path))
         return conversionTo(*other, path)->losses(path);
+    checkExtension(path);
     checkOwnTarget(path);
+    return {};
+}
+
+/// Refuses an extension that is no model format. A file of this name in the format of the model
+/// would mislead every program that reads it.
+void Model::checkExtension(const std::filesystem::path& path) const {
     const std::string word = path.extension().string();
     if (&format_ != &kFoamFormat && !isFileOf(FileContent::Model, path) && !word.empty() &&
         !isNumber(word))
-        return concat(shownPath(path), ": is written as ", extension(),
-                      ", the format of the model, because ", printable(word),
-                      " is no known model format; known are ",
-                      listOfFormats(FileContent::Model, FileUse::Write));
-    return {};
+        throw FileError(path,
+                        concat(printable(word), " is no known model format; expected ",
+                               listOfFormats(FileContent::Model, FileUse::Write),
+                               ", or a name without extension, which is written as ", extension()));
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
@@ -147,6 +153,7 @@ void Model::writeInFormat(const std::filesystem::path& path, std::span<const Poi
                           std::span<const DeformationGradient> gradients) const {
     if (const Format* other = conversionFor(*this, path))
         return conversionTo(*other, path)->write(path, moved, gradients);
+    checkExtension(path);
     checkOwnTarget(path);
     writeChecked(path, moved, gradients);
 }

@@ -190,13 +190,12 @@ public:
     ///
     /// \return one line for the user, or nothing. It names the data of the model that a file in
     ///         another format lacks, and the changes ("a.stl: ...; 6 faces are split into 12
-    ///         triangles"). If the extension belongs to no model format ("a.backup"), the line says
-    ///         that the model is written in its own format. For a name without extension
-    ///         ("/dev/stdout"), or with the number of a pose instead ("a.0001"), the model is
-    ///         written in its own format too, and there is no line
-    /// \throws FileError if `path` has the extension of another model format to which this model
-    ///         cannot be converted, with the reason; if the points of an OpenFOAM mesh would get
-    ///         another name, or replace those of another mesh
+    ///         triangles"). For a name without extension ("/dev/stdout"), or with the number of a
+    ///         pose instead ("a.0001"), the model is written in its own format, and there is no
+    ///         line
+    /// \throws FileError if the extension belongs to no model format ("a.gltf"); if it belongs to
+    ///         another one to which this model cannot be converted, with the reason; if the points
+    ///         of an OpenFOAM mesh would get another name, or replace those of another mesh
     /// \cost if the format is another one, the cost of readSurface() and of splitting faces. The
     ///       result stays in memory: the same call is free the next time
     std::string checkTarget(const std::filesystem::path& path) const;
@@ -237,6 +236,8 @@ private:
     /// Returns the conversion to another format. Keeps the last one for later calls.
     std::shared_ptr<const ModelConversion> conversionTo(const Format& format,
                                                         const std::filesystem::path& path) const;
+
+    void checkExtension(const std::filesystem::path& path) const;
 
     /// Throws unless the model may be written to a file in its own format.
     virtual void checkOwnTarget(const std::filesystem::path&) const {}

@@ -142,7 +142,7 @@ TEST(ModelConversion, CarriesNormalsByGradients) {
         const Converted back = converted(*model, "c.obj", source->positions(),
                                          std::vector<DeformationGradient>(4, kIdentity));
         EXPECT_EQ(cornerNormals(back.model->readSurface()), expected);
-        EXPECT_EQ(back.model->readSurface().normals.size(), 3u) << "equal normals are shared";
+        EXPECT_EQ(back.model->readSurface().normals.size(), 4u) << "one for each point, as before";
         // Without gradients, normals stay.
         EXPECT_EQ(
             cornerNormals(
@@ -293,15 +293,18 @@ TEST(ModelConversion, OtherNamesKeepTheFormat) {
     const auto model = readModel("a.obj", kObj);
     for (const char* name : {"b.obj", "b.OBJ", "/dev/stdout", "b"})
         EXPECT_EQ(model->checkTarget(name), "");
-    EXPECT_EQ(
-        model->checkTarget("b.gltf"),
-        "b.gltf: is written as .obj, the format of the model, because .gltf is no known model "
-        "format; known are .obj, .ply, .stl, .vtu, .vtp or .vtk");
+    const TemporaryFolder folder;
+    const std::string refusal =
+        "b.gltf: .gltf is no known model format; expected .obj, .ply, .stl, .vtu, .vtp or .vtk, or "
+        "a name without extension, which is written as .obj";
+    EXPECT_REFUSED(FileError, refusal, model->checkTarget("b.gltf"));
+    EXPECT_REFUSED(FileError, ".gltf is no known model format",
+                   model->write(folder / "b.gltf", model->positions()));
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.gltf"));
     // A number at the end names a pose, not a format.
     for (const char* name : {"b.0001", "b.7"}) EXPECT_EQ(model->checkTarget(name), "");
-    EXPECT_NE(model->checkTarget("b."), "");
-    EXPECT_NE(model->checkTarget("b.7z"), "");
-    const TemporaryFolder folder;
+    for (const char* name : {"b.", "b.7z", "b.backup"})
+        EXPECT_REFUSED(FileError, "no known model format", model->checkTarget(name));
     model->write(folder / "b", model->positions());
     EXPECT_EQ(readFile(folder / "b"), kObj);
 }
