@@ -170,11 +170,15 @@ const MeshCheck* requiredCheck(const std::optional<MeshCheck>& check,
                                                    : ""));
 }
 
-/// Returns true if normals and tangents of the model follow its points.
+/// Returns true if normals and tangents of the model should follow its points.
+bool asksForDirections(const io::Model& model, const DeformOptions& options) {
+    return model.hasDirections() && !options.keepNormals && !isAnimation(options);
+}
+
+/// Returns true if they do.
 bool turnsDirections(const io::Model& model, const bind::Binding& binding,
                      const DeformOptions& options) {
-    return binding.gradients && !options.keepNormals && !isAnimation(options) &&
-           model.hasDirections();
+    return binding.gradients && asksForDirections(model, options);
 }
 
 /// Says what happens to the normals and tangents of a model; nothing if it has none.
@@ -196,12 +200,16 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
     if (options.keepNormals) return fmt::format("{} {}, as --keep-normals asks", all, stay);
     if (!binding.gradients)
         return fmt::format("{} {}: the model was bound with --keep-normals", all, stay);
-    const std::size_t kept = binding.table.emptyRows().size();
-    return fmt::format("{} {} with the model{}", all, isOne ? "turns" : "turn",
-                       kept == 0
-                           ? ""
-                           : fmt::format("; those of the {} left in place stay",
-                                         kept == 1 ? "point" : fmt::format("{} points", kept)));
+    const auto kept = static_cast<Index>(binding.table.emptyRows().size());
+    std::string exceptions;
+    const auto except = [&](Index count, const char* where) {
+        if (count > 0)
+            exceptions += fmt::format("; those of {} {} {} stay", count,
+                                      count == 1 ? "point" : "points", where);
+    };
+    except(kept, "left in place");
+    except(binding.gradients->identityCount() - kept, "where the lattice at rest is flat");
+    return fmt::format("{} {} with the model{}", all, isOne ? "turns" : "turn", exceptions);
 }
 
 void print(const RunReport& report, const MeshReports& meshes, const DeformOptions& options) {
@@ -229,10 +237,8 @@ void runDeform(const DeformOptions& options) {
     if (!isAnimation(options)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
-    const bool hasGradients =
-        model->hasDirections() && !options.keepNormals && !isAnimation(options);
     const bind::Binding binding =
-        bindModel(options, model->positions(), rest, stages, hasGradients);
+        bindModel(options, model->positions(), rest, stages, asksForDirections(*model, options));
     const bool isChecked =
         !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
     std::optional<MeshCheck> check;
@@ -271,8 +277,8 @@ void runBind(const DeformOptions& options) {
                                                           "hold finite points only; use espalier "
                                                           "deform"));
     const Lattice rest = readLattice(options.rest, stages);
-    file.binding = bindModel(options, model->positions(), rest, stages,
-                             model->hasDirections() && !options.keepNormals);
+    file.binding =
+        bindModel(options, model->positions(), rest, stages, asksForDirections(*model, options));
     file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);

@@ -147,6 +147,13 @@ Matrix3d inverseAtRest(const Eigen::Matrix<double, 6, 3>& derivatives) {
 
 }  // namespace
 
+Index Gradients::identityCount() const {
+    Index count = 0;
+    for (const Index point : tables[0].emptyRows())
+        count += splines.places.empty() || splines.places[point].patch == kMaxIndex;
+    return count;
+}
+
 void Gradients::check() const {
     for (const auto& table : tables)
         if (table.rowCount() != rowCount() || table.columnCount() != columnCount())

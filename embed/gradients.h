@@ -45,7 +45,8 @@ struct SplinePlaces {
 /// the place that carries it. A point that no vertex moves, and a point at which the lattice at
 /// rest has no volume, have the identity.
 ///
-/// For an affine pose, F is the matrix of the pose to 1e-12. Transform normals by the cofactor
+/// For an affine pose, F is the matrix of the pose to 1e-12; in a cell that is 10,000 times as long
+/// as thick, to 1e-11. Transform normals by the cofactor
 /// matrix of F, tangents by F.
 struct Gradients {
     GradientTables tables;  ///< points × base vertices; a row is empty if the point has a place
@@ -53,6 +54,9 @@ struct Gradients {
 
     Index rowCount() const { return tables[0].rowCount(); }
     Index columnCount() const { return tables[0].columnCount(); }
+
+    /// Returns how many points have the identity in every pose.
+    ESPALIER_API Index identityCount() const;
 
     /// \throws Error unless the tables have one shape, each place is in a patch that exists and
     ///         has finite coordinates, and each patch has the 8 vertices of its cell, of the base

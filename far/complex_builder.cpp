@@ -353,7 +353,7 @@ std::vector<int> turnsOf(Index loopCount, const std::vector<LoopPair>& pairs) {
 }
 
 /// Returns the pairs of loops of a lattice whose directions depend on each other. A loop is a face
-/// of a cell. Its number is its position in the relation from cells to faces.
+/// of a cell. The number of a loop is its position in the relation from cells to faces.
 std::vector<LoopPair> allLoopPairs(const CellComplex& lattice) {
     std::vector<LoopPair> pairs;
     // One number for each step of a loop, so that sorting is fast: the edge, the loop, and whether

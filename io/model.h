@@ -195,7 +195,7 @@ public:
     ///         line
     /// \throws FileError if the extension belongs to no model format ("a.gltf"); if it belongs to
     ///         another one to which this model cannot be converted, with the reason; if the points
-    ///         of an OpenFOAM mesh would get another name, or replace those of another mesh
+    ///         of an OpenFOAM mesh would get another name, or replace the points of another mesh
     /// \cost if the format is another one, the cost of readSurface() and of splitting faces. The
     ///       result stays in memory: the same call is free the next time
     std::string checkTarget(const std::filesystem::path& path) const;

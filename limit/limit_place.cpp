@@ -22,24 +22,12 @@ void add(std::vector<embed::VertexWeight>& weights, double scale,
     for (const auto& [vertex, weight] : more) weights.push_back({vertex, scale * weight});
 }
 
-/// Returns the weights of a cell's vertices in the first derivative along one axis. The weights of
-/// a place are linear in its offset, so a difference of two places is the derivative.
-std::vector<embed::VertexWeight> slope(const far::CellComplex& complex, embed::CellPlace place,
-                                       std::size_t axis) {
-    std::vector<embed::VertexWeight> weights;
-    place.offset = {};
-    add(weights, -1, embed::placeWeights(complex, place));
-    place.offset[axis] = 1;
-    add(weights, 1, embed::placeWeights(complex, place));
-    return weights;
-}
-
 /// Returns the weights of the position or of a first derivative.
-std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
-                                       const embed::CellPlace& place, const Orders& orders) {
+std::vector<embed::VertexWeight> cellWeights(const far::CellComplex& complex,
+                                             const embed::CellPlace& place, const Orders& orders) {
     if (orders == kPosition) return embed::placeWeights(complex, place);
     const auto axis = std::find(kFirst.begin(), kFirst.end(), orders) - kFirst.begin();
-    return slope(complex, place, axis);
+    return embed::directionWeights(complex, place, static_cast<int>(axis));
 }
 
 }  // namespace
@@ -175,7 +163,7 @@ PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const 
 
 std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders) const {
     if (const auto* inCell = std::get_if<embed::CellPlace>(&places_[i].where))
-        return inLimits(slope(level_.complex, *inCell, orders));
+        return inLimits(cellWeights(level_.complex, *inCell, orders));
     if (const auto* onEdge = std::get_if<EdgePlace>(&places_[i].where))
         return edgeWeights(*onEdge, orders);
     const FramePlace& place = std::get<FramePlace>(places_[i].where);

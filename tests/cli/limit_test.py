@@ -101,7 +101,7 @@ class LimitTest(CliTest):
             "deform", model, *rest, "--to", "pose.ovm", "-o", output, *options)
         self.assertEqual(deform("model.obj", "out.obj"), "4 normals turn with the model")
         self.assertEqual(deform("model.ply", "out.ply"),
-                         "5 normals and 5 tangents turn with the model; those of the point left in "
+                         "5 normals and 5 tangents turn with the model; those of 1 point left in "
                          "place stay")
         self.assertIsNone(deform("plain.obj", "out.obj"))
         self.put("one.obj", "v 0.2 0.1 0.3\nvn 0 0 1\n")
