@@ -46,6 +46,14 @@ ESPALIER_C_API espalier_status espalier_model_faces(const espalier_model* model,
 ESPALIER_C_API espalier_status espalier_model_has_directions(const espalier_model* model,
                                                              int32_t* has_directions);
 
+/// Gives notes on parts of the file that were skipped, or are kept without being understood: one
+/// line, "a.obj: kept 1 line whose first word no OBJ has (\"foo\" in line 7)"; empty if there are
+/// none.
+///
+/// \param notes the text of the model, in UTF-8 if the name and the file are
+ESPALIER_C_API espalier_status espalier_model_notes(const espalier_model* model,
+                                                    const char** notes);
+
 /// Writes the model with new points, to a file with the extension of its format. An existing file
 /// is replaced only after everything has been written. If no point has moved, the file is a copy.
 ///

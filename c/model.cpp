@@ -2,6 +2,7 @@
 // Implements espalier_model.h.
 #include <espalier/base/lazy.h>
 #include <espalier/io/model.h>
+#include <espalier/io/read_notes.h>
 
 #include <cstring>
 #include <memory>
@@ -21,11 +22,17 @@ struct espalier_model {
     };
 
     std::unique_ptr<io::Model> model;
+    std::string notes;
     mutable Lazy<Faces> faces = {};  ///< read on the first request
 };
 
 namespace espalier::c {
 namespace {
+
+espalier_model* modelOf(const char* name, std::unique_ptr<io::Model> model) {
+    std::string notes = io::describe(name, *model);
+    return new espalier_model{std::move(model), std::move(notes)};
+}
 
 espalier_model::Faces readFaces(const io::Model& model) {
     io::ModelFaces read = model.readSurface().faces;
@@ -41,16 +48,18 @@ espalier_model::Faces readFaces(const io::Model& model) {
 }  // namespace espalier::c
 
 espalier_status espalier_model_read(const char* path, espalier_model** model) {
-    return c::result(model, "model",
-                     [&] { return new espalier_model{io::readModel(&c::deref(path, "path"))}; });
+    return c::result(model, "model", [&] {
+        const char* const name = &c::deref(path, "path");
+        return c::modelOf(name, io::readModel(name));
+    });
 }
 
 espalier_status espalier_model_read_bytes(const char* name, int64_t size, const void* bytes,
                                           espalier_model** model) {
     return c::result(model, "model", [&] {
         const auto given = c::array(static_cast<const char*>(bytes), size, "bytes");
-        return new espalier_model{
-            io::readModel(&c::deref(name, "name"), std::string(given.begin(), given.end()))};
+        const char* const file = &c::deref(name, "name");
+        return c::modelOf(file, io::readModel(file, std::string(given.begin(), given.end())));
     });
 }
 
@@ -81,6 +90,10 @@ espalier_status espalier_model_has_directions(const espalier_model* model,
                                               int32_t* has_directions) {
     return c::result(has_directions, "has_directions",
                      [&] { return c::deref(model, "model").model->hasDirections() ? 1 : 0; });
+}
+
+espalier_status espalier_model_notes(const espalier_model* model, const char** notes) {
+    return c::result(notes, "notes", [&] { return c::deref(model, "model").notes.c_str(); });
 }
 
 espalier_status espalier_model_write(const espalier_model* model, const char* path,

@@ -36,7 +36,7 @@ std::vector<Point3> readPoints(const AroundCommandOptions& options, Stages& stag
         return options.part.empty() || part.contains(point);
     };
     for (const std::string& path : options.models) {
-        const auto model = stages.read(path, [&] { return io::readModel(path); });
+        const auto model = readModel(path, options.common, stages);
         std::ranges::copy_if(model->positions(), std::back_inserter(points), isInPart);
     }
     if (points.empty())
@@ -111,6 +111,7 @@ void addAroundCommand(CLI::App& shape) {
     addOutputOption(command, options.output,
                     "The lattice: " + filesToWrite(io::FileContent::Lattice))
         ->required();
+    addStrictOption(command, options.common);
     addRunOptions(command, options.common);
 }
 

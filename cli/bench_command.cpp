@@ -182,7 +182,7 @@ void runBench(const BenchOptions& options) {
     checkBasis(options);
     Job job(options.common, {{"MODEL", options.model}, {"--rest", options.rest}});
     Stages& stages = job.stages();
-    const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
+    const auto model = readModel(options.model, options.common, stages);
     const Lattice lattice = readLattice(options.rest, stages);
     checkRange(options, lattice);
     const bind::Binding bound = bindModel(options, model->positions(), lattice, stages);
@@ -219,6 +219,7 @@ void addBenchCommand(CLI::App& program) {
                     "How long to repeat each measurement; the quickest run counts")
         ->check(aboveZero(3600))
         ->capture_default_str();
+    addStrictOption(command, options.common);
     addRunOptions(command, options.common);
     addReportOption(command, options.report);
 }

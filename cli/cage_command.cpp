@@ -29,7 +29,7 @@ void runCage(const CageCommandOptions& options) {
     std::vector<Point3> points;
     io::ModelFaces faces;
     for (const std::string& path : options.models) {
-        const auto model = stages.read(path, [&] { return io::readModel(path); });
+        const auto model = readModel(path, options.common, stages);
         io::ModelFaces own = model->readSurface().faces;
         // The mesh of a volume may have cells only.
         if (own.count() == 0) own = io::boundaryFaces(model->readVolume().mesh);
@@ -90,6 +90,7 @@ void addCageCommand(CLI::App& shape) {
     addOutputOption(command, options.output,
                     "The lattice: " + filesToWrite(io::FileContent::Lattice))
         ->required();
+    addStrictOption(command, options.common);
     addRunOptions(command, options.common);
 }
 

@@ -233,7 +233,7 @@ void runDeform(const DeformOptions& options) {
     const auto paths = posePaths(options);
     for (const auto& path : paths) job.writes(path);
     Stages& stages = job.stages();
-    const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
+    const auto model = readModel(options.model, options.common, stages);
     if (!isAnimation(options)) checkTarget(*model, paths.front());
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
@@ -268,6 +268,7 @@ void runBind(const DeformOptions& options) {
         stages.addBytes(file.modelBytes.size());
         return io::readModel(modelPath, file.modelBytes);
     });
+    tellNotes(options.model, *model, options.common);
     // A bound model cannot hold such a point; deform can leave it as it is.
     for (std::size_t i = 0; i < model->positions().size(); ++i)
         for (const double coordinate : model->positions()[i])
@@ -298,6 +299,7 @@ void runApply(const DeformOptions& options) {
         bound = io::readBoundModel(options.model);
         return io::modelOf(bound, options.model);
     });
+    tellNotes(options.model, *model, options.common);
     if (!isAnimation(options)) checkTarget(*model, paths.front());
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
         return io::readPose(path, bound, printable(options.model), notes);
@@ -342,6 +344,7 @@ void addKeepNormals(CLI::App& command, DeformOptions& options) {
 }
 
 void addRunAndReport(CLI::App& command, DeformOptions& options) {
+    addStrictOption(command, options.common);
     addRunOptions(command, options.common);
     addReportOption(command, options.report);
 }

@@ -36,6 +36,19 @@ Lattice readLattice(const std::filesystem::path& path, Stages& stages, FileKind 
     return lattice;
 }
 
+std::unique_ptr<io::Model> readModel(const std::string& path, const CommonOptions& common,
+                                     Stages& stages) {
+    auto model = stages.read(path, [&] { return io::readModel(path); });
+    tellNotes(path, *model, common);
+    return model;
+}
+
+void tellNotes(const std::filesystem::path& path, const io::Model& model,
+               const CommonOptions& common) {
+    if (common.strict) io::refuseNotes(path, model);
+    if (const std::string text = io::describe(path, model); !text.empty()) printError(text.c_str());
+}
+
 std::pair<Lattice, far::TopologyRefiner> readAndRefine(const LatticeOptions& options, FileKind kind,
                                                        Stages& stages) {
     Lattice lattice = readLattice(options.lattice, stages, kind);

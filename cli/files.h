@@ -4,11 +4,13 @@
 #include <espalier/base/memory.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/model.h>
 #include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +32,15 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
 /// error.
 Lattice readLattice(const std::filesystem::path& path, Stages& stages,
                     FileKind kind = FileKind::Lattice);
+
+/// Reads a model in the stage "reading", and tells its notes.
+std::unique_ptr<io::Model> readModel(const std::string& path, const CommonOptions& common,
+                                     Stages& stages);
+
+/// Prints the notes on a model as printNotes() does. With --strict they are an error.
+/// \throws FileError
+void tellNotes(const std::filesystem::path& path, const io::Model& model,
+               const CommonOptions& common);
 
 /// Reads the lattice, mesh or curve that a command names, and refines it to the level that the
 /// command asks for.

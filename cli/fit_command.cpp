@@ -222,8 +222,7 @@ PointTargets readPointTargets(const FitCommandOptions& options, const io::Model&
         for (const io::Target& target : targets) pointTargets.add(points[target.point], target);
         return pointTargets;
     }
-    const auto wanted =
-        stages.read(options.targets, [&] { return io::readModel(options.targets); });
+    const auto wanted = readModel(options.targets, options.common, stages);
     if (wanted->positions().size() != points.size())
         throw io::FileError(options.targets, fmt::format("has {} points, but the model {} has {}",
                                                          wanted->positions().size(),
@@ -406,7 +405,7 @@ void runFit(const FitCommandOptions& options) {
             {{"MODEL", options.model}, {"--rest", options.rest}, {"--targets", options.targets}});
     job.writesLattice(options.output);
     Stages& stages = job.stages();
-    const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
+    const auto model = readModel(options.model, options.common, stages);
     Lattice lattice = readLattice(options.rest, stages);
     PointTargets pointTargets = readPointTargets(options, *model, stages);
     addPulls(options, model->positions(), pointTargets);
@@ -480,6 +479,7 @@ void addFitCommand(CLI::App& program) {
         "smallest displacements; refuse: that is an error");
     addOutputOption(command, options.output, "The pose: " + filesToWrite(io::FileContent::Lattice))
         ->required();
+    addStrictOption(command, options.common);
     addRunOptions(command, options.common);
     addReportOption(command, options.report);
 }

@@ -432,6 +432,7 @@ DescribedFile readDescribed(const InfoOptions& options) {
 void runModelInfo(const InfoOptions& options, const io::Model& model, Stages& stages) {
     if (options.smoothness)
         throw io::FileError(options.lattice, "is a model; --smoothness needs a lattice");
+    tellNotes(options.lattice, model, options.common);
     const SortedJson report =
         stages.run("measuring", [&] { return reportModel(options.lattice, model); });
     if (options.json)
@@ -477,6 +478,7 @@ void addInfoCommand(CLI::App& program) {
                    "counts, bounds, sharp parts, valences, cell quality",
                    runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
+    addStrictOption(command, options.common);
     command.get_option("LATTICE")->description(
         "A lattice: " + filesToRead(io::FileContent::Lattice) +
         "; a model: " + filesToRead(io::FileContent::Model) +

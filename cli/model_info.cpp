@@ -91,6 +91,7 @@ nlohmann::json reportModel(const std::string& path, const io::Model& model) {
                              {"bounds", {box.min, box.max}},
                              {"size", box.size()},
                              {"diagonal", box.diagonal()},
+                             {"notes", model.notes()},
                              {"precision", nameOf(model.storage())}};
     if (model.extension() == ".stl") {
         // Each facet has corners of its own; those at one place are one point of the surface.

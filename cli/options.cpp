@@ -81,6 +81,12 @@ void addRunOptions(CLI::App& command, CommonOptions& options) {
         ->capture_default_str();
 }
 
+void addStrictOption(CLI::App& command, CommonOptions& options) {
+    command.add_flag("--strict", options.strict,
+                     "Refuse a model of which a part is not understood. By default a note on "
+                     "standard error names the part, which is kept as it is");
+}
+
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,
                              const std::string& name) {
     const CLI::Validator isNotDash(

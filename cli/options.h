@@ -64,6 +64,7 @@ struct CommonOptions {
     embed::EmbeddingOptions embedding;
     const CLI::Option* outside = nullptr;  ///< --outside, if the command has it
     bool quiet = false;
+    bool strict = false;  ///< notes on models are errors
     int threads = 0;
 };
 
@@ -99,6 +100,9 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options);
 
 /// Adds --quiet and --threads to a command.
 void addRunOptions(CLI::App& command, CommonOptions& options);
+
+/// Adds --strict to a command that reads models.
+void addStrictOption(CLI::App& command, CommonOptions& options);
 
 /// Adds an option that names a file to write, and refuses "-" for it. Returns it, to be required.
 CLI::Option* addOutputOption(CLI::App& command, std::string& path, const std::string& help,

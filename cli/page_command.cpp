@@ -81,7 +81,7 @@ nlohmann::ordered_json fileToJson(const std::string& path, const std::string& by
 /// Returns the files as JSON without the character "<", which could end the element.
 std::string filesAsJson(const PageOptions& options) {
     const std::string model = readForPage(options.model, {io::FileContent::Model});
-    io::readModel(options.model, model);
+    tellNotes(options.model, *io::readModel(options.model, model), options.common);
     nlohmann::ordered_json json = {{"version", 1}, {"model", fileToJson(options.model, model)}};
     auto poses = nlohmann::ordered_json::array();
     if (!options.rest.empty()) {
@@ -154,6 +154,7 @@ void addPageCommand(CLI::App& program) {
                        "The empty page, that scripts/web builds; by default ESPALIER_PAGE, or the "
                        "page that is installed with the program");
     addOutputOption(command, options.output, "The page: .html")->required();
+    addStrictOption(command, options.common);
     addRunOptions(command, options.common);
 }
 

@@ -82,7 +82,7 @@ BindOptions bindOptions(const StencilsOptions& options) {
 
 /// Returns D, and its gradients if they were asked for.
 std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) {
-    const auto model = stages.read(options.points, [&] { return io::readModel(options.points); });
+    const auto model = readModel(options.points, options.common, stages);
     const Lattice lattice = readLattice(options.lattice, stages);
     bind::Binding bound =
         bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
@@ -176,6 +176,7 @@ void addStencilsCommand(CLI::App& program) {
                    "or curve, or the one that deforms a model",
                    runStencils);
     addLatticeOptions(command, FileKind::Refinable, options);
+    addStrictOption(command, options.common);
     CLI::Option* const points = command.add_option(
         "--points", options.points,
         "A model: write D, the matrix that deforms its points (points × lattice vertices), instead "

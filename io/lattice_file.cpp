@@ -2,11 +2,14 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
 #include <espalier/io/read_notes.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "format.h"
 
@@ -47,15 +50,36 @@ std::string droppedText(const std::vector<Index>& dropped) {
                   listed(dropped), ")");
 }
 
+/// Returns the notes that are not empty, with semicolons between them.
+std::string joined(std::span<const std::string> notes) {
+    std::string text;
+    for (const std::string& note : notes)
+        if (!note.empty()) text += (text.empty() ? "" : "; ") + note;
+    return text;
+}
+
+std::string lineOf(const std::filesystem::path& path, std::span<const std::string> notes) {
+    const std::string text = joined(notes);
+    return text.empty() ? text : shownPath(path) + ": " + text;
+}
+
 }  // namespace
 
 std::string describe(const std::filesystem::path& path, const ReadNotes& notes) {
-    const std::string all[] = {skippedText(notes.skippedCells), droppedText(notes.droppedVertices),
-                               droppedText(notes.droppedTextureCoordinates)};
-    std::string text;
-    for (const std::string& note : all)
-        if (!note.empty()) text += (text.empty() ? shownPath(path) + ": " : "; ") + note;
-    return text;
+    std::vector<std::string> all = {skippedText(notes.skippedCells),
+                                    droppedText(notes.droppedVertices),
+                                    droppedText(notes.droppedTextureCoordinates)};
+    all.insert(all.end(), notes.ofModel.begin(), notes.ofModel.end());
+    return lineOf(path, all);
+}
+
+std::string describe(const std::filesystem::path& path, const Model& model) {
+    return lineOf(path, model.notes());
+}
+
+void refuseNotes(const std::filesystem::path& path, const Model& model) {
+    if (const std::string text = joined(model.notes()); !text.empty())
+        throw FileError(path, "is not understood in full: " + text);
 }
 
 namespace {

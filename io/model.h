@@ -166,6 +166,12 @@ public:
     /// \cost one pass over the file, and far::VolumeMeshBuilder::build()
     virtual ModelVolume readVolume() const { return {}; }
 
+    /// Returns notes on parts of the file that were skipped, or are kept without being understood;
+    /// none for most files. Each note is a phrase with a number: "kept 3 lines whose first word no
+    /// OBJ has ("foo" in line 7)". describe() makes one line of them, and refuseNotes() an error
+    /// (read_notes.h).
+    virtual std::vector<std::string> notes() const { return {}; }
+
     /// How the file stores the coordinates. If parts of a file differ, the least precise of them.
     virtual CoordinateStorage storage() const = 0;
 

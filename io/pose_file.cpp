@@ -113,11 +113,13 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& mes
 }
 
 /// Reads an editor mesh with this number of vertices.
+/// \param notes receives the notes of the reader; may be null
 /// \param check called with the faces
 template <class Check>
 std::vector<Point3> readMesh(const Path& path, const std::string& name, Index vertexCount,
-                             Check check) {
+                             ReadNotes* notes, Check check) {
     const auto model = readModel(path);
+    if (notes) notes->ofModel = model->notes();
     checkPointCount(path, name, model->positions().size(), vertexCount);
     check(model->readSurface().faces);
     return {model->positions().begin(), model->positions().end()};
@@ -131,7 +133,7 @@ std::vector<Point3> readPose(const Path& path, const Lattice& rest, const std::s
     if (complex.dimension() < 2)
         throw Error("a pose needs a lattice or a mesh at rest, got a curve or nothing");
     if (isFileOf(FileContent::EditorMesh, path))
-        return readMesh(path, restName, complex.count(0), [&](const ModelFaces& faces) {
+        return readMesh(path, restName, complex.count(0), notes, [&](const ModelFaces& faces) {
             checkFaces(path, restName, faces, facesOf(complex));
         });
     Lattice pose = readLattice(path, notes);
@@ -145,7 +147,7 @@ std::vector<Point3> readPose(const Path& path, const BoundModel& bound,
     const std::string name = "the lattice of " + bindingName;
     const Index vertexCount = bound.binding.table.columnCount();
     if (isFileOf(FileContent::EditorMesh, path))
-        return readMesh(path, name, vertexCount, [&](const ModelFaces& faces) {
+        return readMesh(path, name, vertexCount, notes, [&](const ModelFaces& faces) {
             checkFaces(path, name, faces, bound.faces);
         });
     Lattice pose = readLattice(path, notes);

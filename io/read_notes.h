@@ -14,6 +14,8 @@
 
 namespace espalier::io {
 
+class Model;
+
 /// Facts about a file that are no errors, but that its user should know. The library never prints:
 /// a reader passes the notes to its caller.
 struct ReadNotes {
@@ -29,6 +31,9 @@ struct ReadNotes {
     /// none.
     Index droppedTextureCoordinates = 0;
 
+    /// Notes on the model, if the file was read as one: an editor mesh of a pose (Model::notes()).
+    std::vector<std::string> ofModel;
+
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };
 
@@ -36,5 +41,14 @@ struct ReadNotes {
 /// which are not cells of a lattice; dropped 1 unused vertex (vertex 17)"; empty if there are no
 /// notes. The line names at most five vertices.
 ESPALIER_API std::string describe(const std::filesystem::path& path, const ReadNotes& notes);
+
+/// Returns the notes on a model (Model::notes()) as one line of text; empty if there are none.
+/// \param path of the model
+ESPALIER_API std::string describe(const std::filesystem::path& path, const Model& model);
+
+/// Refuses a model on which its reader has notes, for callers that want to use no file of which a
+/// part is not understood.
+/// \throws FileError with the notes, if there are any
+ESPALIER_API void refuseNotes(const std::filesystem::path& path, const Model& model);
 
 }  // namespace espalier::io

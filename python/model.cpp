@@ -4,6 +4,8 @@
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/formats.h>
+#include <espalier/io/read_notes.h>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <cstring>
@@ -74,6 +76,10 @@ byte for byte, unless it is written in another format. Made by read_model().
                               {static_cast<py::ssize_t>(points.size()), 3}, self);
             },
             "The points, in the order of the file: array (N, 3) of float64, read-only.")
+        .def_property_readonly(
+            "notes", [](const ModelFile& self) { return self.model->notes(); },
+            "Phrases on parts of the file that are skipped, or kept without being understood: list "
+            "of str, usually empty.")
         .def_property_readonly("name", &nameOf, "Name of the file, without folders: str.")
         .def(
             "write",
@@ -121,16 +127,20 @@ normals   : array (N, 3), the normals at rest
     module.def(
         "read_model",
         [](const std::filesystem::path& path) {
-            return withoutGil([&] {
-                const std::filesystem::path file = io::modelFile(path);
-                auto bytes = io::readFile(file);
-                auto model = io::readModel(file, bytes);
+            auto file = withoutGil([&] {
+                const std::filesystem::path name = io::modelFile(path);
+                auto bytes = io::readFile(name);
+                auto model = io::readModel(name, bytes);
                 return std::make_shared<ModelFile>(
-                    ModelFile{file.filename().string(), std::move(bytes), std::move(model)});
+                    ModelFile{name.filename().string(), std::move(bytes), std::move(model)});
             });
+            warn(io::describe(path, *file->model));
+            return file;
         },
         "path"_a,
-        ("Reads a Model from " + io::listOfFormats(io::FileContent::Model, io::FileUse::Read) + ".")
+        ("Reads a Model from " + io::listOfFormats(io::FileContent::Model, io::FileUse::Read) +
+         ". A UserWarning names parts of the file that are skipped, or kept without being "
+         "understood: Model.notes.")
             .c_str());
 }
 

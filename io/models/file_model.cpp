@@ -31,6 +31,7 @@ public:
     }
 
     std::span<const Point3> positions() const override { return numbers_.points.values; }
+    std::vector<std::string> notes() const override { return numbers_.notes; }
     CoordinateStorage storage() const override { return numbers_.storage; }
     DirectionCounts directions() const override {
         DirectionCounts counts{numbers_.ownNormals};

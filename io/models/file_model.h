@@ -54,7 +54,8 @@ struct FileNumbers {
     std::optional<std::endian> order = {};  ///< byte order of binary numbers; nothing for text
     std::size_t dimension = 3;              ///< 2 or 3; in two dimensions, all z are 0
     CoordinateStorage storage = CoordinateStorage::Text;
-    std::size_t ownNormals = 0;  ///< number of normals that the format writes itself
+    std::size_t ownNormals = 0;           ///< number of normals that the format writes itself
+    std::vector<std::string> notes = {};  ///< Model::notes()
 
     /// Says that the file is binary, with points of this precision.
     void setBinary(std::endian byteOrder, Precision precision) {

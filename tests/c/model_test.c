@@ -40,6 +40,10 @@ static void test_reading(const char* path) {
     CHECK(faces.corners[0] == 0 && faces.corners[1] == 2 && faces.corners[2] == 1);
     OK(espalier_model_has_directions(model, &has_directions));
     CHECK(has_directions == 1);
+    const char* notes = NULL;
+    OK(espalier_model_notes(model, &notes));
+    CHECK(strcmp(notes, "") == 0);
+    INVALID(espalier_model_notes(model, NULL), "notes");
 
     OK(espalier_model_write(model, path, 4, points, NULL));
     char* same = bytes_of(path);

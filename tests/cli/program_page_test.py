@@ -71,6 +71,7 @@ SAMPLES = {
     "--level-tables": [[]],
     "--json": [[]],
     "--quiet": [[]],
+    "--strict": [[]],
     "--tolerance": [["1e-6"], ["1e-9"]],
     "--threads": [["0"], ["2"]],
     "--max-memory": [["1000MB"], ["4GB"]],  # `bench` measures the memory's speed on 384 MB

@@ -3,7 +3,7 @@
 
 import { numbers, countPoints } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
-import { doublesAt, integersAt, longAt, longsAt } from "./memory.ts";
+import { doublesAt, integersAt, longAt, longsAt, textAt } from "./memory.ts";
 
 /** Faces and their corners: face f has corners[offsets[f]] to corners[offsets[f + 1] - 1]. */
 export interface Polygons {
@@ -40,6 +40,16 @@ export class Model extends Handle {
       const [offsetsAt, cornersAt] = integersAt(core, out + 8, 2);
       const offsets = longsAt(core, offsetsAt, longAt(core, out) + 1);
       return { offsets, corners: integersAt(core, cornersAt, offsets[offsets.length - 1]) };
+    });
+  }
+
+  /** Names parts of the file that were skipped, or are kept without being understood; empty if there
+   * are none. */
+  notes(): string {
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(4);
+      this.library.call("espalier_model_notes", this.address, out);
+      return textAt(this.library.core, integersAt(this.library.core, out, 1)[0]);
     });
   }
 

@@ -308,6 +308,7 @@ export class Editor {
     this.view.setModel(Float32Array.from(shape!.points), shape!.triangles);
     this.view.look();
     await this.change({ model: file });
+    if (shape!.notes !== "") this.onMessage(shape!.notes, false);
   }
 
   /** Opens a lattice; or a pose, if it has the cells of the lattice that is open. */

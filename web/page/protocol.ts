@@ -20,6 +20,8 @@ export interface ModelShape {
   faceCount: number;
   /** whether the file has normals or tangents */
   hasDirections: boolean;
+  /** names parts of the file that are not understood; empty if there are none */
+  notes: string;
 }
 
 /** What the page draws of a lattice, and where its vertices are at rest. */

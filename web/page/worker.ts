@@ -339,6 +339,7 @@ const jobs: Jobs = {
         triangles: trianglesOf(offsets, corners),
         faceCount: offsets.length - 1,
         hasDirections: read.hasDirections(),
+        notes: read.notes(),
       };
     } catch (error) {
       read.free();
