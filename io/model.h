@@ -40,6 +40,16 @@ struct ModelFaces {
         ends.push_back(corners.size());
     }
 
+    /// Adds the triangles of a strip: each point but the first two ends one with the two points
+    /// before it, and every second triangle is wound the other way.
+    void addStrip(std::span<const Index> points) {
+        for (std::size_t i = 2; i < points.size(); ++i) {
+            const std::size_t odd = i % 2;
+            corners.insert(corners.end(), {points[i - 2 + odd], points[i - 1 - odd], points[i]});
+            endFace();
+        }
+    }
+
     /// Appends the faces of another model, whose points follow `firstPoint` other points.
     void append(const ModelFaces& others, Index firstPoint) {
         const std::size_t firstCorner = corners.size();
@@ -143,8 +153,14 @@ public:
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
 
-    /// The points in the order of the file; all are finite.
+    /// The points in the order of the file; all are finite. If the file has points that are not, in
+    /// no face and no cell (or only together with others that are not finite), the first finite
+    /// point stands in for them here and in files of other formats. write() keeps their bytes
+    /// wherever they are moved, and notes() counts them.
     virtual std::span<const Point3> positions() const = 0;
+
+    /// The points, ascending, for which the first finite one stands in in positions().
+    virtual std::vector<Index> heldPoints() const { return {}; }
 
     /// Reads the surface from the file, which the model keeps; the result is not stored, so that a
     /// model whose surface nobody asks for costs no memory for it.
@@ -268,9 +284,16 @@ ESPALIER_API std::filesystem::path modelFile(const std::filesystem::path& path);
 /// \throws FileError if a folder has no mesh of OpenFOAM
 ESPALIER_API std::filesystem::path modelTarget(const std::filesystem::path& path);
 
+/// Checks a model whose points are wanted themselves, as the vertices of a pose or as targets: no
+/// other point can stand in for them.
+/// \param path of the model
+/// \throws FileError if the model has heldPoints()
+ESPALIER_API void refuseHeldPoints(const std::filesystem::path& path, const Model& model);
+
 /// Reads a model in the format that its extension names, in upper or lower case.
 /// \throws FileError if the extension is not known, if the file cannot be read or is malformed
-///         (naming the line, or the byte in binary data), or if it has no points
+///         (naming the line, or the byte in binary data), if a point that is not finite is in a
+///         face or a cell with finite ones, or if it has no points
 ESPALIER_API std::unique_ptr<Model> readModel(const std::filesystem::path& path);
 
 /// The same for a file that is in memory already.

@@ -14,7 +14,9 @@
 #include "../files/bytes.h"
 #include "../files/number_types.h"
 #include "../lattices/lattice_parts.h"
+#include "../vtk/vtk_xml.h"
 #include "mesh_format.h"
+#include "structured_grid.h"
 
 // Reads grids of PLOT3D (.xyz, .p3d, .fmt): text, Fortran's unformatted records, or plain binary.
 // A grid has one block or several, two or three dimensions, single or double precision, either
@@ -31,13 +33,6 @@
 
 namespace espalier::io {
 namespace {
-
-/// The number of points of a block along its axes.
-using Extent = std::array<std::size_t, 3>;
-
-std::size_t pointCountOf(const Extent& extent) {
-    return saturatingProduct(saturatingProduct(extent[0], extent[1]), extent[2]);
-}
 
 /// The properties of a file that are not written in it.
 struct Variant {
@@ -254,8 +249,8 @@ private:
         for (std::size_t i = 0; i < numbers.points.offsets.size(); ++i) {
             checkCancelledEvery(i, 14);
             for (std::size_t axis = 0; axis < variant.dimension; ++axis)
-                numbers.points.values[i][axis] = loadCoordinate(
-                    bytes_, numbers.points.offsets[i][axis], precision, order_, axis, i, path_);
+                numbers.points.values[i][axis] =
+                    loadReal(bytes_, numbers.points.offsets[i][axis], precision, order_);
         }
         return grid;
     }
@@ -271,48 +266,6 @@ Grid readGrid(const std::filesystem::path& path, std::string_view bytes) {
     // A binary grid begins with an integer below 2²⁴ and so has a zero byte among its first four.
     const bool isBinary = bytes.substr(0, 4).find('\0') != std::string_view::npos;
     return isBinary ? Plot3dBinary(path, bytes).read() : Plot3dText(path, bytes).read();
-}
-
-/// Calls visit(points) for each cell of a block, with the 8 points of a hexahedron.
-template <class Visit>
-void forEachHexahedron(const Extent& extent, std::size_t first, Visit visit) {
-    const auto at = [&](std::size_t i, std::size_t j, std::size_t k) {
-        return static_cast<Index>(first + i + extent[0] * (j + extent[1] * k));
-    };
-    for (std::size_t k = 0; k + 1 < extent[2]; ++k)
-        for (std::size_t j = 0; j + 1 < extent[1]; ++j)
-            for (std::size_t i = 0; i + 1 < extent[0]; ++i)
-                visit(std::array<Index, 8>{at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k),
-                                           at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
-                                           at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
-}
-
-bool isVolume(const Extent& extent) {
-    return std::ranges::min(extent) > 1;
-}
-
-/// Calls visit(points) for each quadrilateral of a block of one layer.
-template <class Visit>
-void forEachQuadrilateral(const Extent& extent, std::size_t first, Visit visit) {
-    // The two axes along which the block has more than one point.
-    std::array<std::size_t, 2> stride{}, size{};
-    std::size_t axes = 0, step = 1;
-    for (const std::size_t along : extent) {
-        if (along > 1 && axes < 2) {
-            stride[axes] = step;
-            size[axes++] = along;
-        }
-        step *= along;
-    }
-    if (axes < 2) return;
-    for (std::size_t j = 0; j + 1 < size[1]; ++j)
-        for (std::size_t i = 0; i + 1 < size[0]; ++i) {
-            const std::size_t corner = first + i * stride[0] + j * stride[1];
-            visit(std::array<Index, 4>{static_cast<Index>(corner),
-                                       static_cast<Index>(corner + stride[0]),
-                                       static_cast<Index>(corner + stride[0] + stride[1]),
-                                       static_cast<Index>(corner + stride[1])});
-        }
 }
 
 constexpr MeshFormat kPlot3dMesh = {
@@ -337,6 +290,7 @@ constexpr MeshFormat kPlot3dMesh = {
 Lattice readPlot3d(const std::filesystem::path& path, std::string_view bytes, ReadNotes*) {
     const Grid grid = readGrid(path, bytes);
     checkedIndex(path, grid.numbers.points.values.size(), "points");
+    checkFinite(path, grid.numbers.points.values);
     std::vector<Lattice> blocks;
     shapes::MergeOptions options;
     std::size_t first = 0;

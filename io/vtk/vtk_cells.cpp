@@ -33,6 +33,11 @@ constexpr CellType kCellTypes[] = {{10, StandardCell::Tetrahedron},
                                    {13, StandardCell::Wedge},
                                    {14, StandardCell::Pyramid}};
 
+/// Returns 5 or 6 for a pentagonal or hexagonal prism; 0 for all other types.
+std::size_t sidesOfPrism(std::int64_t type) {
+    return type == 15 ? 5 : type == 16 ? 6 : 0;
+}
+
 std::optional<StandardCell> kindOf(std::int64_t type) {
     for (const CellType& entry : kCellTypes)
         if (entry.number == type) return entry.kind;
@@ -66,6 +71,10 @@ const char* nameOfType(std::int64_t type) {
             return " (wedge)";
         case 14:
             return " (pyramid)";
+        case 15:
+            return " (pentagonal prism)";
+        case 16:
+            return " (hexagonal prism)";
         case kVtkPolyhedron:
             return " (polyhedron)";
         default:
@@ -102,16 +111,7 @@ void VtkFaceReader::add(std::int64_t type, std::span<const std::int64_t> points)
                                           " points"));
         corners.push_back(static_cast<Index>(firstPoint_ + point));
     }
-    if (type == kVtkStrip) {
-        for (std::size_t i = 2; i < corners.size(); ++i) {
-            // Every second triangle of a strip is wound the other way.
-            const std::size_t odd = i % 2;
-            faces_.corners.insert(faces_.corners.end(),
-                                  {corners[i - 2 + odd], corners[i - 1 - odd], corners[i]});
-            faces_.endFace();
-        }
-        return;
-    }
+    if (type == kVtkStrip) return faces_.addStrip(corners);
     // A pixel orders its points by rows; a quadrilateral goes around.
     if (type == kPixel && corners.size() == 4) std::swap(corners[2], corners[3]);
     faces_.corners.insert(faces_.corners.end(), corners.begin(), corners.end());
@@ -141,14 +141,14 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
         ++cellInFile_;
         return *dimension == 2 ? visitor_.face({}) : visitor_.smallCell(*dimension);
     }
+    if (const std::size_t sides = sidesOfPrism(type)) return addPrism(sides, vertices);
     const std::optional<StandardCell> kind = kindOf(type);
     if (!kind && acceptsCurved_ && isCurved(type)) {
         ++cellInFile_;
         return visitor_.curvedCell(3);
     }
     if (!kind)
-        fail(concat("is of VTK's type ", type,
-                    "; only the types 10, 11, 12, 13, 14 and 42 can be read"));
+        fail(concat("is of VTK's type ", type, "; only the types 10 to 16 and 42 can be read"));
     std::vector<Index> checked;
     for (const std::int64_t vertex : vertices) checked.push_back(checkedVertex(vertex));
     if (type == kVtkVoxel && checked.size() == 8) {
@@ -160,6 +160,22 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
     ++cellCount_;
     ++cellInFile_;
     maxEdges_ += kMaxEdges;
+}
+
+void VtkCellReader::addPrism(std::size_t sides, std::span<const std::int64_t> vertices) {
+    if (vertices.size() != 2 * sides)
+        fail(concat("is a prism of ", sides, " sides and has ", vertices.size(),
+                    " vertices; expected ", 2 * sides));
+    // The lower vertices go around anticlockwise, seen from the upper ones, which follow in the
+    // same order.
+    std::vector<std::vector<std::int64_t>> loops(2);
+    for (std::size_t i = 0; i < sides; ++i) {
+        const std::size_t next = (i + 1) % sides;
+        loops[0].insert(loops[0].begin(), vertices[i]);
+        loops[1].push_back(vertices[sides + i]);
+        loops.push_back({vertices[i], vertices[next], vertices[sides + next], vertices[sides + i]});
+    }
+    addPolyhedron(std::vector<std::span<const std::int64_t>>(loops.begin(), loops.end()));
 }
 
 void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops) {

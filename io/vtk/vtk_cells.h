@@ -54,8 +54,8 @@ private:
     std::map<std::int64_t, std::size_t> otherCells_;  ///< number of other cells of each type
 };
 
-/// Reads cells of the types 10 (tetrahedron), 11 (voxel), 12 (hexahedron), 13 (wedge), 14 (pyramid)
-/// and 42 (polyhedron).
+/// Reads cells of the types 10 (tetrahedron), 11 (voxel), 12 (hexahedron), 13 (wedge), 14
+/// (pyramid), 15 (pentagonal prism), 16 (hexagonal prism) and 42 (polyhedron).
 ///
 /// All functions throw FileError, or TopologyError with the path in its message.
 class VtkCellReader {
@@ -89,6 +89,8 @@ public:
     std::size_t maxEdges() const { return maxEdges_; }
 
 private:
+    /// \param vertices the lower and the upper end, of `sides` vertices each
+    void addPrism(std::size_t sides, std::span<const std::int64_t> vertices);
     Index checkedVertex(std::int64_t vertex) const;
     [[noreturn]] void fail(const std::string& cause) const;
 

@@ -13,14 +13,14 @@
 #include <string_view>
 
 /// \file
-/// Reads and writes lattices in VTK's legacy files of unstructured grids (.vtk). Marks and
+/// Reads and writes lattices in VTK's legacy files (.vtk). Marks and
 /// attributes have the names and conventions of .vtu files (vtu.h); marks of edges are in the FIELD
 /// of the data set.
 
 namespace espalier::io {
 
-/// Reads a lattice from a file of version 1 to 5, ASCII or BINARY, with cells of the types 10, 11,
-/// 12, 13, 14 and 42.
+/// Reads a lattice from a file of version 1 to 5, ASCII or BINARY: an unstructured grid with cells
+/// of the types 10 to 16 and 42, or a structured grid of at least two points along each axis.
 ///
 /// SCALARS, VECTORS, NORMALS, TEXTURE_COORDINATES, TENSORS and the arrays of FIELD in POINT_DATA
 /// become attributes, or Lattice::integers if they have an integer type. The reader skips

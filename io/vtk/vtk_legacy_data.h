@@ -34,10 +34,25 @@ struct LegacyRows {
     }
 };
 
+/// Cells of an unstructured grid, and their types.
+struct LegacyCells {
+    LegacyRows rows;
+    std::vector<std::int64_t> types;
+
+    /// Adds a cell.
+    void add(std::int64_t type, std::span<const Index> points) {
+        if (rows.offsets.empty()) rows.offsets.push_back(0);
+        rows.values.insert(rows.values.end(), points.begin(), points.end());
+        rows.offsets.push_back(static_cast<std::int64_t>(rows.values.size()));
+        types.push_back(type);
+    }
+};
+
 /// Passes the cells of CELLS and CELL_TYPES to a reader.
 /// \throws FileError if the numbers of cells and types differ; as VtkCellReader
-inline void addLegacyCells(const std::filesystem::path& path, const LegacyRows& rows,
-                           const std::vector<std::int64_t>& types, VtkCellReader& cells) {
+inline void addLegacyCells(const std::filesystem::path& path, const LegacyCells& from,
+                           VtkCellReader& cells) {
+    const auto& [rows, types] = from;
     if (types.size() != rows.count())
         throw FileError(path,
                         concat("has ", rows.count(), " cells and ", types.size(), " cell types"));
@@ -60,8 +75,8 @@ public:
     const TextReader& text() const { return text_; }
     bool isBinary() const { return isBinary_; }
 
-    /// Reads the head of the file, and returns the kind of data set: "unstructured_grid" or
-    /// "polydata".
+    /// Reads the head of the file, and returns the kind of data set: "unstructured_grid",
+    /// "structured_grid" or "polydata".
     std::string readHeader() {
         constexpr std::string_view kMagic = "# vtk datafile version ";
         const std::string first = lowerCase(text_.restOfLine());
@@ -78,8 +93,12 @@ public:
         isBinary_ = encoding == "binary";
         expect("DATASET");
         const std::string dataSet = keyword("UNSTRUCTURED_GRID");
-        if (dataSet != "unstructured_grid" && dataSet != "polydata")
-            text_.fail("holds " + inQuotes(dataSet) + "; expected UNSTRUCTURED_GRID");
+        const char* const expected = "expected UNSTRUCTURED_GRID, POLYDATA or STRUCTURED_GRID";
+        if (dataSet == "rectilinear_grid" || dataSet == "structured_points")
+            text_.fail("holds " + inQuotes(dataSet) +
+                       ", which has no list of points that could be moved; " + expected);
+        if (dataSet != "unstructured_grid" && dataSet != "polydata" && dataSet != "structured_grid")
+            text_.fail("holds " + inQuotes(dataSet) + "; " + expected);
         return dataSet;
     }
 

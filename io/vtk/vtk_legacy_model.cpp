@@ -18,9 +18,10 @@
 #include "vtk_legacy_parts.h"
 #include "vtk_surface_writers.h"
 
-// A surface (POLYDATA) or an unstructured grid as a model. Its points, of type float or
-// double, and the directions at them are replaced on writing; everything else is kept byte for
+// A surface (POLYDATA), an unstructured or a structured grid as a model. Its points, of type float
+// or double, and the directions at them are replaced on writing; everything else is kept byte for
 // byte. The faces are the cells of POLYGONS and TRIANGLE_STRIPS, or the cells of the types 5 to 9.
+// A structured grid has hexahedra as cells or, if it is one layer, quadrilaterals as faces.
 //
 // Directions are arrays of POINT_DATA with 3 components of float or double. An array holds normals
 // if it has the keyword NORMALS or the name "Normals", and tangents if it has the name "Tangents",
@@ -117,9 +118,7 @@ private:
                 double& value = vectors.values[point][axis];
                 if (isBinary()) {
                     offset = std::exchange(next, next + width);
-                    value = carry ? loadReal(bytes_, offset, precision, std::endian::big)
-                                  : loadCoordinate(bytes_, offset, precision, std::endian::big,
-                                                   axis, point, path_);
+                    value = loadReal(bytes_, offset, precision, std::endian::big);
                 } else {
                     const std::string_view word = text().token(what);
                     offset = word.data() - bytes_.data();
@@ -151,11 +150,11 @@ public:
     /// Returns the surface without its normals.
     ModelSurface read() {
         readParts();
-        if (types_.size() != cells_.count())
-            throw FileError(
-                path_, concat("has ", cells_.count(), " cells and ", types_.size(), " cell types"));
-        for (std::size_t cell = 0; cell < cells_.count(); ++cell)
-            faces_.add(types_[cell], cells_[cell]);
+        if (cells_.types.size() != cells_.rows.count())
+            throw FileError(path_, concat("has ", cells_.rows.count(), " cells and ",
+                                          cells_.types.size(), " cell types"));
+        for (std::size_t cell = 0; cell < cells_.rows.count(); ++cell)
+            faces_.add(cells_.types[cell], cells_.rows[cell]);
         faces_.giveTo(surface_);
         return std::move(surface_);
     }
@@ -163,6 +162,7 @@ public:
 private:
     void beginDataSet(const std::string&) override {}
     void beginData(LegacyArray::Owner, std::size_t) override {}
+    void beginGrid(const Extent& extent) override { cells_ = cellsOfGrid(extent); }
 
     void readPoints(std::size_t count, const std::string& type) override {
         data().skipValues(type, saturatingProduct(3, count), "a coordinate");
@@ -172,7 +172,7 @@ private:
     void readRows(const std::string& keyword) override {
         LegacyRows rows = data().rows(keyword);
         if (keyword == "cells") {
-            cells_ = std::move(rows);
+            cells_.rows = std::move(rows);
             return;
         }
         // A section of POLYDATA. Its cells all have one type.
@@ -184,7 +184,7 @@ private:
     }
 
     void readCellTypes(std::size_t count) override {
-        types_ = data().numbers<std::int64_t>("int", count, "a cell type");
+        cells_.types = data().numbers<std::int64_t>("int", count, "a cell type");
     }
 
     void readArray(const LegacyArray& array) override {
@@ -204,8 +204,7 @@ private:
     ModelSurface surface_;
     bool haveNormals_ = false;  ///< the file has had normals
     VtkFaceReader faces_;
-    LegacyRows cells_;
-    std::vector<std::int64_t> types_;
+    LegacyCells cells_;
 };
 
 /// Reads the cells of an unstructured grid.
@@ -216,12 +215,13 @@ public:
 
     void read(const std::filesystem::path& path, VtkCellReader& cells) {
         readParts();
-        addLegacyCells(path, rows_, types_, cells);
+        addLegacyCells(path, cells_, cells);
     }
 
 private:
     void beginDataSet(const std::string&) override {}
     void beginData(LegacyArray::Owner, std::size_t) override {}
+    void beginGrid(const Extent& extent) override { cells_ = cellsOfGrid(extent); }
 
     void readPoints(std::size_t count, const std::string& type) override {
         data().skipValues(type, saturatingProduct(3, count), "a coordinate");
@@ -229,21 +229,20 @@ private:
 
     void readRows(const std::string& keyword) override {
         if (keyword == "cells")
-            rows_ = data().rows("CELLS");
+            cells_.rows = data().rows("CELLS");
         else
             data().skipRows();
     }
 
     void readCellTypes(std::size_t count) override {
-        types_ = data().numbers<std::int64_t>("int", count, "a cell type");
+        cells_.types = data().numbers<std::int64_t>("int", count, "a cell type");
     }
 
     void readArray(const LegacyArray& array) override {
         data().skipValues(array.type, array.size(), "a number");
     }
 
-    LegacyRows rows_;
-    std::vector<std::int64_t> types_;
+    LegacyCells cells_;
 };
 
 FileNumbers readLegacyNumbers(const std::filesystem::path& path, std::string_view bytes) {

@@ -5,6 +5,7 @@
 #include <espalier/io/files/text_reader.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "../files/number_types.h"
+#include "../meshes/structured_grid.h"
 #include "vtk_legacy_data.h"
 
 namespace espalier::io {
@@ -29,6 +31,27 @@ struct LegacyArray {
 
     std::size_t size() const { return saturatingProduct(components, tuples); }
 };
+
+/// Returns the cells of a structured grid as those of an unstructured one: hexahedra; in one layer,
+/// quadrilaterals; in one row, lines.
+inline LegacyCells cellsOfGrid(const Extent& extent) {
+    constexpr std::int64_t kQuadrilateral = 9, kHexahedron = 12;
+    LegacyCells cells;
+    const auto add = [&](std::int64_t type) {
+        return [&cells, type](const auto& points) { cells.add(type, points); };
+    };
+    const auto isLong = [](std::size_t along) { return along > 1; };
+    if (std::ranges::count_if(extent, isLong) > 1) {
+        if (isVolume(extent))
+            forEachHexahedron(extent, 0, add(kHexahedron));
+        else
+            forEachQuadrilateral(extent, 0, add(kQuadrilateral));
+    } else {
+        for (Index i = 0; i + 1 < static_cast<Index>(pointCountOf(extent)); ++i)
+            cells.add(kVtkLine, std::array{i, i + 1});
+    }
+    return cells;
+}
 
 /// Goes through the parts of a legacy VTK file, in their order. Derived classes read or skip the
 /// numbers of each part. Skips METADATA, colours, ids, edge flags and lookup tables.
@@ -55,13 +78,16 @@ protected:
     const TextReader& text() const { return data_.text(); }
 
 private:
-    /// \param dataSet "unstructured_grid" or "polydata"
+    /// \param dataSet "unstructured_grid", "structured_grid" or "polydata"
     virtual void beginDataSet(const std::string& dataSet) = 0;
     /// Reads the numbers of POINTS.
     virtual void readPoints(std::size_t count, const std::string& type) = 0;
     /// Reads the rows of CELLS, or of a section of POLYDATA: "polygons".
     virtual void readRows(const std::string& keyword) = 0;
     virtual void readCellTypes(std::size_t count) = 0;
+    /// Called after the points of a structured grid.
+    /// \param extent number of points along each axis
+    virtual void beginGrid(const Extent&) {}
     /// Checks the number of tuples of POINT_DATA or CELL_DATA.
     virtual void beginData(LegacyArray::Owner owner, std::size_t tuples) = 0;
     /// Reads the numbers of an array.
@@ -76,9 +102,14 @@ private:
         } else if (keyword == "points") {
             const std::size_t count = text().count("the number of points", 3);
             readPoints(count, data_.keyword("the type of the points"));
+            if (dataSet_ == "structured_grid") checkGrid(count);
+        } else if (dataSet_ == "structured_grid" && keyword == "dimensions") {
+            for (std::size_t& along : extent_)
+                along = sizeInMemory(text().number<std::uint64_t>("a dimension"));
         } else if (isGrid ? keyword == "cells"
-                          : keyword == "vertices" || keyword == "lines" || keyword == "polygons" ||
-                                keyword == "triangle_strips") {
+                          : dataSet_ == "polydata" &&
+                                (keyword == "vertices" || keyword == "lines" ||
+                                 keyword == "polygons" || keyword == "triangle_strips")) {
             readRows(keyword);
         } else if (isGrid && keyword == "cell_types") {
             readCellTypes(text().count("the number of cell types", 1));
@@ -96,6 +127,14 @@ private:
         } else {
             failAt(keyword);
         }
+    }
+
+    /// Passes the extent of a structured grid to the reader.
+    void checkGrid(std::size_t pointCount) {
+        if (pointCountOf(extent_) != pointCount)
+            text().fail(concat("there are ", pointCount, " points, but DIMENSIONS has ", extent_[0],
+                               " × ", extent_[1], " × ", extent_[2]));
+        if (pointCount > 0) beginGrid(extent_);
     }
 
     void beginArrays(LegacyArray::Owner owner, const char* what) {
@@ -151,6 +190,7 @@ private:
 
     LegacyData data_;
     std::string dataSet_;
+    Extent extent_ = {};  ///< of a structured grid; 0 before DIMENSIONS
     LegacyArray::Owner owner_ = LegacyArray::Owner::DataSet;
     std::size_t tupleCount_ = 0;
 };

@@ -31,7 +31,7 @@ public:
         const Index count = checkedIndex(path_, lattice_.positions.size(), "points");
         LatticeCells cells(path_, count);
         VtkCellReader reader(path_, count, cells);
-        addLegacyCells(path_, rows_, types_, reader);
+        addLegacyCells(path_, cells_, reader);
         if (notes) notes->skippedCells = cells.skipped();
         lattice_.marks.vertices = vertexMarksFromFile(path_, vertexSharpness_);
         addEdgeMarks();
@@ -47,7 +47,7 @@ private:
                 far::TopologyCause::EmptyComplex, {3, 0},
                 shownPath(path_) +
                     ": holds a surface (POLYDATA) without cells of a volume; a lattice needs an "
-                    "UNSTRUCTURED_GRID");
+                    "UNSTRUCTURED_GRID or a STRUCTURED_GRID");
     }
 
     void readPoints(std::size_t count, const std::string& type) override {
@@ -55,15 +55,17 @@ private:
             pointsOf(data().numbers<double>(type, saturatingProduct(3, count), "a coordinate"));
     }
 
-    void readRows(const std::string&) override { rows_ = data().rows("CELLS"); }
+    void beginGrid(const Extent& extent) override { cells_ = cellsOfGrid(extent); }
+
+    void readRows(const std::string&) override { cells_.rows = data().rows("CELLS"); }
 
     void readCellTypes(std::size_t count) override {
-        types_ = data().numbers<std::int64_t>("int", count, "a cell type");
+        cells_.types = data().numbers<std::int64_t>("int", count, "a cell type");
     }
 
     void beginData(Owner owner, std::size_t tuples) override {
         const bool isOfPoints = owner == Owner::Points;
-        const std::size_t expected = isOfPoints ? lattice_.positions.size() : rows_.count();
+        const std::size_t expected = isOfPoints ? lattice_.positions.size() : cells_.rows.count();
         if (tuples != expected)
             text().fail(concat("the data are for ", tuples, isOfPoints ? " points" : " cells",
                                ", but there are ", expected));
@@ -129,8 +131,7 @@ private:
     }
 
     std::filesystem::path path_;
-    LegacyRows rows_;
-    std::vector<std::int64_t> types_;
+    LegacyCells cells_;
     std::vector<double> vertexSharpness_;
     std::vector<double> edgeVertices_;
     std::vector<double> edgeSharpness_;

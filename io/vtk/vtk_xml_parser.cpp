@@ -110,9 +110,18 @@ private:
         const std::size_t begin = endOfTag(bytes, tag);
         if (bytes[begin - 1] != '>') failAt(tag, "the file ends inside the AppendedData tag");
         if (bytes[begin - 2] == '/') return file_.bytes_;
-        const std::size_t end = bytes.rfind("</AppendedData");
-        if (end == std::string_view::npos || end < begin)
-            failAt(tag, "the file ends inside the appended data");
+        // The data are found by their offsets. VTK needs no tag after them, and some programs write
+        // none; arrays that a cut file lacks are errors when they are read.
+        const auto lastTag = [&](std::string_view name) {
+            const std::size_t at = bytes.rfind(name);
+            return at == std::string_view::npos || at < begin ? bytes.size() : at;
+        };
+        const std::size_t rootEnd = lastTag("</VTKFile");
+        const std::size_t ownEnd = lastTag("</AppendedData");
+        const std::size_t end = std::min(ownEnd, rootEnd);
+        std::string rest = ownEnd == bytes.size() ? "</AppendedData>" : "";
+        rest += bytes.substr(end);
+        if (rootEnd == bytes.size()) rest += "</VTKFile>";
         const std::size_t mark = bytes.find_first_not_of(" \t\r\n", begin);
         if (mark >= end || bytes[mark] != '_')
             failAt(tag, "the appended data do not begin with '_'");
@@ -120,7 +129,7 @@ private:
         file_.appendedEnd_ = end;
         cutBegin_ = begin;
         cutSize_ = end - begin;
-        return std::string(bytes.substr(0, begin)) + std::string(bytes.substr(end));
+        return std::string(bytes.substr(0, begin)) + rest;
     }
 
     void readRoot(pugi::xml_node root, const std::string& dataSet) {

@@ -16,7 +16,7 @@
 /// Reads and writes lattices in VTK's XML files of unstructured grids (.vtu).
 ///
 ///     Points                             positions
-///     Cells                              the types 10, 11, 12, 13, 14 and 42; vertices, lines and
+///     Cells                              the types 10 to 16 and 42; vertices, lines and
 ///                                        surface cells are skipped
 ///     PointData                          attributes, and Lattice::integers; arrays without
 ///                                        numbers, and vtkGhostType, are skipped

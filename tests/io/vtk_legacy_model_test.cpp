@@ -89,6 +89,23 @@ TEST(VtkLegacyModel, FacesArePolygonsAndStripsOrCellsOfSurfaces) {
     EXPECT_EQ(legacyFaces(grid), (std::vector<std::vector<Index>>{{0, 1, 2}, {0, 1, 2, 3}}));
 }
 
+TEST(VtkLegacyModel, StructuredGridsOfOneLayerAreFaces) {
+    const std::string head = "# vtk DataFile Version 3.0\na\nASCII\nDATASET STRUCTURED_GRID\n";
+    const std::string points = "POINTS 6 float\n0 0 0 1 0 0 2 0 0\n0 1 0 1 1 0 2 1 0\n";
+    EXPECT_EQ(legacyFaces(head + "DIMENSIONS 3 2 1\n" + points),
+              (std::vector<std::vector<Index>>{{0, 1, 4, 3}, {1, 2, 5, 4}}));
+    EXPECT_EQ(legacyFaces(head + "DIMENSIONS 3 1 2\n" + points),
+              (std::vector<std::vector<Index>>{{0, 1, 4, 3}, {1, 2, 5, 4}}));
+    EXPECT_TRUE(legacyFaces(head + "DIMENSIONS 6 1 1\n" + points).empty());
+    const auto model = readModel("a.vtk", head + "DIMENSIONS 3 2 1\n" + points);
+    EXPECT_EQ(written(*model, std::vector<Point3>(6, {0, 0, 1.5})),
+              head +
+                  "DIMENSIONS 3 2 1\nPOINTS 6 float\n0 0 1.5 0 0 1.5 0 0 1.5\n0 0 1.5 0 0 1.5 0 0 "
+                  "1.5\n");
+    EXPECT_REFUSED(FileError, "there are 6 points, but DIMENSIONS has 0 × 0 × 0",
+                   readModel("a.vtk", head + points));
+}
+
 TEST(VtkLegacyModel, MalformedFilesAreRefusedWithTheLine) {
     EXPECT_REFUSED(FileError, "a.vtk:5: the points are of type 'int', which cannot hold a deformed",
                    readModel("a.vtk", surfaceText("int")));

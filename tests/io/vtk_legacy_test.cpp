@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/topology_match.h>
+#include <espalier/io/model.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "lattice_samples.h"
 
@@ -58,6 +62,82 @@ TEST(VtkLegacy, ErrorsCountSkippedCells) {
         refusalOf("a.vtk", kHead + kPoints + "CELLS 2 8\n2 0 1\n4 0 1 2 3\nCELL_TYPES 2\n3 24\n",
                   [](const auto& path) { io::readLattice(path); }),
         HasSubstr("cell 1 is of VTK's type 24"));
+}
+
+/// Pentagonal and hexagonal prisms: VTK's lower end is anticlockwise seen from the upper one.
+TEST(VtkLegacy, PrismsArePolyhedra) {
+    for (const int sides : {5, 6}) {
+        std::string text = kHead + concat("POINTS ", 2 * sides, " double\n");
+        std::string cell = concat(2 * sides);
+        for (int i = 0; i < 2 * sides; ++i) {
+            const double angle = 2 * 3.14159265358979 * i / sides;
+            text += concat(std::cos(angle), " ", std::sin(angle), i < sides ? " 0\n" : " 1\n");
+            cell += concat(" ", i);
+        }
+        text += concat("CELLS 1 ", 2 * sides + 1, "\n", cell, "\nCELL_TYPES 1\n",
+                       sides == 5 ? 15 : 16, "\n");
+        const Lattice lattice = latticeOf("a.vtk", text);
+        EXPECT_EQ(lattice.complex.count(0), 2 * sides);
+        EXPECT_EQ(lattice.complex.count(1), 3 * sides);
+        EXPECT_EQ(lattice.complex.count(2), sides + 2);
+        const auto model = io::readModel("a.vtk", text);
+        const io::ModelVolume volume = model->readVolume();
+        EXPECT_EQ(volume.mesh.cellCount(), 1);
+        EXPECT_EQ(volume.mesh.faceCount(), sides + 2);
+        // The upper end is anticlockwise seen from above.
+        for (Index face = 0; face < volume.mesh.faceCount(); ++face) {
+            const auto loop = volume.mesh.face(face);
+            if (std::ssize(loop) == sides && *std::ranges::min_element(loop) == sides)
+                EXPECT_EQ((loop[1] - loop[0] + sides) % sides, 1);
+        }
+        EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints +
+                                           concat("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n",
+                                                  sides == 5 ? 15 : 16, "\n")),
+                    HasSubstr(concat("cell 0 is a prism of ", sides,
+                                     " sides and has 4 vertices; expected ", 2 * sides)));
+    }
+}
+
+std::string gridText(const std::string& dimensions, int pointCount) {
+    std::string text =
+        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS " + dimensions +
+        concat("\nPOINTS ", pointCount, " float\n");
+    for (int i = 0; i < pointCount; ++i) text += concat(i % 3, " ", i / 3 % 2, " ", i / 6, "\n");
+    return text;
+}
+
+TEST(VtkLegacy, StructuredGridsAreLattices) {
+    const std::string text =
+        gridText("3 2 2", 12) +
+        "CELL_DATA 2\nSCALARS c int\nLOOKUP_TABLE default\n1 2\nPOINT_DATA 12\nSCALARS p double\n"
+        "LOOKUP_TABLE default\n0 1 2 3 4 5 6 7 8 9 10 11\n";
+    const Lattice lattice = latticeOf("a.vtk", text);
+    EXPECT_EQ(lattice.complex.count(3), 2);
+    EXPECT_EQ(lattice.complex.count(2), 11);
+    EXPECT_EQ(lattice.attributes.at(0).values.at(11), 11);
+    // The same as an unstructured grid.
+    std::string cells = kHead + text.substr(text.find("POINTS"));
+    cells = cells.substr(0, cells.find("CELL_DATA")) +
+            "CELLS 2 18\n8 0 1 4 3 6 7 10 9\n8 1 2 5 4 7 8 11 10\nCELL_TYPES 2\n12 12\n";
+    EXPECT_EQ(far::topologyDifference(latticeOf("b.vtk", cells).complex, lattice.complex),
+              std::nullopt);
+    EXPECT_EQ(io::readModel("a.vtk", text)->readVolume().mesh.cellCount(), 2);
+
+    for (const auto& sample :
+         {std::pair{"3 2 1", "0 lines and 2 surface cells"}, std::pair{"6 1 1", "5 lines and 0"}})
+        EXPECT_REFUSED(far::TopologyError, sample.second,
+                       io::readLattice("a.vtk", gridText(sample.first, 6)));
+    for (const auto& sample :
+         {std::pair{"2 2 2", "there are 12 points, but DIMENSIONS has 2 × 2 × 2"},
+          std::pair{"3 2 -2", "a.vtk:5: "}, std::pair{"4294967296 4294967296 3", "DIMENSIONS has"}})
+        EXPECT_REFUSED(io::FileError, sample.second,
+                       io::readLattice("a.vtk", gridText(sample.first, 12)));
+    EXPECT_REFUSED(io::FileError, "holds 'rectilinear_grid', which has no list of points",
+                   io::readLattice("a.vtk",
+                                   "# vtk DataFile Version 3.0\nt\nASCII\n"
+                                   "DATASET RECTILINEAR_GRID\nDIMENSIONS 2 2 2\n"));
+    EXPECT_REFUSED(io::FileError, "'cells' is not a keyword that can stand here",
+                   io::readLattice("a.vtk", gridText("3 2 2", 12) + "CELLS 1 2\n1 0\n"));
 }
 
 TEST(VtkLegacy, KeywordsMayBeInUpperOrLowerCase) {

@@ -187,7 +187,7 @@ TEST(Vtu, CellsOfLowerDimensionAreSkippedAndCounted) {
 
 TEST(Vtu, ErrorsNameTheOffender) {
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4", "24")).refusal(),
-                HasSubstr("cell 0 is of VTK's type 24; only the types 10, 11, 12, 13, 14 and 42"));
+                HasSubstr("cell 0 is of VTK's type 24; only the types 10 to 16 and 42"));
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 4", "4", "10")).refusal(),
                 HasSubstr("cell 0 names vertex 4; there are 4"));
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 -1", "4", "10")).refusal(),
@@ -372,10 +372,35 @@ TEST(Vtu, AppendedDataIsChecked) {
     EXPECT_THAT(vtu.refusal(), HasSubstr("do not begin with '_'"));
     vtu.tail = "<AppendedData encoding=\"hex\">_1234</AppendedData>";
     EXPECT_THAT(vtu.refusal(), HasSubstr("is 'hex'; expected raw or base64"));
-    vtu.tail = "<AppendedData encoding=\"raw\">_1234";
-    EXPECT_THAT(vtu.refusal(), HasSubstr("the file ends inside the appended data"));
+    vtu.tail = "<AppendedData encoding=\"raw\">_1234";  // nothing at offset 4
+    EXPECT_THAT(vtu.refusal(), HasSubstr("'x' has 0 numbers; expected 4"));
     vtu.tail = "<AppendedData encoding=\"base64\">_1234BAAAAAECPC8=</AppendedData>";
     EXPECT_EQ(vtu.read().integers.at(0).values, (Integers{1, 2, '<', '/'}));
+}
+
+/// Some programs write no tag after the data; VTK finds all data by their offsets.
+TEST(Vtu, AppendedDataNeedNoEnd) {
+    Vtu vtu;
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+              "<DataArray type=\"UInt8\" Name=\"x\" format=\"appended\" offset=\"0\"/>");
+    for (const std::string& data :
+         {std::string("raw\">_\4\0\0\0\1\2</", 14), std::string("base64\">_BAAAAAECPC8=")}) {
+        vtu.tail = "<AppendedData encoding=\"" + data + "\n";
+        const std::string withRootEnd = vtu.text();
+        const std::string cut = withRootEnd.substr(0, withRootEnd.rfind("</VTKFile"));
+        for (const std::string& text : {withRootEnd, cut, cut + "</AppendedData>"}) {
+            EXPECT_EQ(latticeOf("a.vtu", text).integers.at(0).values, (Integers{1, 2, '<', '/'}));
+            const auto model = io::readModel("a.vtu", text);
+            std::vector<Point3> moved(model->positions().begin(), model->positions().end());
+            moved[0][0] -= 1;
+            const std::string changed = written(*model, moved);
+            EXPECT_EQ(changed.substr(changed.find("<AppendedData")),
+                      text.substr(text.find("<AppendedData")));
+            EXPECT_EQ(written(*model, model->positions()), text);
+        }
+        // A file that is cut inside its data.
+        EXPECT_NE(refusalOf("a.vtu", cut.substr(0, cut.size() - 4)), "");
+    }
 }
 
 TEST(Vtu, ClaimedSizesAreCheckedBeforeAllocating) {
