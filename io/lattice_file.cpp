@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "files/utf16.h"
 #include "format.h"
 
 namespace espalier::io {
@@ -69,7 +70,7 @@ std::string describe(const std::filesystem::path& path, const ReadNotes& notes) 
     std::vector<std::string> all = {skippedText(notes.skippedCells),
                                     droppedText(notes.droppedVertices),
                                     droppedText(notes.droppedTextureCoordinates)};
-    all.insert(all.end(), notes.ofModel.begin(), notes.ofModel.end());
+    all.insert(all.end(), notes.others.begin(), notes.others.end());
     return lineOf(path, all);
 }
 
@@ -114,16 +115,20 @@ LatticeReader refinableReaderOf(const Path& path) {
                               listOfFormats(FileContent::Lattice, FileUse::Read));
 }
 
+Lattice readBytes(LatticeReader read, const Path& path, std::string_view bytes, ReadNotes* notes) {
+    return explainingUtf16(path, bytes, [&] { return read(path, bytes, notes); });
+}
+
 }  // namespace
 
 Lattice readLattice(const Path& path, ReadNotes* notes) {
     const Format& format = formatOf(path, FileUse::Read);
     const Path file = modelFile(path);
-    return format.readLattice(file, readFile(file), notes);
+    return readBytes(format.readLattice, file, readFile(file), notes);
 }
 
 Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    return formatOf(path, FileUse::Read).readLattice(path, bytes, notes);
+    return readBytes(formatOf(path, FileUse::Read).readLattice, path, bytes, notes);
 }
 
 void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
@@ -137,11 +142,11 @@ void checkLatticeTarget(const Path& path) {
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
     const LatticeReader read = refinableReaderOf(path);
     const Path file = modelFile(path);
-    return read(file, readFile(file), notes);
+    return readBytes(read, file, readFile(file), notes);
 }
 
 Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    return refinableReaderOf(path)(path, bytes, notes);
+    return readBytes(refinableReaderOf(path), path, bytes, notes);
 }
 
 void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {

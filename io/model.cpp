@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "files/utf16.h"
 #include "format.h"
 #include "meshes/openfoam.h"
 #include "models/coordinates.h"
@@ -171,6 +172,11 @@ std::shared_ptr<const ModelConversion> Model::conversionTo(
     return made;
 }
 
+void refuseHeldPoints(const std::filesystem::path& path, const Model& model) {
+    if (const std::vector<Index> held = model.heldPoints(); !held.empty())
+        throw FileError(path, concat("point ", held.front(), " is not finite"));
+}
+
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
     const std::filesystem::path file = modelFile(path);
     requireFormat(file);
@@ -179,9 +185,11 @@ std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {
     const Format& format = requireFormat(path);
-    std::unique_ptr<Model> model = format.readModel(format, path, std::move(bytes));
-    if (model->positions().empty()) throw FileError(path, "the model has no points");
-    return model;
+    return explainingUtf16(path, bytes, [&] {
+        std::unique_ptr<Model> model = format.readModel(format, path, std::move(bytes));
+        if (model->positions().empty()) throw FileError(path, "the model has no points");
+        return model;
+    });
 }
 
 }  // namespace espalier::io

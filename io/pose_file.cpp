@@ -119,7 +119,8 @@ template <class Check>
 std::vector<Point3> readMesh(const Path& path, const std::string& name, Index vertexCount,
                              ReadNotes* notes, Check check) {
     const auto model = readModel(path);
-    if (notes) notes->ofModel = model->notes();
+    refuseHeldPoints(path, *model);
+    if (notes) notes->others = model->notes();
     checkPointCount(path, name, model->positions().size(), vertexCount);
     check(model->readSurface().faces);
     return {model->positions().begin(), model->positions().end()};

@@ -31,8 +31,8 @@ struct ReadNotes {
     /// none.
     Index droppedTextureCoordinates = 0;
 
-    /// Notes on the model, if the file was read as one: an editor mesh of a pose (Model::notes()).
-    std::vector<std::string> ofModel;
+    /// Further notes as phrases, as those of Model::notes().
+    std::vector<std::string> others = {};
 
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };

@@ -6,16 +6,15 @@
 #include <cmath>
 #include <string>
 
+#include "files/utf16.h"
 #include "format.h"
 
 namespace espalier::io {
 
-std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount) {
-    return readTargets(path, pointCount, readFile(path));
-}
+namespace {
 
-std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount,
-                                std::string_view bytes) {
+std::vector<Target> readText(const std::filesystem::path& path, Index pointCount,
+                             std::string_view bytes) {
     TextReader reader(path, bytes);
     reader.skipComments('#');
     std::vector<Target> targets;
@@ -47,6 +46,17 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
             path,
             "has no target; expected the number of a point and three coordinates on each line");
     return targets;
+}
+
+}  // namespace
+
+std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount) {
+    return readTargets(path, pointCount, readFile(path));
+}
+
+std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount,
+                                std::string_view bytes) {
+    return explainingUtf16(path, bytes, [&] { return readText(path, pointCount, bytes); });
 }
 
 const Format kTargetsFormat = {.extensions = {".txt"}, .isTargets = true};

@@ -32,15 +32,14 @@ namespace espalier::io {
 /// attributes, and vector_double does if all its vectors have the same length. Vertex properties of
 /// the types short, int, uint, long and ulong become Lattice::integers. All other properties are
 /// skipped.
-/// Vertices that no edge uses are dropped, and the vertices after them get lower numbers. Polyhedra
-/// keep their numbers. Edges and faces are numbered by their first appearance in the polyhedra.
+/// Vertices, edges and faces that no polyhedron uses are dropped, and the vertices after them get
+/// lower numbers. Polyhedra keep their numbers. Edges and faces are numbered by their first appearance in the polyhedra.
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param notes receives the dropped vertices; may be null
+/// \param notes receives what is dropped; may be null
 /// \throws FileError with the line, if the file is malformed or binary; TopologyError, with the
-///         path in its message, if the cells do not form a lattice, or if an edge or a face belongs
-///         to no cell
+///         path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readOvm(const std::filesystem::path& path, std::string_view bytes,
                              ReadNotes* notes = nullptr);
 

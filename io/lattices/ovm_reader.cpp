@@ -65,6 +65,7 @@ public:
         far::ComplexBuilder builder(3, static_cast<Index>(lattice_.positions.size()));
         readPolyhedra(builder);
         while (!nextProperty_.empty() || !text_.atEnd()) readProperty();
+        if (notes) notes->others = unused_;
         return finishLattice(path_, std::move(builder), std::move(lattice_), notes);
     }
 
@@ -73,11 +74,11 @@ private:
         std::string word = lowerCase(text_.token("OVM"));
         if (word == "ovm") {
             word = lowerCase(text_.token("ASCII"));
-            if (word != "ascii")
+            if (word != "ascii" && word != "vertices")
                 text_.fail("is an OVM file of kind " + inQuotes(word) + "; only ASCII can be read");
-            word = lowerCase(text_.token("Vertices"));
+            if (word == "ascii") word = lowerCase(text_.token("Vertices"));
         }
-        // OpenVolumeMesh does not require the first line, and some programs omit it.
+        // OpenVolumeMesh does not require the first line, and some programs omit it, or "ASCII".
         if (word != "vertices")
             text_.fail("is not an OVM file: expected Vertices, got " + inQuotes(word));
     }
@@ -134,7 +135,7 @@ private:
             }
             if (before != firstTail) failAtLoop(face);
         }
-        checkUse(1, isEdgeUsed_, "face");
+        noteUnused(isEdgeUsed_, {"edge", "edges"}, "face");
         isFaceUsed_.assign(faces_.size(), false);
     }
 
@@ -156,17 +157,18 @@ private:
             }
             withPathInErrors(path_, [&] { return builder.addCell(loops); });
         }
-        checkUse(2, isFaceUsed_, "polyhedron");
+        noteUnused(isFaceUsed_, {"face", "faces"}, "polyhedron");
     }
 
-    /// Throws if an entity of the file is not used. Edges and faces are never dropped silently.
-    void checkUse(int dimension, const std::vector<bool>& isUsed, const char* user) {
-        const auto unused = std::find(isUsed.begin(), isUsed.end(), false) - isUsed.begin();
-        if (unused == std::ssize(isUsed)) return;
-        throw far::TopologyError(far::TopologyCause::UnusedEntity,
-                                 {dimension, static_cast<Index>(unused)},
-                                 concat(shownPath(path_), ": ", dimensionName(dimension), " ",
-                                        unused, " belongs to no ", user));
+    /// Notes edges or faces that nothing uses: the lattice lacks them.
+    /// \param names singular and plural
+    void noteUnused(const std::vector<bool>& isUsed, const std::array<const char*, 2>& names,
+                    const char* user) {
+        const auto count = std::ranges::count(isUsed, false);
+        if (count == 0) return;
+        const auto first = std::ranges::find(isUsed, false) - isUsed.begin();
+        unused_.push_back(concat("dropped ", count, " ", names[count > 1], " of no ", user,
+                                 count > 1 ? " (the first is " : " (", names[0], " ", first, ")"));
     }
 
     void readProperty() {
@@ -296,6 +298,7 @@ private:
     std::vector<Loop> faces_;
     std::vector<bool> isEdgeUsed_;
     std::vector<bool> isFaceUsed_;
+    std::vector<std::string> unused_;  ///< notes on edges and faces that nothing uses
     std::size_t cellCount_ = 0;
     std::string nextProperty_;  ///< first word of the next property, if it has been read already
     Lattice lattice_;           ///< the lattice without its complex

@@ -6,6 +6,7 @@
 
 #include <type_traits>
 
+#include "../files/utf16.h"
 #include "../format.h"
 
 namespace espalier::io {
@@ -77,12 +78,12 @@ void writeMatrix(const Path& path, const StencilTable<Real>& table,
 }
 
 StencilTable<double> readMatrix(const Path& path) {
-    const Reader read = readerOf(path);
-    return read(path, readFile(path));
+    readerOf(path);  // throws before the file is read
+    return readMatrix(path, readFile(path));
 }
 
 StencilTable<double> readMatrix(const Path& path, std::string_view bytes) {
-    return readerOf(path)(path, bytes);
+    return explainingUtf16(path, bytes, [&] { return readerOf(path)(path, bytes); });
 }
 
 template void writeMatrix(const std::filesystem::path&, const StencilTable<float>&,

@@ -42,6 +42,13 @@ TEST(Ovm, ReadsATetrahedron) {
               (std::vector<std::vector<Index>>{{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}));
 }
 
+TEST(Ovm, TheHeadNeedNotSayAscii) {
+    const std::string whole = kTetrahedron;
+    const std::string rest = whole.substr(whole.find("Vertices"));
+    for (const std::string head : {"", "OVM\n", "OVM # by a program\n"})
+        EXPECT_EQ(read(head + rest).positions, read(whole).positions) << head;
+}
+
 TEST(Ovm, WritesWhatItReads) {
     EXPECT_EQ(writtenLattice("a.ovm", read(writtenLattice("a.ovm", read(kTetrahedron)))),
               writtenLattice("a.ovm", read(kTetrahedron)));
@@ -158,12 +165,20 @@ TEST(Ovm, ErrorsNameTheOffender) {
     EXPECT_THAT(refusal(kTetrahedron + "VProp string \"name\"\nabc\n"), HasSubstr("and a colon"));
 }
 
-TEST(Ovm, UnusedEdgesAndFacesAreErrors) {
-    EXPECT_THAT(refusal(changed("4 0 2 4 6", "3 0 2 4")),
-                HasSubstr("face 3 belongs to no polyhedron"));
-    std::string edge = changed("3 2", "3 2\n0 1");
-    edge.replace(edge.find("Edges\n6"), 7, "Edges\n7");
-    EXPECT_THAT(refusal(edge), HasSubstr(": edge 6 belongs to no face"));
+TEST(Ovm, UnusedPartsAreDroppedWithANote) {
+    // A cell without its last face is open.
+    EXPECT_THAT(refusal(changed("4 0 2 4 6", "3 0 2 4")), HasSubstr("cell 0 is open"));
+    std::string more = changed("3 2", "3 2\n0 1\n1 2");
+    more.replace(more.find("Edges\n6"), 7, "Edges\n8");
+    more.replace(more.find("Faces\n4"), 7, "Faces\n5");
+    more.insert(more.find("Polyhedra"), "3 0 2 4\n");
+    io::ReadNotes unused;
+    expectSameLattice(io::readLattice("a.ovm", more, &unused), read(kTetrahedron));
+    EXPECT_EQ(io::describe("a.ovm", unused),
+              "a.ovm: dropped 2 edges of no face (the first is edge 6); dropped 1 face of no "
+              "polyhedron (face 4)");
+    EXPECT_THAT(
+        refusal(more + "EProp double \"espalier:edge_sharpness\"\n0\n0\n0\n0\n0\n0\n-1\n-1\n"), "");
     std::string vertex = changed("0 0 1", "0 0 1\n9 9 9");
     vertex.replace(vertex.find("Vertices\n4"), 10, "Vertices\n5");
     io::ReadNotes notes;
