@@ -14,7 +14,7 @@
 #include "../files/number_types.h"
 #include "mesh_format.h"
 
-// Reads meshes of Gmsh (.msh) of the versions 2.2 and 4.1, ASCII and binary.
+// Reads meshes of Gmsh (.msh) of the versions 2 to 2.2 and 4.1, ASCII and binary.
 //
 // The points are the nodes, in the order of the file; the tags of nodes may be any numbers. The
 // elements of the types 4 (tetrahedron), 5 (hexahedron), 6 (prism) and 7 (pyramid) are cells; the
@@ -83,7 +83,9 @@ public:
         : path_(path), bytes_(bytes), text_(path, bytes) {
         seek("MeshFormat");
         const std::string_view version = text_.token("the version of the format");
-        if (version != "2.2" && version != "4.1")
+        // The versions 2 to 2.2 differ in sections that are not read.
+        constexpr std::string_view kVersions[] = {"2", "2.0", "2.1", "2.2", "4.1"};
+        if (std::ranges::count(kVersions, version) == 0)
             text_.fail("the version of the format is " + inQuotes(version) +
                        "; expected 2.2 or 4.1: write the mesh with gmsh FILE -save -format msh41");
         isVersion4_ = version == "4.1";
@@ -101,8 +103,7 @@ public:
             Point3& position = numbers.points.values.emplace_back();
             CoordinateOffsets& offsets = numbers.points.offsets.emplace_back();
             for (std::size_t axis = 0; axis < 3; ++axis)
-                std::tie(position[axis], offsets[axis]) =
-                    coordinate(axis, numbers.points.values.size() - 1);
+                std::tie(position[axis], offsets[axis]) = coordinate(axis);
         });
         return numbers;
     }
@@ -113,7 +114,7 @@ public:
             // Most files number their nodes from 1 in order.
             isDense_ = isDense_ && tag == std::int64_t{index} + 1;
             tags_.emplace_back(tag, index);
-            for (std::size_t axis = 0; axis < 3; ++axis) coordinate(axis, 0);
+            for (std::size_t axis = 0; axis < 3; ++axis) coordinate(axis);
         });
         sortTags();
         if (isVersion4_)
@@ -192,7 +193,7 @@ private:
     }
 
     /// Reads a coordinate, and tells its offset.
-    std::pair<double, std::size_t> coordinate(std::size_t axis, std::size_t point) {
+    std::pair<double, std::size_t> coordinate(std::size_t axis) {
         if (!isBinary_) {
             const std::string_view word = text_.token("a coordinate");
             return {parseCoordinate(word, axis, Precision::Double, path_, text_.line()),
@@ -200,8 +201,7 @@ private:
         }
         const std::size_t offset = text_.position();
         text_.bytes(sizeof(double), "a coordinate");
-        return {loadCoordinate(bytes_, offset, Precision::Double, *order_, axis, point, path_),
-                offset};
+        return {loadReal(bytes_, offset, Precision::Double, *order_), offset};
     }
 
     /// Reads $Nodes. Calls readCoordinates(tag) for each node, which must read three coordinates.

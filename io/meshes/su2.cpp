@@ -144,7 +144,7 @@ private:
     void readElement(Index pointCount, CellVisitor& visitor) {
         std::string_view line = nextLine("an element");
         std::string_view word = takeWord(line);
-        if (word.starts_with("SEND_RECV")) {
+        if (word.starts_with("SEND_RECV") || word.starts_with("SEND_TO")) {
             // An older mesh of one process: the marker of the points that it shares with another.
             line = nextLine("an element");
             word = takeWord(line);

@@ -60,6 +60,19 @@ TEST(Gmsh, NodesOfVersion2MayHaveParameters) {
     EXPECT_EQ(written(*model, moved), replaced(text, "12 3 1 3 3 5", "12 3.5 1 3 3 5"));
 }
 
+/// Gmsh wrote the same nodes and elements in the versions before 2.2.
+TEST(Gmsh, ReadsTheVersionsBefore22) {
+    const std::string good = sampleGmsh2();
+    const auto expected = readModel("a.msh", good);
+    for (const std::string version : {"2", "2.0", "2.1"}) {
+        const std::string text = replaced(good, "2.2 0", version + " 0");
+        const auto model = readModel("a.msh", text);
+        EXPECT_THAT(model->positions(), testing::ElementsAreArray(expected->positions()));
+        EXPECT_EQ(model->readSurface().faces, expected->readSurface().faces);
+        EXPECT_EQ(written(*model, model->positions()), text);
+    }
+}
+
 TEST(Gmsh, MalformedFilesAreRefusedWithTheLine) {
     const std::string good = sampleGmsh2();
     const auto expectRefused = [](const std::string& bytes, const std::string& message) {
