@@ -416,6 +416,10 @@ DescribedFile readDescribed(const InfoOptions& options) {
     }
     const bool isModel = io::isFileOf(io::FileContent::Model, path);
     const bool isLattice = io::isFileOf(io::FileContent::Lattice, path);
+    if (!isModel && !isLattice)
+        throw io::FileError(path, "is not of a known format; expected a model: " +
+                                      filesToRead(io::FileContent::Model) +
+                                      "; or a lattice: " + filesToRead(io::FileContent::Lattice));
     std::string bytes = io::readFile(path);
     if (!isModel || (isLattice && !options.asModel)) {
         try {

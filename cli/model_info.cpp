@@ -7,6 +7,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -67,12 +69,30 @@ std::string counted(std::size_t count, const char* singular, const char* plural)
     return fmt::format("{} {}", count, count == 1 ? singular : plural);
 }
 
+/// Returns the number of digits that tell the two ends of a box apart, to a hundredth of its size.
+int digitsOf(const BoundingBox& box) {
+    int digits = 4;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double largest = std::max(std::abs(box.min[axis]), std::abs(box.max[axis]));
+        const double ratio = largest / box.size()[axis];
+        if (std::isfinite(ratio))
+            digits = std::max(digits, 2 + static_cast<int>(std::ceil(std::log10(ratio))));
+    }
+    return std::min(digits, std::numeric_limits<double>::max_digits10);
+}
+
+/// Returns an end of a box as text.
+std::string endText(const BoundingBox& box, const Point3& end) {
+    const int digits = digitsOf(box);
+    return fmt::format("{:.{}g}, {:.{}g}, {:.{}g}", end[0], digits, end[1], digits, end[2], digits);
+}
+
 }  // namespace
 
 std::string boundsText(const BoundingBox& box) {
-    return fmt::format("bounds      ({:.4g}) to ({:.4g})\nsize        {:.4g}, diagonal {:.4g}\n",
-                       fmt::join(box.min, ", "), fmt::join(box.max, ", "),
-                       fmt::join(box.size(), " × "), box.diagonal());
+    return fmt::format("bounds      ({}) to ({})\nsize        {:.4g}, diagonal {:.4g}\n",
+                       endText(box, box.min), endText(box, box.max), fmt::join(box.size(), " × "),
+                       box.diagonal());
 }
 
 nlohmann::json reportModel(const std::string& path, const io::Model& model) {
