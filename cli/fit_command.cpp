@@ -223,6 +223,7 @@ PointTargets readPointTargets(const FitCommandOptions& options, const io::Model&
         return pointTargets;
     }
     const auto wanted = readModel(options.targets, options.common, stages);
+    io::refuseHeldPoints(options.targets, *wanted);
     if (wanted->positions().size() != points.size())
         throw io::FileError(options.targets, fmt::format("has {} points, but the model {} has {}",
                                                          wanted->positions().size(),

@@ -124,7 +124,7 @@ Index FoamFile::label(const char* what, Index least) {
     return static_cast<Index>(number);
 }
 
-double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& offset) {
+double FoamFile::scalar(std::size_t axis, std::size_t& offset) {
     if (!isBinary_) {
         const std::string_view text = word("a coordinate");
         offset = text.data() - bytes_.data();
@@ -134,8 +134,8 @@ double FoamFile::scalar(std::size_t axis, std::size_t point, std::size_t& offset
     if (bytes_.size() - position_ < scalarBytes_) fail("the file ends; expected a coordinate");
     offset = position_;
     position_ += scalarBytes_;
-    return loadCoordinate(bytes_, offset, scalarBytes_ == 4 ? Precision::Float : Precision::Double,
-                          order_, axis, point, path_);
+    return loadReal(bytes_, offset, scalarBytes_ == 4 ? Precision::Float : Precision::Double,
+                    order_);
 }
 
 FileNumbers FoamFile::points() {
@@ -153,8 +153,7 @@ FileNumbers FoamFile::points() {
     for (std::size_t point = 0; point < size; ++point) {
         if (!isBinary_) expect("(");
         for (std::size_t axis = 0; axis < 3; ++axis)
-            numbers.points.values[point][axis] =
-                scalar(axis, point, numbers.points.offsets[point][axis]);
+            numbers.points.values[point][axis] = scalar(axis, numbers.points.offsets[point][axis]);
         if (!isBinary_) expect(")");
     }
     expect(")");

@@ -50,7 +50,7 @@ private:
     void expect(std::string_view mark);
     std::size_t count(const char* what, std::size_t minBytes);
     Index label(const char* what, Index least = 0);
-    double scalar(std::size_t axis, std::size_t point, std::size_t& offset);
+    double scalar(std::size_t axis, std::size_t& offset);
     [[noreturn]] void fail(const std::string& cause) const;
 
     const std::filesystem::path& path_;

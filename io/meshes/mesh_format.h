@@ -20,8 +20,8 @@ namespace espalier::io {
 /// The functions of a format of meshes.
 struct MeshFormat {
     /// Finds the points.
-    /// \throws FileError if the file is malformed up to the end of its points, or if a point is not
-    ///         finite
+    /// \return points that may be not finite
+    /// \throws FileError if the file is malformed up to the end of its points
     FileNumbers (*readPoints)(const std::filesystem::path& path, std::string_view bytes);
 
     /// Reads the cells.

@@ -27,9 +27,10 @@ bool isTooLarge(Precision precision, double value) {
            std::abs(value) > std::numeric_limits<float>::max();
 }
 
-/// Returns the text of the number at `offset`. It was read as a number before, so white space, a
-/// comment, a backslash, a bracket or a comma ends it.
+}  // namespace
+
 std::string_view numberAt(std::string_view text, std::size_t offset) {
+    // White space, a comment, a backslash, a bracket or a comma ends the number.
     const auto ends = [](char c) {
         if ('-' <= c && c <= '9') return false;  // most bytes: digits, the point and the sign
         return c <= ' ' || c == '#' || c == '\\' || c == ')' || c == ',';
@@ -37,8 +38,6 @@ std::string_view numberAt(std::string_view text, std::size_t offset) {
     const auto begin = text.begin() + static_cast<std::ptrdiff_t>(offset);
     return text.substr(offset, std::find_if(begin, text.end(), ends) - begin);
 }
-
-}  // namespace
 
 const char* axisName(std::size_t axis) {
     static constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
@@ -60,14 +59,17 @@ double loadReal(std::string_view bytes, std::size_t offset, Precision precision,
                                          : loadNumber<double>(at, order);
 }
 
-double loadCoordinate(std::string_view bytes, std::size_t offset, Precision precision,
-                      std::endian order, std::size_t axis, std::size_t point,
-                      const std::filesystem::path& path) {
-    const double value = loadReal(bytes, offset, precision, order);
-    if (!std::isfinite(value))
-        throw FileError(path, concat("byte ", offset, ": ", axisName(axis), " of point ", point,
-                                     " is not finite"));
-    return value;
+void refuseNotFinite(std::size_t offset, std::size_t axis, std::size_t point,
+                     const std::filesystem::path& path) {
+    throw FileError(
+        path, concat("byte ", offset, ": ", axisName(axis), " of point ", point, " is not finite"));
+}
+
+void refuseNotFinite(std::string_view word, std::size_t axis, const std::filesystem::path& path,
+                     std::size_t line) {
+    throw FileError(
+        path, line,
+        concat(inQuotes(word), " is not finite; expected ", axisName(axis), " of a vertex"));
 }
 
 void storeCoordinate(std::string& bytes, std::size_t offset, double value, Precision precision,
@@ -94,7 +96,6 @@ double parseCoordinate(std::string_view word, std::size_t axis, Precision precis
     double value = 0;
     if (word.empty()) fail("the line ends");
     if (!parseNumber(word, value)) fail(inQuotes(word) + " is not a number");
-    if (!std::isfinite(value)) fail(inQuotes(word) + " is not finite");
     if (isTooLarge(precision, value)) fail(inQuotes(word) + " is too large for single precision");
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }

@@ -50,12 +50,15 @@ inline void roundToFloat(double& coordinate) {
 /// Reads the number at an offset of binary data; it may be infinite or NaN.
 double loadReal(std::string_view bytes, std::size_t offset, Precision precision, std::endian order);
 
-/// Reads the coordinate at an offset of binary data.
-/// \param point number of the point, for messages
-/// \throws FileError if the coordinate is not finite
-double loadCoordinate(std::string_view bytes, std::size_t offset, Precision precision,
-                      std::endian order, std::size_t axis, std::size_t point,
-                      const std::filesystem::path& path);
+/// Throws the error of a coordinate in binary data that is not finite.
+/// \param point number of the point, for the message
+[[noreturn]] void refuseNotFinite(std::size_t offset, std::size_t axis, std::size_t point,
+                                  const std::filesystem::path& path);
+
+/// Throws the error of a coordinate in a text that is not finite.
+/// \param word its text
+[[noreturn]] void refuseNotFinite(std::string_view word, std::size_t axis,
+                                  const std::filesystem::path& path, std::size_t line);
 
 /// Writes a coordinate into binary data. roundTo() must have returned it.
 void storeCoordinate(std::string& bytes, std::size_t offset, double value, Precision precision,
@@ -64,11 +67,14 @@ void storeCoordinate(std::string& bytes, std::size_t offset, double value, Preci
 /// Parses a word as a number of this precision; NaN if it is no number or too large.
 double parseReal(std::string_view word, Precision precision);
 
-/// Parses a word as a coordinate.
+/// Parses a word as a coordinate, which may be infinite or NaN: HeldPoints decides about it.
 /// \param word empty if the line has no more words
-/// \throws FileError if the word is missing, not a number, not finite or too large
+/// \throws FileError if the word is missing, not a number or too large
 double parseCoordinate(std::string_view word, std::size_t axis, Precision precision,
                        const std::filesystem::path& path, std::size_t line);
+
+/// Returns the text of the number at an offset of a text. It was read as a number before.
+std::string_view numberAt(std::string_view text, std::size_t offset);
 
 /// Returns true if the numbers are equal, or both NaN.
 bool isSame(double a, double b);

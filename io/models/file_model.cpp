@@ -6,10 +6,12 @@
 #include <espalier/io/files/text_reader.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 #include <utility>
 
 #include "../lattices/lattice_parts.h"
+#include "held_points.h"
 
 namespace espalier::io {
 namespace {
@@ -26,11 +28,15 @@ public:
           functions_(functions),
           path_(path),
           bytes_(std::move(bytes)),
-          numbers_(functions.readNumbers(path_, bytes_)) {
+          numbers_(functions.readNumbers(path_, bytes_)),
+          held_(numbers_.points.values) {
         checkedIndex(path, numbers_.points.values.size(), "points");
+        if (const auto used = held_.findUsed(*this)) refuseNotFinitePoint(*used);
+        if (!held_.empty()) numbers_.notes.push_back(held_.note());
     }
 
     std::span<const Point3> positions() const override { return numbers_.points.values; }
+    std::vector<Index> heldPoints() const override { return held_.numbers(); }
     std::vector<std::string> notes() const override { return numbers_.notes; }
     CoordinateStorage storage() const override { return numbers_.storage; }
     DirectionCounts directions() const override {
@@ -46,6 +52,21 @@ public:
     }
 
 private:
+    /// Throws the error of a point whose numbers in the file are not finite.
+    [[noreturn]] void refuseNotFinitePoint(std::size_t point) {
+        auto& [values, offsets, precisions, carry] = numbers_.points;
+        held_.restore(values);
+        std::size_t axis = 0;
+        while (std::isfinite(values[point][axis])) ++axis;
+        if (offsets.empty())
+            throw FileError(path_, concat(axisName(axis), " of point ", point, " is not finite"));
+        const std::size_t offset = offsets[point][axis];
+        if (numbers_.order) refuseNotFinite(offset, axis, point, path_);
+        const std::string_view before = std::string_view(bytes_).substr(0, offset);
+        refuseNotFinite(numberAt(bytes_, offset), axis, path_,
+                        1 + std::ranges::count(before, '\n'));
+    }
+
     FileView view() const { return {path_, bytes_, numbers_}; }
 
     void checkOwnTarget(const std::filesystem::path& target) const override {
@@ -54,8 +75,12 @@ private:
 
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
                       std::span<const DeformationGradient> gradients) const override {
+        const auto write = functions_.write ? functions_.write : writeNumbers;
         writeFile(path, [&](std::ostream& out) {
-            (functions_.write ? functions_.write : writeNumbers)(out, view(), moved, gradients);
+            if (held_.empty())
+                write(out, view(), moved, gradients);
+            else
+                write(out, view(), held_.held(moved), held_.held(gradients));
         });
     }
 
@@ -63,6 +88,7 @@ private:
     std::filesystem::path path_;  ///< path of the file that was read
     std::string bytes_;
     FileNumbers numbers_;
+    HeldPoints held_;  ///< the numbers have their stand-ins
 };
 
 }  // namespace

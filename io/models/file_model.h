@@ -27,7 +27,8 @@
 
 namespace espalier::io {
 
-/// Vectors in a file, one per point: the points, or directions at them.
+/// Vectors in a file, one per point: the points, or directions at them. A reader gives them as the
+/// file has them, finite or not.
 struct FileVectors {
     Array<Point3> values;
     Array<CoordinateOffsets> offsets;  ///< where the file has the numbers of each vector

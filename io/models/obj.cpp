@@ -35,6 +35,7 @@
 // A backslash at the end of a line continues the statement on the next line, except in a comment.
 // A coordinate that changes is written as the shortest text that reads back as the same double; a
 // coordinate that does not change keeps its text. A file without `v` is a model without points.
+// Lines whose first word is not in the specification are kept, too, and a note counts them.
 //
 // A `vn` has no point of its own. It is used at corners of `f`, `fo` and `surf`, and the gradients
 // of the points at these corners carry it. The result is rounded to nine digits after the decimal
@@ -336,8 +337,9 @@ FileNumbers readObjNumbers(const std::filesystem::path& path, std::string_view t
                   shownPath(path) + ": a list of its points");
     numbers.points.values.reserve(expected);
     numbers.points.offsets.reserve(expected);
+    ObjKeywords keywords(path);
     forEachObjStatement(path, text, [&](ObjWords& words, std::size_t line) {
-        const std::string_view keyword = readObjKeyword(words, path, line);
+        const std::string_view keyword = keywords.read(words, line);
         if (keyword == "vn") ++numbers.ownNormals;
         if (keyword != "v") return;
         const ObjPoint point = readObjPoint(words, path, line);
@@ -346,6 +348,9 @@ FileNumbers readObjNumbers(const std::filesystem::path& path, std::string_view t
         for (std::size_t axis = 0; axis < 3; ++axis)
             offsets[axis] = point.words[axis].data() - text.data();
     });
+    keywords.checkFile(!numbers.points.values.empty());
+    if (const std::string lines = keywords.unknown(); !lines.empty())
+        numbers.notes.push_back("kept " + lines);
     return numbers;
 }
 

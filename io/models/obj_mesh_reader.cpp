@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "../lattices/lattice_parts.h"
+#include "coordinates.h"
 #include "obj_statements.h"
 
 namespace espalier::io {
@@ -340,10 +341,11 @@ public:
     explicit ObjMeshReader(const std::filesystem::path& path) : path_(path), tags_(path) {}
 
     Lattice read(std::string_view text, ReadNotes* notes) {
+        ObjKeywords keywords(path_);
         forEachObjStatement(path_, text, [&](ObjWords& words, std::size_t line) {
-            const std::string_view keyword = readObjKeyword(words, path_, line);
+            const std::string_view keyword = keywords.read(words, line);
             if (keyword == "v")
-                mesh_.positions.push_back(readObjPoint(words, path_, line).position);
+                mesh_.positions.push_back(readPoint(words, line));
             else if (keyword == "vt")
                 textures_.push_back(readTexture(words, line));
             else if (keyword == "f" || keyword == "fo")
@@ -353,6 +355,9 @@ public:
             else if (keyword == "t")
                 tags_.add(words, line);
         });
+        keywords.checkFile(!mesh_.positions.empty());
+        if (const std::string lines = keywords.unknown(); notes && !lines.empty())
+            notes->others.push_back("skipped " + lines);
         const bool isCurve = faces_.count() == 0 && !lineStatements_.empty();
         if (faces_.count() == 0 && !isCurve)
             throw far::TopologyError(
@@ -369,6 +374,14 @@ public:
     }
 
 private:
+    Point3 readPoint(ObjWords& words, std::size_t line) const {
+        const ObjPoint point = readObjPoint(words, path_, line);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (!std::isfinite(point.position[axis]))
+                refuseNotFinite(point.words[axis], axis, path_, line);
+        return point.position;
+    }
+
     /// Reads u and v of a `vt` statement; v is 0 if it is missing, and w is not kept.
     std::array<double, 2> readTexture(ObjWords& words, std::size_t line) const {
         std::array<double, 2> texture = {};

@@ -64,8 +64,7 @@ std::string_view readObjStatement(TextReader& reader) {
     return std::string_view(first.data(), last.data() + last.size() - first.data());
 }
 
-std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
-                                std::size_t line) {
+std::string_view ObjKeywords::read(ObjWords& words, std::size_t line) {
     static constexpr std::string_view kKeywords[] = {
         "v", "f", "fo", "vt", "vn", "t", "l", "p", "vp", "g", "s", "o", "mg", "usemtl", "mtllib",
         // free-form curves and surfaces
@@ -74,13 +73,34 @@ std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& pa
         // display, and others
         "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech",
         "maplib", "usemap", "call", "csh"};
+    const auto isKnown = [](std::string_view word) {
+        return std::ranges::find(kKeywords, word) != std::end(kKeywords);
+    };
+    const std::string_view statement = words.rest();
     const std::string_view word = words.next();
-    if (!word.empty() && std::ranges::find(kKeywords, word) == std::end(kKeywords))
-        throw FileError(path, line,
-                        inQuotes(word) +
-                            " is not a keyword of OBJ files; expected v, f, vn or "
-                            "another one, in lower case, or # and a comment");
+    if (word.empty() || isKnown(word)) return word;
+    if (!canBeOdd(word, statement) || isKnown(lowerCase(word))) fail(word, line);
+    if (odd_.empty()) {
+        firstOdd_ = word;
+        firstOddLine_ = line;
+    }
+    odd_.add(word, line);
     return word;
+}
+
+void ObjKeywords::checkFile(bool havePoints) const {
+    if (!havePoints && !odd_.empty()) fail(firstOdd_, firstOddLine_);
+}
+
+std::string ObjKeywords::unknown() const {
+    return odd_.empty() ? std::string() : odd_.phrase("whose first word no OBJ has");
+}
+
+void ObjKeywords::fail(std::string_view word, std::size_t line) const {
+    throw FileError(path_, line,
+                    inQuotes(word) +
+                        " is not a keyword of OBJ files; expected v, f, vn or another one, in "
+                        "lower case, or # and a comment");
 }
 
 std::size_t expectedPoints(std::string_view text) {
@@ -99,8 +119,8 @@ ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::s
     ObjPoint point;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::string_view word = words.nextNumber(point.position[axis]);
-        if (!std::isfinite(point.position[axis]))  // throws
-            parseCoordinate(word, axis, Precision::Double, path, line);
+        if (!std::isfinite(point.position[axis]))  // "nan", or no number: an error
+            point.position[axis] = parseCoordinate(word, axis, Precision::Double, path, line);
         point.words[axis] = word;
     }
     double ignored = 0;

@@ -7,7 +7,10 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <string_view>
+
+#include "odd_lines.h"
 
 // Splits the text of an OBJ into statements, and statements into words. A statement is one line, or
 // several lines that backslashes join.
@@ -25,6 +28,9 @@ public:
 
     /// Returns the next word, and reads it as parseNumber() does; as NaN if it is no number.
     std::string_view nextNumber(double& number);
+
+    /// Returns the rest of the statement.
+    std::string_view rest() const { return rest_; }
 
     /// Returns the end of the statement, behind its comment.
     const char* end() const { return rest_.data() + rest_.size(); }
@@ -51,12 +57,33 @@ void forEachObjStatement(const std::filesystem::path& path, std::string_view tex
     }
 }
 
-/// Reads the first word of a statement; empty if there is none.
-/// \param words words of the whole statement
-/// \throws FileError if the word is neither a keyword of the OBJ specification (version 3.0,
-///         including superseded ones) nor the `t` of OpenSubdiv's tags
-std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
-                                std::size_t line);
+/// Reads the first words of statements. Known are the keywords of the OBJ specification (version
+/// 3.0, including superseded ones), and the `t` of OpenSubdiv's tags.
+class ObjKeywords {
+public:
+    explicit ObjKeywords(const std::filesystem::path& path) : path_(path) {}
+
+    /// Reads the first word of a statement; empty if there is none. Counts words that are not
+    /// known. \param words words of the whole statement \throws FileError if the word is not known
+    /// and cannot be one that a program has added: if it
+    ///         is a number or a keyword in upper case, or if the statement is not text
+    std::string_view read(ObjWords& words, std::size_t line);
+
+    /// Throws the error of the first unknown word if there is one and the file has no points: it is
+    /// no OBJ then.
+    void checkFile(bool havePoints) const;
+
+    /// Returns "3 lines whose first word no OBJ has ('foo' in line 7)"; empty if all are known.
+    std::string unknown() const;
+
+private:
+    [[noreturn]] void fail(std::string_view word, std::size_t line) const;
+
+    const std::filesystem::path& path_;
+    OddLines odd_;
+    std::string firstOdd_;
+    std::size_t firstOddLine_ = 0;
+};
 
 /// Returns the number of lines that begin with "v ", as most points do. It takes 5 % of the time of
 /// reading.
@@ -70,7 +97,8 @@ struct ObjPoint {
 /// Reads the point of a `v` statement. The words after it, w or a colour, must be numbers and are
 /// not kept.
 /// \param words the words after the `v`
-/// \throws FileError if a word is not a number, or a coordinate is missing or not finite
+/// \return coordinates that may be not finite
+/// \throws FileError if a word is not a number, or a coordinate is missing
 ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::size_t line);
 
 }  // namespace espalier::io

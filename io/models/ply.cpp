@@ -28,17 +28,30 @@
 // exists once and is a float or a double. In these properties a word that is no number is not an
 // error.
 //
-// The faces are the rows of the element `face`: its lists `vertex_indices` or `vertex_index`.
+// The faces are the rows of the element `face`: its lists `vertex_indices` or `vertex_index`. The
+// same lists of the element `tristrips` are strips of triangles: a strip ends at -1 or with its
+// list, and every second triangle is wound the other way.
 //
 // The file must have exactly the rows that its header claims. In ASCII a row is a line; empty
 // lines between and after rows are kept and ignored. In binary one line end may follow the rows.
+//
+// Lines of the header whose first word is not in the description of the format are kept, and a note
+// counts them.
 //
 // Refused: x, y or z of an integer type, which could not hold a deformed position.
 
 namespace espalier::io {
 namespace {
 
-/// Returns true if a list of the element `face` has the corners of the faces.
+bool isStrips(const PlyElement& element) {
+    return element.name == "tristrips";
+}
+
+bool isFaces(const PlyElement& element) {
+    return element.name == "face" || isStrips(element);
+}
+
+/// Returns true if a list of an element of faces has their corners.
 bool isCornerList(const PlyProperty& property) {
     return property.lengthType && isInteger(property.type) &&
            (property.name == "vertex_indices" || property.name == "vertex_index");
@@ -46,6 +59,8 @@ bool isCornerList(const PlyProperty& property) {
 
 /// Reads the rows of all elements, and collects the points and directions.
 class RowReader {
+    static constexpr std::int64_t kEndOfStrip = -1;
+
 public:
     /// \param path, bytes, header must outlive the reader
     /// \param faces receives the faces; may be null
@@ -70,7 +85,8 @@ public:
     FileNumbers read() {
         for (const PlyElement& element : header_.elements) {
             isVertex_ = &element == &header_.vertices();
-            isFace_ = element.name == "face";
+            isFace_ = isFaces(element);
+            isStrip_ = isStrips(element);
             // Rows without properties have no bytes in the file.
             if (element.properties.empty()) continue;
             checkClaim(element);
@@ -123,15 +139,23 @@ protected:
         return faces_ && isFace_ && isCornerList(property);
     }
 
-    /// Returns true if a corner of a face names a point, and adds it then.
+    /// Returns true if a corner of a face names a point, and adds it then; or if it ends a strip.
     bool addCorner(std::int64_t point) {
+        if (isStrip_ && point == kEndOfStrip) {
+            endFace();
+            return true;
+        }
         if (point < 0 || static_cast<std::uint64_t>(point) >= header_.vertices().count)
             return false;
-        faces_->corners.push_back(static_cast<Index>(point));
+        (isStrip_ ? strip_ : faces_->corners).push_back(static_cast<Index>(point));
         return true;
     }
 
-    void endFace() { faces_->endFace(); }
+    void endFace() {
+        if (!isStrip_) return faces_->endFace();
+        faces_->addStrip(strip_);
+        strip_.clear();
+    }
 
     std::string nameOfPoints() const {
         return concat("a point; there are ", header_.vertices().count);
@@ -159,6 +183,8 @@ private:
     std::vector<Slot> slots_;  ///< one for each column of the vertices
     bool isVertex_ = false;
     bool isFace_ = false;
+    bool isStrip_ = false;
+    std::vector<Index> strip_;  ///< the points of the current strip
 };
 
 class AsciiRows final : public RowReader {
@@ -314,11 +340,7 @@ private:
     }
 
     void readReal(const Slot& slot, std::size_t at) {
-        set(slot,
-            isPosition(slot)
-                ? loadCoordinate(bytes_, at, slot.precision(), order_, slot.axis, row_, path_)
-                : loadReal(bytes_, at, slot.precision(), order_),
-            at);
+        set(slot, loadReal(bytes_, at, slot.precision(), order_), at);
     }
 
     std::size_t at_;
@@ -345,6 +367,9 @@ FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view b
     if (header.format != PlyFormat::Ascii) numbers.order = header.byteOrder();
     const auto& precisions = numbers.points.precisions;
     numbers.storage = storageOf(*std::min_element(precisions.begin(), precisions.end()));
+    if (!header.oddLines.empty())
+        numbers.notes.push_back("kept " + header.oddLines.phrase("whose first word no header of "
+                                                                 "a PLY has"));
     return numbers;
 }
 
@@ -353,9 +378,7 @@ FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view b
 void nameOtherData(const PlyHeader& header, const PlyElement& element,
                    const std::vector<std::size_t>& used, ModelSurface& surface) {
     if (element.count == 0) return;
-    if (element.name == "tristrips")
-        surface.otherShapes.push_back("strips of triangles");
-    else if (&element != &header.vertices() && element.name != "face")
+    if (&element != &header.vertices() && !isFaces(element))
         surface.addOther("elements", element.name);
     else
         for (std::size_t column = 0; column < element.properties.size(); ++column) {

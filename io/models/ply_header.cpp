@@ -52,6 +52,7 @@ private:
     /// \return false for the last line of the header
     bool parseLine() {
         std::string_view line = nextLine();
+        const std::string_view whole = line;
         const std::string_view keyword = takeWord(line);
         if (keyword == "comment" || keyword == "obj_info") return true;
         if (keyword == "format")
@@ -61,10 +62,20 @@ private:
         else if (keyword == "property")
             parseProperty(line);
         else if (keyword != "end_header")
-            lines_.fail(inQuotes(keyword) + " does not begin a line of a PLY header");
+            return keepOddLine(keyword, whole);
         if (const std::string_view more = takeWord(line); !more.empty())
             lines_.fail("expected the end of the line, got " + inQuotes(more));
         return keyword != "end_header";
+    }
+
+    /// Counts a line that is not of the format, such as the stamp of an exporter.
+    bool keepOddLine(std::string_view keyword, std::string_view line) {
+        constexpr std::string_view kKeywords[] = {"format", "element", "property", "end_header"};
+        // A keyword in upper case is no stamp: without it, the rows would be misread.
+        if (!canBeOdd(keyword, line) || std::ranges::count(kKeywords, lowerCase(keyword)) > 0)
+            lines_.fail(inQuotes(keyword) + " does not begin a line of a PLY header");
+        header_.oddLines.add(keyword, lines_.line());
+        return true;
     }
 
     void parseFormat(std::string_view& line) {

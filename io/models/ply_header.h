@@ -3,6 +3,7 @@
 
 #include "../files/number_types.h"
 #include "coordinates.h"
+#include "odd_lines.h"
 
 #include <array>
 #include <bit>
@@ -50,6 +51,7 @@ struct PlyHeader {
     std::vector<PlyDirection> directions;
     std::size_t size = 0;  ///< bytes of the header
     std::size_t lineCount = 0;
+    OddLines oddLines = {};  ///< the lines that are not understood
 
     const PlyElement& vertices() const { return elements[vertexElement]; }
 
@@ -64,6 +66,7 @@ struct PlyHeader {
 /// Reads the header at the beginning of `bytes`.
 ///
 /// \param path for messages
+/// Lines that begin with another word than those of the format are counted and not read.
 /// \throws FileError with the line, if the header is malformed, or does not have exactly one
 ///         element `vertex` with properties x, y and z of type float or double
 PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view bytes);

@@ -20,13 +20,15 @@
 #include "../files/bytes.h"
 #include "../files/text_output.h"
 #include "file_model.h"
+#include "odd_lines.h"
 #include "surface_writers.h"
 
 // STL, ASCII or binary. Its points are the three corners of each facet, facet
 // after facet; so a vertex of the surface is repeated for each facet around it.
 //
 // A file is binary if it has exactly the 84 + 50 · n bytes of the n facets that it claims, even if
-// its header begins with "solid". A binary file holds floats.
+// its header begins with "solid". A binary file holds floats. Bytes after its last facet are kept,
+// and a note counts them. In a text, "endsolidpart" is "endsolid" and a name, with a note.
 //
 // On writing, a facet with a corner that moved gets the normal of its new corners, or 0 0 0 if
 // they lie on a line. All other facets keep their normals. Headers, names and attribute bytes are
@@ -109,18 +111,47 @@ std::size_t cornerOffset(std::size_t point) {
     return normalOffset(point / 3) + (point % 3 + 1) * kVectorSize;
 }
 
-/// Has no table of offsets, since cornerOffset() gives them.
+/// Returns the number of facets that the head of a binary file claims.
+std::uint32_t facetCount(std::string_view bytes) {
+    return loadNumber<std::uint32_t>(bytes.data() + kHeaderSize, std::endian::little);
+}
+
+/// Returns the size of the facets that the head of a binary file claims, and of the head.
+std::uint64_t binarySizeOf(std::string_view bytes) {
+    return bytes.size() < kFirstFacet ? kFirstFacet
+                                      : kFirstFacet + kFacetSize * std::uint64_t{facetCount(bytes)};
+}
+
+/// Throws if some corners of a facet are finite and some are not.
+void refusePartlyFinite(const std::filesystem::path& path, std::span<const Point3> points,
+                        std::size_t facet) {
+    const std::span<const Point3> corners = points.subspan(3 * facet, 3);
+    const auto isFinite = [](double x) { return std::isfinite(x); };
+    const auto isFinitePoint = [&](const Point3& p) { return std::ranges::all_of(p, isFinite); };
+    if (std::ranges::all_of(corners, isFinitePoint) || std::ranges::none_of(corners, isFinitePoint))
+        return;
+    for (std::size_t point = 3 * facet; true; ++point)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (!isFinite(points[point][axis]))
+                refuseNotFinite(cornerOffset(point) + axis * sizeof(float), axis, point, path);
+}
+
+/// Reads a file that has at least the size of its facets. Has no table of offsets, since
+/// cornerOffset() gives them.
 FileNumbers readBinary(const std::filesystem::path& path, std::string_view bytes) {
     FileNumbers numbers;
     numbers.setBinary(std::endian::little, Precision::Float);
     auto& points = numbers.points.values;
-    points.resize(3 * ((bytes.size() - kFirstFacet) / kFacetSize));
+    points.resize(3 * std::size_t{facetCount(bytes)});
+    if (const std::size_t more = bytes.size() - normalOffset(facetCount(bytes)); more > 0)
+        numbers.notes.push_back(
+            concat("kept ", more, more == 1 ? " byte" : " bytes", " after the last facet"));
     for (std::size_t point = 0; point < points.size(); ++point) {
         checkCancelledEvery(point, 14);
         for (std::size_t axis = 0; axis < 3; ++axis)
-            points[point][axis] =
-                loadCoordinate(bytes, cornerOffset(point) + axis * sizeof(float), Precision::Float,
-                               std::endian::little, axis, point, path);
+            points[point][axis] = loadReal(bytes, cornerOffset(point) + axis * sizeof(float),
+                                           Precision::Float, std::endian::little);
+        if (point % 3 == 2) refusePartlyFinite(path, points, point / 3);
     }
     return numbers;
 }
@@ -156,6 +187,8 @@ public:
             readSolid();
             ++solidCount;
         }
+        if (!joined_.empty())
+            numbers.notes.push_back("read " + joined_.phrase("as solid or endsolid and a name"));
     }
 
     FileNumbers numbers;
@@ -171,12 +204,20 @@ private:
             reader_.fail("expected " + inQuotes(keyword) + ", got " + inQuotes(word));
     }
 
+    /// Returns true for a keyword, also if a name follows it without a space.
+    bool isBegin(std::string_view keyword, std::string_view word) {
+        if (!lowerCase(word.substr(0, keyword.size())).starts_with(keyword)) return false;
+        if (word.size() > keyword.size()) joined_.add(word, reader_.line());
+        return true;
+    }
+
     void readSolid() {
-        expect("solid");
+        const std::string_view solid = reader_.token("solid");
+        if (!isBegin("solid", solid)) reader_.fail("expected 'solid', got " + inQuotes(solid));
         reader_.restOfLine();  // the name
         while (true) {
             const std::string_view word = reader_.token("facet or endsolid");
-            if (lowerCase(word) == "endsolid") break;
+            if (isBegin("endsolid", word)) break;
             if (lowerCase(word) != "facet")
                 reader_.fail(inQuotes(word) + "; expected 'facet' or 'endsolid'");
             readFacet();
@@ -207,6 +248,7 @@ private:
     const std::filesystem::path& path_;
     std::string_view bytes_;
     TextReader reader_;
+    OddLines joined_;  ///< lines with a keyword that is joined to a name
 };
 
 void writeText(std::ostream& out, const FileView& file, std::span<const Point3> moved) {
@@ -234,14 +276,12 @@ bool beginsWithSolid(std::string_view bytes) {
 }
 
 FileNumbers readStlNumbers(const std::filesystem::path& path, std::string_view bytes) {
-    std::uint64_t binarySize = kFirstFacet;
-    if (bytes.size() >= kFirstFacet)
-        binarySize += kFacetSize * std::uint64_t{loadNumber<std::uint32_t>(
-                                       bytes.data() + kHeaderSize, std::endian::little)};
+    const std::uint64_t binarySize = binarySizeOf(bytes);
     if (bytes.size() == binarySize) return readBinary(path, bytes);
     // A text has no byte 0, and nearly every binary file has one.
     if (beginsWithSolid(bytes) && bytes.find('\0') == std::string::npos)
         return std::move(TextStl(path, bytes).numbers);
+    if (bytes.size() > binarySize && binarySize > kFirstFacet) return readBinary(path, bytes);
     throw FileError(path,
                     concat("not an ASCII STL, which begins with 'solid', and not a binary one, ",
                            "which would have ", binarySize, " bytes; got ", bytes.size()));

@@ -3,6 +3,7 @@
 #include <espalier/io/vtk/vtu.h>
 
 #include <algorithm>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "../lattices/lattice_parts.h"
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
+#include "../models/held_points.h"
 #include "vtk_cells.h"
 #include "vtk_surface_writers.h"
 #include "vtk_xml.h"
@@ -107,13 +109,22 @@ public:
             arrays_.push_back({pointArray(file_, piece), first, points.size(), nullptr, {}});
             addDirections(piece, first, points.size());
         }
-        checkFinite(path, positions_);
+        held_.emplace(positions_);
+        if (const auto used = held_->findUsed(*this)) {
+            held_->restore(positions_);
+            checkFinite(path, std::span(positions_).subspan(0, *used + 1));
+        }
         std::sort(arrays_.begin(), arrays_.end(), [](const PointArray& a, const PointArray& b) {
             return a.array.begin < b.array.begin;
         });
     }
 
     std::span<const Point3> positions() const override { return positions_; }
+    std::vector<Index> heldPoints() const override { return held_->numbers(); }
+    std::vector<std::string> notes() const override {
+        if (held_->empty()) return {};
+        return {held_->note()};
+    }
     DirectionCounts directions() const override {
         DirectionCounts counts;
         for (const PointArray& each : arrays_)
@@ -249,6 +260,17 @@ private:
 
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
                       std::span<const DeformationGradient> gradients) const override {
+        if (held_->empty()) return writeArrays(path, positions_, positions, gradients);
+        std::vector<Point3> before = positions_, now = copyOf(positions);
+        held_->restore(before);
+        held_->restore(now);
+        writeArrays(path, before, now, held_->held(gradients));
+    }
+
+    /// \param before the positions in the file
+    void writeArrays(const std::filesystem::path& path, std::span<const Point3> before,
+                     std::span<const Point3> positions,
+                     std::span<const DeformationGradient> gradients) const {
         const std::string_view bytes = file_.bytes();
         writeFile(path, [&](std::ostream& out) {
             std::size_t done = 0;
@@ -264,9 +286,8 @@ private:
                                                  precisionOf(type))
                                        : copyOf(ofPiece(positions)),
                             type, each.firstPoint);
-                const std::span<const Point3> before =
-                    each.carry ? each.directions : ofPiece(std::span(positions_));
-                if (areSame(now, before)) continue;
+                const std::span<const Point3> old = each.carry ? each.directions : ofPiece(before);
+                if (areSame(now, old)) continue;
                 out << bytes.substr(done, array.begin - done);
                 try {
                     out << elementOf(file_, array, type, now);
@@ -282,6 +303,7 @@ private:
     VtkXmlFile file_;
     std::vector<PointArray> arrays_;  ///< the arrays in the order of the file
     std::vector<Point3> positions_;
+    std::optional<HeldPoints> held_;  ///< set when the positions are read
 };
 
 std::unique_ptr<Model> readVtkXmlModel(const Format& format, const std::filesystem::path& path,

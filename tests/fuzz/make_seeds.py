@@ -267,6 +267,84 @@ endsolid thing
 """)
     facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 7)
     put("stl", "binary", b"binary".ljust(80) + struct.pack("<I", 2) + 2 * facet)
+    put("stl", "trailing", b"solid".ljust(80) + struct.pack("<I", 1) + facet + b"more")
+    put("stl", "joined", """solidthing
+facet normal nan nan nan
+outer loop
+vertex nan nan nan
+vertex inf nan nan
+vertex nan -inf nan
+endloop
+endfacet
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1 0
+endloop
+endfacet
+endsolidthing
+""")
+    put("obj", "unknown", "v nan 0 0\nfoo bar\nv 0 0 0\nv 1 0 0\nv 0 1 0\n$x 1\nf 2 3 4\n")
+    put("obj_mesh", "unknown", "v 0 0 0\nfoo bar\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    put("ply", "strips", """ply
+format ascii 1.0
+exported by hand
+element vertex 5
+property float x
+property float y
+property float z
+element tristrips 1
+property list int int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+1 1 0
+nan 0 inf
+7 0 1 2 3 -1 1 2
+""")
+    for target, points in (("vtk", "0 0 0"), ("vtk_model", "nan 0 0")):
+        put(target, "grid", vtk.format("3.0", "ASCII", "STRUCTURED_GRID") + "DIMENSIONS 3 2 2\n"
+            "POINTS 12 float\n" + points + " 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0 0 0 1 1 0 1 2 0 1 0 1 1 "
+            "1 1 1 2 1 1\n")
+    put("vtk", "pentagonal", vtk.format("3.0", "ASCII", "UNSTRUCTURED_GRID") + """POINTS 10 float
+1 0 0 0.3 1 0 -0.8 0.6 0 -0.8 -0.6 0 0.3 -1 0 1 0 1 0.3 1 1 -0.8 0.6 1 -0.8 -0.6 1 0.3 -1 1
+CELLS 1 11
+10 0 1 2 3 4 5 6 7 8 9
+CELL_TYPES 1
+15
+""")
+    put("vtu_model", "no-end", b"""<VTKFile type="UnstructuredGrid" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="2" NumberOfCells="0"><Points>
+<DataArray type="Float32" NumberOfComponents="3" format="appended" offset="0"/></Points>
+<Cells/></Piece></UnstructuredGrid><AppendedData encoding="raw">
+_""" + struct.pack("<I6f", 24, float("nan"), 0, 0, 0.6, 0, 0.8))
+    put("ovm", "no-ascii", """OVM
+Vertices
+4
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+Edges
+6
+0 1
+1 2
+2 0
+0 3
+3 1
+3 2
+Faces
+4
+3 0 2 4
+3 6 8 1
+3 9 10 3
+3 11 7 5
+Polyhedra
+1
+4 0 2 4 6
+""")
     put("targets", "two", "# point x y z\n3 0 0 1\n99 1e-3 -2.5 7  # far\n")
 
 

@@ -2,6 +2,7 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/pose_file.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/shapes/inventory.h>
 
 #include <algorithm>
@@ -63,6 +64,7 @@ void runModel(const std::string& name, std::string_view bytes) {
     const auto read = readResult(name, [&] { return io::readModel(name, std::string(bytes)); });
     if (!read) return;
     const io::Model& model = **read;
+    if (const std::string notes = io::describe(name, model); !notes.empty()) requireOneLine(notes);
     for (const Point3& point : model.positions())
         for (const double coordinate : point)
             require(std::isfinite(coordinate), "points are finite");

@@ -276,12 +276,6 @@ TEST(ModelConversion, ShapesThatFacesCannotDescribeAreRefused) {
     EXPECT_REFUSED(FileError, "a .ply cannot hold free-form curves and surfaces of the model",
                    readModel("a.obj", "v 0 0 0\nv 1 0 0\ncurv 0 1 1 2\ncurv 0 1 1 2\nend\n")
                        ->checkTarget("a.ply"));
-    EXPECT_REFUSED(FileError, "a .obj cannot hold strips of triangles of the model",
-                   readModel("a.ply",
-                             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-                             "property float y\nproperty float z\nelement tristrips 1\n"
-                             "property list int int vertex_indices\nend_header\n0 0 0\n3 0 0 0\n")
-                       ->checkTarget("a.obj"));
     EXPECT_REFUSED(FileError,
                    "a .stl consists of triangles, and the model has no faces; name the output .obj "
                    "or .ply",

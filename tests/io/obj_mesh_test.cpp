@@ -71,10 +71,19 @@ TEST(ObjMesh, StatementsMayBeInAnyOrder) {
 }
 
 TEST(ObjMesh, RefusesUnknownKeywords) {
-    for (const char* line : {"tt crease 2/1/0 0 1 1", "T hole 1/0/0 0", "F 1 2 3"})
+    for (const char* line : {"1 2 3", "T hole 1/0/0 0", "F 1 2 3"})
         EXPECT_REFUSED(io::FileError, "is not a keyword of OBJ files",
                        readMesh(kVertices + line + "\nf 1 2 5 4\n"))
             << line;
+}
+
+TEST(ObjMesh, SkipsLinesThatItDoesNotKnow) {
+    io::ReadNotes notes;
+    const Lattice mesh =
+        io::readRefinable("a.obj", kVertices + "foo bar\nf 1 2 5 4\nf 2 3 6 5\n", &notes);
+    EXPECT_EQ(loopsOf(mesh.complex), kSquareLoops);
+    EXPECT_EQ(io::describe("a.obj", notes),
+              "a.obj: skipped 1 line whose first word no OBJ has ('foo' in line 7)");
 }
 
 TEST(ObjMesh, OtherStatementsAreIgnored) {

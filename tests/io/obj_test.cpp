@@ -124,7 +124,7 @@ TEST(Obj, ReadsTinyCoordinatesAsZero) {
 
 TEST(Obj, RefusesAMalformedVertexWithItsLineAndTheCause) {
     const auto refused = [](const std::string& line, const std::string& why) {
-        EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\nv 1 1 1\n"); },
+        EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\nv 1 1 1\nf 1 2 3\n"); },
                     ThrowsMessage<FileError>(AllOf(HasSubstr("a.obj:3: "), HasSubstr(why))))
             << line;
     };
@@ -143,8 +143,11 @@ TEST(Obj, RefusesAMalformedVertexWithItsLineAndTheCause) {
 
 TEST(Obj, RefusesUnknownKeywordsWithTheirLine) {
     using namespace std::string_literals;
-    const std::vector<std::pair<std::string, std::string>> samples = {
-        {"V 1 2 3", "'V'"}, {"\0v 1 2 3"s, "'\\x00v'"}, {"\xC2\xA0v 1 2 3", "v'"}, {"vv", "'vv'"}};
+    const std::vector<std::pair<std::string, std::string>> samples = {{"V 1 2 3", "'V'"},
+                                                                      {"\0v 1 2 3"s, "'\\x00v'"},
+                                                                      {"\xC2\xA0v 1 2 3", "v'"},
+                                                                      {"1 2 3", "'1'"},
+                                                                      {"foo \1", "'foo'"}};
     for (const auto& sample : samples) {
         const std::string text = "# one\nv 0 0 0\n" + sample.first + "\n";
         EXPECT_THAT(
@@ -153,6 +156,21 @@ TEST(Obj, RefusesUnknownKeywordsWithTheirLine) {
                                            HasSubstr(sample.second + " is not a keyword of OBJ"))))
             << sample.first;
     }
+}
+
+/// Some exporters add statements of their own.
+TEST(Obj, KeepsLinesThatItDoesNotKnow) {
+    const std::string text = "v 0 0 0\nfoo 1 \xFF\nv 1 0 0\nv 0 1 0\n$bar\nf 1 2 3\n";
+    const auto model = readModel("a.obj", text);
+    EXPECT_THAT(model->notes(),
+                ElementsAre("kept 2 lines whose first word no OBJ has ('foo' in line 2)"));
+    EXPECT_EQ(model->readSurface().faces.count(), 1u);
+    EXPECT_EQ(written(*model, std::vector<Point3>{{0, 0, 2}, {1, 0, 0}, {0, 1, 0}}),
+              "v 0 0 2" + text.substr(7));
+    EXPECT_TRUE(readModel("a.obj", kFullText)->notes().empty());
+    // A file without any point is no OBJ.
+    EXPECT_REFUSED(FileError, "a.obj:1: 'solid' is not a keyword of OBJ files",
+                   readModel("a.obj", "solid a\nfacet normal 0 0 1\nendsolid a\n"));
 }
 
 TEST(Obj, CountsTheLinesOfContinuedStatements) {

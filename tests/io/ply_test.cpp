@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/model.h>
 #include <io/model_files.h>
+#include <io/replaced.h>
 
 #include <cstdint>
 
@@ -159,6 +160,53 @@ TEST(Ply, RefusesPositionsTooLargeForAFloat) {
         ThrowsMessage<Error>(AllOf(HasSubstr("point 1"), HasSubstr("1e+300"))));
 }
 
+/// -1 ends a strip; every second triangle of a strip is wound the other way.
+TEST(Ply, StripsOfTrianglesAreFaces) {
+    const std::string head =
+        "element vertex 5\nproperty float x\nproperty float y\n"
+        "property float z\nelement tristrips 1\n"
+        "property list int int vertex_indices\nend_header\n";
+    const std::string text = "ply\nformat ascii 1.0\n" + head +
+                             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 -1 2 3 4 -1\n";
+    std::string bytes = "ply\nformat binary_little_endian 1.0\n" + head;
+    for (const int number : {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0})
+        bytes += bytesOf(float(number), std::endian::little);
+    for (const std::int32_t number : {9, 0, 1, 2, 3, -1, 2, 3, 4, -1})
+        bytes += bytesOf(number, std::endian::little);
+    for (const std::string& file : {text, bytes}) {
+        const auto model = readModel("a.ply", file);
+        const ModelSurface surface = model->readSurface();
+        EXPECT_THAT(surface.faces.corners, ElementsAre(0, 1, 2, 2, 1, 3, 2, 3, 4));
+        EXPECT_THAT(surface.faces.ends, ElementsAre(3, 6, 9));
+        EXPECT_TRUE(surface.otherShapes.empty());
+        EXPECT_EQ(written(*model, model->positions()), file);
+        EXPECT_EQ(model->checkTarget("a.obj"), "");
+    }
+    EXPECT_REFUSED(
+        FileError, "a.ply:15: a face has the corner '5'",
+        readModel("a.ply", text.substr(0, text.find("9 0 1")) + "3 0 1 5\n")->readSurface());
+    // -1 is no corner of a face.
+    EXPECT_REFUSED(FileError, "a face has the corner '-1'",
+                   readModel("a.ply", replaced(text, "tristrips", "face"))->readSurface());
+}
+
+/// The stamp of an exporter is no comment, and yet no reason to refuse the file.
+TEST(Ply, KeepsHeaderLinesThatItDoesNotKnow) {
+    const std::string head = "ply\nformat ascii 1.0\n";
+    const std::string rest =
+        "element vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n0 0 0\n";
+    const std::string text = head + "exported by Some Tool v2\n" + rest;
+    const auto model = readModel("a.ply", text);
+    EXPECT_THAT(model->notes(), ElementsAre("kept 1 line whose first word no header of a PLY has "
+                                            "('exported' in line 3)"));
+    EXPECT_EQ(written(*model, std::vector<Point3>{{0, 0, 2}}),
+              replaced(text, "0 0 0\n", "0 0 2\n"));
+    for (const std::string line : {"Property float w", "0 0 0", "a\1", "\xFF"})
+        EXPECT_REFUSED(FileError, "does not begin a line of a PLY header",
+                       readModel("a.ply", head + line + "\n" + rest));
+}
+
 TEST(Ply, RefusesPositionsThatAreNotFinite) {
     const float inf = std::numeric_limits<float>::infinity();
     const std::string bytes = binarySample(std::endian::big, 1, inf, 3);
@@ -169,7 +217,7 @@ TEST(Ply, RefusesPositionsThatAreNotFinite) {
                                                HasSubstr("y of point 0 is not finite"))));
     const std::string header = headerOf("ascii", "double", "float");
     const std::string nan = header + "0 1\n0 1\n0 1 0 nan 1 1\n";
-    EXPECT_THAT([&] { readModel("a.ply", nan + "0 1 0 1 1 1\n0\n"); },
+    EXPECT_THAT([&] { readModel("a.ply", nan + "0 1 0 1 1 1\n2 0 1\n"); },
                 ThrowsMessage<FileError>(AllOf(HasSubstr("a.ply:21:"), HasSubstr("not finite"))));
 }
 
@@ -225,7 +273,8 @@ TEST(Ply, RefusesMalformedHeadersWithTheirLine) {
     refused("ply\nformat binary 1.0\n", ":2: 'binary' is not a format");
     refused("ply\nformat ascii 2.0\n", ":2: version '2.0' is not known");
     refused(begin + "format ascii 1.0\n", ":3: a second line 'format'");
-    refused(begin + "vertex 1\n", ":3: 'vertex' does not begin");
+    refused(begin + "1 vertex\n", ":3: '1' does not begin");
+    refused(begin + "Element vertex 1\n", ":3: 'Element' does not begin");
     refused(begin + "element\n", ":3: the line ends");
     refused(begin + "element vertex -1\n", ":3: '-1' is not a number of rows");
     refused(begin + "element vertex 1 2\n", ":3: expected the end of the line, got '2'");

@@ -77,9 +77,28 @@ TEST(Stl, RefusesABinaryFileOfWrongSize) {
         const std::string bytes = binarySample({kFlat, kOdd}, header);
         EXPECT_THAT([&] { readModel("a.stl", bytes.substr(0, 170)); },
                     ThrowsMessage<FileError>(AllOf(HasSubstr("184 bytes"), HasSubstr("got 170"))));
-        EXPECT_REFUSED(FileError, "got 188", readModel("a.stl", bytes + "more"));
         expectPartsRefused("a.stl", bytes, bytes.size());
     }
+    // A head that claims no facet, and more bytes, are no binary STL.
+    EXPECT_REFUSED(FileError, "got 88", readModel("a.stl", binarySample({}) + "more"));
+}
+
+/// Some programs write further data after the last facet.
+TEST(Stl, KeepsBytesAfterTheLastFacet) {
+    for (const char* header : {"solid", "header"}) {
+        const std::string bytes = binarySample({kFlat, kOdd}, header);
+        const auto model = readModel("a.stl", bytes + "more");
+        EXPECT_THAT(model->notes(), ElementsAre("kept 4 bytes after the last facet"));
+        EXPECT_EQ(model->positions().size(), 6u);
+        EXPECT_EQ(written(*model, model->positions()), bytes + "more");
+        std::vector<Point3> moved = copyOf(model->positions());
+        for (Point3& point : moved) point[0] += 8;
+        const auto again = readModel("b.stl", written(*model, moved));
+        EXPECT_THAT(again->positions(), testing::ElementsAreArray(moved));
+        EXPECT_THAT(again->notes(), ElementsAre("kept 4 bytes after the last facet"));
+    }
+    EXPECT_THAT(readModel("a.stl", binarySample({kFlat}) + "1")->notes(),
+                ElementsAre("kept 1 byte after the last facet"));
 }
 
 TEST(Stl, RefusesABinaryPositionThatIsNotFinite) {
@@ -113,6 +132,17 @@ const std::string kAscii =
     "OUTER LOOP VERTEX 1 0 0 VERTEX 1 1 0 VERTEX 0 1e0 0 ENDLOOP\n"
     "ENDFACET\n"
     "ENDSOLID";
+
+TEST(Stl, ReadsANameThatIsJoinedToItsKeyword) {
+    const std::string text =
+        "solidpart\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+        "endloop\nendfacet\nEndSolidpart\n";
+    const auto model = readModel("a.stl", text);
+    EXPECT_EQ(model->positions().size(), 3u);
+    EXPECT_THAT(model->notes(), ElementsAre("read 2 lines as solid or endsolid and a name "
+                                            "('solidpart' in line 1)"));
+    EXPECT_EQ(written(*model, model->positions()), text);
+}
 
 TEST(Stl, ReadsAscii) {
     const auto model = readModel("a.stl", kAscii);

@@ -118,12 +118,6 @@ TEST(VtuModel, RefusesTooLargeOrTooFewPositions) {
     EXPECT_THROW(written(*model, positions), Error);
 }
 
-TEST(VtuModel, RefusesPointsThatAreNotFinite) {
-    std::string text = twoPieces("Float32");
-    text.replace(text.find("7 8 9"), 5, "7 nan 9");
-    EXPECT_THROW(modelOf(text), io::FileError);
-}
-
 /// OpenFOAM 1912 claims four times the bytes of the array in its binary .vtp files. VTK reads them.
 TEST(VtuModel, ArraysMayClaimAWrongSizeIfTheTextHasTheRightOne) {
     const auto file = [](std::int32_t claim, const std::string& more = "") {
