@@ -76,6 +76,11 @@ static void test_reading(const char* path) {
     REFUSED(espalier_model_read_bytes("a.obj", 4, "v 1 ", &model), ESPALIER_ERROR_FILE, "a.obj:1");
     REFUSED(espalier_model_read_bytes("a.xyz", 4, "v 1 ", &model), ESPALIER_ERROR_FILE, "a.xyz");
     INVALID(espalier_model_read_bytes("a.obj", -1, "", &model), "-1");
+    OK(espalier_model_read_bytes("a.obj", 12, "v 0 0 0\nfoo\n", &model));
+    OK(espalier_model_notes(model, &notes));
+    CHECK(strcmp(notes, "a.obj: kept 1 line whose first word no OBJ has ('foo' in line 2)") == 0);
+    espalier_model_destroy(model);
+    model = NULL;
     INVALID(espalier_model_points(NULL, &count, &points), "model is null");
     CHECK(model == NULL);
     espalier_model_destroy(NULL);

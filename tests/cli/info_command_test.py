@@ -7,6 +7,7 @@
 
 import math
 import pathlib
+import subprocess
 import sys
 import unittest
 
@@ -29,7 +30,8 @@ class ModelInfo(CliTest):
         self.assertEqual(report, {
             "model": "two.obj", "points": 9, "faces": 8, "points_in_no_face": 1, "components": 2,
             "closed": True, "boundary_edges": 0, "nonmanifold_edges": 0,
-            "bounds": [[0, 0, 0], [3, 2, 6]], "size": [3, 2, 6], "precision": "text"})
+            "bounds": [[0, 0, 0], [3, 2, 6]], "size": [3, 2, 6], "notes": [],
+            "precision": "text"})
         self.assertEqual(self.run_program("info", "two.obj").stdout, (
             "two.obj\n"
             "points      9, of which 1 in no face\n"
@@ -115,6 +117,71 @@ class ModelInfo(CliTest):
                 report = self.info(MODELS / name)
                 self.assertEqual(tuple(report[key] for key in
                                        ("points", "faces", "components", "closed")), counts)
+
+
+    def test_bounds_far_from_the_origin_are_told_apart(self):
+        # A survey in metres: 4 digits would print 5.432e+06 twice.
+        self.put("far.obj", "v 432122 5432197 120\nv 432124 5432199.5 122\n")
+        self.assertIn("bounds      (432122, 5432197, 120) to (432124, 5432199.5, 122)\n",
+                      self.run_program("info", "far.obj").stdout)
+
+    def test_an_unknown_format_lists_all(self):
+        error = self.error_of("info", "x.unknown")
+        self.assertTrue(error.startswith("espalier: x.unknown: is not of a known format; expected a "
+                                         "model: .obj, .ply, .stl, "), error)
+        self.assertIn("; or a lattice: .ovm, .vtu or .vtk, or ", error)
+
+
+class Notes(CliTest):
+    """What a reader of models does not understand: each command says it, and --strict refuses it."""
+
+    NOTE = "kept 1 line whose first word no OBJ has ('foo' in line 5)"
+
+    def setUp(self):
+        super().setUp()
+        self.put("a.obj", "v 0.2 0.2 0.2\nv 0.8 0.2 0.3\nv 0.2 0.8 0.4\nv 0.4 0.4 0.8\nfoo bar\n"
+                          "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        self.run_program("shape", "box", "-o", "box.vtu")
+        self.put("targets.txt", "0 0.2 0.2 0.25\n")
+        self.run_program("bind", "a.obj", "--rest", "box.vtu", "-o", "bound.espb")
+        self.put("page.html", '<script type="application/json" id="espalier-files"></script>')
+
+    def test_all_commands_tell_them(self):
+        for arguments in (
+                ["info", "a.obj"],
+                ["info", "bound.espb"],
+                ["deform", "a.obj", "--rest", "box.vtu", "--to", "box.vtu", "-o", "out.obj"],
+                ["bind", "a.obj", "--rest", "box.vtu", "-o", "out.espb"],
+                ["apply", "bound.espb", "--to", "box.vtu", "-o", "out.obj"],
+                ["stencils", "box.vtu", "--points", "a.obj", "-o", "out.mtx"],
+                ["fit", "a.obj", "--rest", "box.vtu", "--targets", "targets.txt", "-o", "out.vtu"],
+                ["page", "a.obj", "--page", "page.html", "-o", "out.html"],
+                ["bench", "a.obj", "--rest", "box.vtu", "--seconds", "0.001"],
+                ["shape", "around", "a.obj", "-o", "out.vtu"],
+                ["shape", "cage", "a.obj", "-o", "out.vtu"]):
+            with self.subTest(command=arguments):
+                name = next(word for word in arguments if word in ("a.obj", "bound.espb"))
+                errors = self.run_program(*arguments, "--quiet").stderr
+                self.assertIn(f"espalier: {name}: {self.NOTE}\n", errors)
+                self.assertEqual(self.error_of(*arguments, "--strict"),
+                                 f"espalier: {name}: is not understood in full: {self.NOTE}\n")
+
+    def test_a_file_without_notes_is_not_refused(self):
+        self.put("b.obj", "v 1 2 3\n")
+        self.assertEqual(self.run_program("info", "b.obj", "--strict").stderr, "")
+
+    def test_json_has_them(self):
+        self.assertEqual(self.info("a.obj")["notes"], [self.NOTE])
+
+    def test_targets_are_wanted_themselves(self):
+        self.put("cloud.obj", "v 0.2 0.2 0.2\nv 0.3 0.3 0.3\n")
+        self.put("wanted.obj", "v nan 0 0\nv 0.2 0.2 0.2\n")
+        result = subprocess.run([program.ESPALIER, "fit", "cloud.obj", "--rest", "box.vtu", "--targets",
+                                 "wanted.obj", "-o", "out.vtu"], cwd=self.path, encoding="utf-8",
+                                capture_output=True, timeout=120, check=False)
+        self.assertEqual((result.returncode, result.stderr.splitlines()), (1, [
+            "espalier: wanted.obj: kept 1 point that is not finite and in no face (point 0)",
+            "espalier: wanted.obj: point 0 is not finite"]))
 
 
 class LatticeInfo(CliTest):

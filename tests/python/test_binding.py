@@ -260,6 +260,19 @@ def test_models_are_written_in_other_formats(tmp_path):
         espalier.read_model(tmp_path / "cloud.obj").write(tmp_path / "e.stl", [(0, 0, 0)])
 
 
+def test_what_a_model_has_beyond_its_format_is_a_warning(tmp_path):
+    note = r"kept 1 line whose first word no OBJ has ('foo' in line 2)"
+    (tmp_path / "a.obj").write_text("v 0 0 0\nfoo bar\n")
+    with pytest.warns(UserWarning) as warned:
+        model = espalier.read_model(tmp_path / "a.obj")
+    assert [str(each.message) for each in warned] == [f"{tmp_path / 'a.obj'}: {note}"]
+    assert model.notes == [note]
+    (tmp_path / "b.obj").write_text("v 0 0 0\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert espalier.read_model(tmp_path / "b.obj").notes == []
+
+
 def test_one_binding_for_many_threads(binding, pose, rest, points):
     fresh = espalier.bind(rest, points, level=2)  # not compiled yet
     wanted, failures = binding.deform(pose), []
