@@ -29,7 +29,8 @@ ESPALIER_C_API espalier_status espalier_model_read_bytes(const char* name, int64
                                                          const void* bytes, espalier_model** model);
 ESPALIER_C_API void espalier_model_destroy(espalier_model* model);
 
-/// Gives the points, in the order of the file: 3 · *point_count numbers, all finite.
+/// Gives the points, in the order of the file: 3 · *point_count numbers, all finite. The first
+/// finite point stands in for points of the file that are not, which espalier_model_write() keeps.
 ESPALIER_C_API espalier_status espalier_model_points(const espalier_model* model,
                                                      int32_t* point_count, const double** points);
 

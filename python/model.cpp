@@ -75,7 +75,10 @@ byte for byte, unless it is written in another format. Made by read_model().
                 return viewOf(std::span<const double>(points.data()->data(), 3 * points.size()),
                               {static_cast<py::ssize_t>(points.size()), 3}, self);
             },
-            "The points, in the order of the file: array (N, 3) of float64, read-only.")
+            "The points, in the order of the file: array (N, 3) of float64, read-only. All are "
+            "finite: "
+            "the first finite point stands in for points of the file that are not, which write() "
+            "keeps.")
         .def_property_readonly(
             "notes", [](const ModelFile& self) { return self.model->notes(); },
             "Phrases on parts of the file that are skipped, or kept without being understood: list "

@@ -33,7 +33,8 @@ namespace espalier::io {
 /// the types short, int, uint, long and ulong become Lattice::integers. All other properties are
 /// skipped.
 /// Vertices, edges and faces that no polyhedron uses are dropped, and the vertices after them get
-/// lower numbers. Polyhedra keep their numbers. Edges and faces are numbered by their first appearance in the polyhedra.
+/// lower numbers. Polyhedra keep their numbers. Edges and faces are numbered by their first
+/// appearance in the polyhedra.
 ///
 /// \param path for messages
 /// \param bytes the whole file

@@ -87,7 +87,7 @@ TEST(VtkLegacy, PrismsArePolyhedra) {
         // The upper end is anticlockwise seen from above.
         for (Index face = 0; face < volume.mesh.faceCount(); ++face) {
             const auto loop = volume.mesh.face(face);
-            if (std::ssize(loop) == sides && *std::ranges::min_element(loop) == sides)
+            if (std::ssize(loop) == sides && *std::min_element(loop.begin(), loop.end()) == sides)
                 EXPECT_EQ((loop[1] - loop[0] + sides) % sides, 1);
         }
         EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints +
