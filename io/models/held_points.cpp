@@ -35,6 +35,7 @@ HeldPoints::HeldPoints(std::span<Point3> points) {
 
 std::vector<Index> HeldPoints::numbers() const {
     std::vector<Index> numbers;
+    numbers.reserve(points_.size());
     for (const Held& held : points_) numbers.push_back(static_cast<Index>(held.point));
     return numbers;
 }
