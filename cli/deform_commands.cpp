@@ -38,7 +38,7 @@ struct DeformOptions : BindOptions {
 };
 
 bool isAnimation(const DeformOptions& options) {
-    return io::isFileOf(io::FileContent::Animation, options.output, io::FileUse::Write);
+    return io::isAnimation(options.output, options.poses.size());
 }
 
 /// Returns the output file of each pose; of an animation, its only file.
@@ -53,9 +53,10 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
 
 /// Throws if the model cannot be written to the output. Names the data that an output in another
 /// format lacks on standard error. Call this between stages.
-void checkTarget(const io::Model& model, const std::filesystem::path& output) {
-    if (const std::string losses = model.checkTarget(output); !losses.empty())
-        printError(losses.c_str());
+void checkTarget(const io::Model& model, const DeformOptions& options) {
+    const std::string losses = isAnimation(options) ? io::lossesInAnimation(options.output, model)
+                                                    : model.checkTarget(posePaths(options).front());
+    if (!losses.empty()) printError(losses.c_str());
 }
 
 /// A model and its binding.
@@ -136,9 +137,13 @@ MeshReports writePoses(const Deformation& deformation, const DeformOptions& opti
         std::vector<std::vector<Point3>> frames;
         for (std::size_t i = 0; i < poses.size(); ++i) frames.push_back(pointsOf(i));
         stages.run("writing", [&] {
-            io::writeAnimation(options.output, deformation.model,
-                               {[&](std::size_t i) { return std::move(frames[i]); }, frames.size(),
-                                options.framesPerSecond});
+            io::Animation animation = {[&](std::size_t i) { return std::move(frames[i]); },
+                                       frames.size(), options.framesPerSecond};
+            if (deformation.turnsDirections)
+                animation.gradients = [&](std::size_t i) {
+                    return osd::evaluateGradients(deformation.binding, poses[i]);
+                };
+            io::writeAnimation(options.output, deformation.model, animation);
             stages.addFile(options.output);
         });
         return reports;
@@ -170,9 +175,14 @@ const MeshCheck* requiredCheck(const std::optional<MeshCheck>& check,
                                                    : ""));
 }
 
+/// Returns true if the output has no place for normals and tangents.
+bool dropsDirections(const DeformOptions& options) {
+    return isAnimation(options) && !io::animationHoldsNormals(options.output);
+}
+
 /// Returns true if normals and tangents of the model should follow its points.
 bool asksForDirections(const io::Model& model, const DeformOptions& options) {
-    return model.hasDirections() && !options.keepNormals && !isAnimation(options);
+    return model.hasDirections() && !options.keepNormals && !dropsDirections(options);
 }
 
 /// Returns true if they do.
@@ -193,7 +203,7 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
     const std::string all = both + (both.empty() || other.empty() ? "" : " and ") + other;
     if (all.empty()) return {};
     const bool isOne = normals + tangents == 1;
-    if (isAnimation(options))
+    if (dropsDirections(options))
         return fmt::format("{} {} not in the animation, which holds points only", all,
                            isOne ? "is" : "are");
     const char* const stay = isOne ? "stays" : "stay";
@@ -234,7 +244,7 @@ void runDeform(const DeformOptions& options) {
     for (const auto& path : paths) job.writes(path);
     Stages& stages = job.stages();
     const auto model = readModel(options.model, options.common, stages);
-    if (!isAnimation(options)) checkTarget(*model, paths.front());
+    checkTarget(*model, options);
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const bind::Binding binding =
@@ -245,7 +255,8 @@ void runDeform(const DeformOptions& options) {
     if (isChecked) {
         io::ModelVolume volume = readVolume(*model, stages);
         orWarning(options, "cells not checked: ", [&] {
-            check.emplace(options.model, *model, std::move(volume), options.output, stages);
+            check.emplace(options.model, *model, std::move(volume), options.output,
+                          options.poses.size(), stages);
         });
     }
     const MeshReports meshes =
@@ -300,7 +311,7 @@ void runApply(const DeformOptions& options) {
         return io::modelOf(bound, options.model);
     });
     tellNotes(options.model, *model, options.common);
-    if (!isAnimation(options)) checkTarget(*model, paths.front());
+    checkTarget(*model, options);
     const auto read = [&](const std::string& path, io::ReadNotes* notes) {
         return io::readPose(path, bound, printable(options.model), notes);
     };
@@ -308,7 +319,8 @@ void runApply(const DeformOptions& options) {
     // Checking takes much longer than applying, so only on request.
     std::optional<MeshCheck> check;
     if (options.mesh.noInverted || options.mesh.largestStep)
-        check.emplace(options.model, *model, readVolume(*model, stages), options.output, stages);
+        check.emplace(options.model, *model, readVolume(*model, stages), options.output,
+                      options.poses.size(), stages);
     const MeshReports meshes =
         writePoses({*model, bound.binding, turnsDirections(*model, bound.binding, options)},
                    options, poses, paths, requiredCheck(check, options), stages);

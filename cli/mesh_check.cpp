@@ -95,8 +95,13 @@ io::ModelVolume readVolume(const io::Model& model, Stages& stages) {
 }
 
 MeshCheck::MeshCheck(const std::filesystem::path& path, const io::Model& model,
-                     io::ModelVolume volume, const std::filesystem::path& output, Stages& stages)
-    : path_(path), output_(output), model_(model), volume_(std::move(volume)) {
+                     io::ModelVolume volume, const std::filesystem::path& output,
+                     std::size_t poseCount, Stages& stages)
+    : path_(path),
+      output_(output),
+      isAnimation_(io::isAnimation(output, poseCount)),
+      model_(model),
+      volume_(std::move(volume)) {
     if (!hasCells()) return;
     stages.run("checking cells", [&] {
         const far::VolumeMesh& mesh = volume_.mesh;
@@ -119,9 +124,8 @@ bool MeshCheck::isSound(const solve::PoseValidity& validity,
 }
 
 std::vector<Point3> MeshCheck::stored(std::vector<Point3> points) const {
-    return io::isFileOf(io::FileContent::Animation, output_, io::FileUse::Write)
-               ? io::storedInAnimation(output_, model_, std::move(points))
-               : model_.stored(std::move(points));
+    return isAnimation_ ? io::storedInAnimation(output_, model_, std::move(points))
+                        : model_.stored(std::move(points));
 }
 
 MeshVerdict MeshCheck::check(std::vector<Point3>& points, const std::string& poseName,

@@ -47,9 +47,10 @@ public:
     /// \param path of the model, for messages
     /// \param volume the cells of the model
     /// \param output the file that will hold the poses, in its own format or as an animation
+    /// \param poseCount number of poses that are written
     /// \throws FileError if the coordinates are too large to check
     MeshCheck(const std::filesystem::path& path, const io::Model& model, io::ModelVolume volume,
-              const std::filesystem::path& output, Stages& stages);
+              const std::filesystem::path& output, std::size_t poseCount, Stages& stages);
 
     /// False if the model has no cells that can be checked.
     bool hasCells() const { return volume_.mesh.cellCount() > 0; }
@@ -111,6 +112,7 @@ private:
 
     std::filesystem::path path_;
     std::filesystem::path output_;
+    bool isAnimation_;
     const io::Model& model_;
     io::ModelVolume volume_;
     std::array<Index, 5> kinds_ = {};  ///< numbers of the standard cells, and of polyhedra

@@ -32,7 +32,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 target_compile_options(Eigen3::Eigen INTERFACE
                        -msse2 "SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/wasm-eigen.h")
 set(ESPALIER_HEADER_LINKS ${PROJECT_BINARY_DIR}/header-links)
-foreach(folder fast_float fmt)
+foreach(folder fast_float fmt nlohmann)
   if(NOT EXISTS /usr/include/${folder})
     message(FATAL_ERROR "/usr/include/${folder} is missing: run scripts/install-packages web first")
   endif()

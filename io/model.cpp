@@ -95,6 +95,28 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
     if (!name.empty() && known_.emplace(kind, name).second) other->names.push_back(name);
 }
 
+void ModelSurface::replaceFaces(
+    const std::function<std::vector<std::vector<std::size_t>>(std::size_t face)>& replace) {
+    ModelFaces newFaces;
+    std::vector<Index> newNormals, newTextures, newMaterials;
+    for (std::size_t face = 0; face < faces.count(); ++face) {
+        const std::size_t begin = face == 0 ? 0 : faces.ends[face - 1];
+        for (const std::vector<std::size_t>& loop : replace(face)) {
+            for (const std::size_t corner : loop) {
+                newFaces.corners.push_back(faces.corners[begin + corner]);
+                if (!normalCorners.empty()) newNormals.push_back(normalCorners[begin + corner]);
+                if (!textureCorners.empty()) newTextures.push_back(textureCorners[begin + corner]);
+            }
+            newFaces.endFace();
+            if (!faceMaterials.empty()) newMaterials.push_back(faceMaterials[face]);
+        }
+    }
+    faces = std::move(newFaces);
+    normalCorners = std::move(newNormals);
+    textureCorners = std::move(newTextures);
+    faceMaterials = std::move(newMaterials);
+}
+
 ModelFaces boundaryFaces(const far::VolumeMesh& mesh) {
     ModelFaces faces;
     for (Index face = mesh.internalFaceCount(); face < mesh.faceCount(); ++face) {

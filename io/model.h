@@ -8,8 +8,10 @@
 #include <espalier/far/volume_mesh.h>
 #include <espalier/io/directions.h>
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -78,9 +80,9 @@ struct ModelVolume {
 /// \cost O(points of faces)
 ESPALIER_API ModelFaces boundaryFaces(const far::VolumeMesh& mesh);
 
-/// The surface of a model without its points, and the names of all other data in its file.
+/// The surface of a model without its positions, and the names of all other data in its file.
 struct ModelSurface {
-    /// Data that are neither points, faces nor normals.
+    /// Data that are none of the members below.
     struct OtherData {
         std::string kind;                ///< plural: "texture coordinates", "point data"
         std::vector<std::string> names;  ///< names of its parts, if the file has names for them
@@ -94,10 +96,31 @@ struct ModelSurface {
     /// Per corner of the faces: the number of its normal. Empty if the normals are one per point.
     std::vector<Index> normalCorners;
 
-    /// True if each point that is in no face repeats a point of a face, as in an STL.
-    bool repeatsPoints = false;
+    /// Texture coordinates u and v, with v upwards, and per corner of the faces the number of its
+    /// pair. Empty unless each corner has a pair.
+    std::vector<std::array<double, 2>> textures;
+    std::vector<Index> textureCorners;
+
+    /// Per point: red, green and blue as screens show them (sRGB), and the opacity, from 0 to 1.
+    /// Empty if some point has no colour.
+    std::vector<std::array<float, 4>> colors;
+
+    /// Names of materials, and per face the number of its material, or -1. Empty if no face has
+    /// one.
+    std::vector<std::string> materials;
+    std::vector<Index> faceMaterials;
+
+    /// True if the points in no face are no points of the surface: they repeat a point of a face,
+    /// as in an STL, or belong to a morph target.
+    bool dropsLoosePoints = false;
 
     std::vector<OtherData> others;
+
+    /// Replaces each face by any number of faces, whose corners are corners of the old one.
+    /// \param replace function of the number of an old face that returns the new ones, each as the
+    ///        positions of its corners in the loop of the old face
+    void replaceFaces(
+        const std::function<std::vector<std::vector<std::size_t>>(std::size_t face)>& replace);
 
     /// Names of shapes in the file that faces cannot describe: "27 cells of VTK's type 12
     /// (hexahedron)".
@@ -133,6 +156,8 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 ///     .obj               faces of any size; normals per corner
 ///     .ply               ASCII, coordinates of type double; normals per point
 ///     .vtp, .vtu, .vtk   polygons, coordinates of type double; normals per point
+///     .glb, .gltf        as glTF 2.0 (io/gltf/gltf_writer.h), with texture coordinates, colours and
+///                        materials
 ///     .stl               binary, coordinates rounded to floats; faces are split into triangles,
 ///                        the same for all positions
 ///

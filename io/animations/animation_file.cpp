@@ -16,10 +16,29 @@
 
 #include "../files/bytes.h"
 #include "../format.h"
-#include "morph_targets.h"
+#include "../gltf/gltf_writer.h"
+#include "../models/model_conversion.h"
+#include "frames.h"
 
 namespace espalier::io {
 namespace {
+
+/// Returns true if a number rounded to a float is finite.
+bool fitsFloat(double number) {
+    // Numbers just above the largest float are rounded to it.
+    return std::isfinite(static_cast<float>(number));
+}
+
+/// Rounds the points of a frame to floats.
+std::vector<float> floatsOf(std::span<const Point3> points, std::size_t expected,
+                            std::size_t frame) {
+    checkFrame(points, expected, frame);
+    std::vector<float> floats;
+    floats.reserve(3 * points.size());
+    for (const Point3& point : points)
+        for (const double coordinate : point) floats.push_back(static_cast<float>(coordinate));
+    return floats;
+}
 
 const Format& formatOf(const std::filesystem::path& path) {
     if (const Format* format = findFormat(path, FileContent::Animation, FileUse::Write))
@@ -62,28 +81,17 @@ void writeMotionDesigner(const std::filesystem::path& path, const Model& model,
 
 }  // namespace
 
-std::vector<float> floatsOf(std::span<const Point3> points, std::size_t expected,
-                            std::size_t frame) {
+void checkFrame(std::span<const Point3> points, std::size_t expected, std::size_t frame) {
     if (points.size() != expected)
         throw Error(
             concat("frame ", frame, " has ", points.size(), " points; the model has ", expected));
-    std::vector<float> floats;
-    floats.reserve(3 * points.size());
     for (std::size_t point = 0; point < points.size(); ++point) {
         checkCancelledEvery(point, 16);
-        for (const double coordinate : points[point]) {
+        for (const double coordinate : points[point])
             if (!fitsFloat(coordinate))
                 throw Error(concat("in frame ", frame, ", point ", point, " has the coordinate ",
                                    formatNumber(coordinate), ", which a float cannot hold"));
-            floats.push_back(static_cast<float>(coordinate));
-        }
     }
-    return floats;
-}
-
-bool fitsFloat(double number) {
-    // Numbers just above the largest float are rounded to it.
-    return std::isfinite(static_cast<float>(number));
 }
 
 std::vector<float> timesOf(const Animation& animation) {
@@ -100,15 +108,23 @@ std::vector<float> timesOf(const Animation& animation) {
     return times;
 }
 
+bool isAnimation(const std::filesystem::path& path, std::size_t poseCount) {
+    const Format* format = findFormat(path, FileContent::Animation, FileUse::Write);
+    if (!format) return false;
+    return !format->readModel ||
+           (poseCount > 1 && path.filename().string().find('%') == std::string::npos);
+}
+
 std::vector<Point3> storedInAnimation(const std::filesystem::path& path, const Model& model,
                                       std::vector<Point3> points) {
-    const bool isMovement = &formatOf(path) == &kGltfFormat;
+    const bool isMovement = animationHoldsNormals(path);
+    const Point3 centre = isMovement ? gltfCentre(model.positions()) : Point3{};
     for (std::size_t point = 0; point < points.size(); ++point)
         for (std::size_t axis = 0; axis < 3; ++axis) {
             double& coordinate = points[point][axis];
-            const auto now = static_cast<float>(coordinate);
-            const auto rest = static_cast<float>(model.positions()[point][axis]);
-            coordinate = isMovement ? rest + (now - rest) : now;
+            const auto now = static_cast<float>(coordinate - centre[axis]);
+            const auto rest = static_cast<float>(model.positions()[point][axis] - centre[axis]);
+            coordinate = isMovement ? centre[axis] + double{rest + (now - rest)} : now;
         }
     return points;
 }
@@ -116,7 +132,15 @@ std::vector<Point3> storedInAnimation(const std::filesystem::path& path, const M
 const Format kPointCacheFormat = {.extensions = {".pc2"}, .writeAnimation = writePointCache};
 const Format kMotionDesignerFormat = {.extensions = {".mdd"},
                                       .writeAnimation = writeMotionDesigner};
-const Format kGltfFormat = {.extensions = {".glb"}, .writeAnimation = writeMorphTargets};
+
+bool animationHoldsNormals(const std::filesystem::path& path) {
+    return &formatOf(path) == &kGltfFormat;
+}
+
+std::string lossesInAnimation(const std::filesystem::path& path, const Model& model) {
+    if (!animationHoldsNormals(path)) return {};
+    return ModelConversion(model, kGltfFormat, path).losses(path);
+}
 
 void writeAnimation(const std::filesystem::path& path, const Model& model,
                     const Animation& animation) {

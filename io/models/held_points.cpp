@@ -44,7 +44,7 @@ std::optional<Index> HeldPoints::findUsed(const Model& model) const {
     if (empty()) return std::nullopt;
     if (!standIn_) return static_cast<Index>(points_.front().point);
     const ModelSurface surface = model.readSurface();
-    if (surface.repeatsPoints) {
+    if (surface.dropsLoosePoints) {
         // Points at one place are one corner in the faces: facets are looked at as they are
         // written.
         for (Index point = 0; point + 2 < std::ssize(isHeld_); point += 3)

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <ostream>
 #include <utility>
 #include <vector>
@@ -46,20 +47,16 @@ std::vector<bool> areInFaces(const ModelFaces& faces, std::size_t pointCount) {
     return isUsed;
 }
 
-/// Returns the values of some points.
-template <class Value>
-std::vector<Value> at(const std::vector<Index>& points, std::span<const Value> values) {
-    std::vector<Value> result;
-    for (const Index point : points) result.push_back(values[point]);
-    return result;
-}
-
 }  // namespace
 
 ModelConversion::ModelConversion(const Model& model, const Format& format,
                                  const std::filesystem::path& path)
     : model_(model), format_(format), surface_(model.readSurface()) {
     const std::string from(model.extension()), to(format.extension());
+    if (format.holdsAppearance && surface_.faces.count() > 0) {
+        for (const std::string& shape : surface_.otherShapes) surface_.addOther(shape);
+        surface_.otherShapes.clear();
+    }
     if (!surface_.otherShapes.empty())
         throw FileError(path, "a " + to + " cannot hold " + listOfShapes(surface_.otherShapes) +
                                   " of the model; name the output " +
@@ -75,42 +72,40 @@ ModelConversion::ModelConversion(const Model& model, const Format& format,
     for (Point3& normal : surface_.normals)
         if (!std::ranges::all_of(normal, [](double x) { return std::isfinite(x); }))
             normal = {0, 0, 0};
-    if (surface_.repeatsPoints) dropRepeatedPoints();
+    if (!format.holdsAppearance) dropAppearance();
+    if (surface_.dropsLoosePoints) dropRepeatedPoints();
     if (format.normals == Format::Normals::Points) moveNormalsToPoints();
     if (format.normals == Format::Normals::Corners) moveNormalsToCorners();
-    if (!format.isFacets()) return;
-    if (!surface_.normals.empty()) surface_.addOther("normals (triangles have their own)");
+    if (!format.holdsTriangles) return;
+    if (format.isFacets() && !surface_.normals.empty())
+        surface_.addOther("normals (triangles have their own)");
     splitIntoTriangles();
     const auto inFaces = areInFaces(surface_.faces, model.positions().size());
+    // A file without faces has all its points.
     if (const std::size_t loose = std::ranges::count(inFaces, false);
-        loose > 0 && !surface_.repeatsPoints)
+        loose > 0 && surface_.faces.count() > 0 && !surface_.dropsLoosePoints)
         surface_.addOther(counted(loose, "point in no face", "points in no face"));
     if (model.storage() != CoordinateStorage::Float)
         changes_.push_back("coordinates are rounded to single precision");
 }
 
 void ModelConversion::dropSmallFaces() {
-    const ModelFaces faces = std::move(surface_.faces);
-    const std::vector<Index> normalCorners = std::move(surface_.normalCorners);
-    surface_.faces = {};
-    surface_.normalCorners.clear();
     std::size_t dropped = 0;
-    for (std::size_t face = 0; face < faces.count(); ++face) {
-        const auto loop = faces[face];
-        if (loop.size() < 3) {
+    const bool hadNormalCorners = !surface_.normalCorners.empty();
+    surface_.replaceFaces([&](std::size_t face) -> std::vector<std::vector<std::size_t>> {
+        const std::size_t size = surface_.faces[face].size();
+        if (size < 3) {
             ++dropped;
-            continue;
+            return {};
         }
-        for (std::size_t i = faces.ends[face] - loop.size(); i < faces.ends[face]; ++i) {
-            surface_.faces.corners.push_back(faces.corners[i]);
-            if (!normalCorners.empty()) surface_.normalCorners.push_back(normalCorners[i]);
-        }
-        surface_.faces.endFace();
-    }
+        std::vector<std::size_t> all(size);
+        std::iota(all.begin(), all.end(), std::size_t{0});
+        return {all};
+    });
     if (dropped == 0) return;
     surface_.addOther(counted(dropped, "face", "faces") + " of fewer than three corners");
     // Without corners, these normals would count as normals of points.
-    if (!normalCorners.empty() && surface_.normalCorners.empty()) surface_.normals.clear();
+    if (hadNormalCorners && surface_.normalCorners.empty()) surface_.normals.clear();
 }
 
 void ModelConversion::dropRepeatedPoints() {
@@ -122,31 +117,40 @@ void ModelConversion::dropRepeatedPoints() {
         if (inFaces[point]) points_->push_back(static_cast<Index>(point));
     }
     for (Index& corner : surface_.faces.corners) corner = newNumbers[corner];
+    if (!surface_.colors.empty())
+        surface_.colors = valuesOf(std::span<const std::array<float, 4>>(surface_.colors));
 }
 
 void ModelConversion::splitIntoTriangles() {
     const auto rest = model_.positions();
-    ModelFaces triangles;
     std::size_t splitCount = 0, partCount = 0;
     std::vector<Point3> polygon;
-    for (std::size_t face = 0; face < surface_.faces.count(); ++face) {
-        const auto loop = surface_.faces[face];
+    surface_.replaceFaces([&](std::size_t face) {
         // The triangles follow from the positions at rest, so all poses have the same triangles.
         polygon.clear();
-        for (const Index corner : loop)
+        for (const Index corner : surface_.faces[face])
             polygon.push_back(rest[points_ ? (*points_)[corner] : corner]);
-        const auto parts = triangulated(polygon);
+        std::vector<std::vector<std::size_t>> parts;
+        for (const auto& part : triangulated(polygon)) parts.emplace_back(part.begin(), part.end());
         splitCount += parts.size() > 1 ? 1 : 0;
         partCount += parts.size() > 1 ? parts.size() : 0;
-        for (const auto& part : parts) {
-            for (const std::size_t corner : part) triangles.corners.push_back(loop[corner]);
-            triangles.endFace();
-        }
-    }
-    surface_.faces = std::move(triangles);
+        return parts;
+    });
     if (splitCount > 0)
         changes_.push_back(concat(counted(splitCount, "face is", "faces are"), " split into ",
                                   partCount, " triangles"));
+}
+
+/// Names texture coordinates, colours and materials, and drops them, if the format lacks them.
+void ModelConversion::dropAppearance() {
+    if (!surface_.textureCorners.empty()) surface_.addOther("texture coordinates");
+    if (!surface_.colors.empty()) surface_.addOther("colours of points");
+    if (!surface_.faceMaterials.empty()) surface_.addOther("materials");
+    surface_.textures.clear();
+    surface_.textureCorners.clear();
+    surface_.colors.clear();
+    surface_.materials.clear();
+    surface_.faceMaterials.clear();
 }
 
 /// Gives each point the normal of its corners, if they agree.
@@ -155,7 +159,7 @@ void ModelConversion::moveNormalsToPoints() {
     const ModelFaces& faces = surface_.faces;
     const std::vector<Index> normalCorners = std::move(surface_.normalCorners);
     surface_.normalCorners.clear();
-    std::vector<Point3> atPoints(model_.positions().size());
+    std::vector<Point3> atPoints(points_ ? points_->size() : model_.positions().size());
     std::vector<bool> isSet(atPoints.size()), isSplit(atPoints.size());
     for (std::size_t corner = 0; corner < faces.corners.size(); ++corner) {
         const Index point = faces.corners[corner];
@@ -201,18 +205,24 @@ void ModelConversion::write(const std::filesystem::path& path, std::span<const P
     std::vector<Point3> normals = surface_.normals;
     std::vector<Index> normalCorners = surface_.normalCorners;
     if (!gradients.empty()) carryNormals(gradients, normals, normalCorners);
-    std::vector<Point3> written;
-    if (points_) positions = written = at(*points_, positions);
-    writeFile(path, [&](std::ostream& out) {
-        format_.writeSurface(out, {positions, surface_.faces, normals, normalCorners});
-    });
+    const std::vector<Point3> written = pointsOf(positions);
+    SurfaceView surface = restSurface(path, written);
+    surface.normals = normals;
+    surface.normalCorners = normalCorners;
+    writeFile(path, [&](std::ostream& out) { format_.writeSurface(out, surface); });
+}
+
+SurfaceView ModelConversion::restSurface(const std::filesystem::path& path,
+                                         std::span<const Point3> points) const {
+    return {points, surface_.faces, surface_.normals, surface_.normalCorners, path, &surface_};
 }
 
 void ModelConversion::carryNormals(std::span<const DeformationGradient> gradients,
                                    std::vector<Point3>& normals,
                                    std::vector<Index>& normalCorners) const {
     if (normalCorners.empty()) {
-        if (!normals.empty()) normals = carried(normals, gradients, carryNormal, Precision::Double);
+        if (!normals.empty())
+            normals = carried(normals, valuesOf(gradients), carryNormal, Precision::Double);
         return;
     }
     // Corners that shared a normal share the result, if they agree on it.
@@ -221,8 +231,10 @@ void ModelConversion::carryNormals(std::span<const DeformationGradient> gradient
     for (std::size_t corner = 0; corner < normalCorners.size(); ++corner) {
         const Index before = normalCorners[corner];
         const Point3& normal = normals[before];
-        const Point3 result = carried({&normal, 1}, {&gradients[surface_.faces.corners[corner]], 1},
-                                      carryNormal, Precision::Double)[0];
+        const Index point = surface_.faces.corners[corner];
+        const Point3 result =
+            carried({&normal, 1}, {&gradients[points_ ? (*points_)[point] : point], 1}, carryNormal,
+                    Precision::Double)[0];
         const auto [number, isNew] =
             numbers.try_emplace({before, result}, static_cast<Index>(results.size()));
         if (isNew) results.push_back(result);

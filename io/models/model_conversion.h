@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../format.h"
+#include "surface_writers.h"
 
 namespace espalier::io {
 
@@ -28,6 +29,22 @@ public:
 
     const Format& format() const { return format_; }
 
+    /// Returns the surface of a new file with the points at rest.
+    SurfaceView restSurface(const std::filesystem::path& path,
+                            std::span<const Point3> points) const;
+
+    /// Returns the points that the new file has, of all points of the model.
+    std::vector<Point3> pointsOf(std::span<const Point3> points) const { return valuesOf(points); }
+
+    /// Returns the values at the points that the new file has, of values at all points.
+    template <class Value>
+    std::vector<Value> valuesOf(std::span<const Value> values) const {
+        if (!points_) return {values.begin(), values.end()};
+        std::vector<Value> result;
+        for (const Index point : *points_) result.push_back(values[point]);
+        return result;
+    }
+
     /// Returns one line for the user: the data of the model that the new file lacks, and the
     /// changes. Empty if the new file lacks nothing and nothing is changed.
     std::string losses(const std::filesystem::path& path) const;
@@ -42,6 +59,7 @@ private:
     void dropSmallFaces();
     void dropRepeatedPoints();
     void splitIntoTriangles();
+    void dropAppearance();
     void moveNormalsToPoints();
     void moveNormalsToCorners();
     void carryNormals(std::span<const DeformationGradient> gradients, std::vector<Point3>& normals,

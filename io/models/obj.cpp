@@ -354,43 +354,11 @@ FileNumbers readObjNumbers(const std::filesystem::path& path, std::string_view t
     return numbers;
 }
 
-/// Returns true if the statement has more than `count` words.
-bool hasMoreThan(std::size_t count, ObjWords& words) {
-    while (!words.next().empty())
-        if (count-- == 0) return true;
-    return false;
-}
-
-/// Adds a face, and the normals of its corners. Returns false if a corner names no normal.
-bool addFace(const FileView& file, ObjWords& words, std::size_t line, const CountsBefore& before,
-             ModelSurface& surface) {
-    const std::size_t pointCount = file.numbers.points.values.size();
-    bool haveNormals = true;
-    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-        const auto point = referenceOf(word.substr(0, word.find('/')), before.points, pointCount);
-        if (!point)
-            throw FileError(file.path, line,
-                            concat("a face has the corner ", inQuotes(word),
-                                   ", which names no point; there are ", before.points,
-                                   " before it and ", pointCount, " in the file"));
-        surface.faces.corners.push_back(static_cast<Index>(point->index));
-        const auto corner = cornerOf(word);
-        const auto normal =
-            corner ? referenceOf(corner->normal, before.normals, kMaxIndex) : std::nullopt;
-        haveNormals = haveNormals && normal;
-        if (haveNormals) surface.normalCorners.push_back(static_cast<Index>(normal->index));
-    }
-    surface.faces.endFace();
-    return haveNormals;
-}
-
 void nameOtherData(std::string_view keyword, ModelSurface& surface) {
-    constexpr std::pair<std::string_view, const char*> kKinds[] = {{"vt", "texture coordinates"},
-                                                                   {"g", "groups"},
+    constexpr std::pair<std::string_view, const char*> kKinds[] = {{"g", "groups"},
                                                                    {"o", "names of objects"},
                                                                    {"s", "smoothing groups"},
-                                                                   {"usemtl", "materials"},
-                                                                   {"mtllib", "materials"},
+                                                                   {"mtllib", "material libraries"},
                                                                    {"l", "lines"},
                                                                    {"p", "point elements"},
                                                                    {"t", "tags of subdivision"}};
@@ -405,37 +373,120 @@ void nameOtherData(std::string_view keyword, ModelSurface& surface) {
     surface.addOther("statements", std::string(keyword));
 }
 
-ModelSurface readObjSurface(const FileView& file) {
-    ModelSurface surface;
-    bool haveAllNormals = file.numbers.ownNormals > 0;
-    CountsBefore before;
-    forEachObjStatement(file.path, file.bytes, [&](ObjWords& words, std::size_t line) {
-        const std::string_view keyword = words.next();
-        if (keyword == "v") {
-            ++before.points;
-            if (hasMoreThan(3, words)) surface.addOther("weights or colours of points");
-        } else if (keyword == "vn") {
-            ++before.normals;
-            surface.normals.push_back(readObjNormal(words));
-        } else if (keyword == "f" || keyword == "fo") {
-            haveAllNormals = addFace(file, words, line, before, surface) && haveAllNormals;
-        } else if (!keyword.empty()) {
-            nameOtherData(keyword, surface);
+/// Reads the surface of an OBJ, statement by statement.
+class SurfaceReader {
+public:
+    explicit SurfaceReader(const FileView& file) : file_(file) {}
+
+    ModelSurface read() {
+        forEachObjStatement(file_.path, file_.bytes, [&](ObjWords& words, std::size_t line) {
+            const std::string_view keyword = words.next();
+            if (keyword == "v") {
+                ++before_.points;
+                addColor(words);
+            } else if (keyword == "vn") {
+                ++before_.normals;
+                surface_.normals.push_back(readObjNormal(words));
+            } else if (keyword == "vt") {
+                surface_.textures.push_back({parseReal(words.next(), Precision::Double),
+                                             parseReal(words.next(), Precision::Double)});
+            } else if (keyword == "f" || keyword == "fo") {
+                addFace(words, line);
+            } else if (keyword == "usemtl") {
+                useMaterial(words.next());
+            } else if (!keyword.empty()) {
+                nameOtherData(keyword, surface_);
+            }
+        });
+        finish();
+        return std::move(surface_);
+    }
+
+private:
+    /// Three numbers after the coordinates are a colour; one is a weight.
+    void addColor(ObjWords& words) {
+        std::array<float, 4> color = {0, 0, 0, 1};
+        for (std::size_t axis = 0; axis < 3; ++axis) words.next();
+        std::size_t count = 0;
+        for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++count)
+            if (count < 3) color[count] = static_cast<float>(parseReal(word, Precision::Float));
+        haveExtras_ = haveExtras_ || count > 0;
+        const bool isColor = std::ranges::all_of(color, [](float c) { return c >= 0 && c <= 1; });
+        if (count == 3 && isColor) surface_.colors.push_back(color);
+    }
+
+    void addFace(ObjWords& words, std::size_t line) {
+        const std::size_t pointCount = file_.numbers.points.values.size();
+        for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+            const auto point =
+                referenceOf(word.substr(0, word.find('/')), before_.points, pointCount);
+            if (!point)
+                throw FileError(file_.path, line,
+                                concat("a face has the corner ", inQuotes(word),
+                                       ", which names no point; there are ", before_.points,
+                                       " before it and ", pointCount, " in the file"));
+            surface_.faces.corners.push_back(static_cast<Index>(point->index));
+            const auto corner = cornerOf(word);
+            addCorner(corner ? corner->normal : "", before_.normals, surface_.normalCorners);
+            const std::size_t slash = word.find('/');
+            const std::string_view texture =
+                slash == std::string_view::npos ? "" : word.substr(slash + 1);
+            addCorner(texture.substr(0, texture.find('/')), surface_.textures.size(),
+                      surface_.textureCorners);
         }
-    });
-    // A corner may name a normal that follows it, so the numbers are checked at the end.
-    const auto isNormal = [&](Index normal) {
-        return 0 <= normal && normal < std::ssize(surface.normals);
-    };
-    if (haveAllNormals && !surface.normalCorners.empty() &&
-        std::ranges::all_of(surface.normalCorners, isNormal))
-        return surface;
-    if (file.numbers.ownNormals > 0)
-        surface.addOther(surface.faces.count() == 0 ? "normals (the model has no faces)"
-                                                    : "normals (some corners have none)");
-    surface.normals.clear();
-    surface.normalCorners.clear();
-    return surface;
+        surface_.faces.endFace();
+        surface_.faceMaterials.push_back(material_);
+    }
+
+    /// Adds the number of a normal or of texture coordinates; -1 if the corner names none.
+    static void addCorner(std::string_view word, std::size_t before, std::vector<Index>& corners) {
+        const auto reference = referenceOf(word, before, kMaxIndex);
+        corners.push_back(reference ? static_cast<Index>(reference->index) : -1);
+    }
+
+    void useMaterial(std::string_view name) {
+        const auto [found, isNew] = materials_.try_emplace(
+            std::string(name), static_cast<Index>(surface_.materials.size()));
+        if (isNew) surface_.materials.emplace_back(name);
+        material_ = found->second;
+    }
+
+    /// Drops normals and texture coordinates unless each corner has one. A corner may name one that
+    /// follows it, so the numbers are checked at the end.
+    template <class Value>
+    void dropUnlessComplete(const char* name, std::vector<Value>& values,
+                            std::vector<Index>& corners) {
+        const bool isComplete = !corners.empty() && std::ranges::all_of(corners, [&](Index corner) {
+            return 0 <= corner && corner < std::ssize(values);
+        });
+        if (isComplete) return;
+        if (!values.empty())
+            surface_.addOther(concat(name, surface_.faces.count() == 0
+                                               ? " (the model has no faces)"
+                                               : " (some corners have none)"));
+        values.clear();
+        corners.clear();
+    }
+
+    void finish() {
+        dropUnlessComplete("normals", surface_.normals, surface_.normalCorners);
+        dropUnlessComplete("texture coordinates", surface_.textures, surface_.textureCorners);
+        if (surface_.materials.empty()) surface_.faceMaterials.clear();
+        if (surface_.colors.size() == before_.points) return;
+        surface_.colors.clear();
+        if (haveExtras_) surface_.addOther("weights or colours of points");
+    }
+
+    const FileView& file_;
+    ModelSurface surface_;
+    CountsBefore before_;
+    std::unordered_map<std::string, Index> materials_;
+    Index material_ = -1;
+    bool haveExtras_ = false;  ///< some points have numbers beside their coordinates
+};
+
+ModelSurface readObjSurface(const FileView& file) {
+    return SurfaceReader(file).read();
 }
 
 void writeObj(std::ostream& out, const FileView& file, std::span<const Point3> moved,

@@ -289,7 +289,7 @@ FileNumbers readStlNumbers(const std::filesystem::path& path, std::string_view b
 
 ModelSurface readStlModelSurface(const FileView& file) {
     ModelSurface surface;
-    surface.repeatsPoints = true;
+    surface.dropsLoosePoints = true;
     surface.faces = weldedFacets(file.numbers.points.values);
     if (!file.numbers.order) {
         if (TextStl(file.path, file.bytes).solidCount > 1) surface.addOther("solids");
@@ -340,6 +340,7 @@ void writeStlSurface(std::ostream& out, const SurfaceView& surface) {
 const Format kStlFormat = {.extensions = {".stl"},
                            .readModel = readFileModel<kStlModel>,
                            .writeSurface = writeStlSurface,
-                           .normals = Format::Normals::Facets};
+                           .normals = Format::Normals::Facets,
+                           .holdsTriangles = true};
 
 }  // namespace espalier::io

@@ -5,6 +5,7 @@
 #include <espalier/base/point.h>
 #include <espalier/io/model.h>
 
+#include <filesystem>
 #include <iosfwd>
 #include <span>
 
@@ -20,6 +21,11 @@ struct SurfaceView {
     std::span<const Point3> normals = {};
     /// Per corner of the faces: the number of its normal. Empty if the normals are one per point.
     std::span<const Index> normalCorners = {};
+    /// The name of the new file, for a format of several extensions; empty if it has none.
+    std::filesystem::path path = {};
+    /// Has the texture coordinates, colours and materials of the faces and points; null if there
+    /// are none.
+    const ModelSurface* appearance = nullptr;
 };
 
 // The writers below write a new file. Numbers of text formats are the shortest that read back as

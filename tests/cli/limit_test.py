@@ -109,7 +109,8 @@ class LimitTest(CliTest):
         self.assertEqual(deform("model.obj", "out.obj", "--keep-normals"),
                          "4 normals stay, as --keep-normals asks")
         self.assertEqual(self.vectors("out.obj", "vn"), self.vectors("model.obj", "vn"))
-        self.assertEqual(deform("model.obj", "out.glb"),
+        self.assertEqual(deform("model.obj", "out.glb"), "4 normals turn with the model")
+        self.assertEqual(deform("model.obj", "out.mdd"),
                          "4 normals are not in the animation, which holds points only")
         # A binding without gradients, and one with them.
         apply = ["apply", "bound.espb", "--to", "pose.ovm", "-o", "out.obj"]

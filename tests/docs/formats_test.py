@@ -54,10 +54,11 @@ class Formats(unittest.TestCase):
                     is_editor_mesh = cells[column].startswith("poses: ")
                     if (name == "EditorMesh") != is_editor_mesh and column == 1:
                         continue
-                    other = {"a bound model": "BoundModel", "targets of its points": "Targets",
-                             "all poses in one file": "Animation"}.get(cells[column].split(":")[0])
-                    for use in re.findall(r"\b(read|write)\b", cells[column]):
-                        got[f"{other or name} {use}"].add(extension)
+                    for part in cells[column].split("; "):
+                        other = {"a bound model": "BoundModel", "targets of its points": "Targets",
+                                 "all poses in one file": "Animation"}.get(part.split(":")[0])
+                        for use in re.findall(r"\b(read|write)\b", part):
+                            got[f"{other or name} {use}"].add(extension)
         # Every model can be written again in its own format.
         expected = {name: set(extensions) for name, extensions in self.lists.items()}
         expected["Model write"] = expected["Model read"]

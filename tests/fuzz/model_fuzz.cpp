@@ -52,7 +52,7 @@ void requireConverted(const io::Model& model, const io::ModelSurface& surface,
         return;
     }
     require(copy.others.empty(), "a converted model has nothing but points, faces and normals");
-    if (surface.repeatsPoints) return;
+    if (surface.dropsLoosePoints) return;
     require(std::ranges::equal(back->positions(), model.positions()), "points come back");
     require(copy.faces.count() <= surface.faces.count(), "no face is added");
 }

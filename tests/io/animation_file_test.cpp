@@ -76,8 +76,8 @@ TEST(Animation, GlbHasTheMovementsAsMorphTargets) {
     EXPECT_TRUE(bytes.substr(20 + jsonSize + 8) == data);
     for (const char* part :
          {"\"targets\":[{\"POSITION\":2},{\"POSITION\":3}]", "\"indices\":0", "\"weights\":[0,0]",
-          "\"targetNames\":[\"pose 0\",\"pose 1\"]", "\"min\":[0,0,0],\"max\":[2,2,1]",
-          "\"min\":[0],\"max\":[0.1]", "\"path\":\"weights\""})
+          "\"targetNames\":[\"pose 0\",\"pose 1\"]", "\"min\":[0.0,0.0,0.0],\"max\":[2.0,2.0,1.0]",
+          "\"min\":[0.0],\"max\":[0.10000000149011612]", "\"path\":\"weights\""})
         EXPECT_THAT(json, HasSubstr(part));
 }
 
@@ -135,12 +135,43 @@ TEST(Animation, WrongFramesAndFilesAreRefused) {
     const Animation large = {
         [](std::size_t) -> std::vector<Point3> { throw std::logic_error("asked"); },
         std::size_t{1} << 20, 24};
-    EXPECT_REFUSED(FileError, "a .glb file of 1048576 poses would have",
+    EXPECT_REFUSED(FileError, "a glTF file of 1048576 poses would have",
                    writeAnimation(folder / "a.glb", *model, large));
     EXPECT_FALSE(isFileOf(FileContent::Animation, "a.abc", FileUse::Write));
-    expectRefused("a.abc", {framePoints, 2, 24}, "expected .pc2, .mdd or .glb");
-    EXPECT_REFUSED(FileError, "the model has no faces",
-                   animationBytes("a.glb", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"));
+    expectRefused("a.abc", {framePoints, 2, 24}, "expected .pc2, .mdd, .glb or .gltf");
+}
+
+TEST(Animation, ASinglePoseInGlbIsAModel) {
+    for (const char* name : {"a.pc2", "a.mdd"}) EXPECT_TRUE(isAnimation(name, 1));
+    for (const char* name : {"a.glb", "a.GLTF"}) {
+        EXPECT_FALSE(isAnimation(name, 1));
+        EXPECT_TRUE(isAnimation(name, 2));
+    }
+    EXPECT_FALSE(isAnimation("a%04d.glb", 2));
+    EXPECT_FALSE(isAnimation("a.obj", 2));
+}
+
+TEST(Animation, GlbHasTheNormalsOfEachPose) {
+    const auto model =
+        readModel("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+    // The pose turns z to x.
+    const Animation animation = {
+        [&](std::size_t) {
+            return std::vector<Point3>{{}, {0, 0, -1}, {0, 1, 0}};
+        },
+        1, 24,
+        [](std::size_t) {
+            return std::vector<DeformationGradient>(3, {0, 0, 1, 0, 1, 0, -1, 0, 0});
+        }};
+    const TemporaryFolder folder;
+    writeAnimation(folder / "a.glb", *model, animation);
+    const std::string bytes = readFile(folder / "a.glb");
+    EXPECT_THAT(bytes, HasSubstr("\"targets\":[{\"POSITION\":3,\"NORMAL\":4}]"));
+    EXPECT_THAT(bytes,
+                HasSubstr(floats({{1, 0, -1}, {1, 0, -1}, {1, 0, -1}}, std::endian::little)));
+    EXPECT_TRUE(animationHoldsNormals("a.glb"));
+    EXPECT_FALSE(animationHoldsNormals("a.mdd"));
+    EXPECT_EQ(lossesInAnimation("a.mdd", *model), "");
 }
 
 }  // namespace

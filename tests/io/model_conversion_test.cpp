@@ -195,9 +195,9 @@ TEST(ModelConversion, AllDataThatAreNotWrittenAreNamed) {
                        "mtllib m\no a\nv 0 0 0 1\nv 1 0 0\nv 0 1 0 1 0 0\nvt 0 0\ng x\ns 1\n"
                        "usemtl m\nf 1/1 2/1 3/1\nl 1 2\np 1\nt corner 1/1/0 0 2\nlod 3\nlod 4\n",
                        "a.ply"),
-              "materials, names of objects, weights or colours of points, texture coordinates, "
-              "groups, smoothing groups, lines, point elements, tags of subdivision, statements "
-              "'lod'");
+              "material libraries, names of objects, groups, smoothing groups, lines, point "
+              "elements, tags of subdivision, statements 'lod', weights or colours of points, "
+              "texture coordinates, materials");
     EXPECT_EQ(lossesOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\nf 1\n", "a.ply"),
               "2 faces of fewer than three corners");
     // The normals of faces that are not written are not those of the points.
@@ -289,12 +289,13 @@ TEST(ModelConversion, OtherNamesKeepTheFormat) {
         EXPECT_EQ(model->checkTarget(name), "");
     const TemporaryFolder folder;
     const std::string refusal =
-        "b.gltf: .gltf is no known model format; expected .obj, .ply, .stl, .vtu, .vtp or .vtk, or "
-        "a name without extension, which is written as .obj";
-    EXPECT_REFUSED(FileError, refusal, model->checkTarget("b.gltf"));
-    EXPECT_REFUSED(FileError, ".gltf is no known model format",
-                   model->write(folder / "b.gltf", model->positions()));
-    EXPECT_FALSE(std::filesystem::exists(folder / "b.gltf"));
+        "b.fbx: .fbx is no known model format; expected .obj, .ply, .stl, .vtu, .vtp, .vtk, .glb "
+        "or "
+        ".gltf, or a name without extension, which is written as .obj";
+    EXPECT_REFUSED(FileError, refusal, model->checkTarget("b.fbx"));
+    EXPECT_REFUSED(FileError, ".fbx is no known model format",
+                   model->write(folder / "b.fbx", model->positions()));
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.fbx"));
     // A number at the end names a pose, not a format.
     for (const char* name : {"b.0001", "b.7"}) EXPECT_EQ(model->checkTarget(name), "");
     for (const char* name : {"b.", "b.7z", "b.backup"})

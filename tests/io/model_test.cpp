@@ -92,14 +92,14 @@ TEST(Model, RefusesGradientsOfWrongNumberOrNotFinite) {
 
 TEST(Model, OtherExtensionsAreRefused) {
     EXPECT_REFUSED(FileError,
-                   "a.off: is not of a known model format; expected .obj, .ply, .stl, .vtu, .vtp "
-                   "or .vtk, or the mesh of a simulation (",
+                   "a.off: is not of a known model format; expected .obj, .ply, .stl, .vtu, .vtp, "
+                   ".vtk, .glb or .gltf, or the mesh of a simulation (",
                    readModel("a.off"));
     for (const std::string name : {"a.vtm", "a.PVTU"})
         EXPECT_REFUSED(FileError,
                        name +
                            ": lists other files; name one of these files (.obj, .ply, .stl, "
-                           ".vtu, .vtp or .vtk)",
+                           ".vtu, .vtp, .vtk, .glb or .gltf)",
                        readModel(name));
 }
 

@@ -1,0 +1,569 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/progress.h>
+#include <espalier/io/model.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "../format.h"
+#include "../models/coordinates.h"
+#include "gltf_accessor.h"
+#include "gltf_file.h"
+#include "gltf_scene.h"
+#include "gltf_writer.h"
+
+// glTF 2.0 (.gltf, .glb): the points of all meshes that nodes draw.
+//
+// A point is taken where it is drawn at rest: after the matrix of its node, or after the average of
+// the matrices of its joints. A new position goes back through the inverse, as does a gradient. So
+// a skinned mesh keeps its skeleton, and is deformed in its pose at rest. Where a matrix has no
+// inverse, the points stay.
+//
+// NORMAL and TANGENT follow the gradients. The handedness of a tangent (its fourth number) stays:
+// the normal n follows the cofactors of F and the tangent t follows F, so the bitangent w (n x t)
+// follows F, also where F mirrors.
+//
+// A morph target is a set of points of its own, the points of the mesh plus its displacements, and
+// so has its own rows in a lattice. The new displacements are its new points minus those of the
+// mesh. Likewise its normals and tangents. The default weights of the targets are not applied.
+//
+// A mesh that several nodes draw at several places becomes several meshes, once points have moved.
+// A mesh that no node draws stays.
+//
+// Accessors are replaced where they are, if they hold floats and nothing else has their bytes.
+// Otherwise a new one is added, of floats. All else in the file stays.
+//
+// The faces are the triangles, strips and fans. Where a node mirrors, the faces are turned, as glTF
+// asks.
+
+namespace espalier::io {
+namespace {
+
+enum class VectorKind { Points, Normals, Tangents };
+
+/// Points of the model that are drawn alike, in the order of an accessor.
+struct Block {
+    std::size_t first = 0, count = 0;
+    /// One for all points, or one per point.
+    std::shared_ptr<const std::vector<Affine>> maps;
+
+    const Affine& map(std::size_t i) const { return (*maps)[maps->size() == 1 ? 0 : i]; }
+};
+
+/// The vectors of an accessor, as one drawing uses them.
+struct Vectors {
+    std::size_t accessor = 0;
+    VectorKind kind = VectorKind::Points;
+    std::size_t block = 0;  ///< the points at which they are
+    /// For the displacements of a morph target: the vectors of the mesh, to which they are added.
+    std::optional<std::size_t> base = {};
+    std::vector<Point3> local = {};          ///< in the mesh, plus the base
+    std::vector<Point3> displacements = {};  ///< of a morph target: the numbers of the file
+};
+
+/// An attribute of a primitive or of one of its morph targets.
+struct Use {
+    std::size_t mesh = 0, primitive = 0;
+    std::optional<std::size_t> target = {};
+    const char* semantic = "";
+    std::size_t vectors = 0;
+};
+
+/// A mesh as nodes draw it.
+struct DrawnMesh {
+    GltfDrawing drawing;
+    std::vector<std::size_t> blocks;                  ///< per primitive: its points
+    std::vector<std::optional<std::size_t>> normals;  ///< per primitive: its vectors
+    std::vector<Use> uses;
+};
+
+constexpr std::pair<const char*, VectorKind> kSemantics[] = {{"POSITION", VectorKind::Points},
+                                                             {"NORMAL", VectorKind::Normals},
+                                                             {"TANGENT", VectorKind::Tangents}};
+
+const char* nameOf(VectorKind kind) {
+    return kind == VectorKind::Points    ? "positions"
+           : kind == VectorKind::Normals ? "normals"
+                                         : "tangents";
+}
+
+Point3 sum(const Point3& a, const Point3& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+Point3 difference(const Point3& a, const Point3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// Reads the vectors of all drawn meshes.
+class SceneReader {
+public:
+    explicit SceneReader(const GltfFile& file) : file_(file) {
+        for (const GltfDrawing& drawing : drawingsOf(file)) {
+            checkCancelled();
+            addMesh(drawing);
+        }
+    }
+
+    std::vector<Point3> positions;
+    std::vector<Block> blocks;
+    std::vector<Vectors> vectors;
+    std::vector<DrawnMesh> meshes;
+
+private:
+    void addMesh(const GltfDrawing& drawing) {
+        mesh_ = &meshes.emplace_back(DrawnMesh{drawing, {}, {}, {}});
+        const Json& json = file_.item("meshes", drawing.mesh);
+        const auto primitives = json.find("primitives");
+        if (primitives == json.end() || !primitives->is_array())
+            file_.fail(concat("mesh ", drawing.mesh, " has no primitives"));
+        for (std::size_t i = 0; i < primitives->size(); ++i) addPrimitive((*primitives)[i], i);
+    }
+
+    void addPrimitive(const Json& primitive, std::size_t number) {
+        const auto attributes = primitive.find("attributes");
+        const bool hasPoints = attributes != primitive.end() && attributes->is_object() &&
+                               attributes->contains("POSITION");
+        mesh_->normals.push_back(std::nullopt);
+        mesh_->blocks.push_back(blocks.size());
+        if (!hasPoints) {
+            // Nothing is drawn of it.
+            blocks.push_back({positions.size(), 0, identity()});
+            return;
+        }
+        const std::size_t position = file_.needNumber(*attributes, "POSITION");
+        const std::size_t count = accessorOf(file_, position).count;
+        const auto maps = mapsOf(*attributes, count);
+        std::map<VectorKind, std::size_t> own;
+        std::size_t block = 0;
+        for (const auto& [semantic, kind] : kSemantics) {
+            const auto accessor = file_.number(*attributes, semantic);
+            if (!accessor) continue;
+            if (kind == VectorKind::Points) block = blockOf(position, std::nullopt, maps, count);
+            own[kind] = vectorsOf(*accessor, kind, block, std::nullopt, count);
+            mesh_->uses.push_back({mesh_->drawing.mesh, number, {}, semantic, own[kind]});
+            if (kind == VectorKind::Normals) mesh_->normals.back() = own[kind];
+        }
+        mesh_->blocks.back() = block;
+        const auto targets = primitive.find("targets");
+        if (targets == primitive.end()) return;
+        if (!targets->is_array())
+            file_.fail(
+                concat("a primitive of mesh ", mesh_->drawing.mesh, " has malformed targets"));
+        for (std::size_t target = 0; target < targets->size(); ++target) {
+            std::size_t at = block;  // the points of a target without POSITION are the mesh's
+            for (const auto& [semantic, kind] : kSemantics) {
+                const Json& json = (*targets)[target];
+                const auto accessor =
+                    json.is_object() ? file_.number(json, semantic) : std::nullopt;
+                if (!accessor || !own.contains(kind)) continue;
+                if (kind == VectorKind::Points) at = blockOf(position, *accessor, maps, count);
+                mesh_->uses.push_back({mesh_->drawing.mesh, number, target, semantic,
+                                       vectorsOf(*accessor, kind, at, own[kind], count)});
+            }
+        }
+    }
+
+    using Maps = std::shared_ptr<const std::vector<Affine>>;
+
+    static Maps identity() {
+        static const Maps kMaps = std::make_shared<const std::vector<Affine>>(1);
+        return kMaps;
+    }
+
+    /// Returns the maps of the points of a primitive. Equal maps are one object.
+    Maps mapsOf(const Json& attributes, std::size_t count) {
+        const GltfDrawing& drawing = mesh_->drawing;
+        if (!drawing.skin) {
+            if (drawing.matrix == Affine{}) return identity();
+            Maps& maps = matrices_[{drawing.matrix.linear, drawing.matrix.translation}];
+            if (!maps) maps = std::make_shared<const std::vector<Affine>>(1, drawing.matrix);
+            return maps;
+        }
+        std::string accessors = concat(*drawing.skin);
+        for (const auto& [name, accessor] : attributes.items())
+            if (name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
+                accessors += concat(" ", name, " ", accessor.dump());
+        Maps& maps = skins_[accessors];
+        if (maps) return maps;
+        auto joints = joints_.find(*drawing.skin);
+        if (joints == joints_.end())
+            joints = joints_.emplace(*drawing.skin, jointMaps(file_, *drawing.skin)).first;
+        maps = std::make_shared<const std::vector<Affine>>(
+            skinMaps(file_, joints->second, attributes, count));
+        return maps;
+    }
+
+    /// Returns the number of the block of these points, which is new or known.
+    std::size_t blockOf(std::size_t position, std::optional<std::size_t> target, const Maps& maps,
+                        std::size_t count) {
+        const auto [found, isNew] =
+            blocks_.try_emplace({position, target, maps.get()}, blocks.size());
+        if (isNew) blocks.push_back({positions.size(), count, maps});
+        return found->second;
+    }
+
+    /// Returns the number of these vectors, which are new or known. Adds new points to positions.
+    std::size_t vectorsOf(std::size_t accessor, VectorKind kind, std::size_t block,
+                          std::optional<std::size_t> base, std::size_t count) {
+        const auto [found, isNew] =
+            vectors_.try_emplace({accessor, kind, block, base}, vectors.size());
+        if (!isNew) return found->second;
+        Vectors made{accessor, kind, block, base};
+        made.local = io::vectorsOf(file_, accessor, nameOf(kind), count);
+        if (base) {
+            made.displacements = made.local;
+            const std::vector<Point3>& zero = vectors[*base].local;
+            for (std::size_t i = 0; i < count; ++i) made.local[i] = sum(zero[i], made.local[i]);
+        }
+        if (kind == VectorKind::Points) {
+            const Block& at = blocks[block];
+            for (std::size_t i = 0; i < count; ++i) {
+                checkCancelledEvery(i, 14);
+                const Point3& local = made.local[i];
+                const bool isDrawnAsIs = at.maps == identity();
+                positions.push_back(isDrawnAsIs ? local : at.map(i) * local);
+                if (!std::ranges::all_of(positions.back(),
+                                         [](double x) { return std::isfinite(x); }))
+                    file_.fail(concat("point ", i, " of accessor ", accessor, " is not finite"));
+            }
+        }
+        vectors.push_back(std::move(made));
+        return found->second;
+    }
+
+    const GltfFile& file_;
+    DrawnMesh* mesh_ = nullptr;  ///< the current one
+    std::map<std::pair<DeformationGradient, Point3>, Maps> matrices_;
+    std::map<std::string, Maps> skins_;
+    std::map<std::size_t, std::vector<Affine>> joints_;
+    std::map<std::tuple<std::size_t, std::optional<std::size_t>, const void*>, std::size_t> blocks_;
+    std::map<std::tuple<std::size_t, VectorKind, std::size_t, std::optional<std::size_t>>,
+             std::size_t>
+        vectors_;
+};
+
+/// Returns how often the JSON names each accessor.
+std::vector<std::size_t> countReferences(const GltfFile& file) {
+    std::vector<std::size_t> counts(file.list("accessors").size());
+    const auto count = [&](const Json& index) {
+        if (index.is_number_unsigned() && index.get<std::size_t>() < counts.size())
+            ++counts[index.get<std::size_t>()];
+    };
+    const auto countAll = [&](const Json& object, const char* key) {
+        const auto found = object.find(key);
+        if (found != object.end() && found->is_structured())
+            for (const Json& index : *found) count(index);
+    };
+    const auto countOne = [&](const Json& object, const char* key) {
+        if (const auto found = object.find(key); found != object.end()) count(*found);
+    };
+    const auto forEach = [](const Json& object, const char* key, const auto& f) {
+        const auto found = object.find(key);
+        if (found != object.end() && found->is_array())
+            for (const Json& item : *found) f(item);
+    };
+    for (const Json& mesh : file.list("meshes"))
+        forEach(mesh, "primitives", [&](const Json& primitive) {
+            countAll(primitive, "attributes");
+            countOne(primitive, "indices");
+            forEach(primitive, "targets", [&](const Json& target) {
+                for (const Json& index : target) count(index);
+            });
+        });
+    for (const Json& skin : file.list("skins")) countOne(skin, "inverseBindMatrices");
+    for (const Json& animation : file.list("animations"))
+        forEach(animation, "samplers", [&](const Json& sampler) {
+            countOne(sampler, "input");
+            countOne(sampler, "output");
+        });
+    return counts;
+}
+
+bool isSamePoint(const Point3& a, const Point3& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), isSame);
+}
+
+class GltfModel final : public Model {
+public:
+    GltfModel(const Format& format, const std::filesystem::path& path, std::string bytes)
+        : Model(format, path), file_(path, std::move(bytes)), scene_(file_) {
+        if (scene_.positions.empty()) file_.fail("no node draws a mesh with points");
+    }
+
+    std::span<const Point3> positions() const override { return scene_.positions; }
+
+    DirectionCounts directions() const override {
+        DirectionCounts counts;
+        for (const Vectors& vectors : scene_.vectors)
+            if (vectors.kind != VectorKind::Points)
+                (vectors.kind == VectorKind::Normals ? counts.normals : counts.tangents) +=
+                    vectors.local.size();
+        return counts;
+    }
+
+    CoordinateStorage storage() const override { return CoordinateStorage::Float; }
+
+    std::vector<Point3> stored(std::vector<Point3> points) const override {
+        std::vector<std::vector<Point3>> local(scene_.vectors.size());
+        for (std::size_t v = 0; v < scene_.vectors.size(); ++v) {
+            const Vectors& vectors = scene_.vectors[v];
+            if (vectors.kind != VectorKind::Points) continue;
+            const Block& block = scene_.blocks[vectors.block];
+            local[v] = newPoints(vectors, points);
+            for (std::size_t i = 0; i < block.count; ++i) {
+                Point3& point = points[block.first + i];
+                if (point == scene_.positions[block.first + i]) continue;
+                const Point3 zero = vectors.base ? local[*vectors.base][i] : Point3{};
+                Point3 written = difference(local[v][i], zero);
+                for (double& coordinate : written) roundToFloat(coordinate);
+                local[v][i] = sum(zero, written);
+                point = block.map(i) * local[v][i];
+            }
+        }
+        return points;
+    }
+
+    ModelSurface readSurface() const override;
+
+private:
+    /// Returns new points in the mesh. A point that has not moved keeps its numbers.
+    std::vector<Point3> newPoints(const Vectors& vectors, std::span<const Point3> moved) const {
+        const Block& block = scene_.blocks[vectors.block];
+        std::vector<Point3> points = vectors.local;
+        std::optional<DeformationGradient> back;
+        const Affine* backOf = nullptr;
+        for (std::size_t i = 0; i < block.count; ++i) {
+            checkCancelledEvery(i, 12);
+            const Point3 move =
+                difference(moved[block.first + i], scene_.positions[block.first + i]);
+            if (move == Point3{}) continue;
+            const Affine& map = block.map(i);
+            if (map == Affine{}) {
+                points[i] = moved[block.first + i];
+                continue;
+            }
+            if (backOf != &map) {
+                back = inverse(map.linear);
+                backOf = &map;
+            }
+            if (back) points[i] = sum(points[i], *back * move);
+        }
+        return points;
+    }
+
+    /// Returns new directions in the mesh.
+    std::vector<Point3> newDirections(const Vectors& vectors,
+                                      std::span<const DeformationGradient> gradients) const {
+        const Block& block = scene_.blocks[vectors.block];
+        gradients = gradients.subspan(block.first, block.count);
+        std::vector<DeformationGradient> local;
+        if (block.maps->size() > 1 || block.map(0) != Affine{}) {
+            local.assign(gradients.begin(), gradients.end());
+            for (std::size_t i = 0; i < local.size(); ++i) {
+                checkCancelledEvery(i, 12);
+                if (local[i] == kIdentity) continue;
+                const DeformationGradient& linear = block.map(i).linear;
+                const auto back = inverse(linear);
+                local[i] = back ? *back * (local[i] * linear) : kIdentity;
+            }
+            gradients = local;
+        }
+        return carried(vectors.local, gradients,
+                       vectors.kind == VectorKind::Normals ? carryNormal : carryTangent,
+                       Precision::Float);
+    }
+
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient> gradients) const override;
+
+    GltfFile file_;
+    SceneReader scene_;
+};
+
+/// Calls f with the corners of each triangle of a primitive.
+/// \param mode of glTF: 4 for triangles, 5 for strips, 6 for fans
+template <class F>
+void forEachTriangle(std::size_t mode, std::span<const Index> corners, F f) {
+    if (mode == 4)
+        for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+            f(corners[i], corners[i + 1], corners[i + 2]);
+    if (mode == 5)
+        for (std::size_t i = 0; i + 2 < corners.size(); ++i)
+            f(corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]);
+    if (mode == 6)
+        for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+            f(corners[i], corners[i + 1], corners[0]);
+}
+
+ModelSurface GltfModel::readSurface() const {
+    ModelSurface surface;
+    bool haveNormals = true;
+    std::vector<std::optional<std::size_t>> firstNormals(scene_.vectors.size());
+    for (const DrawnMesh& drawn : scene_.meshes) {
+        const Json& primitives = file_.item("meshes", drawn.drawing.mesh)["primitives"];
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            const Block& block = scene_.blocks[drawn.blocks[p]];
+            if (block.count == 0) continue;
+            const Json& primitive = primitives[p];
+            const std::size_t mode = file_.number(primitive, "mode").value_or(4);
+            if (mode >= 1 && mode <= 3) surface.addOther("lines");
+            for (const auto& [name, accessor] : primitive["attributes"].items())
+                if (name != "POSITION" && name != "NORMAL") surface.addOther("attributes", name);
+            if (primitive.contains("targets")) {
+                surface.addOther("morph targets");
+                surface.dropsLoosePoints = true;
+            }
+            if (mode < 4 || mode > 6) continue;
+            std::vector<Index> corners;
+            if (const auto indices = file_.number(primitive, "indices")) {
+                corners = indicesOf(file_, *indices, block.count);
+            } else {
+                corners.resize(block.count);
+                for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<Index>(i);
+            }
+            const bool isMirrored = determinant(block.map(0).linear) < 0;
+            const auto normals = drawn.normals[p];
+            haveNormals = haveNormals && normals.has_value();
+            if (normals && !firstNormals[*normals]) {
+                firstNormals[*normals] = surface.normals.size();
+                for (std::size_t i = 0; i < block.count; ++i)
+                    surface.normals.push_back(
+                        carryNormal(block.map(i).linear, scene_.vectors[*normals].local[i]));
+            }
+            forEachTriangle(mode, corners, [&](Index a, Index b, Index c) {
+                if (isMirrored) std::swap(b, c);
+                for (const Index corner : {a, b, c}) {
+                    surface.faces.corners.push_back(static_cast<Index>(block.first) + corner);
+                    if (haveNormals)
+                        surface.normalCorners.push_back(
+                            static_cast<Index>(*firstNormals[*normals]) + corner);
+                }
+                surface.faces.endFace();
+            });
+        }
+    }
+    if (!haveNormals) {
+        surface.normals.clear();
+        surface.normalCorners.clear();
+        if (directions().normals > 0) surface.addOther("normals of some meshes");
+    }
+    for (const char* list : {"materials", "textures", "skins", "animations", "cameras"})
+        if (!file_.list(list).empty()) surface.addOther(list);
+    return surface;
+}
+
+void GltfModel::writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                             std::span<const DeformationGradient> gradients) const {
+    // New vectors in the meshes; empty if none of them has changed.
+    std::vector<std::vector<Point3>> now(scene_.vectors.size());
+    std::vector<bool> isChanged(now.size());
+    for (std::size_t v = 0; v < now.size(); ++v) {
+        const Vectors& vectors = scene_.vectors[v];
+        if (vectors.kind == VectorKind::Points)
+            now[v] = newPoints(vectors, moved);
+        else if (!gradients.empty())
+            now[v] = newDirections(vectors, gradients);
+        else
+            now[v] = vectors.local;
+        isChanged[v] =
+            !std::equal(now[v].begin(), now[v].end(), vectors.local.begin(), isSamePoint) ||
+            (vectors.base && isChanged[*vectors.base]);
+    }
+    GltfEdit edit(file_);
+    if (std::ranges::count(isChanged, true) == 0) return edit.write(path);
+
+    // The numbers that the file gets.
+    const auto numbersFor = [&](std::size_t v) {
+        const Vectors& vectors = scene_.vectors[v];
+        std::vector<Point3> numbers = std::move(now[v]);
+        if (vectors.base) {
+            const std::vector<Point3>& zero = now[*vectors.base];
+            const std::vector<Point3>& zeroBefore = scene_.vectors[*vectors.base].local;
+            for (std::size_t i = 0; i < numbers.size(); ++i)
+                numbers[i] =
+                    isSamePoint(numbers[i], vectors.local[i]) && isSamePoint(zero[i], zeroBefore[i])
+                        ? vectors.displacements[i]
+                        : difference(numbers[i], zero[i]);
+        }
+        const std::size_t first = scene_.blocks[vectors.block].first;
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            for (double& number : numbers[i])
+                if (number == number) number = roundTo(Precision::Float, number, first + i);
+        return numbers;
+    };
+
+    // An accessor can be replaced if nothing else has its numbers.
+    std::vector<std::size_t> references = countReferences(file_);
+    std::map<std::size_t, std::set<std::size_t>> vectorsOfAccessor;
+    std::set<std::tuple<std::size_t, std::size_t, std::optional<std::size_t>, std::string>> uses;
+    for (const DrawnMesh& drawn : scene_.meshes)
+        for (const Use& use : drawn.uses) {
+            const std::size_t accessor = scene_.vectors[use.vectors].accessor;
+            vectorsOfAccessor[accessor].insert(use.vectors);
+            if (uses.emplace(use.mesh, use.primitive, use.target, use.semantic).second)
+                --references[accessor];
+        }
+    const std::vector<bool> overlaps = overlappingAccessors(file_);
+
+    // Targets come after the vectors to which they are added, and so are written in reverse.
+    std::vector<std::size_t> accessors(now.size());
+    for (std::size_t v = now.size(); v-- > 0;) {
+        const std::size_t accessor = scene_.vectors[v].accessor;
+        accessors[v] = accessor;
+        if (!isChanged[v]) continue;
+        const bool isOwn = references[accessor] == 0 && vectorsOfAccessor[accessor].size() == 1;
+        accessors[v] = writeVectors(edit, file_, accessor, numbersFor(v),
+                                    {.isOwn = isOwn, .isAlone = !overlaps[accessor]});
+    }
+
+    // A mesh that is drawn at several places gets a copy for each place after the first.
+    std::set<std::size_t> changedMeshes, drawnMeshes;
+    for (const DrawnMesh& drawn : scene_.meshes)
+        for (const Use& use : drawn.uses)
+            if (isChanged[use.vectors]) changedMeshes.insert(use.mesh);
+    for (const DrawnMesh& drawn : scene_.meshes) {
+        std::size_t mesh = drawn.drawing.mesh;
+        if (!changedMeshes.contains(mesh)) continue;
+        Json& json = edit.json();
+        if (!drawnMeshes.insert(mesh).second) {
+            const Json copy = file_.item("meshes", mesh);
+            mesh = json["meshes"].size();
+            json["meshes"].push_back(copy);
+            for (const std::size_t node : drawn.drawing.nodes) json["nodes"][node]["mesh"] = mesh;
+        }
+        for (const Use& use : drawn.uses) {
+            if (accessors[use.vectors] == scene_.vectors[use.vectors].accessor) continue;
+            Json& primitive = json["meshes"][mesh]["primitives"][use.primitive];
+            Json& attributes =
+                use.target ? primitive["targets"][*use.target] : primitive["attributes"];
+            attributes[use.semantic] = accessors[use.vectors];
+        }
+    }
+    edit.write(path);
+}
+
+std::unique_ptr<Model> readGltfModel(const Format& format, const std::filesystem::path& path,
+                                     std::string bytes) {
+    return std::make_unique<GltfModel>(format, path, std::move(bytes));
+}
+
+}  // namespace
+
+const Format kGltfFormat = {.extensions = {".glb", ".gltf"},
+                            .readModel = readGltfModel,
+                            .writeSurface = writeGltfSurface,
+                            .normals = Format::Normals::Corners,
+                            .holdsTriangles = true,
+                            .holdsAppearance = true,
+                            .writeAnimation = writeMorphTargets};
+
+}  // namespace espalier::io

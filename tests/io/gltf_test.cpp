@@ -1,0 +1,665 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of glTF 2.0 as models. The files are made here, number by number, and read again by a
+// reader of this test, which knows nothing of io/gltf.
+#include <espalier/io/files/base64.h>
+#include <espalier/io/model.h>
+#include <io/gradient_samples.h>
+#include <io/model_files.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace espalier::io {
+namespace {
+
+using nlohmann::json;
+
+/// A file under construction: JSON, and one buffer.
+struct GltfSample {
+    json root = {{"asset", {{"version", "2.0"}}},
+                 {"bufferViews", json::array()},
+                 {"accessors", json::array()}};
+    std::string data;
+
+    std::size_t view(const std::string& bytes, std::size_t stride = 0) {
+        data.append((4 - data.size() % 4) % 4, '\0');
+        root["bufferViews"].push_back(
+            {{"buffer", 0}, {"byteOffset", data.size()}, {"byteLength", bytes.size()}});
+        if (stride > 0) root["bufferViews"].back()["byteStride"] = stride;
+        data += bytes;
+        return root["bufferViews"].size() - 1;
+    }
+
+    /// \param type of the accessor: 5126 for floats
+    std::size_t accessor(std::size_t view, std::size_t count, const char* shape = "VEC3",
+                         int type = 5126, std::size_t offset = 0) {
+        root["accessors"].push_back({{"bufferView", view},
+                                     {"byteOffset", offset},
+                                     {"componentType", type},
+                                     {"count", count},
+                                     {"type", shape}});
+        return root["accessors"].size() - 1;
+    }
+
+    template <class Number>
+    std::size_t add(const std::vector<Number>& numbers, const char* shape = "VEC3",
+                    int type = 5126) {
+        std::string bytes;
+        for (const Number number : numbers) bytes += bytesOf(number, std::endian::little);
+        const std::map<std::string, std::size_t> kSizes = {
+            {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
+        return accessor(view(bytes), numbers.size() / kSizes.at(shape), shape, type);
+    }
+
+    std::string text() const {
+        json written = root;
+        if (!data.empty())
+            written["buffers"] = {
+                {{"byteLength", data.size()},
+                 {"uri", "data:application/octet-stream;base64," + encodeBase64(data)}}};
+        return written.dump();
+    }
+
+    std::string binary() const {
+        json written = root;
+        written["buffers"] = {{{"byteLength", data.size()}}};
+        std::string head = written.dump(), body = data;
+        head.append((4 - head.size() % 4) % 4, ' ');
+        body.append((4 - body.size() % 4) % 4, '\0');
+        const auto word = [](std::size_t number) {
+            return bytesOf(static_cast<std::uint32_t>(number), std::endian::little);
+        };
+        return "glTF" + word(2) + word(28 + head.size() + body.size()) + word(head.size()) +
+               "JSON" + head + word(body.size()) + std::string("BIN\0", 4) + body;
+    }
+};
+
+/// Reads floats of a file that has its data in the text, or that is a .glb.
+struct ParsedGltf {
+    json root;
+    std::string data;
+
+    explicit ParsedGltf(const std::string& bytes) {
+        if (bytes.starts_with("glTF")) {
+            std::uint32_t size;
+            std::memcpy(&size, bytes.data() + 12, 4);
+            root = json::parse(bytes.substr(20, size));
+            data = bytes.substr(28 + size);
+            return;
+        }
+        root = json::parse(bytes);
+        const std::string uri = root["buffers"][0]["uri"];
+        const std::string digits = uri.substr(uri.find(',') + 1);
+        unsigned group = 0;
+        for (std::size_t i = 0; i < digits.size() && digits[i] != '='; ++i) {
+            group = group << 6 | unsigned(kBase64Alphabet.find(digits[i]));
+            if (i % 4 != 0) data += char(group >> (6 - 2 * (i % 4)) & 0xff);
+        }
+    }
+
+    std::vector<std::vector<float>> floats(std::size_t accessor) const {
+        const json& a = root["accessors"][accessor];
+        EXPECT_EQ(a["componentType"], 5126);
+        const json& view = root["bufferViews"][a["bufferView"].get<std::size_t>()];
+        const std::size_t width = a["type"] == "VEC3" ? 3 : a["type"] == "VEC4" ? 4 : 2;
+        const std::size_t stride = view.value("byteStride", 4 * width);
+        std::vector<std::vector<float>> rows;
+        for (std::size_t i = 0; i < a["count"]; ++i) {
+            auto& row = rows.emplace_back(width);
+            std::memcpy(
+                row.data(),
+                data.data() + view.value("byteOffset", 0) + a.value("byteOffset", 0) + i * stride,
+                4 * width);
+        }
+        return rows;
+    }
+
+    json attribute(const char* name, std::size_t mesh = 0, std::size_t primitive = 0) const {
+        return root["meshes"][mesh]["primitives"][primitive]["attributes"][name];
+    }
+};
+
+using FloatRows = std::vector<std::vector<float>>;
+
+const std::vector<float> kGltfCorners = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+const std::vector<float> kGltfNormals = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+
+/// A triangle with normals and tangents, drawn by a node.
+GltfSample triangle(const json& node = json::object()) {
+    GltfSample sample;
+    const auto points = sample.add(kGltfCorners);
+    sample.root["accessors"][points].update({{"min", {0, 0, 0}}, {"max", {1, 1, 0}}});
+    const auto normals = sample.add(kGltfNormals);
+    const auto tangents =
+        sample.add(std::vector<float>{1, 0, 0, -1, 1, 0, 0, -1, 1, 0, 0, 1}, "VEC4");
+    sample.root["meshes"] = {
+        {{"primitives",
+          {{{"attributes", {{"POSITION", points}, {"NORMAL", normals}, {"TANGENT", tangents}}}}}}}};
+    json drawn = node;
+    drawn["mesh"] = 0;
+    sample.root["nodes"] = json::array({drawn});
+    sample.root["scenes"] = {{{"nodes", {0}}}};
+    sample.root["extras"] = {{"kept", "as it was"}};
+    return sample;
+}
+
+std::vector<Point3> movedBy(std::span<const Point3> points, const Point3& by) {
+    std::vector<Point3> moved = copyOf(points);
+    for (Point3& point : moved)
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] += by[axis];
+    return moved;
+}
+
+std::string writtenAs(const Model& model, const std::string& name, std::span<const Point3> points,
+                      std::span<const DeformationGradient> gradients = {}) {
+    const TemporaryFolder folder;
+    if (gradients.empty())
+        model.write(folder / name, points);
+    else
+        model.write(folder / name, points, gradients);
+    return readFile(folder / name);
+}
+
+TEST(Gltf, PointsAreWhereTheNodesDrawThem) {
+    // The turn by 90 degrees about z comes after the scale, and the translation after both.
+    const auto sample = triangle({{"translation", {10, 0, 0}},
+                                  {"rotation", {0, 0, std::sqrt(0.5), std::sqrt(0.5)}},
+                                  {"scale", {2, 3, 1}}});
+    const auto model = readModel("a.gltf", sample.text());
+    const std::vector<Point3> expected = {{10, 0, 0}, {10, 2, 0}, {7, 0, 0}};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(model->positions()[i][axis], expected[i][axis], 4e-15);
+    // A matrix is stored column by column; children follow their parents.
+    auto nested = triangle({{"matrix", {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}}});
+    nested.root["nodes"].push_back({{"translation", {0, 0, 1}}, {"children", {0}}});
+    nested.root["scenes"][0]["nodes"] = {1};
+    EXPECT_EQ(copyOf(readModel("a.gltf", nested.text())->positions()),
+              (std::vector<Point3>{{5, 6, 8}, {5, 7, 8}, {4, 6, 8}}));
+}
+
+TEST(Gltf, AtRestTheFileIsTheSame) {
+    const auto sample = triangle({{"scale", {0.1, 0.1, 0.1}}});
+    const std::vector<DeformationGradient> still(3, test::kIdentity);
+    for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"a.glb", sample.binary()},
+                                      {"a.gltf", sample.text()}}) {
+        const auto model = readModel(name, bytes);
+        EXPECT_EQ(writtenAs(*model, name, model->positions()), bytes);
+        EXPECT_EQ(writtenAs(*model, name, model->positions(), still), bytes);
+        EXPECT_EQ(writtenAs(*model, "no_extension", model->positions()), bytes);
+    }
+}
+
+TEST(Gltf, NewPointsGoBackThroughTheNode) {
+    const auto sample = triangle({{"translation", {10, 0, 0}}, {"scale", {2, 4, 1}}});
+    const auto model = readModel("a.glb", sample.binary());
+    const ParsedGltf moved(writtenAs(*model, "b.glb", movedBy(model->positions(), {2, 4, 8})));
+    EXPECT_EQ(moved.floats(0), (FloatRows{{1, 1, 8}, {2, 1, 8}, {1, 2, 8}}));
+    EXPECT_EQ(moved.root["accessors"][0]["min"], (json{1.0, 1.0, 8.0}));
+    EXPECT_EQ(moved.root["accessors"][0]["max"], (json{2.0, 2.0, 8.0}));
+    // Nothing else has changed: no accessor and no view is new.
+    json expected = sample.root, now = moved.root;
+    for (json* each : {&expected, &now}) {
+        each->erase("buffers");
+        (*each)["accessors"][0].erase("min");
+        (*each)["accessors"][0].erase("max");
+    }
+    EXPECT_EQ(now, expected);
+    EXPECT_EQ(moved.floats(1), ParsedGltf(sample.binary()).floats(1));
+}
+
+TEST(Gltf, DirectionsFollowInTheFrameOfTheNode) {
+    // In the world, the node maps the normal z to x, and the tangent x to y. A quarter turn about z
+    // takes x to y and y to -x: in the mesh, z becomes x and x becomes -z.
+    const json node = {{"matrix", {0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1}}};
+    const auto sample = triangle(node);
+    const auto model = readModel("a.gltf", sample.text());
+    EXPECT_EQ(model->directions().normals, 3u);
+    EXPECT_EQ(model->directions().tangents, 3u);
+    const std::vector<DeformationGradient> turn(3, test::kQuarterTurn);
+    const ParsedGltf moved(writtenAs(*model, "a.gltf", model->positions(), turn));
+    EXPECT_EQ(moved.floats(1), (FloatRows{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}}));
+    EXPECT_EQ(moved.floats(2), (FloatRows{{0, 0, -1, -1}, {0, 0, -1, -1}, {0, 0, -1, 1}}));
+}
+
+TEST(Gltf, TheBitangentFollowsWhereAMapMirrors) {
+    // The bitangent is w (n x t). It follows F with the same w, also for a mirror, because the
+    // normal follows the cofactors.
+    const auto model = readModel("a.gltf", triangle().text());
+    const DeformationGradient mirror = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const ParsedGltf moved(writtenAs(*model, "a.gltf", model->positions(),
+                                     std::vector<DeformationGradient>(3, mirror)));
+    const auto normal = moved.floats(1)[2], tangent = moved.floats(2)[2];
+    EXPECT_EQ(normal, (std::vector<float>{0, 0, -1}));
+    EXPECT_EQ(tangent, (std::vector<float>{-1, 0, 0, 1}));
+    // n x t = (0, 1, 0) = F (0, 1, 0), where (0, 1, 0) was the bitangent.
+    EXPECT_EQ(tangent[3] * (normal[2] * tangent[0] - normal[0] * tangent[2]), 1);
+}
+
+TEST(Gltf, AMeshAtSeveralPlacesBecomesSeveralMeshes) {
+    auto sample = triangle();
+    sample.root["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, 5}}});
+    sample.root["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, 5}}});
+    const auto model = readModel("a.gltf", sample.text());
+    ASSERT_EQ(model->positions().size(), 6u);  // the third node draws at the place of the second
+    auto points = copyOf(model->positions());
+    points[4][0] = 7;
+    const ParsedGltf moved(writtenAs(*model, "a.gltf", points));
+    ASSERT_EQ(moved.root["meshes"].size(), 2u);
+    EXPECT_EQ(moved.root["nodes"][0]["mesh"], 0);
+    EXPECT_EQ(moved.root["nodes"][1]["mesh"], 1);
+    EXPECT_EQ(moved.root["nodes"][2]["mesh"], 1);
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 0)),
+              (FloatRows{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 1)),
+              (FloatRows{{0, 0, 0}, {7, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(moved.attribute("NORMAL", 1), moved.attribute("NORMAL", 0));
+}
+
+TEST(Gltf, MorphTargetsFollowAsPoints) {
+    auto sample = triangle();
+    const auto moves = sample.add(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 3});
+    const auto turns = sample.add(std::vector<float>{1, 0, -1, 1, 0, -1, 0, 0, 0});
+    sample.root["meshes"][0]["primitives"][0]["targets"] = {
+        {{"POSITION", moves}, {"NORMAL", turns}}};
+    const auto model = readModel("a.gltf", sample.text());
+    ASSERT_EQ(model->positions().size(), 6u);
+    EXPECT_EQ(model->positions()[3], (Point3{0, 0, 1}));
+    EXPECT_EQ(model->positions()[5], (Point3{0, 1, 3}));
+    EXPECT_EQ(model->directions().normals, 6u);
+    // The mesh moves by one in x, its target by two, and the normals of the target turn.
+    auto points = copyOf(model->positions());
+    for (std::size_t i = 0; i < 6; ++i) points[i][0] += i < 3 ? 1 : 2;
+    std::vector<DeformationGradient> gradients(6, test::kIdentity);
+    for (std::size_t i = 3; i < 6; ++i) gradients[i] = test::kQuarterTurn;
+    const ParsedGltf moved(writtenAs(*model, "a.gltf", points, gradients));
+    EXPECT_EQ(moved.floats(0), (FloatRows{{1, 0, 0}, {2, 0, 0}, {1, 1, 0}}));
+    EXPECT_EQ(moved.floats(moves), (FloatRows{{1, 0, 1}, {1, 0, 1}, {1, 0, 3}}));
+    EXPECT_EQ(moved.floats(turns), (FloatRows{{0, 1, -1}, {0, 1, -1}, {0, 0, 0}}));
+}
+
+TEST(Gltf, SkinnedMeshesFollowWhereTheirJointsDrawThem) {
+    auto sample = triangle({{"translation", {100, 0, 0}}, {"skin", 0}});  // glTF ignores this node
+    const auto joints =
+        sample.add(std::vector<std::uint8_t>{0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 5121);
+    const auto weights =
+        sample.add(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0, 0}, "VEC4");
+    const auto binds =
+        sample.add(std::vector<float>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1,
+                                      1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1},
+                   "MAT4");
+    auto& attributes = sample.root["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = joints;
+    attributes["WEIGHTS_0"] = weights;
+    // Joint 0 moves by 2 in z. Joint 1 takes its origin (1, 0, 0) to (1, 0, 4), twice as large.
+    sample.root["nodes"].push_back({{"translation", {0, 0, 2}}});
+    sample.root["nodes"].push_back({{"translation", {1, 0, 4}}, {"scale", {2, 2, 2}}});
+    sample.root["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", binds}}};
+    const auto model = readModel("a.gltf", sample.text());
+    // Point 2, at (0, 1, 0), is between (0, 1, 2) and (-1, 2, 4).
+    EXPECT_EQ(copyOf(model->positions()),
+              (std::vector<Point3>{{0, 0, 2}, {1, 0, 4}, {-0.5, 1.5, 3}}));
+    const ParsedGltf moved(writtenAs(*model, "a.gltf", movedBy(model->positions(), {0, 0, 3})));
+    EXPECT_EQ(moved.floats(0), (FloatRows{{0, 0, 3}, {1, 0, 1.5}, {0, 1, 2}}));
+    EXPECT_EQ(moved.floats(weights), (FloatRows{{1, 0, 0, 0}, {1, 0, 0, 0}, {0.5, 0.5, 0, 0}}));
+}
+
+TEST(Gltf, ReadsInterleavedSparseAndNormalizedNumbers) {
+    GltfSample sample;
+    std::string interleaved;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (const auto* values : {&kGltfCorners, &kGltfNormals})
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                interleaved += bytesOf((*values)[3 * i + axis], std::endian::little);
+    const auto view = sample.view(interleaved, 24);
+    const auto points = sample.accessor(view, 3);
+    const auto normals = sample.accessor(view, 3, "VEC3", 5126, 12);
+    // Sparse: element 1 of three zeros. Normalized: 127 is 1, and -128 is -1.
+    const auto sparse = sample.add(std::vector<float>(9));
+    const auto where = sample.view(std::string("\1", 1));
+    std::string value;
+    for (const float x : {4.0F, 5.0F, 6.0F}) value += bytesOf(x, std::endian::little);
+    sample.root["accessors"][sparse]["sparse"] = {
+        {"count", 1},
+        {"indices", {{"bufferView", where}, {"componentType", 5121}}},
+        {"values", {{"bufferView", sample.view(value)}}}};
+    const auto bytes =
+        sample.add(std::vector<std::int8_t>{127, 0, 0, -128, 0, 0, 0, 127, 0}, "VEC3", 5120);
+    sample.root["accessors"][bytes]["normalized"] = true;
+    const auto mesh = [](std::size_t position, json more = json::object()) {
+        more["POSITION"] = position;
+        return json{{"primitives", {{{"attributes", more}}}}};
+    };
+    sample.root["meshes"] = {mesh(points, {{"NORMAL", normals}}), mesh(sparse), mesh(bytes)};
+    sample.root["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}}, {{"mesh", 2}}};
+    const auto model = readModel("a.glb", sample.binary());
+    EXPECT_EQ(
+        copyOf(model->positions()),
+        (std::vector<Point3>{
+            {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {}, {4, 5, 6}, {}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}}));
+    const std::vector<DeformationGradient> turn(9, test::kQuarterTurn);
+    const ParsedGltf moved(
+        writtenAs(*model, "a.glb", movedBy(model->positions(), {0, 0, 1}), turn));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION")),
+              (FloatRows{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}));
+    EXPECT_EQ(moved.floats(moved.attribute("NORMAL")),
+              (FloatRows{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 1)),
+              (FloatRows{{0, 0, 1}, {4, 5, 7}, {0, 0, 1}}));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 2)),
+              (FloatRows{{1, 0, 1}, {-1, 0, 1}, {0, 1, 1}}));
+    // The plain floats are replaced where they are; the others are floats now.
+    EXPECT_EQ(moved.root["accessors"][0], sample.root["accessors"][0]);
+    EXPECT_FALSE(moved.root["accessors"][sparse].contains("sparse"));
+    EXPECT_FALSE(moved.root["accessors"][bytes].contains("normalized"));
+}
+
+TEST(Gltf, BytesThatOthersUseAreNotReplaced) {
+    // Two accessors see the same bytes: one is drawn, the other is drawn elsewhere.
+    auto sample = triangle();
+    const auto other = sample.accessor(0, 3);
+    sample.root["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", other}}}}}}});
+    sample.root["nodes"].push_back({{"mesh", 1}, {"translation", {0, 0, 1}}});
+    const auto model = readModel("a.glb", sample.binary());
+    auto points = copyOf(model->positions());
+    points[0][0] = -1;
+    const ParsedGltf moved(writtenAs(*model, "a.glb", points));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 0))[0], (std::vector<float>{-1, 0, 0}));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 1))[0], (std::vector<float>{0, 0, 0}));
+    // An accessor that an undrawn mesh uses, too.
+    auto shared = triangle();
+    shared.root["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 0}}}}}}});
+    const auto drawn = readModel("a.glb", shared.binary());
+    const ParsedGltf second(writtenAs(*drawn, "a.glb", movedBy(drawn->positions(), {1, 0, 0})));
+    EXPECT_NE(second.attribute("POSITION", 0), 0);
+    EXPECT_EQ(second.attribute("POSITION", 1), 0);
+    EXPECT_EQ(second.floats(0), (FloatRows{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+}
+
+TEST(Gltf, FacesAreTrianglesStripsAndFans) {
+    GltfSample sample;
+    const auto points = sample.add(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+    const auto indices = sample.add(std::vector<std::uint16_t>{3, 2, 1}, "SCALAR", 5123);
+    json primitives = json::array();
+    for (const int mode : {4, 5, 6, 0, 1})
+        primitives.push_back({{"attributes", {{"POSITION", points}}}, {"mode", mode}});
+    primitives[0]["indices"] = indices;
+    sample.root["meshes"] = {{{"primitives", primitives}}};
+    sample.root["nodes"] = {{{"mesh", 0}}};
+    const auto model = readModel("a.gltf", sample.text());
+    EXPECT_EQ(model->positions().size(), 4u);  // all primitives have the same points
+    EXPECT_EQ(model->readSurface().faces.corners,
+              (std::vector<Index>{3, 2, 1, 0, 1, 2, 1, 3, 2, 1, 2, 0, 2, 3, 0}));
+    // A node that mirrors turns the faces over.
+    sample.root["nodes"][0]["scale"] = {-1, 1, 1};
+    EXPECT_EQ(readModel("a.gltf", sample.text())->readSurface().faces[0][1], 1);
+}
+
+TEST(Gltf, BuffersBesideTheFileAreReadAndWritten) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder / "in here");
+    std::filesystem::create_directory(folder / "out");
+    auto sample = triangle();
+    json root = sample.root;
+    root["buffers"] = {{{"byteLength", sample.data.size()}, {"uri", "a%20b.bin"}}};
+    root["images"] = {{{"uri", "picture.png"}}, {{"uri", "data:image/png;base64,AAEC"}}};
+    test::putFile(folder / "in here/a.gltf", root.dump());
+    test::putFile(folder / "in here/a b.bin", sample.data);
+    const auto model = readModel(folder / "in here/a.gltf");
+    // At rest, the buffer stays where it is, and is named from the new folder.
+    model->write(folder / "out/b.gltf", model->positions());
+    json written = json::parse(readFile(folder / "out/b.gltf"));
+    EXPECT_EQ(written["buffers"][0]["uri"], "../in%20here/a%20b.bin");
+    EXPECT_EQ(written["images"][0]["uri"], "../in%20here/picture.png");
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/b.bin"));
+    EXPECT_TRUE(readModel(folder / "out/b.gltf")->positions()[1] == model->positions()[1]);
+    // With new points, it becomes a file beside the new one, and the old one stays.
+    model->write(folder / "out/b.gltf", movedBy(model->positions(), {0, 0, 1}));
+    written = json::parse(readFile(folder / "out/b.gltf"));
+    EXPECT_EQ(written["buffers"][0]["uri"], "b.bin");
+    EXPECT_EQ(readModel(folder / "out/b.gltf")->positions()[1], (Point3{1, 0, 1}));
+    EXPECT_EQ(readFile(folder / "in here/a b.bin"), sample.data);
+    // A .glb has all in itself, but pictures in other files.
+    model->write(folder / "out/c.glb", model->positions());
+    const ParsedGltf packed(readFile(folder / "out/c.glb"));
+    EXPECT_EQ(packed.floats(0), (FloatRows{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_FALSE(packed.root["buffers"][0].contains("uri"));
+    EXPECT_EQ(packed.root["images"][0]["uri"], "../in%20here/picture.png");
+    EXPECT_EQ(packed.root["images"][1]["mimeType"], "image/png");
+    const json& view =
+        packed.root["bufferViews"][packed.root["images"][1]["bufferView"].get<int>()];
+    EXPECT_EQ(packed.data.substr(view["byteOffset"], view["byteLength"]), std::string("\0\1\2", 3));
+}
+
+TEST(Gltf, DamagedFilesAreRefusedAndNamed) {
+    const std::string good = triangle().binary();
+    test::expectPartsRefused("a.glb", good, good.size() - 1);
+    const auto expectRefused = [](const std::string& message, const json& patch,
+                                  const GltfSample& sample = triangle()) {
+        GltfSample changed = sample;
+        changed.root = changed.root.patch(patch);
+        EXPECT_REFUSED(FileError, message, readModel("a.gltf", changed.text()));
+    };
+    const auto replace = [](const std::string& path, const json& value) {
+        return json{{{"op", "add"}, {"path", path}, {"value", value}}};
+    };
+    EXPECT_REFUSED(FileError, "is no JSON", readModel("a.gltf", "{"));
+    EXPECT_REFUSED(FileError, "no \"asset\"", readModel("a.gltf", "{}"));
+    EXPECT_REFUSED(FileError, "nests more than",
+                   readModel("a.gltf", std::string(1000, '[') + std::string(1000, ']')));
+    expectRefused("glTF of version '1.0'", replace("/asset/version", "1.0"));
+    expectRefused("item 99 of 'bufferViews' does not exist; there are 3", replace("/accessors/0/bufferView", 99));
+    expectRefused("needs 120 bytes at byte 0 of view 0, which has 36",
+                  replace("/accessors/0/count", 10));
+    expectRefused("of view 0", replace("/accessors/0/count", 9007199254740991));
+    expectRefused("the component type 5124", replace("/accessors/0/componentType", 5124));
+    expectRefused(
+        "accessor 1 has 3 normals; expected 4, one per position",
+        replace("/accessors/0", json{{"componentType", 5126}, {"count", 4}, {"type", "VEC3"}}));
+    expectRefused("claims 1000000 elements without a view",
+                  replace("/accessors/0",
+                          json{{"componentType", 5126}, {"count", 1000000}, {"type", "VEC3"}}));
+    expectRefused("item 5 of 'meshes' does not exist; there are 1", replace("/nodes/0/mesh", 5));
+    expectRefused("children of their own descendants", replace("/nodes/0/children", {0}));
+    expectRefused("has the child 7", replace("/nodes/0/children", {7}));
+    expectRefused("malformed 'matrix'; expected 16 numbers", replace("/nodes/0/matrix", {1}));
+    expectRefused("no node draws a mesh", replace("/nodes", json::array()));
+    expectRefused(
+        "EXT_mesh_gpu_instancing",
+        replace("/nodes/0/extensions", json{{"EXT_mesh_gpu_instancing", json::object()}}));
+    GltfSample remote = triangle();
+    const std::string text = remote.text();
+    const std::size_t at = text.find("data:");
+    EXPECT_REFUSED(FileError, "expected data in the text, or a file beside the .gltf",
+                   readModel("a.gltf", text.substr(0, at) + "https:" + text.substr(at + 5)));
+    EXPECT_REFUSED(FileError, "its buffer is in another file",
+                   readModel("a.gltf", text.substr(0, at) + "none" + text.substr(at + 5)));
+}
+
+// A tetrahedron with the corners 0, x, y and z, as Draco's and meshoptimizer's own encoders write
+// it: 4 points, 12 indices.
+
+void expectTetrahedron(const std::string& text) {
+    std::unique_ptr<Model> model;
+    try {
+        model = readModel("a.gltf", text);
+    } catch (const FileError& error) {
+        // A build without the libraries says so.
+        ASSERT_THAT(error.what(), HasSubstr("lacks the library that reads them"));
+        GTEST_SKIP() << error.what();
+    }
+    auto points = copyOf(model->positions());
+    std::sort(points.begin(), points.end());
+    EXPECT_EQ(points, (std::vector<Point3>{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}}));
+    EXPECT_EQ(model->readSurface().faces.count(), 4u);
+    EXPECT_EQ(writtenAs(*model, "a.gltf", model->positions()), text);
+    const auto moved =
+        readModel("b.glb", writtenAs(*model, "b.glb", movedBy(model->positions(), {0, 0, 1})));
+    EXPECT_EQ(moved->readSurface().faces, model->readSurface().faces);
+    EXPECT_EQ(moved->positions()[0][2], model->positions()[0][2] + 1);
+    const ParsedGltf parsed(writtenAs(*model, "b.glb", movedBy(model->positions(), {0, 0, 1})));
+    EXPECT_FALSE(parsed.root.contains("extensionsRequired"));
+    EXPECT_EQ(parsed.root["buffers"].size(), 1u);
+}
+
+/// Describes a buffer whose bytes are this base64 text.
+json dataBuffer(const std::string& digits, std::size_t size) {
+    return {{"byteLength", size}, {"uri", "data:application/octet-stream;base64," + digits}};
+}
+
+TEST(Gltf, ReadsMeshesCompressedByDraco) {
+    const json root = {
+        {"asset", {{"version", "2.0"}}},
+        {"extensionsUsed", {"KHR_draco_mesh_compression"}},
+        {"extensionsRequired", {"KHR_draco_mesh_compression"}},
+        {"buffers",
+         {dataBuffer(
+             "RFJBQ08CAgEBAAAABAQAAwAAAS8BARAB/wAAAQAJAwAAAAAAAAAAAAAAAACAPwAAAAAAAIA/AAAAAAAA"
+             "AAAAAAAAAAAAAAAAgD8AAAAAAAAAAA==",
+             82)}},
+        {"bufferViews", {{{"buffer", 0}, {"byteLength", 82}}}},
+        {"accessors",
+         {{{"componentType", 5126},
+           {"count", 4},
+           {"type", "VEC3"},
+           {"min", {0, 0, 0}},
+           {"max", {1, 1, 1}}},
+          {{"componentType", 5123}, {"count", 12}, {"type", "SCALAR"}}}},
+        {"meshes",
+         {{{"primitives",
+            {{{"attributes", {{"POSITION", 0}}},
+              {"indices", 1},
+              {"extensions",
+               {{"KHR_draco_mesh_compression",
+                 {{"bufferView", 0}, {"attributes", {{"POSITION", 0}}}}}}}}}}}}},
+        {"nodes", {{{"mesh", 0}}}}};
+    expectTetrahedron(root.dump());
+    if (IsSkipped()) return;
+    json damaged = root;
+    damaged["accessors"][0]["count"] = 5;
+    EXPECT_REFUSED(FileError, "accessor 0 claims 5 elements", readModel("a.gltf", damaged.dump()));
+    damaged = root;
+    damaged["bufferViews"][0]["byteLength"] = 40;
+    EXPECT_REFUSED(FileError, "KHR_draco_mesh_compression is damaged",
+                   readModel("a.gltf", damaged.dump()));
+}
+
+TEST(Gltf, ReadsViewsCompressedByMeshopt) {
+    const auto view = [](std::size_t buffer, std::size_t size, std::size_t stride,
+                         std::size_t count, const char* mode) {
+        return json{{"buffer", 2},
+                    {"byteOffset", buffer == 0 ? 0 : 48},
+                    {"byteLength", stride * count},
+                    {"extensions",
+                     {{"EXT_meshopt_compression",
+                       {{"buffer", buffer},
+                        {"byteLength", size},
+                        {"byteStride", stride},
+                        {"count", count},
+                        {"mode", mode}}}}}};
+    };
+    const json root = {
+        {"asset", {{"version", "2.0"}}},
+        {"extensionsUsed", {"EXT_meshopt_compression"}},
+        {"extensionsRequired", {"EXT_meshopt_compression"}},
+        {"buffers",
+         {dataBuffer("oAAAATwAAAD//wE8AAAAfn0AAAEPAAAA//8BDwAAAH59AAABAwAAAP8BAwAAAH4AAAAAAAAAAAAA"
+                     "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAA==",
+                     79),
+          dataBuffer("4f4OAhHwBAB2h1ZneKmGZYlomAFpAAA=", 23),
+          {{"byteLength", 96},
+           {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}}},
+        {"bufferViews", {view(0, 79, 12, 4, "ATTRIBUTES"), view(1, 23, 4, 12, "TRIANGLES")}},
+        {"accessors",
+         {{{"bufferView", 0},
+           {"componentType", 5126},
+           {"count", 4},
+           {"type", "VEC3"},
+           {"min", {0, 0, 0}},
+           {"max", {1, 1, 1}}},
+          {{"bufferView", 1}, {"componentType", 5125}, {"count", 12}, {"type", "SCALAR"}}}},
+        {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}}}}}},
+        {"nodes", {{{"mesh", 0}}}}};
+    expectTetrahedron(root.dump());
+    if (IsSkipped()) return;
+    json damaged = root;
+    damaged["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["count"] = 4000000;
+    EXPECT_REFUSED(FileError, "claims 4000000 elements, which 79 bytes cannot hold",
+                   readModel("a.gltf", damaged.dump()));
+    damaged = root;
+    damaged["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["byteLength"] = 40;
+    EXPECT_REFUSED(FileError, "is damaged, or of a newer version",
+                   readModel("a.gltf", damaged.dump()));
+}
+
+// New files for models of other formats.
+
+TEST(Gltf, ANewFileHasNormalsTexturesColorsAndMaterials) {
+    // Point 1 has two normals, and so becomes two vertices. The quadrilateral is split.
+    const auto model = readModel(
+        "a.obj",
+        "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0 1 1 1\nv 2 0 1 0.5 0.5 0.5\n"
+        "vt 0 0\nvt 1 0.25\nvn 0 0 2\nvn 1 0 0\n"
+        "usemtl red\nf 1/1/1 2/2/1 3/2/1 4/1/1\nusemtl blue\nf 2/2/2 5/1/2 3/2/1\n");
+    const TemporaryFolder folder;
+    EXPECT_THAT(
+        model->checkTarget(folder / "a.glb"),
+        testing::EndsWith("a.glb: 1 face is split into 2 triangles; coordinates are rounded "
+                          "to single precision"));
+    const ParsedGltf made(writtenAs(*model, "a.glb", model->positions()));
+    EXPECT_EQ(made.root["materials"], (json{{{"name", "red"}}, {{"name", "blue"}}}));
+    const json& primitives = made.root["meshes"][0]["primitives"];
+    ASSERT_EQ(primitives.size(), 2u);
+    EXPECT_EQ(primitives[0]["material"], 0);
+    EXPECT_EQ(primitives[1]["material"], 1);
+    const FloatRows points = made.floats(made.attribute("POSITION"));
+    ASSERT_EQ(points.size(), 6u);
+    EXPECT_EQ(points[1], points[2]);
+    FloatRows normals = made.floats(made.attribute("NORMAL"));
+    std::sort(normals.begin() + 1, normals.begin() + 3);
+    EXPECT_EQ(normals,
+              (FloatRows{{0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}}));
+    // v counts downwards in glTF.
+    EXPECT_EQ(made.floats(made.attribute("TEXCOORD_0")),
+              (FloatRows{{0, 1}, {1, 0.75}, {1, 0.75}, {1, 0.75}, {0, 1}, {0, 1}}));
+    // sRGB 0.5 is 0.2140 of the light.
+    const FloatRows colors = made.floats(made.attribute("COLOR_0"));
+    EXPECT_EQ(colors[0], (std::vector<float>{1, 0, 0, 1}));
+    EXPECT_NEAR(colors[5][1], 0.21404, 1e-5);
+    const auto read = readModel("b.glb", writtenAs(*model, "b.glb", model->positions()));
+    EXPECT_EQ(read->readSurface().faces.count(), 3u);
+    // The same in a text.
+    EXPECT_EQ(ParsedGltf(writtenAs(*model, "a.gltf", model->positions())).data, made.data);
+    // Normals turn with the gradients.
+    const ParsedGltf turned(
+        writtenAs(*model, "a.glb", model->positions(),
+                  std::vector<DeformationGradient>(5, {0, 0, 1, 0, 1, 0, -1, 0, 0})));
+    EXPECT_EQ(turned.floats(turned.attribute("NORMAL"))[0], (std::vector<float>{1, 0, 0}));
+}
+
+TEST(Gltf, ANewFileOfPointsAloneHasPoints) {
+    const auto model = readModel("a.obj", "v 0 0 0\nv 1 2 3\n");
+    const std::string bytes = writtenAs(*model, "a.glb", model->positions());
+    EXPECT_EQ(ParsedGltf(bytes).root["meshes"][0]["primitives"][0]["mode"], 0);
+    EXPECT_EQ(copyOf(readModel("a.glb", bytes)->positions()), copyOf(model->positions()));
+}
+
+TEST(Gltf, ANewFileFarFromTheOriginKeepsItsPrecision) {
+    // Floats are 0.5 apart at 5,432,198, but 1e-7 apart within a metre of a centre.
+    const auto model = readModel(
+        "a.obj",
+        "v 432123.123456 5432198.25 10\nv 432124.5 5432199.111111 10.3\nv 432123.7 5432197.9 11\n"
+        "f 1 2 3\n");
+    const auto read = readModel("a.glb", writtenAs(*model, "a.glb", model->positions()));
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(read->positions()[i][axis], model->positions()[i][axis], 2e-7);
+    EXPECT_EQ(ParsedGltf(writtenAs(*readModel("b.obj", "v 0 0 0\nv 9 0 0\nv 9 9 1\nf 1 2 3\n"),
+                                   "b.glb", std::vector<Point3>{{1, 0, 0}, {9, 0, 0}, {9, 9, 1}}))
+                  .root["nodes"][0]
+                  .contains("translation"),
+              false);
+}
+
+}  // namespace
+}  // namespace espalier::io
