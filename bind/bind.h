@@ -46,7 +46,7 @@ using Target = std::variant<Level, Limit, embed::Basis>;
 struct BindOptions {
     embed::EmbeddingOptions embedding = {};
 
-    /// Makes Binding::gradients, which carry normals and tangents (io::Model::write()).
+    /// Makes Binding::gradients, which carry normals, tangents and splats (io::Model::write()).
     bool gradients = false;
 
     /// Called now and then with the number of points done, from any thread; may be empty.

@@ -601,8 +601,8 @@ ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* bin
                                                      const char* path);
 
 /// Reads a binding that espalier_binding_save() or `espalier bind` wrote. `espalier bind` also
-/// stores the file of the model, and the gradients if the model has normals or tangents. A later
-/// espalier_binding_save() writes both again.
+/// stores the file of the model, and the gradients if the model has normals, tangents or splats. A
+/// later espalier_binding_save() writes both again.
 ///
 /// \retval ESPALIER_ERROR_FILE the file cannot be read, is damaged, or was written by an older
 ///         version (io/binding_file.h)

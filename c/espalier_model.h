@@ -42,7 +42,7 @@ ESPALIER_C_API espalier_status espalier_model_points(const espalier_model* model
 ESPALIER_C_API espalier_status espalier_model_faces(const espalier_model* model,
                                                     espalier_polygons* faces);
 
-/// Tells whether the file has directions at the points, normals or tangents, that
+/// Tells whether the file has directions at the points, normals, tangents or splats, that
 /// espalier_model_write() can carry.
 ESPALIER_C_API espalier_status espalier_model_has_directions(const espalier_model* model,
                                                              int32_t* has_directions);
@@ -60,8 +60,8 @@ ESPALIER_C_API espalier_status espalier_model_notes(const espalier_model* model,
 ///
 /// \param point_count number of points of the model
 /// \param points 3 · point_count numbers
-/// \param gradients null, and normals and tangents stay; or the deformation gradient at each point,
-///        row by row: 9 · point_count numbers (espalier_binding_gradients())
+/// \param gradients null, and normals, tangents and splats stay; or the deformation gradient at
+///        each point, row by row: 9 · point_count numbers (espalier_binding_gradients())
 /// \retval ESPALIER_ERROR_INPUT a point or a gradient is not finite, or too large for the format
 ESPALIER_C_API espalier_status espalier_model_write(const espalier_model* model, const char* path,
                                                     int32_t point_count, const double* points,

@@ -32,7 +32,7 @@ struct DeformOptions : BindOptions {
     MeshOptions mesh;
     std::vector<std::string> poses;
     std::string output;
-    bool keepNormals = false;     ///< normals and tangents stay as they are
+    bool keepNormals = false;     ///< normals, tangents and splats stay as they are
     double framesPerSecond = 24;  ///< the frame rate of an animation
     ReportFormat report = ReportFormat::Text;
 };
@@ -63,7 +63,7 @@ void checkTarget(const io::Model& model, const DeformOptions& options) {
 struct Deformation {
     const io::Model& model;
     const bind::Binding& binding;
-    bool turnsDirections;  ///< normals and tangents follow
+    bool turnsDirections;  ///< normals, tangents and splats follow
 
     std::vector<Point3> pointsAt(const std::vector<Point3>& pose, Stages& stages) const {
         return stages.run("applying", [&] {
@@ -180,7 +180,7 @@ bool dropsDirections(const DeformOptions& options) {
     return isAnimation(options) && !io::animationHoldsNormals(options.output);
 }
 
-/// Returns true if normals and tangents of the model should follow its points.
+/// Returns true if normals, tangents and splats of the model should follow its points.
 bool asksForDirections(const io::Model& model, const DeformOptions& options) {
     return model.hasDirections() && !options.keepNormals && !dropsDirections(options);
 }
@@ -191,18 +191,32 @@ bool turnsDirections(const io::Model& model, const bind::Binding& binding,
     return binding.gradients && asksForDirections(model, options);
 }
 
-/// Says what happens to the normals and tangents of a model; nothing if it has none.
+/// Returns "5 normals, 5 tangents and 5 splats", without those of which there are none.
+std::string listOf(const io::DirectionCounts& counts) {
+    std::string all;
+    std::size_t left = counts.count();
+    const auto add = [&](std::size_t count, const char* what) {
+        left -= count;
+        if (count > 0)
+            all += fmt::format("{}{} {}{}",
+                               all.empty() ? ""
+                               : left > 0  ? ", "
+                                           : " and ",
+                               count, what, count == 1 ? "" : "s");
+    };
+    add(counts.normals, "normal");
+    add(counts.tangents, "tangent");
+    add(counts.splats, "splat");
+    return all;
+}
+
+/// Says what happens to the normals, tangents and splats of a model; nothing if it has none.
 std::string directionsReport(const io::Model& model, const bind::Binding& binding,
                              const DeformOptions& options) {
-    const auto [normals, tangents] = model.directions();
-    const auto numbered = [](std::size_t count, const char* what) {
-        return count == 0 ? std::string()
-                          : fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-    };
-    const std::string both = numbered(normals, "normal"), other = numbered(tangents, "tangent");
-    const std::string all = both + (both.empty() || other.empty() ? "" : " and ") + other;
-    if (all.empty()) return {};
-    const bool isOne = normals + tangents == 1;
+    const io::DirectionCounts counts = model.directions();
+    if (counts.count() == 0) return {};
+    const std::string all = listOf(counts);
+    const bool isOne = counts.count() == 1;
     if (dropsDirections(options))
         return fmt::format("{} {} not in the animation, which holds points only", all,
                            isOne ? "is" : "are");
@@ -219,6 +233,9 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
     };
     except(kept, "left in place");
     except(binding.gradients->identityCount() - kept, "where the lattice at rest is flat");
+    if (counts.keptHarmonics > 0)
+        exceptions += fmt::format("; harmonics f_rest stay, because there are {}, not 9, 24 or 45",
+                                  counts.keptHarmonics);
     return fmt::format("{} {} with the model{}", all, isOne ? "turns" : "turn", exceptions);
 }
 
@@ -351,8 +368,8 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
 
 void addKeepNormals(CLI::App& command, DeformOptions& options) {
     command.add_flag("--keep-normals", options.keepNormals,
-                     "Leave normals and tangents of the model as they are. By default they turn "
-                     "with the points");
+                     "Leave normals, tangents and splats of the model as they are. By default they "
+                     "turn with the points");
 }
 
 void addRunAndReport(CLI::App& command, DeformOptions& options) {

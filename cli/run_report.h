@@ -32,7 +32,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///     points            {inside, outside, not_converged}: numbers of points
 ///     largest_residual  largest distance of a point from its place at rest
 ///     kept              number of points with empty rows, which no pose moves
-///     directions        a sentence on normals and tangents; null if the model has none
+///     directions        a sentence on normals, tangents and splats; null if the model has none
 ///     matrix            {rows, columns, entries, bytes}
 ///     stages            [{name, seconds, bytes, gigabytes_per_second}], in order
 ///     peak_memory       largest memory of the process, in bytes
@@ -52,7 +52,7 @@ struct RunReport {
     const bind::Binding& binding;
     const Stages& stages;
     std::size_t peakMemory;
-    std::string directions = {};  ///< what happens to normals and tangents; may be empty
+    std::string directions = {};  ///< what happens to normals, tangents and splats; may be empty
 };
 
 OrderedJson toJson(const RunReport& report);

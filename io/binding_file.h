@@ -19,8 +19,8 @@ namespace espalier::io {
 /// A model with its binding: all that is needed to apply a pose, and to write the result in the
 /// format of the model.
 struct BoundModel {
-    /// With gradients if normals and tangents of the model follow its points. Without them,
-    /// applying a pose leaves normals and tangents as they are.
+    /// With gradients if normals, tangents and splats of the model follow its points. Without them,
+    /// applying a pose leaves them as they are.
     bind::Binding binding;
 
     std::string modelName = {};   ///< file name without folders, whose extension is the format;

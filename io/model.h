@@ -134,10 +134,18 @@ private:
     std::set<std::pair<std::string, std::string>> known_;  ///< kinds and names in `others`
 };
 
-/// Numbers of directions in a file, which follow a deformation by its gradients.
+/// Numbers of the normals, tangents and splats in a file, which follow a deformation by its
+/// gradients.
 struct DirectionCounts {
     std::size_t normals = 0;
     std::size_t tangents = 0;
+    std::size_t splats = 0;  ///< Gaussian splats, with their covariances and colours
+
+    /// Number of harmonics of each splat (f_rest_0, f_rest_1, …) if it is none of 9, 24 and 45, the
+    /// numbers of the degrees 1 to 3. Such harmonics stay; otherwise 0.
+    std::size_t keptHarmonics = 0;
+
+    std::size_t count() const { return normals + tangents + splats; }
 };
 
 class ModelConversion;
@@ -164,8 +172,8 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 /// The points keep their numbers, except that equal corners of an STL become one point. A model
 /// with shapes that faces cannot describe, such as the cells of a volume, is not converted.
 ///
-/// Directions at the points, that is normals and tangents, are kept as well, unless write() is
-/// given a deformation gradient per point. docs/file-formats.md says which numbers of a file are
+/// Directions at the points, that is normals, tangents and splats, are kept as well, unless write()
+/// is given a deformation gradient per point. docs/file-formats.md says which numbers of a file are
 /// directions; the source of each format says it in full (io/models/obj.cpp).
 ///
 /// The model keeps its converted surface, so that several poses in one other format convert it
@@ -230,7 +238,7 @@ public:
     /// Returns how many directions the file has that write() can carry by gradients. The normals of
     /// an STL do not count: they always follow the points.
     virtual DirectionCounts directions() const = 0;
-    bool hasDirections() const { return directions().normals + directions().tangents > 0; }
+    bool hasDirections() const { return directions().count() > 0; }
 
     /// Checks a name for write() without touching the file, so that a wrong name is refused before
     /// long work.
@@ -260,9 +268,10 @@ public:
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
     /// Writes the model as above, and carries the directions at each point by its gradient: normals
-    /// by carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
-    /// rounding of the format. If all gradients are the identity and no point has moved, the copy
-    /// is identical. Three numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
+    /// by carryNormal(), tangents by carryTangent(), splats by their covariances
+    /// (io/models/splats.h). Directions keep their lengths, except for the rounding of the format.
+    /// If all gradients are the identity and no point has moved, the copy is identical. Three
+    /// numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
     ///
     /// \param gradients one per point
     /// \throws Error unless there is one position for each of positions(), finite and not too large

@@ -210,10 +210,11 @@ mostly by one unit in the last place.
 )")
         .def("gradients", &gradientsAt, "pose"_a, R"(
 Returns the deformation gradient F of each point for a pose of the lattice, F[n, i, j] = dx'_i / dX_j:
-array (N, 3, 3). Model.write() turns normals and tangents by it. A point in `kept` has the identity.
+array (N, 3, 3). Model.write() turns normals, tangents and splats by it. A point in `kept` has the
+identity.
 
 pose : array (V, 3), or a Lattice; in the units of the points
-Bind with gradients=True, or a Model that has normals or tangents.
+Bind with gradients=True, or a Model that has normals, tangents or splats.
 )")
         .def("adjoint", &adjoint, "gradients"_a, "out"_a = py::none(), R"(
 Returns gradients with respect to the lattice vertices, given those with respect to the points:
@@ -230,8 +231,8 @@ Precision, compiling and rounding are as in deform().
             },
             "path"_a,
             "Writes the binding (.espb), for load_binding() and `espalier apply`. With gradients, "
-            "apply also turns the normals and tangents of a Model. Of points that did not come "
-            "from a Model, apply makes a model points.obj.")
+            "apply also turns the normals, tangents and splats of a Model. Of points that did not "
+            "come from a Model, apply makes a model points.obj.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.binding().table;
             return concat("<espalier.Binding: ", table.rowCount(), " points x ",
@@ -257,8 +258,8 @@ basis     : "subdivision"; or, for a box lattice that is an evenly divided paral
             "bezier" or "bspline", which have no levels
 limit     : whether to bind to the limit of refinement instead of a level. The tolerance, 1e-14 to
             0.1, is then also how close to the limit points are placed
-gradients : whether to prepare Binding.gradients(), by which normals and tangents turn: bool. Default:
-            if `points` is a Model that has normals or tangents
+gradients : whether to prepare Binding.gradients(), by which normals, tangents and splats turn: bool.
+            Default: if `points` is a Model that has normals, tangents or splats
 )");
     module.def(
         "load_binding",

@@ -100,7 +100,7 @@ Writes the model with these points, array (N, 3). The extension of the path name
 model's own format, everything but the points is kept. A file in another model format gets the points,
 the faces and the normals, and a UserWarning names the data that are not written.
 
-gradients : array (N, 3, 3), by which normals and tangents turn: Binding.gradients(). Without it they
+gradients : array (N, 3, 3), by which normals, tangents and splats turn: Binding.gradients(). Without it they
             stay as they are
 )")
         .def("__repr__", [](const ModelFile& self) {

@@ -155,15 +155,8 @@ void TextChanges::applyUpTo(TextPatch& patch, std::size_t end) {
     }
 }
 
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
+void changeBinary(std::string& bytes, std::span<const VectorChange> changes, std::endian order,
                   std::size_t dimension) {
-    TextPatch patch(out, text);
-    TextChanges(text, changes, dimension).applyUpTo(patch, text.size());
-    patch.finish();
-}
-
-void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
-                        std::endian order, std::size_t dimension) {
     for (const VectorChange& change : changes)
         for (std::size_t point = 0; point < change.offsets.size(); ++point) {
             checkCancelledEvery(point, 14);
@@ -172,7 +165,6 @@ void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const Ve
                     storeCoordinate(bytes, change.offsets[point][axis], *value,
                                     change.precisions[axis], order);
         }
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 bool isDirection(const Point3& numbers, Precision precision) {

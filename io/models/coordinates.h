@@ -125,15 +125,10 @@ private:
     std::vector<Column> columns_;
 };
 
-/// Writes `text` with all changes, whose numbers may be in any order in it.
-/// \param dimension number of axes that the text has
-void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes,
-                  std::size_t dimension = 3);
-
-/// Writes binary data with all changes, in this byte order.
+/// Makes all changes in binary data of this byte order.
 /// \param dimension number of axes that the data has
-void writeChangedBinary(std::ostream& out, std::string bytes, std::span<const VectorChange> changes,
-                        std::endian order, std::size_t dimension = 3);
+void changeBinary(std::string& bytes, std::span<const VectorChange> changes, std::endian order,
+                  std::size_t dimension = 3);
 
 /// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);

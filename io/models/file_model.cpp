@@ -10,6 +10,7 @@
 #include <ostream>
 #include <utility>
 
+#include "../files/text_output.h"
 #include "../lattices/lattice_parts.h"
 #include "held_points.h"
 
@@ -44,6 +45,8 @@ public:
         for (const FileVectors& vectors : numbers_.directions)
             (vectors.carry == carryNormal ? counts.normals : counts.tangents) +=
                 vectors.values.size();
+        counts.splats = numbers_.splats.rows.size();
+        counts.keptHarmonics = numbers_.splats.keptHarmonics;
         return counts;
     }
     ModelSurface readSurface() const override { return functions_.readSurface(view()); }
@@ -118,11 +121,19 @@ void writeNumbers(std::ostream& out, const FileView& file, std::span<const Point
         turned.push_back(carried(vectors.values, gradients, vectors.carry, narrowest(vectors)));
         changes.push_back(vectors.changeTo(turned.back()));
     }
-    if (numbers.order)
-        writeChangedBinary(out, std::string(file.bytes), changes, *numbers.order,
-                           numbers.dimension);
-    else
-        writeChanged(out, file.bytes, changes, numbers.dimension);
+    const bool carriesSplats = !gradients.empty() && !numbers.splats.rows.empty();
+    if (numbers.order) {
+        std::string bytes(file.bytes);
+        changeBinary(bytes, changes, *numbers.order, numbers.dimension);
+        if (carriesSplats) carryBinary(numbers.splats, gradients, *numbers.order, bytes);
+        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    } else {
+        TextPatch patch(out, file.bytes);
+        TextChanges others(file.bytes, changes, numbers.dimension);
+        if (carriesSplats) carryText(numbers.splats, gradients, file.bytes, patch, others);
+        others.applyUpTo(patch, file.bytes.size());
+        patch.finish();
+    }
 }
 
 std::unique_ptr<Model> makeFileModel(const FileModelFormat& functions, const Format& format,

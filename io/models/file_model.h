@@ -21,6 +21,7 @@
 
 #include "../format.h"
 #include "coordinates.h"
+#include "splats.h"
 
 // The model of a file whose numbers are replaced where they stand; all other bytes are kept. A
 // format gives functions that find the numbers and read the faces.
@@ -51,6 +52,7 @@ struct FileVectors {
 struct FileNumbers {
     FileVectors points;
     std::vector<FileVectors> directions;
+    FileSplats splats;  ///< empty if the points are no splats
 
     std::optional<std::endian> order = {};  ///< byte order of binary numbers; nothing for text
     std::size_t dimension = 3;              ///< 2 or 3; in two dimensions, all z are 0

@@ -28,6 +28,10 @@
 // exists once and is a float or a double. In these properties a word that is no number is not an
 // error.
 //
+// Likewise scale_0 to scale_2, rot_0 to rot_3 and, if there are 9, 24 or 45 of them, f_rest_0,
+// f_rest_1, ... are a Gaussian splat (splats.h), in any order, of vertices without lists. Normals
+// of splats that are all 0, as most programs write them, are no normals.
+//
 // The faces are the rows of the element `face`: its lists `vertex_indices` or `vertex_index`. The
 // same lists of the element `tristrips` are strips of triangles: a strip ends at -1 or with its
 // list, and every second triangle is wound the other way.
@@ -77,6 +81,7 @@ public:
             setSlots(header.directions[i].columns, numbers_.directions[i]);
             numbers_.directions[i].carry = header.directions[i].carry;
         }
+        numbers_.splats = header.fileSplats();
     }
     RowReader(const RowReader&) = delete;
     RowReader& operator=(const RowReader&) = delete;
@@ -94,6 +99,8 @@ public:
             if (isVertex_) numbers_.points.resize(element.count);
             for (FileVectors& direction : numbers_.directions)
                 if (isVertex_) direction.resize(element.count);
+            if (isVertex_ && !numbers_.splats.columns.empty())
+                numbers_.splats.rows.resize(element.count);
             for (row_ = 0; row_ < element.count; ++row_) {
                 checkCancelledEvery(row_, 12);
                 readRow(element);
@@ -125,6 +132,11 @@ protected:
     /// \return null if a column of the current element is skipped
     const Slot* slotOf(std::size_t column) const {
         return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
+    }
+
+    /// Remembers where the current row begins, if it has a splat.
+    void beginRow(std::size_t offset) {
+        if (isVertex_ && !numbers_.splats.rows.empty()) numbers_.splats.rows[row_] = offset;
     }
 
     bool isPosition(const Slot& slot) const { return slot.vectors == &numbers_.points; }
@@ -211,6 +223,7 @@ private:
             line = lines_.restOfLine();
             word = takeWord(line);
         }
+        beginRow(word.data() - bytes_.data());
         for (std::size_t column = 0; column < element.properties.size(); ++column) {
             const PlyProperty& property = element.properties[column];
             if (column > 0) word = needWord(line, property);
@@ -292,6 +305,7 @@ private:
     }
 
     void readRow(const PlyElement& element) override {
+        beginRow(at_);
         for (std::size_t column = 0; column < element.properties.size(); ++column) {
             const PlyProperty& property = element.properties[column];
             const std::size_t size = byteSize(property.type);
@@ -361,6 +375,11 @@ FileNumbers readPlyRows(const std::filesystem::path& path, std::string_view byte
     return BinaryRows(path, bytes, header, faces).read();
 }
 
+bool isZero(const FileVectors& vectors) {
+    return std::ranges::all_of(vectors.values,
+                               [](const Point3& value) { return value == Point3{}; });
+}
+
 FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view bytes) {
     const PlyHeader header = parsePlyHeader(path, bytes);
     FileNumbers numbers = readPlyRows(path, bytes, header);
@@ -370,11 +389,12 @@ FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view b
     if (!header.oddLines.empty())
         numbers.notes.push_back("kept " + header.oddLines.phrase("whose first word no header of "
                                                                  "a PLY has"));
+    if (!numbers.splats.rows.empty()) std::erase_if(numbers.directions, isZero);
     return numbers;
 }
 
 /// Names the data of an element that are neither points, faces nor normals.
-/// \param used numbers of the properties of vertices that are points or normals
+/// \param used numbers of the properties of vertices that are points, normals or splats
 void nameOtherData(const PlyHeader& header, const PlyElement& element,
                    const std::vector<std::size_t>& used, ModelSurface& surface) {
     if (element.count == 0) return;
@@ -398,10 +418,12 @@ ModelSurface readPlySurface(const FileView& file) {
     readPlyRows(file.path, file.bytes, header, &surface.faces);
     std::vector<std::size_t> used(header.axes.begin(), header.axes.end());
     surface.normals = normalsOf(file.numbers);
-    if (!surface.normals.empty()) {
-        const auto normals =
-            std::ranges::find(header.directions, Carry{carryNormal}, &PlyDirection::carry);
-        used.insert(used.end(), normals->columns.begin(), normals->columns.end());
+    for (const PlyDirection& direction : header.directions)
+        if (direction.carry == carryNormal)
+            used.insert(used.end(), direction.columns.begin(), direction.columns.end());
+    if (!header.splats.columns.empty()) {
+        surface.addOther("splats");
+        used.insert(used.end(), header.splats.columns.begin(), header.splats.columns.end());
     }
     for (const PlyElement& element : header.elements) nameOtherData(header, element, used, surface);
     return surface;

@@ -139,6 +139,18 @@ private:
         for (std::size_t axis = 0; axis < 3; ++axis) header_.axes[axis] = findAxis(*found, axis);
         addDirection(*found, {"nx", "ny", "nz"}, carryNormal);
         addDirection(*found, {"tx", "ty", "tz"}, carryTangent);
+        findSplats(*found);
+    }
+
+    /// Returns the number of the property of this name; nothing unless it exists exactly once and
+    /// holds a real number.
+    static std::optional<std::size_t> realColumn(const PlyElement& vertex, std::string_view name) {
+        const auto isNamed = [&](const PlyProperty& property) { return property.name == name; };
+        const auto& properties = vertex.properties;
+        const auto found = std::find_if(properties.begin(), properties.end(), isNamed);
+        if (std::count_if(properties.begin(), properties.end(), isNamed) != 1) return {};
+        if (found->lengthType || isInteger(found->type)) return {};
+        return found - properties.begin();
     }
 
     /// Adds a direction if the vertices have exactly one property of each name, and it holds a real
@@ -147,16 +159,35 @@ private:
                       Carry carry) {
         PlyDirection direction{{}, carry};
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto isNamed = [&](const PlyProperty& property) {
-                return property.name == names[axis];
-            };
-            const auto& properties = vertex.properties;
-            const auto found = std::find_if(properties.begin(), properties.end(), isNamed);
-            if (std::count_if(properties.begin(), properties.end(), isNamed) != 1) return;
-            if (found->lengthType || isInteger(found->type)) return;
-            direction.columns[axis] = found - properties.begin();
+            const auto column = realColumn(vertex, names[axis]);
+            if (!column) return;
+            direction.columns[axis] = *column;
         }
         header_.directions.push_back(direction);
+    }
+
+    /// Finds the properties of splats. A vertex with lists is no splat, since its numbers would not
+    /// be at the same place in each row.
+    void findSplats(const PlyElement& vertex) {
+        if (vertex.hasLists()) return;
+        std::vector<std::size_t> columns;
+        for (const char* name :
+             {"scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
+            const auto column = realColumn(vertex, name);
+            if (!column) return;
+            columns.push_back(*column);
+        }
+        const std::size_t harmonics = std::ranges::count_if(
+            vertex.properties,
+            [](const PlyProperty& property) { return property.name.starts_with("f_rest_"); });
+        header_.splats = {columns, harmonics};
+        if (!isHarmonicCount(harmonics)) return;
+        for (std::size_t i = 0; i < harmonics; ++i) {
+            const auto column = realColumn(vertex, concat("f_rest_", i));
+            if (!column) return;
+            columns.push_back(*column);
+        }
+        header_.splats = {columns, 0};
     }
 
     std::size_t findAxis(const PlyElement& vertex, std::size_t axis) const {
@@ -200,6 +231,22 @@ std::array<Precision, 3> PlyHeader::precisions(const std::array<std::size_t, 3>&
         const bool isFloat = vertices().properties[columns[axis]].type == NumberType::Float32;
         result[axis] = isFloat ? Precision::Float : Precision::Double;
     }
+    return result;
+}
+
+FileSplats PlyHeader::fileSplats() const {
+    FileSplats result;
+    result.keptHarmonics = splats.keptHarmonics;
+    const auto& properties = vertices().properties;
+    for (std::size_t number = 0; number < splats.columns.size(); ++number) {
+        const std::size_t column = splats.columns[number];
+        std::size_t bytes = 0;
+        for (std::size_t i = 0; i < column; ++i) bytes += byteSize(properties[i].type);
+        const bool isFloat = properties[column].type == NumberType::Float32;
+        result.columns.push_back({format == PlyFormat::Ascii ? column : bytes, number,
+                                  isFloat ? Precision::Float : Precision::Double});
+    }
+    std::ranges::sort(result.columns, {}, &FileSplats::Column::place);
     return result;
 }
 

@@ -4,6 +4,7 @@
 #include "../files/number_types.h"
 #include "coordinates.h"
 #include "odd_lines.h"
+#include "splats.h"
 
 #include <array>
 #include <bit>
@@ -42,6 +43,12 @@ struct PlyDirection {
     Carry carry;
 };
 
+/// The properties of the vertices that make Gaussian splats of them.
+struct PlySplats {
+    std::vector<std::size_t> columns;  ///< numbers of the properties, as in splats.h; may be empty
+    std::size_t keptHarmonics = 0;
+};
+
 /// The header of a PLY file. The file may have fewer rows than the header claims.
 struct PlyHeader {
     PlyFormat format = PlyFormat::Ascii;
@@ -49,6 +56,7 @@ struct PlyHeader {
     std::size_t vertexElement = 0;         ///< number of the element that has the points
     std::array<std::size_t, 3> axes = {};  ///< numbers of its properties x, y and z
     std::vector<PlyDirection> directions;
+    PlySplats splats;
     std::size_t size = 0;  ///< bytes of the header
     std::size_t lineCount = 0;
     OddLines oddLines = {};  ///< the lines that are not understood
@@ -58,6 +66,9 @@ struct PlyHeader {
     /// Returns the precisions of three properties of the vertices. The properties must be real
     /// numbers.
     std::array<Precision, 3> precisions(const std::array<std::size_t, 3>& columns) const;
+
+    /// Returns the splats without their rows.
+    FileSplats fileSplats() const;
 
     /// Returns the byte order of a binary format.
     std::endian byteOrder() const;

@@ -89,7 +89,13 @@ TEST(TextChanges, ReplaceNumbersInAnyOrder) {
                 for (const std::size_t pointCount : {0, 1, 2, 50}) {
                     const NumberText sample(vectorCount, pointCount, axes, isShuffled, random);
                     std::ostringstream out;
-                    writeChanged(out, sample.text, sample.changes(), axes);
+                    const std::vector<VectorChange> changes = sample.changes();
+                    {
+                        TextPatch patch(out, sample.text);
+                        TextChanges(sample.text, changes, axes)
+                            .applyUpTo(patch, sample.text.size());
+                        patch.finish();
+                    }
                     EXPECT_EQ(out.str(), sample.replaced());
                 }
 }

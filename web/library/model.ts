@@ -62,7 +62,7 @@ export class Model extends Handle {
   }
 
   /** The file with new points. Without a change of points, the file that was read.
-   * @param gradients nine numbers for each point, which carry normals and tangents
+   * @param gradients nine numbers for each point, which carry normals, tangents and splats
    */
   write(points: Float64Array, gradients?: Float64Array): Uint8Array {
     const count = countPoints("points", points);

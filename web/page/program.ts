@@ -26,7 +26,7 @@ function bindingOptions({ settings, rules }: Document): string {
   return words.join(" ");
 }
 
-/** @param hasDirections whether the model has normals or tangents */
+/** @param hasDirections whether the model has normals, tangents or splats */
 export function commandsOf(document: Document, pose: Pose, hasDirections: boolean): string {
   const { lattice, model } = document;
   if (!lattice) return "# Make a lattice first.";

@@ -18,7 +18,7 @@ export interface ModelShape {
   /** 3 points for each triangle; empty for a cloud of points */
   triangles: Uint32Array;
   faceCount: number;
-  /** whether the file has normals or tangents */
+  /** whether the file has normals, tangents or splats */
   hasDirections: boolean;
   /** names parts of the file that are not understood; empty if there are none */
   notes: string;

@@ -48,7 +48,7 @@ let validity: { check: Validity; cells: Int32Array } | null = null;
 /** A binding, and what applies it. */
 interface Bound {
   binding: Binding;
-  /** whether it carries normals and tangents */
+  /** whether it carries normals, tangents and splats */
   hasGradients: boolean;
   table: Table;
   deformer: Deformer;

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/array.h>
+#include <espalier/base/deformation_gradient.h>
+#include <espalier/io/directions.h>
+
+#include <bit>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "coordinates.h"
+
+/// \file
+/// Carries Gaussian splats along with a deformation.
+///
+/// A splat is a Gaussian around a point, with the covariance Σ = R diag(e^s)² Rᵀ: R is the rotation
+/// of a quaternion q, and s are the logarithms of the standard deviations along its axes. Its
+/// colour depends on the direction of view by spherical harmonics: B. Kerbl, G. Kopanas, T.
+/// Leimkühler, G. Drettakis, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", 2023.
+
+namespace espalier::io {
+
+/// The numbers of a splat follow each other: s (3), then q as w x y z (4), of any length, then the
+/// harmonics of the degrees 1 to `degree`, all of red, all of green, all of blue. The order and the
+/// signs of harmonics are those of the authors' program: (−y, z, −x) for degree 1.
+inline constexpr std::size_t kSplatAxes = 3 + 4;
+inline constexpr std::size_t kMaxSplatNumbers = kSplatAxes + 3 * 15;
+
+/// Returns true if a splat may have this number of harmonics: 0, or 9, 24 or 45 for the degrees 1,
+/// 2 and 3.
+bool isHarmonicCount(std::size_t count);
+
+/// Carries a splat by a deformation gradient F.
+///
+/// The covariance becomes F Σ Fᵀ. Its axes keep their order, and q keeps its length and side: a
+/// rotation F multiplies q by its own quaternion and keeps s, except for rounding, and the identity
+/// keeps all bits. Where F flattens the splat to nothing along an axis, s becomes the logarithm of
+/// the smallest normal float.
+///
+/// The colours turn with the rotation Q that is nearest to F, which is the rotation of its polar
+/// decomposition if det F > 0: the splat has the colour in the direction d that it had in Qᵀ d. If
+/// det F < 0, Q is a rotation all the same: colours are not mirrored.
+///
+/// \param gradient finite, of any size and determinant
+/// \param numbers as above. They stay if one is not finite, if q is 0, or if a result would be too
+///        large for a float
+void carrySplat(const DeformationGradient& gradient, std::span<double> numbers);
+
+/// The splats of a file, one per point. The file has the numbers of each in one row. They are read
+/// when they are written, because they would take 800 bytes per splat.
+struct FileSplats {
+    /// A number of a splat in its row.
+    struct Column {
+        std::size_t place;   ///< binary: bytes of the row before it; text: words before it
+        std::size_t number;  ///< the number of the splat that it is
+        Precision precision;
+    };
+
+    std::vector<Column> columns;  ///< in the order of the row
+    Array<std::size_t> rows;      ///< where the row of each point begins in the file
+
+    /// Number of harmonics that stay, because it is the number of no degree.
+    std::size_t keptHarmonics = 0;
+};
+
+/// Carries all splats of a binary file.
+/// \param bytes of the file; changed numbers are replaced
+void carryBinary(const FileSplats& splats, std::span<const DeformationGradient> gradients,
+                 std::endian order, std::string& bytes);
+
+/// Carries all splats of a text.
+/// \param patch of the text
+/// \param others changes of other numbers
+void carryText(const FileSplats& splats, std::span<const DeformationGradient> gradients,
+               std::string_view text, TextPatch& patch, TextChanges& others);
+
+}  // namespace espalier::io
