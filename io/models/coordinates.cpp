@@ -155,15 +155,14 @@ void TextChanges::applyUpTo(TextPatch& patch, std::size_t end) {
     }
 }
 
-void changeBinary(std::string& bytes, std::span<const VectorChange> changes, std::endian order,
-                  std::size_t dimension) {
+void changeBinary(BinaryPart& part, std::span<const VectorChange> changes, std::size_t dimension) {
     for (const VectorChange& change : changes)
-        for (std::size_t point = 0; point < change.offsets.size(); ++point) {
+        for (std::size_t point = part.firstPoint; point < part.endPoint; ++point) {
             checkCancelledEvery(point, 14);
             for (std::size_t axis = 0; axis < dimension; ++axis)
                 if (const auto value = change.at(point, axis))
-                    storeCoordinate(bytes, change.offsets[point][axis], *value,
-                                    change.precisions[axis], order);
+                    storeCoordinate(part.bytes, change.offsets[point][axis] - part.begin, *value,
+                                    change.precisions[axis], part.order);
         }
 }
 

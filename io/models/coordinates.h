@@ -125,10 +125,17 @@ private:
     std::vector<Column> columns_;
 };
 
-/// Makes all changes in binary data of this byte order.
-/// \param dimension number of axes that the data has
-void changeBinary(std::string& bytes, std::span<const VectorChange> changes, std::endian order,
-                  std::size_t dimension = 3);
+/// A part of a binary file that is being written, and the points whose numbers are in it.
+struct BinaryPart {
+    std::string bytes;
+    std::size_t begin;  ///< where the part begins in the file
+    std::size_t firstPoint, endPoint;
+    std::endian order;
+};
+
+/// Makes the changes of the points of a part.
+/// \param dimension number of axes that the file has
+void changeBinary(BinaryPart& part, std::span<const VectorChange> changes, std::size_t dimension);
 
 /// The function that carries a direction: carryNormal() or carryTangent().
 using Carry = Point3 (*)(const DeformationGradient&, const Point3&);

@@ -123,10 +123,19 @@ void writeNumbers(std::ostream& out, const FileView& file, std::span<const Point
     }
     const bool carriesSplats = !gradients.empty() && !numbers.splats.rows.empty();
     if (numbers.order) {
-        std::string bytes(file.bytes);
-        changeBinary(bytes, changes, *numbers.order, numbers.dimension);
-        if (carriesSplats) carryBinary(numbers.splats, gradients, *numbers.order, bytes);
-        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        // Rows of splats are in the order of the points. Parts of them need little memory.
+        const auto& rows = numbers.splats.rows;
+        const std::size_t atOnce = rows.empty() ? moved.size() : 1 << 14;
+        for (std::size_t begin = 0, first = 0; begin < file.bytes.size(); first += atOnce) {
+            const std::size_t last = std::min(first + atOnce, moved.size());
+            const std::size_t end = last == moved.size() ? file.bytes.size() : rows[last];
+            BinaryPart part{std::string(file.bytes.substr(begin, end - begin)), begin, first, last,
+                            *numbers.order};
+            changeBinary(part, changes, numbers.dimension);
+            if (carriesSplats) carryBinary(numbers.splats, gradients, part);
+            out.write(part.bytes.data(), static_cast<std::streamsize>(part.bytes.size()));
+            begin = end;
+        }
     } else {
         TextPatch patch(out, file.bytes);
         TextChanges others(file.bytes, changes, numbers.dimension);

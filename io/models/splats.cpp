@@ -77,7 +77,7 @@ void makeOrthogonal(Columns& a, Columns* v) {
         isDone = true;
         for (const auto& [p, q] : kPairs) {
             const double pp = dot(a[p], a[p]), qq = dot(a[q], a[q]), pq = dot(a[p], a[q]);
-            if (!(std::abs(pq) > kRounding * std::sqrt(pp) * std::sqrt(qq))) continue;
+            if (!(pq * pq > kRounding * kRounding * pp * qq)) continue;
             isDone = false;
             const double zeta = (qq - pp) / (2 * pq);
             const double tangent =
@@ -194,13 +194,11 @@ BandMatrix inverseOfHarmonics(std::size_t degree) {
 }
 
 /// Turns the harmonics of a degree, of the three colours.
-/// \param first number of the first harmonic of this degree
-/// \param perColour number of harmonics of a colour, of all degrees
-void turnBand(std::size_t degree, const Columns& rotation, std::size_t first, std::size_t perColour,
-              std::span<double> all) {
-    static const std::array<BandMatrix, 3> kInverses = {
-        inverseOfHarmonics(1), inverseOfHarmonics(2), inverseOfHarmonics(3)};
-    const std::size_t size = bandSize(degree);
+/// \param all the harmonics of all colours and degrees
+template <std::size_t degree>
+void turnBand(const Columns& rotation, std::span<double> all) {
+    static const BandMatrix kInverse = inverseOfHarmonics(degree);
+    constexpr std::size_t size = bandSize(degree), first = degree * degree - 1;
     BandMatrix seen;  // the harmonics in the directions from which kDirections come
     for (std::size_t k = 0; k < size; ++k) {
         const Point3& d = kDirections[k];
@@ -208,25 +206,21 @@ void turnBand(std::size_t degree, const Columns& rotation, std::size_t first, st
             harmonics(degree, {dot(rotation[0], d), dot(rotation[1], d), dot(rotation[2], d)});
     }
     for (std::size_t colour = 0; colour < 3; ++colour) {
-        const auto band = all.subspan(colour * perColour + first, size);
+        double* const band = all.data() + colour * all.size() / 3 + first;
         Band values{};
         for (std::size_t k = 0; k < size; ++k)
             for (std::size_t m = 0; m < size; ++m) values[k] += seen[k][m] * band[m];
         for (std::size_t m = 0; m < size; ++m) {
             band[m] = 0;
-            for (std::size_t k = 0; k < size; ++k)
-                band[m] += kInverses[degree - 1][m][k] * values[k];
+            for (std::size_t k = 0; k < size; ++k) band[m] += kInverse[m][k] * values[k];
         }
     }
 }
 
 void turnHarmonics(const Columns& rotation, std::span<double> all) {
-    const std::size_t perColour = all.size() / 3;
-    std::size_t first = 0;
-    for (std::size_t degree = 1; first < perColour; ++degree) {
-        turnBand(degree, rotation, first, perColour, all);
-        first += bandSize(degree);
-    }
+    if (all.size() >= 3 * 3) turnBand<1>(rotation, all);
+    if (all.size() >= 3 * 8) turnBand<2>(rotation, all);
+    if (all.size() >= 3 * 15) turnBand<3>(rotation, all);
 }
 
 /// Returns the rotation that is nearest to a matrix: U Vᵀ of its singular value decomposition.
@@ -245,12 +239,12 @@ void carryAxes(const Columns& f, int exponent, std::span<double> s, std::span<do
     const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
     const Quaternion unit = {q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
     const Columns r = matrixOf(unit);
-    // Squares of lengths between e^-300 and 1 are in range.
+    // Fourth powers of lengths between e^-150 and 1 are in range.
     const double longest = std::max({s[0], s[1], s[2]});
     std::array<double, 3> relative;
     Columns a;
     for (std::size_t j = 0; j < 3; ++j) {
-        relative[j] = std::max(s[j] - longest, -300.0);
+        relative[j] = std::max(s[j] - longest, -150.0);
         a[j] = scaled(times(f, r[j]), std::exp(relative[j]));
     }
     makeOrthogonal(a, nullptr);
@@ -316,10 +310,10 @@ void carrySplat(const DeformationGradient& gradient, std::span<double> numbers) 
     const auto s = std::span(result).first(3), q = std::span(result).subspan(3, 4);
     const auto harmonics = std::span(result).first(numbers.size()).subspan(kSplatAxes);
     if (!areFinite(numbers) || std::ranges::count(q, 0.0) == 4) return;
-    // Products of entries near 1 are in range.
+    // Products of many entries near 1 are in range.
     double largest = 0;
     for (const double entry : gradient) largest = std::max(largest, std::abs(entry));
-    const bool isNear = largest == 0 || (largest > 0x1p-100 && largest < 0x1p100);
+    const bool isNear = largest == 0 || (largest > 0x1p-10 && largest < 0x1p10);
     const int exponent = isNear ? 0 : std::ilogb(largest);
     Columns f;
     for (std::size_t i = 0; i < 9; ++i)
@@ -331,17 +325,20 @@ void carrySplat(const DeformationGradient& gradient, std::span<double> numbers) 
 }
 
 void carryBinary(const FileSplats& splats, std::span<const DeformationGradient> gradients,
-                 std::endian order, std::string& bytes) {
-    parallelFor(std::ssize(splats.rows), 1 << 12, [&](Offset first, Offset last) {
+                 BinaryPart& part) {
+    const auto count = static_cast<Offset>(part.endPoint - part.firstPoint);
+    parallelFor(count, 1 << 10, [&](Offset first, Offset last) {
         SplatChange splat;
-        for (Offset point = first; point < last; ++point) {
-            const std::size_t row = splats.rows[point];
+        for (Offset i = first; i < last; ++i) {
+            const std::size_t point = part.firstPoint + i;
+            const std::size_t row = splats.rows[point] - part.begin;
             for (const auto& [place, number, precision] : splats.columns)
-                splat.before[number] = loadReal(bytes, row + place, precision, order);
+                splat.before[number] = loadReal(part.bytes, row + place, precision, part.order);
             splat.carry(splats, gradients[point]);
             for (const auto& [place, number, precision] : splats.columns)
                 if (splat.changes(number))
-                    storeCoordinate(bytes, row + place, splat.now[number], precision, order);
+                    storeCoordinate(part.bytes, row + place, splat.now[number], precision,
+                                    part.order);
         }
     });
 }

@@ -67,10 +67,9 @@ struct FileSplats {
     std::size_t keptHarmonics = 0;
 };
 
-/// Carries all splats of a binary file.
-/// \param bytes of the file; changed numbers are replaced
+/// Carries the splats of a part of a binary file.
 void carryBinary(const FileSplats& splats, std::span<const DeformationGradient> gradients,
-                 std::endian order, std::string& bytes);
+                 BinaryPart& part);
 
 /// Carries all splats of a text.
 /// \param patch of the text
