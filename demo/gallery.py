@@ -21,6 +21,7 @@ import gallery_polyhedra
 import gallery_poses
 import gallery_rats
 import gallery_solvers
+import gallery_splats
 from gallery_page import Entry, demo_entries, write_page
 from gallery_parts import Program
 from palette import write_palette_png
@@ -29,7 +30,7 @@ from palette import write_palette_png
 SECTIONS = (
     ("Lattices and their cells", [], gallery_lattices.FIGURES + gallery_cells.FIGURES),
     ("Deformations", demo_entries(), gallery_poses.FIGURES + gallery_cages.FIGURES +
-     gallery_bases.FIGURES),
+     gallery_splats.FIGURES + gallery_bases.FIGURES),
     ("Curves and a patch", [], gallery_curves.FIGURES + gallery_patch.FIGURES),
     ("Polyhedra", [], gallery_polyhedra.FIGURES),
     ("RATS splines", [], gallery_rats.FIGURES),

@@ -168,3 +168,10 @@ def write_png(path, image):
     writer.Write()
     if writer.GetErrorCode():
         raise SystemExit(f"{path}: cannot be written")
+
+
+def read_png(path):
+    reader = vtk.vtkPNGReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return to_array(reader.GetOutput())[..., :3] / 255
