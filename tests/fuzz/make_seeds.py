@@ -179,6 +179,15 @@ end_header
                     for i in range(3))
     put("ply", "directions-binary", header.format("binary_big_endian").encode() + rows +
         struct.pack(">B3i", 3, 0, 1, 2))
+    names = ["x", "y", "z", *(f"scale_{i}" for i in range(3)), *(f"rot_{i}" for i in range(4)),
+             *(f"f_rest_{i}" for i in range(9))]
+    header = ("ply\nformat {} 1.0\nelement vertex 2\n" +
+              "".join(f"property float {name}\n" for name in names) + "end_header\n")
+    splat = [0, 0, 0, -1, -2, -3, 1, 0.5, 0, -0.5, *range(9)]
+    put("ply", "splats-ascii", header.format("ascii") +
+        " ".join(map(str, splat)) + "\n" + "1 " * 6 + "0 " * 10 + "nan\n")
+    put("ply", "splats-binary", header.format("binary_little_endian").encode() +
+        struct.pack("<38f", *splat, *splat))
     numbers = struct.pack("<I6f", 24, 1, 0, 0, 0.6, 0, 0.8)
     put("vtu_model", "directions", b"""<VTKFile type="UnstructuredGrid" byte_order="LittleEndian">
 <UnstructuredGrid><Piece NumberOfPoints="2" NumberOfCells="0">

@@ -212,6 +212,23 @@ def test_gradients_turn_the_normals_of_a_model(tmp_path, rest, points):
             model.write(tmp_path / "wrong.obj", moved, wrong)
 
 
+def test_gradients_turn_gaussian_splats(tmp_path, rest):
+    names = "x y z scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
+    numbers = np.array([[0.1, 0.2, 0.3, -1, -2, -3, 2, 0, 0, 0]])
+    header = "".join(["ply\nformat binary_little_endian 1.0\nelement vertex 1\n",
+                      *(f"property double {name}\n" for name in names), "end_header\n"]).encode()
+    (tmp_path / "splats.ply").write_bytes(header + numbers.tobytes())
+    model = espalier.read_model(tmp_path / "splats.ply")
+    binding = espalier.bind(rest, model)  # splats need gradients
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    pose = rest.positions @ turn.T
+    model.write(tmp_path / "turned.ply", binding.deform(pose), binding.gradients(pose))
+    turned = np.frombuffer((tmp_path / "turned.ply").read_bytes()[len(header):])
+    # A quarter turn around z, of the length 2.
+    np.testing.assert_allclose(turned, [-0.2, 0.1, 0.3, -1, -2, -3, 2 ** 0.5, 0, 0, 2 ** 0.5],
+                               atol=1e-12)
+
+
 def test_a_binding_of_nothing(tmp_path, rest, pose):
     nothing = espalier.bind(rest, np.empty((0, 3)))
     nothing.save(tmp_path / "nothing.espb")
