@@ -37,8 +37,8 @@ Columns matrixOf(const Quaternion& q) {
              {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}};
 }
 
-/// Returns a quaternion of length 1 of a rotation: of two, one of whose numbers the largest is
-/// positive.
+/// Returns the quaternion of a rotation, of length 1. Of the two, it is the one whose largest
+/// number is positive.
 Quaternion quaternionOf(const Columns& r) {
     // Four times the squares of w, x, y and z. One of them is at least 1.
     const std::array<double, 4> squares = {
@@ -48,8 +48,8 @@ Quaternion quaternionOf(const Columns& r) {
     const double size = std::sqrt(squares[largest]), factor = 1 / (2 * size);
     Quaternion q;
     q[largest] = size / 2;
-    // With the indices i, j, k of an even permutation, r[i][j] = 2 (q_i q_j + w q_k), and
-    // r[j][i] = 2 (q_i q_j − w q_k).
+    // If i, j, k is an even permutation of the axes, r[i][j] is 2 (q_i q_j + w q_k), and r[j][i] is
+    // 2 (q_i q_j − w q_k).
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
         const double withW = (r[i][j] - r[j][i]) * factor, pair = (r[i][j] + r[j][i]) * factor;
@@ -63,11 +63,11 @@ Quaternion quaternionOf(const Columns& r) {
     return q;
 }
 
-/// Turns the columns of A among each other until they are orthogonal: A becomes A V = U S, of its
-/// singular value decomposition. The turns are as small as possible, so that columns that are
-/// nearly orthogonal keep their order. Short columns are as precise as long ones: J. Demmel, K.
-/// Veselić, "Jacobi's method is more accurate than QR", 1992, algorithm 4.1.
-/// \param v multiplied by V; may be null
+/// Turns pairs of columns of A until all are orthogonal: A becomes A V = U S, where U S Vᵀ is its
+/// singular value decomposition. No turn exceeds 45°, so columns that are nearly orthogonal keep
+/// their order. Short columns are as precise as long ones: J. Demmel, K. Veselić, "Jacobi's method
+/// is more accurate than QR", 1992, algorithm 4.1.
+/// \param v receives the product of v and V; may be null
 void makeOrthogonal(Columns& a, Columns* v) {
     constexpr int kMaxSweeps = 30;  // 3 to 6, unless the columns are dependent
     constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
@@ -94,14 +94,13 @@ void makeOrthogonal(Columns& a, Columns* v) {
     }
 }
 
-/// Returns the rotation whose columns are along the columns of A, which are orthogonal; if their
-/// determinant is negative, the shortest column is turned round. A column of A that has no
-/// direction gets one near the same column of `hint`.
-/// \param hint a rotation
+/// Returns the rotation whose columns are along the orthogonal columns of A. If the determinant of
+/// A is negative, the shortest column is reversed. A column of length 0 gets a direction near a
+/// column of `hint`. \param hint a rotation
 Columns rotationAlong(const Columns& a, const Columns& hint) {
     const std::array<double, 3> lengths = {length(a[0]), length(a[1]), length(a[2])};
-    // Of two columns of one length, the one that points away from its hint counts as the shorter
-    // one, so that mirrors of an axis turn nothing.
+    // If two columns have the same length, the column that points away from its hint counts as the
+    // shorter one. So the mirror of an axis turns nothing.
     const auto isShorter = [&](std::size_t i, std::size_t j) {
         const bool isSame = std::abs(lengths[i] - lengths[j]) <= 1e-9 * lengths[j];
         return isSame ? dot(a[i], hint[i]) < dot(a[j], hint[j]) : lengths[i] < lengths[j];
@@ -129,7 +128,7 @@ Columns rotationAlong(const Columns& a, const Columns& hint) {
     return r;
 }
 
-/// The number of harmonics of a degree.
+/// Returns the number of harmonics of a degree.
 constexpr std::size_t bandSize(std::size_t degree) {
     return 2 * degree + 1;
 }
@@ -157,9 +156,9 @@ Band harmonics(std::size_t degree, const Point3& direction) {
             -kA * x * (xx - 3 * yy)};
 }
 
-/// Directions in which the harmonics of a degree determine each other: the first 2 degree + 1 of
-/// them. The condition number of their matrix is less than 3 (of unit vectors; the harmonics of one
-/// degree are homogeneous polynomials, so the lengths do not matter).
+/// Directions whose first 2 · degree + 1 determine the harmonics of a degree by their values: the
+/// condition number of the matrix of values is less than 3. (This holds for unit vectors. Harmonics
+/// of one degree are homogeneous polynomials, so other lengths scale the rows.)
 constexpr std::array<Point3, kMaxBand> kDirections = {
     {{0, 0, 1}, {1, 0, 0}, {0, 1, -1}, {1, -1, 0}, {1, 0, -1}, {0, 1, 0}, {1, -1, -1}}};
 

@@ -17,16 +17,16 @@
 /// \file
 /// Carries Gaussian splats along with a deformation.
 ///
-/// A splat is a Gaussian around a point, with the covariance Σ = R diag(e^s)² Rᵀ: R is the rotation
-/// of a quaternion q, and s are the logarithms of the standard deviations along its axes. Its
-/// colour depends on the direction of view by spherical harmonics: B. Kerbl, G. Kopanas, T.
-/// Leimkühler, G. Drettakis, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", 2023.
+/// A splat is a Gaussian around a point, with the covariance Σ = R diag(e^s)² Rᵀ. R is the rotation
+/// of a quaternion q, and s are the logarithms of the standard deviations along its axes. Spherical
+/// harmonics describe how the colour depends on the direction of view (B. Kerbl, G. Kopanas, T.
+/// Leimkühler, G. Drettakis, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", 2023).
 
 namespace espalier::io {
 
-/// The numbers of a splat follow each other: s (3), then q as w x y z (4), of any length, then the
-/// harmonics of the degrees 1 to `degree`, all of red, all of green, all of blue. The order and the
-/// signs of harmonics are those of the authors' program: (−y, z, −x) for degree 1.
+/// Functions take the numbers of a splat in this order: s (3 numbers); q as w, x, y, z, of any
+/// length; then the harmonics of the degrees 1 to at most 3, first all of red, then green, then
+/// blue. Harmonics have the order and the signs of the authors' program: degree 1 is (−y, z, −x).
 inline constexpr std::size_t kSplatAxes = 3 + 4;
 inline constexpr std::size_t kMaxSplatNumbers = kSplatAxes + 3 * 15;
 
@@ -36,24 +36,26 @@ bool isHarmonicCount(std::size_t count);
 
 /// Carries a splat by a deformation gradient F.
 ///
-/// The covariance becomes F Σ Fᵀ. Its axes keep their order, and q keeps its length and side: a
-/// rotation F multiplies q by its own quaternion and keeps s, except for rounding, and the identity
-/// keeps all bits. Where F flattens the splat to nothing along an axis, s becomes the logarithm of
-/// the smallest normal float.
+/// The covariance becomes F Σ Fᵀ. A rotation F multiplies q by the quaternion of F and keeps s,
+/// except for rounding, and the identity keeps all bits. If F is near a rotation, the axes keep
+/// their order. q keeps its length. Where F flattens the splat to nothing along an axis, s becomes
+/// the logarithm of the smallest normal float, unless it was less.
 ///
 /// The colours turn with the rotation Q that is nearest to F, which is the rotation of its polar
 /// decomposition if det F > 0: the splat has the colour in the direction d that it had in Qᵀ d. If
 /// det F < 0, Q is a rotation all the same: colours are not mirrored.
 ///
 /// \param gradient finite, of any size and determinant
-/// \param numbers as above. They stay if one is not finite, if q is 0, or if a result would be too
-///        large for a float
+/// \param numbers as above. They stay if q is 0, or if one of them or of the results is not finite
+/// or
+///        too large for a float
 void carrySplat(const DeformationGradient& gradient, std::span<double> numbers);
 
-/// The splats of a file, one per point. The file has the numbers of each in one row. They are read
-/// when they are written, because they would take 800 bytes per splat.
+/// Says where a file has its splats, one per point. The file has the numbers of a splat in one row.
+/// The model does not store the numbers, since they would take 400 bytes per splat: they are read
+/// when the file is written.
 struct FileSplats {
-    /// A number of a splat in its row.
+    /// Says where a row has a number of its splat.
     struct Column {
         std::size_t place;   ///< binary: bytes of the row before it; text: words before it
         std::size_t number;  ///< the number of the splat that it is

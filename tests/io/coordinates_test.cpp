@@ -74,6 +74,14 @@ struct NumberText {
         return result;
     }
 
+    /// Writes the new text, by TextChanges.
+    void write(std::ostream& out) const {
+        const std::vector<VectorChange> all = changes();
+        TextPatch patch(out, text);
+        TextChanges(text, all, dimension).applyUpTo(patch, text.size());
+        patch.finish();
+    }
+
     std::vector<VectorChange> changes() const {
         std::vector<VectorChange> result;
         for (const Vectors& each : vectors) result.push_back(each.change());
@@ -89,13 +97,7 @@ TEST(TextChanges, ReplaceNumbersInAnyOrder) {
                 for (const std::size_t pointCount : {0, 1, 2, 50}) {
                     const NumberText sample(vectorCount, pointCount, axes, isShuffled, random);
                     std::ostringstream out;
-                    const std::vector<VectorChange> changes = sample.changes();
-                    {
-                        TextPatch patch(out, sample.text);
-                        TextChanges(sample.text, changes, axes)
-                            .applyUpTo(patch, sample.text.size());
-                        patch.finish();
-                    }
+                    sample.write(out);
                     EXPECT_EQ(out.str(), sample.replaced());
                 }
 }

@@ -101,6 +101,7 @@ Rows carriedRows(const Names& names, Rows rows, const std::vector<DeformationGra
     const auto columns = splatColumns(names);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         std::vector<double> numbers;
+        numbers.reserve(columns.size());
         for (const std::size_t column : columns) numbers.push_back(rows[i][column]);
         carrySplat(gradients[i], numbers);
         for (std::size_t k = 0; k < columns.size(); ++k)
@@ -118,7 +119,7 @@ std::vector<DeformationGradient> randomGradients(std::size_t count) {
 }
 
 TEST(PlySplats, AreCarriedInAllFormats) {
-    for (const SplatFile& sample : kSplatFiles)
+    for (const SplatFile& sample : kSplatFiles) {
         for (const std::size_t harmonics : {0, 9, 24, 45}) {
             const Names names = propertiesOf(harmonics);
             const Rows rows = randomRows(names, 8, sample.isFloat);
@@ -139,6 +140,7 @@ TEST(PlySplats, AreCarriedInAllFormats) {
             std::ranges::copy(moved[1], wanted[1].begin());
             EXPECT_EQ(written(*model, moved, gradients), sample.file(names, wanted));
         }
+    }
 }
 
 TEST(PlySplats, MayHaveTheirPropertiesInAnyOrder) {
