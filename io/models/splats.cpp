@@ -197,29 +197,29 @@ BandMatrix inverseOfHarmonics(std::size_t degree) {
 template <std::size_t degree>
 void turnBand(const Columns& rotation, std::span<double> all) {
     static const BandMatrix kInverse = inverseOfHarmonics(degree);
-    constexpr std::size_t size = bandSize(degree), first = degree * degree - 1;
+    constexpr std::size_t kSize = bandSize(degree), kFirst = harmonicCount(degree - 1) / 3;
     BandMatrix seen;  // the harmonics in the directions from which kDirections come
-    for (std::size_t k = 0; k < size; ++k) {
+    for (std::size_t k = 0; k < kSize; ++k) {
         const Point3& d = kDirections[k];
         seen[k] =
             harmonics(degree, {dot(rotation[0], d), dot(rotation[1], d), dot(rotation[2], d)});
     }
     for (std::size_t colour = 0; colour < 3; ++colour) {
-        double* const band = all.data() + colour * all.size() / 3 + first;
+        double* const band = all.data() + colour * all.size() / 3 + kFirst;
         Band values{};
-        for (std::size_t k = 0; k < size; ++k)
-            for (std::size_t m = 0; m < size; ++m) values[k] += seen[k][m] * band[m];
-        for (std::size_t m = 0; m < size; ++m) {
+        for (std::size_t k = 0; k < kSize; ++k)
+            for (std::size_t m = 0; m < kSize; ++m) values[k] += seen[k][m] * band[m];
+        for (std::size_t m = 0; m < kSize; ++m) {
             band[m] = 0;
-            for (std::size_t k = 0; k < size; ++k) band[m] += kInverse[m][k] * values[k];
+            for (std::size_t k = 0; k < kSize; ++k) band[m] += kInverse[m][k] * values[k];
         }
     }
 }
 
 void turnHarmonics(const Columns& rotation, std::span<double> all) {
-    if (all.size() >= 3 * 3) turnBand<1>(rotation, all);
-    if (all.size() >= 3 * 8) turnBand<2>(rotation, all);
-    if (all.size() >= 3 * 15) turnBand<3>(rotation, all);
+    if (all.size() >= harmonicCount(1)) turnBand<1>(rotation, all);
+    if (all.size() >= harmonicCount(2)) turnBand<2>(rotation, all);
+    if (all.size() >= harmonicCount(3)) turnBand<3>(rotation, all);
 }
 
 /// Returns the rotation that is nearest to a matrix: U Vᵀ of its singular value decomposition.
@@ -299,7 +299,9 @@ void forEachWord(const FileSplats& splats, std::string_view text, std::size_t po
 }  // namespace
 
 bool isHarmonicCount(std::size_t count) {
-    return count == 0 || count == 3 * 3 || count == 3 * 8 || count == 3 * 15;
+    for (std::size_t degree = 0; degree <= 3; ++degree)
+        if (count == harmonicCount(degree)) return true;
+    return false;
 }
 
 void carrySplat(const DeformationGradient& gradient, std::span<double> numbers) {

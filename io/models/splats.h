@@ -28,10 +28,14 @@ namespace espalier::io {
 /// length; then the harmonics of the degrees 1 to at most 3, first all of red, then green, then
 /// blue. Harmonics have the order and the signs of the authors' program: degree 1 is (−y, z, −x).
 inline constexpr std::size_t kSplatAxes = 3 + 4;
-inline constexpr std::size_t kMaxSplatNumbers = kSplatAxes + 3 * 15;
 
-/// Returns true if a splat may have this number of harmonics: 0, or 9, 24 or 45 for the degrees 1,
-/// 2 and 3.
+/// Returns the number of harmonics of the degrees 1 to `degree`, of three colours: 9, 24, 45.
+constexpr std::size_t harmonicCount(std::size_t degree) {
+    return 3 * degree * (degree + 2);
+}
+inline constexpr std::size_t kMaxSplatNumbers = kSplatAxes + harmonicCount(3);
+
+/// Returns true if a splat may have this number of harmonics: 0, 9, 24 or 45.
 bool isHarmonicCount(std::size_t count);
 
 /// Carries a splat by a deformation gradient F.

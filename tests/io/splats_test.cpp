@@ -16,15 +16,10 @@ namespace {
 
 using SplatNumbers = std::vector<double>;
 
-/// Number of harmonics of a colour, of the degrees 1 to `degree`.
-std::size_t harmonicCount(std::size_t degree) {
-    return (degree + 1) * (degree + 1) - 1;
-}
-
 /// Returns a splat with random numbers of usual sizes.
 SplatNumbers randomSplat(std::size_t degree, std::mt19937& random) {
     std::uniform_real_distribution<double> uniform(-1, 1);
-    SplatNumbers splat(kSplatAxes + 3 * harmonicCount(degree));
+    SplatNumbers splat(kSplatAxes + harmonicCount(degree));
     for (double& number : splat) number = uniform(random);
     for (std::size_t i = 0; i < 3; ++i) splat[i] = 3 * splat[i] - 4;
     return splat;
