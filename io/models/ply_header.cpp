@@ -246,7 +246,8 @@ FileSplats PlyHeader::fileSplats() const {
         result.columns.push_back({format == PlyFormat::Ascii ? column : bytes, number,
                                   isFloat ? Precision::Float : Precision::Double});
     }
-    std::ranges::sort(result.columns, {}, &FileSplats::Column::place);
+    std::ranges::sort(result.columns,
+                      [](const auto& a, const auto& b) { return a.place < b.place; });
     return result;
 }
 
