@@ -334,6 +334,32 @@ public:
 
     ModelSurface readSurface() const override;
 
+    std::vector<std::string> notes() const override {
+        std::vector<std::string> notes;
+        const std::size_t meshCount = file_.list("meshes").size();
+        std::vector<std::size_t> places(meshCount);
+        for (const DrawnMesh& drawn : scene_.meshes) ++places[drawn.drawing.mesh];
+        const auto add = [&](std::size_t count, const char* one, const char* many) {
+            if (count > 0) notes.push_back(concat(count, count == 1 ? one : many));
+        };
+        add(std::ranges::count(places, std::size_t{0}), " mesh stays, because no node draws it",
+            " meshes stay, because no node draws them");
+        add(std::ranges::count_if(places, [](std::size_t count) { return count > 1; }),
+            " mesh is drawn at several places, and becomes a mesh for each once its points move",
+            " meshes are drawn at several places, and become a mesh for each once their points "
+            "move");
+        std::size_t fixed = 0;
+        for (const Block& block : scene_.blocks)
+            for (std::size_t i = 0; i < block.count; ++i) {
+                if (block.maps->size() == 1 && i > 0) break;
+                if (!inverse(block.map(i).linear))
+                    fixed += block.maps->size() > 1 ? 1 : block.count;
+            }
+        add(fixed, " point stays, because the matrix that draws it has no inverse",
+            " points stay, because the matrices that draw them have no inverse");
+        return notes;
+    }
+
 private:
     /// Returns new points in the mesh. A point that has not moved keeps its numbers.
     std::vector<Point3> newPoints(const Vectors& vectors, std::span<const Point3> moved) const {

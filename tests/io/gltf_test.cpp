@@ -256,6 +256,26 @@ TEST(Gltf, AMeshAtSeveralPlacesBecomesSeveralMeshes) {
     EXPECT_EQ(moved.attribute("NORMAL", 1), moved.attribute("NORMAL", 0));
 }
 
+TEST(Gltf, NotesSayWhatStaysAndWhatIsCopied) {
+    EXPECT_TRUE(readModel("a.gltf", triangle().text())->notes().empty());
+    auto sample = triangle({{"scale", {1, 1, 0}}});
+    sample.root["meshes"].push_back(sample.root["meshes"][0]);
+    sample.root["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, 5}}});
+    const auto model = readModel("a.gltf", sample.text());
+    EXPECT_THAT(model->notes(),
+                testing::ElementsAre(
+                    "1 mesh stays, because no node draws it",
+                    "1 mesh is drawn at several places, and becomes a mesh for each once its "
+                    "points move",
+                    "3 points stay, because the matrices that draw them have no inverse"));
+    // They do stay, and the others move.
+    const ParsedGltf moved(writtenAs(*model, "a.gltf", movedBy(model->positions(), {0, 0, 1})));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 0)),
+              (FloatRows{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(moved.floats(moved.attribute("POSITION", 2)),
+              (FloatRows{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}));
+}
+
 TEST(Gltf, MorphTargetsFollowAsPoints) {
     auto sample = triangle();
     const auto moves = sample.add(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 3});
@@ -448,7 +468,8 @@ TEST(Gltf, DamagedFilesAreRefusedAndNamed) {
     EXPECT_REFUSED(FileError, "nests more than",
                    readModel("a.gltf", std::string(1000, '[') + std::string(1000, ']')));
     expectRefused("glTF of version '1.0'", replace("/asset/version", "1.0"));
-    expectRefused("item 99 of 'bufferViews' does not exist; there are 3", replace("/accessors/0/bufferView", 99));
+    expectRefused("item 99 of 'bufferViews' does not exist; there are 3",
+                  replace("/accessors/0/bufferView", 99));
     expectRefused("needs 120 bytes at byte 0 of view 0, which has 36",
                   replace("/accessors/0/count", 10));
     expectRefused("of view 0", replace("/accessors/0/count", 9007199254740991));
