@@ -107,6 +107,7 @@ PetscErrorCode fit(const Paths& paths) {
     MPI_Comm_rank(PETSC_COMM_WORLD, &ranks.rank);
     MPI_Comm_size(PETSC_COMM_WORLD, &ranks.size);
     const auto model = io::readModel(paths.model), wanted = io::readModel(paths.wanted);
+    io::refuseHeldPoints(paths.wanted, *wanted);
     const std::size_t pointCount = model->positions().size();
     if (wanted->positions().size() != pointCount)
         throw Error(paths.wanted + ": has " + std::to_string(wanted->positions().size()) +

@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using test::failEachAllocation;
 
-/// Returns true for formats that are not tested here. Destructors of nlohmann-json's values allocate
-/// memory, and so end the process if the last bytes of it are gone.
+/// Returns true for formats that are not tested here. Destructors of nlohmann-json's values
+/// allocate memory, and so end the process if the last bytes of it are gone.
 bool isJson(const fs::path& path) {
     return path.extension() == ".glb" || path.extension() == ".gltf";
 }
