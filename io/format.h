@@ -58,8 +58,8 @@ struct Format {
     /// True if the faces of a new file are triangles.
     bool holdsTriangles = false;
 
-    /// True if a new file is to be looked at: it has texture coordinates, colours of points and names
-    /// of materials, and leaves out shapes that faces cannot describe.
+    /// True if a new file is to be looked at: it has texture coordinates, colours of points and
+    /// names of materials, and leaves out shapes that faces cannot describe.
     bool holdsAppearance = false;
 
     /// Returns true if a new file is a list of triangles in single precision, and nothing else.

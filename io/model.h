@@ -164,7 +164,8 @@ enum class CoordinateStorage { Text, Float, Double, Integer };
 ///     .obj               faces of any size; normals per corner
 ///     .ply               ASCII, coordinates of type double; normals per point
 ///     .vtp, .vtu, .vtk   polygons, coordinates of type double; normals per point
-///     .glb, .gltf        as glTF 2.0 (io/gltf/gltf_writer.h), with texture coordinates, colours and
+///     .glb, .gltf        as glTF 2.0 (io/gltf/gltf_writer.h), with texture coordinates, colours
+///     and
 ///                        materials
 ///     .stl               binary, coordinates rounded to floats; faces are split into triangles,
 ///                        the same for all positions
