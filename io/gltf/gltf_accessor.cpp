@@ -3,6 +3,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/progress.h>
+#include <espalier/io/files/file.h>
 
 #include <algorithm>
 #include <array>
@@ -115,6 +116,15 @@ void loadSparse(const GltfFile& file, const GltfAccessor& accessor, const Json& 
         return static_cast<std::size_t>(slot);
     };
     loadElements(file, accessor, from, count, slotOf, numbers);
+}
+
+/// Returns an accessor; nothing if it is malformed, and so belongs to nothing that is read.
+std::optional<GltfAccessor> readableAccessor(const GltfFile& file, std::size_t index) {
+    try {
+        return accessorOf(file, index);
+    } catch (const FileError&) {
+        return std::nullopt;
+    }
 }
 
 }  // namespace
@@ -241,8 +251,9 @@ std::vector<bool> overlappingAccessors(const GltfFile& file) {
     std::vector<Range> ranges;
     const std::size_t count = file.list("accessors").size();
     for (std::size_t i = 0; i < count; ++i) {
-        const GltfAccessor accessor = accessorOf(file, i);
-        if (!accessor.view || accessor.count == 0) continue;
+        const std::optional<GltfAccessor> read = readableAccessor(file, i);
+        if (!read || !read->view || read->count == 0) continue;
+        const GltfAccessor& accessor = *read;
         const auto& view = *accessor.view;
         ranges.push_back({view.buffer, view.offset, view.offset + accessor.extent(), view.stride,
                           accessor.elementSize(), i});

@@ -372,7 +372,9 @@ std::string GltfEdit::binary() {
     if (buffers_.empty() || isOne) return bytes;
     Json& json = this->json();
     for (Json& view : json["bufferViews"]) {
-        const std::size_t buffer = view["buffer"];
+        const std::size_t buffer = file_.needNumber(view, "buffer");
+        if (buffer >= begins.size())
+            file_.fail(concat("a view is of buffer ", buffer, "; there are ", begins.size()));
         view["byteOffset"] = view.value("byteOffset", std::size_t{0}) + begins[buffer];
         view["buffer"] = 0;
     }

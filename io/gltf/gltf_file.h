@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -97,6 +100,17 @@ private:
     Json json_;
     std::vector<Buffer> buffers_;
 };
+
+/// Runs a function that reads JSON, and makes errors of the JSON library, such as a text where a
+/// list belongs, errors of the file.
+template <class F>
+auto withJsonErrors(const std::filesystem::path& path, F f) {
+    try {
+        return f();
+    } catch (const Json::exception& error) {
+        throw FileError(path, concat("is malformed: ", error.what()));
+    }
+}
 
 /// Returns true for a URI that names a file beside the glTF file: no data, scheme or root.
 bool isRelativeUri(std::string_view uri);

@@ -332,7 +332,9 @@ public:
         return points;
     }
 
-    ModelSurface readSurface() const override;
+    ModelSurface readSurface() const override {
+        return withJsonErrors(file_.path(), [&] { return surface(); });
+    }
 
     std::vector<std::string> notes() const override {
         std::vector<std::string> notes;
@@ -409,7 +411,13 @@ private:
     }
 
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient> gradients) const override;
+                      std::span<const DeformationGradient> gradients) const override {
+        withJsonErrors(file_.path(), [&] { writeFile(path, moved, gradients); });
+    }
+
+    ModelSurface surface() const;
+    void writeFile(const std::filesystem::path& path, std::span<const Point3> moved,
+                   std::span<const DeformationGradient> gradients) const;
 
     GltfFile file_;
     SceneReader scene_;
@@ -430,7 +438,7 @@ void forEachTriangle(std::size_t mode, std::span<const Index> corners, F f) {
             f(corners[i], corners[i + 1], corners[0]);
 }
 
-ModelSurface GltfModel::readSurface() const {
+ModelSurface GltfModel::surface() const {
     ModelSurface surface;
     bool haveNormals = true;
     std::vector<std::optional<std::size_t>> firstNormals(scene_.vectors.size());
@@ -487,8 +495,8 @@ ModelSurface GltfModel::readSurface() const {
     return surface;
 }
 
-void GltfModel::writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                             std::span<const DeformationGradient> gradients) const {
+void GltfModel::writeFile(const std::filesystem::path& path, std::span<const Point3> moved,
+                          std::span<const DeformationGradient> gradients) const {
     // New vectors in the meshes; empty if none of them has changed.
     std::vector<std::vector<Point3>> now(scene_.vectors.size());
     std::vector<bool> isChanged(now.size());
@@ -579,7 +587,8 @@ void GltfModel::writeChecked(const std::filesystem::path& path, std::span<const 
 
 std::unique_ptr<Model> readGltfModel(const Format& format, const std::filesystem::path& path,
                                      std::string bytes) {
-    return std::make_unique<GltfModel>(format, path, std::move(bytes));
+    return withJsonErrors(
+        path, [&] { return std::make_unique<GltfModel>(format, path, std::move(bytes)); });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ tests/io: files that VTK, NumPy and SciPy have written.
 """
 import base64
 import io
+import json
 import struct
 import subprocess
 import sys
@@ -545,6 +546,56 @@ def bindings(target):
         integers(tower) + grid + integers(points))
 
 
+def gltf():
+    """A skinned triangle with a morph target, and one of quantised, sparse and interleaved numbers."""
+    data = b""
+    views, accessors = [], []
+
+    def add(numbers, code, shape, width, **more):
+        nonlocal data
+        data += b"\0" * (-len(data) % 4)
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(numbers) * struct.calcsize(code)})
+        types = {"f": 5126, "B": 5121, "h": 5122, "H": 5123}
+        accessors.append({"bufferView": len(views) - 1, "componentType": types[code], "count": len(numbers) // width,
+                          "type": shape, **more})
+        data += struct.pack(f"<{len(numbers)}{code}", *numbers)
+        return len(accessors) - 1
+
+    corners = [0, 0, 0, 1, 0, 0, 0, 1, 0]
+    position = add(corners, "f", "VEC3", 3, min=[0, 0, 0], max=[1, 1, 0])
+    normal = add([0, 0, 1] * 3, "f", "VEC3", 3)
+    tangent = add([1, 0, 0, -1] * 3, "f", "VEC4", 4)
+    target = add([0, 0, 1] * 3, "f", "VEC3", 3)
+    joints = add([0, 1, 0, 0] * 3, "B", "VEC4", 4)
+    weights = add([0.5, 0.5, 0, 0] * 3, "f", "VEC4", 4)
+    small = add([0, 0, 0, 32767, 0, 0, 0, 32767, 0], "h", "VEC3", 3, normalized=True)
+    strip = add([0, 1, 2], "H", "SCALAR", 1)
+    sparse = add([0] * 9, "f", "VEC3", 3)
+    where = add([2], "B", "SCALAR", 1)
+    accessors[sparse]["sparse"] = {"count": 1, "indices": {"bufferView": where, "componentType": 5121},
+                                   "values": {"bufferView": target}}
+    binds = add([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] * 2, "f", "MAT4", 16)
+    root = {
+        "asset": {"version": "2.0"},
+        "nodes": [{"mesh": 0, "skin": 0}, {"translation": [0, 0, 1]},
+                  {"rotation": [0, 0, 0.6, 0.8], "scale": [1, 2, 3], "children": [0, 1, 3, 4]},
+                  {"mesh": 1}, {"mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 5, 6, 7, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": position, "NORMAL": normal, "TANGENT": tangent,
+                                                   "JOINTS_0": joints, "WEIGHTS_0": weights},
+                                    "targets": [{"POSITION": target}]}]},
+                   {"primitives": [{"attributes": {"POSITION": small}, "indices": strip, "mode": 5},
+                                   {"attributes": {"POSITION": sparse}, "mode": 6}]}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": binds}],
+        "bufferViews": views, "accessors": accessors, "buffers": [{"byteLength": len(data)}]}
+    head = json.dumps(root).encode()
+    head += b" " * (-len(head) % 4)
+    body = data + b"\0" * (-len(data) % 4)
+    put("gltf", "binary", b"glTF" + struct.pack("<III", 2, 28 + len(head) + len(body), len(head)) + b"JSON" + head +
+        struct.pack("<I", len(body)) + b"BIN\0" + body)
+    root["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    put("gltf", "text", json.dumps(root))
+
+
 def main():
     espalier = sys.argv[1]
     with tempfile.TemporaryDirectory() as folder:
@@ -552,6 +603,7 @@ def main():
         bound_model(espalier, Path(folder))
     marked_lattice()
     models()
+    gltf()
     meshes()
     matrices()
     arrays()
