@@ -38,7 +38,7 @@ struct Animation {
     double framesPerSecond = 24;
 
     /// Returns the gradients of a frame, one per point of the model, by which its normals follow.
-    /// Without this function, a file has no normals. Only glTF has any.
+    /// Without this function, the normals of all frames are those at rest. Only glTF has any.
     std::function<std::vector<DeformationGradient>(std::size_t frame)> gradients = {};
 };
 
@@ -67,8 +67,8 @@ ESPALIER_API std::string lossesInAnimation(const std::filesystem::path& path, co
 ///         number above 0, if a frame does not have one finite position per point, if a coordinate
 ///         (or a movement in a .glb) is too large for a float, or if the times of the frames are
 ///         too large or too close together for floats; FileError if the extension is none of the
-///         formats, if the file cannot be written, or for .glb if the model has no faces or the
-///         file would have 4 GiB or more
+///         formats, if the file cannot be written, or for glTF if the file would have 4 GiB or
+///         more
 ESPALIER_API void writeAnimation(const std::filesystem::path& path, const Model& model,
                                  const Animation& animation);
 

@@ -41,7 +41,7 @@ std::size_t componentsOf(const GltfFile& file, const Json& json) {
 }
 
 /// Returns the bytes of elements in a view, after a check that the view has them.
-/// \param stride of the elements, if the view has none
+/// \param elementSize bytes of an element, and from one to the next if the view does not say it
 GltfAccessor::View viewOf(const GltfFile& file, std::size_t index, std::size_t offset,
                           std::size_t count, std::size_t elementSize) {
     const Json& json = file.item("bufferViews", index);
@@ -149,9 +149,11 @@ GltfAccessor accessorOf(const GltfFile& file, std::size_t index) {
 std::vector<double> numbersOf(const GltfFile& file, std::size_t index) {
     const GltfAccessor accessor = accessorOf(file, index);
     // Elements without bytes are zero. A damaged count must not fill the memory.
-    if (!accessor.view && accessor.count > file.bytes().size())
+    std::size_t size = file.bytes().size();
+    for (std::size_t i = 0; i < file.bufferCount(); ++i) size += file.buffer(i).size();
+    if (!accessor.view && accessor.count > size)
         file.fail(concat("accessor ", index, " claims ", accessor.count,
-                         " elements without a view; the file has ", file.bytes().size(), " bytes"));
+                         " elements without a view; the file has ", size, " bytes"));
     std::vector<double> numbers(accessor.count * accessor.components);
     if (accessor.view)
         loadElements(
@@ -251,12 +253,26 @@ std::vector<bool> overlappingAccessors(const GltfFile& file) {
     std::vector<Range> ranges;
     const std::size_t count = file.list("accessors").size();
     for (std::size_t i = 0; i < count; ++i) {
-        const std::optional<GltfAccessor> read = readableAccessor(file, i);
-        if (!read || !read->view || read->count == 0) continue;
-        const GltfAccessor& accessor = *read;
-        const auto& view = *accessor.view;
-        ranges.push_back({view.buffer, view.offset, view.offset + accessor.extent(), view.stride,
-                          accessor.elementSize(), i});
+        const std::optional<GltfAccessor> accessor = readableAccessor(file, i);
+        if (!accessor || accessor->count == 0) continue;
+        if (accessor->view)
+            ranges.push_back({accessor->view->buffer, accessor->view->offset,
+                              accessor->view->offset + accessor->extent(), accessor->view->stride,
+                              accessor->elementSize(), i});
+        if (!accessor->isSparse) continue;
+        // The views of a sparse accessor: all their bytes.
+        const Json& sparse = file.item("accessors", i)["sparse"];
+        for (const char* part : {"indices", "values"}) {
+            const auto found = sparse.find(part);
+            const auto number = found == sparse.end() || !found->is_object()
+                                    ? std::nullopt
+                                    : file.number(*found, "bufferView");
+            if (!number || *number >= file.list("bufferViews").size()) continue;
+            const Json& view = file.item("bufferViews", *number);
+            const std::size_t begin = file.number(view, "byteOffset").value_or(0);
+            ranges.push_back({file.needNumber(view, "buffer"), begin,
+                              begin + file.needNumber(view, "byteLength"), 0, 0, i});
+        }
     }
     std::sort(ranges.begin(), ranges.end(),
               [](const Range& a, const Range& b) { return a.key() < b.key(); });
@@ -279,8 +295,11 @@ std::vector<bool> overlappingAccessors(const GltfFile& file) {
         for (const Range* other : open)
             if (isCrowded || !areApart(*other, range))
                 overlaps[range.accessor] = overlaps[other->accessor] = true;
-        if (isCrowded) open.clear();
         open.push_back(&range);
+        if (isCrowded)
+            open = {*std::max_element(open.begin(), open.end(), [](const Range* a, const Range* b) {
+                return a->end < b->end;
+            })};
     }
     return overlaps;
 }

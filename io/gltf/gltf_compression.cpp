@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,7 +26,7 @@ namespace espalier::io {
 namespace {
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-/// The second name is the one of a newer version, whose older streams are the same.
+/// The second is the name of a newer version, which has streams of the older one, too.
 constexpr const char* kMeshopt[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 #ifndef ESPALIER_WITH_DRACO
@@ -147,8 +147,13 @@ void decodeDraco(const GltfFile& file, const Json& extension, const Json& primit
     }
     if (const auto indices = file.number(primitive, "indices")) {
         const GltfAccessor accessor = accessorOf(file, *indices);
-        if (!isInteger(accessor.type) || accessor.components != 1)
-            file.fail(concat("accessor ", *indices, " is no list of indices"));
+        const std::size_t largest = visitStored(accessor.type, [](auto zero) {
+            return static_cast<std::size_t>(std::numeric_limits<decltype(zero)>::max());
+        });
+        if (!isInteger(accessor.type) || accessor.components != 1 ||
+            largest + 1 < mesh->num_points())
+            file.fail(concat("accessor ", *indices, " cannot hold the indices of ",
+                             mesh->num_points(), " points"));
         setData(file, json, *indices, 3 * std::size_t{mesh->num_faces()},
                 cornersOf(*mesh, accessor.type), decoded);
     }
@@ -182,6 +187,8 @@ std::string decodeMeshopt(const GltfFile& file, const Json& extension, const cha
             ? meshopt_decodeIndexSequence(data.data(), count, stride, from, bytes.size())
             : -1;
     if (status != 0) file.fail(concat("a view in ", name, " is damaged, or of a newer version"));
+    if (!isVertices && !filter.empty() && filter != "NONE")
+        file.fail(concat("a view of indices in ", name, " has a filter"));
     if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8))
         meshopt_decodeFilterOct(data.data(), count, stride);
     else if (filter == "QUATERNION" && stride == 8)
@@ -264,7 +271,9 @@ void decompress(GltfFile& file) {
                 file.fail(concat("a mesh in ", kDraco, " has no attributes"));
             usesDraco = true;
             decodeDraco(file, *extension, primitive, json, decoded);
-            removeExtension(json["meshes"][m]["primitives"][p], kDraco);
+            Json& plain = json["meshes"][m]["primitives"][p];
+            removeExtension(plain, kDraco);
+            plain["mode"] = 4;  // Draco's decoder returns triangles, of strips as well
         }
     }
     if (!usesDraco) return;

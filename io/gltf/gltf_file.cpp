@@ -7,11 +7,13 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <system_error>
 #include <utility>
 
 #include "../files/bytes.h"
@@ -41,17 +43,37 @@ std::string extensionOf(const std::filesystem::path& path) {
     return lowerCase(path.extension().string());
 }
 
-/// Returns a whole number as it stands in JSON, also as 3.0; nothing if it is none.
+/// Returns how deep the values of a text nest, if it is JSON.
+int depthOf(std::string_view text) {
+    int depth = 0, deepest = 0;
+    bool isText = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        checkCancelledEvery(i, 20);
+        const char c = text[i];
+        if (isText && c == '\\')
+            ++i;
+        else if (c == '"')
+            isText = !isText;
+        else if (!isText && (c == '[' || c == '{'))
+            deepest = std::max(deepest, ++depth);
+        else if (!isText && (c == ']' || c == '}'))
+            --depth;
+    }
+    return deepest;
+}
+
+}  // namespace
+
 std::optional<std::size_t> wholeNumber(const Json& value) {
     if (value.is_number_unsigned()) return value.get<std::size_t>();
+    if (value.is_number_integer() && value.get<std::int64_t>() >= 0)
+        return static_cast<std::size_t>(value.get<std::int64_t>());
     if (!value.is_number_float()) return std::nullopt;
     const double number = value.get<double>();
     constexpr double kMaxExact = 9007199254740992;  // 2^53
     if (!(number >= 0 && number <= kMaxExact && number == std::floor(number))) return std::nullopt;
     return static_cast<std::size_t>(number);
 }
-
-}  // namespace
 
 GltfFile::GltfFile(const std::filesystem::path& path, std::string bytes)
     : path_(path), bytes_(std::move(bytes)) {
@@ -73,10 +95,11 @@ void GltfFile::readBinary() {
     if (bytes_.size() < kGltfHeaderSize) fail("the file ends within its header");
     if (const std::uint32_t version = loadWord(bytes_, 4); version != kGltfVersion)
         fail(concat("is binary glTF of version ", version, "; expected version 2"));
-    if (const std::size_t claimed = loadWord(bytes_, 8); claimed > bytes_.size())
+    const std::size_t claimed = loadWord(bytes_, 8);
+    if (claimed > bytes_.size())
         fail(concat("the file ends; its header claims ", claimed, " bytes, got ", bytes_.size()));
     std::optional<std::pair<std::size_t, std::size_t>> json, binary;
-    for (std::size_t at = kGltfHeaderSize; at + kChunkHeaderSize <= bytes_.size();) {
+    for (std::size_t at = kGltfHeaderSize; at + kChunkHeaderSize <= claimed;) {
         const std::size_t size = loadWord(bytes_, at);
         const std::uint32_t type = loadWord(bytes_, at + 4);
         at += kChunkHeaderSize;
@@ -94,14 +117,9 @@ void GltfFile::readBinary() {
 
 void GltfFile::readJson(std::string_view text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    std::size_t values = 0;
-    const auto check = [&](int depth, Json::parse_event_t, Json&) {
-        checkCancelledEvery(++values, 12);
-        if (depth > kMaxDepth) fail(concat("its JSON nests more than ", kMaxDepth, " values"));
-        return true;
-    };
+    if (depthOf(text) > kMaxDepth) fail(concat("its JSON nests more than ", kMaxDepth, " values"));
     try {
-        json_ = Json::parse(text.begin(), text.end(), check);
+        json_ = Json::parse(text.begin(), text.end());
     } catch (const Json::exception& error) {
         // The message of the library begins with a number in brackets.
         const std::string_view message = error.what();
@@ -141,10 +159,14 @@ std::string GltfFile::bytesOfUri(std::string_view uri, BufferSource& source) con
         return bytesOfData(uri);
     }
     source = BufferSource::File;
+    const std::filesystem::path file = path_.parent_path() / pathOfUri(uri);
+    std::error_code error;
+    if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+        fail(concat("its buffer ", inQuotes(uri.substr(0, 80)), " is no regular file"));
     try {
-        return readFile(path_.parent_path() / pathOfUri(uri));
-    } catch (const FileError& error) {
-        fail(concat("its buffer is in another file, which cannot be read: ", error.what()));
+        return readFile(file);
+    } catch (const FileError& cause) {
+        fail(concat("its buffer is in another file, which cannot be read: ", cause.what()));
     }
 }
 
@@ -258,7 +280,7 @@ std::string uriOfPath(std::string_view path) {
     std::string uri;
     for (const char c : path) {
         const auto byte = static_cast<unsigned char>(c);
-        if (byte >= 0x80 || std::isalnum(byte) != 0 || kPlain.find(c) != std::string_view::npos)
+        if ((byte < 0x80 && std::isalnum(byte) != 0) || kPlain.find(c) != std::string_view::npos)
             uri += c;
         else
             uri += {'%', kDigits[byte / 16], kDigits[byte % 16]};
@@ -292,10 +314,8 @@ std::size_t GltfEdit::addView(std::string_view data) {
     return views.size() - 1;
 }
 
-std::filesystem::path bufferPath(const std::filesystem::path& path, std::size_t number) {
-    std::filesystem::path name = path.stem();
-    name += number == 0 ? ".bin" : concat(number, ".bin");
-    return path.parent_path() / name;
+std::string textOf(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string binaryGltf(const std::filesystem::path& path, std::string json, std::string_view data) {
@@ -378,8 +398,34 @@ std::string GltfEdit::binary() {
         view["byteOffset"] = view.value("byteOffset", std::size_t{0}) + begins[buffer];
         view["buffer"] = 0;
     }
-    json["buffers"] = Json::array({Json{{"byteLength", bytes.size()}}});
+    Json first = json["buffers"][0];
+    first.erase("uri");
+    first["byteLength"] = bytes.size();
+    json["buffers"] = Json::array({first});
     return bytes;
+}
+
+/// Returns a path beside the new file that no file of the old one has.
+/// \param number counts the calls, and is increased
+std::filesystem::path GltfEdit::newBufferPath(const std::filesystem::path& path,
+                                              std::size_t& number) const {
+    const auto isTaken = [&](const std::filesystem::path& name) {
+        for (const char* list : {"buffers", "images"})
+            for (const Json& item : file_.list(list)) {
+                const std::string uri = GltfFile::text(item, "uri");
+                if (isRelativeUri(uri) && std::filesystem::weakly_canonical(
+                                              file_.path().parent_path() / pathOfUri(uri)) ==
+                                              std::filesystem::weakly_canonical(name))
+                    return true;
+            }
+        return false;
+    };
+    while (true) {
+        std::filesystem::path name = path.stem();
+        name += number == 0 ? ".bin" : concat("_", number, ".bin");
+        ++number;
+        if (!isTaken(path.parent_path() / name)) return path.parent_path() / name;
+    }
 }
 
 void GltfEdit::write(const std::filesystem::path& path) {
@@ -392,25 +438,27 @@ void GltfEdit::write(const std::filesystem::path& path) {
     if (isBinary) {
         const std::string data = binary();
         return writeFile(path,
-                         [&](std::ostream& out) { out << binaryGltf(path, json_.dump(), data); });
+                         [&](std::ostream& out) { out << binaryGltf(path, textOf(json_), data); });
     }
     std::vector<FileToWrite> files;
+    std::size_t number = 0;
     for (std::size_t i = 0; i < buffers_.size(); ++i) {
         const auto source =
             i < file_.bufferCount() ? file_.sourceOf(i) : GltfFile::BufferSource::None;
         const bool isStored =
             source == GltfFile::BufferSource::DataUri || source == GltfFile::BufferSource::File;
-        if (isStored && !buffers_[i]) continue;
+        // A buffer without bytes belongs to an extension.
+        if (!buffers_[i] && (isStored || current(i).empty())) continue;
         if (source == GltfFile::BufferSource::DataUri || !isNamed) {
             json()["buffers"][i]["uri"] =
                 "data:application/octet-stream;base64," + encodeBase64(current(i));
             continue;
         }
-        const std::filesystem::path target = bufferPath(path, files.size());
+        const std::filesystem::path target = newBufferPath(path, number);
         json()["buffers"][i]["uri"] = uriOfPath(target.filename().generic_string());
         files.push_back({target, [this, i](std::ostream& out) { out << current(i); }});
     }
-    files.push_back({path, [&](std::ostream& out) { out << json_.dump(2) << '\n'; }});
+    files.push_back({path, [&](std::ostream& out) { out << textOf(json_, 2) << '\n'; }});
     writeFiles(files);
 }
 

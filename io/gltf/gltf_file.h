@@ -101,6 +101,12 @@ private:
     std::vector<Buffer> buffers_;
 };
 
+/// Returns a whole number as it stands in JSON, also as 3.0; nothing if it is none.
+std::optional<std::size_t> wholeNumber(const Json& value);
+
+/// Returns the text of JSON. Bytes that are no UTF-8 become U+FFFD, since JSON cannot hold them.
+std::string textOf(const Json& json, int indent = -1);
+
 /// Runs a function that reads JSON, and makes errors of the JSON library, such as a text where a
 /// list belongs, errors of the file.
 template <class F>
@@ -140,19 +146,22 @@ public:
     std::size_t addView(std::string_view data);
 
     /// Writes the file as .glb or .gltf, by the extension of the path; without one of these, as it
-    /// was read. If nothing has changed, it writes the bytes that were read, unless the form
-    /// differs, or files beside it are elsewhere now.
+    /// was read. It writes the bytes that were read if nothing has changed, the form is the same,
+    /// and the files beside it have the same names from the new folder.
     ///
     /// A .glb gets all its buffers in itself. Beside a .gltf, buffers that have changed or were in
-    /// a .glb are written to "NAME.bin" ("NAME1.bin" ... if there are several); buffers in the text
-    /// stay there. Files beside the old file are named from the folder of the new one.
-    /// \throws FileError if it cannot be written, or if a .glb would have 4 GiB or more
+    /// a .glb are written to "NAME.bin" ("NAME_1.bin" ... if there are several, or the old file
+    /// names one); buffers in the text stay there. Files beside the old file are named from the
+    /// folder of the new one. \throws FileError if it cannot be written, or if a .glb would have 4
+    /// GiB or more
     void write(const std::filesystem::path& path);
 
 private:
     std::string_view current(std::size_t buffer) const;
     void moveUris(const std::filesystem::path& folder);
     void moveImages();
+    std::filesystem::path newBufferPath(const std::filesystem::path& path,
+                                        std::size_t& number) const;
     std::string binary();
 
     const GltfFile& file_;
@@ -160,9 +169,6 @@ private:
     std::vector<std::optional<std::string>> buffers_;  ///< those that have changed
     bool isChanged_ = false;
 };
-
-/// Returns the path of the buffer that GltfEdit::write() may write beside a .gltf.
-std::filesystem::path bufferPath(const std::filesystem::path& path, std::size_t number);
 
 /// Returns the bytes of a binary glTF file (.glb).
 /// \param path for messages

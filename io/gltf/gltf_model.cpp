@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/base/progress.h>
 #include <espalier/io/model.h>
 
@@ -106,8 +107,8 @@ Point3 difference(const Point3& a, const Point3& b) {
 /// Reads the vectors of all drawn meshes.
 class SceneReader {
 public:
-    explicit SceneReader(const GltfFile& file) : file_(file) {
-        for (const GltfDrawing& drawing : drawingsOf(file)) {
+    explicit SceneReader(const GltfFile& file) : file_(file), world_(worldMaps(file)) {
+        for (const GltfDrawing& drawing : drawingsOf(file, world_)) {
             checkCancelled();
             addMesh(drawing);
         }
@@ -188,7 +189,7 @@ private:
             if (!maps) maps = std::make_shared<const std::vector<Affine>>(1, drawing.matrix);
             return maps;
         }
-        std::string accessors = concat(*drawing.skin);
+        std::string accessors = concat(*drawing.skin, " ", count);
         for (const auto& [name, accessor] : attributes.items())
             if (name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
                 accessors += concat(" ", name, " ", accessor.dump());
@@ -196,7 +197,7 @@ private:
         if (maps) return maps;
         auto joints = joints_.find(*drawing.skin);
         if (joints == joints_.end())
-            joints = joints_.emplace(*drawing.skin, jointMaps(file_, *drawing.skin)).first;
+            joints = joints_.emplace(*drawing.skin, jointMaps(file_, world_, *drawing.skin)).first;
         maps = std::make_shared<const std::vector<Affine>>(
             skinMaps(file_, joints->second, attributes, count));
         return maps;
@@ -217,6 +218,7 @@ private:
         const auto [found, isNew] =
             vectors_.try_emplace({accessor, kind, block, base}, vectors.size());
         if (!isNew) return found->second;
+        requireMemory(2 * count * sizeof(Point3), concat("accessor ", accessor));
         Vectors made{accessor, kind, block, base};
         made.local = io::vectorsOf(file_, accessor, nameOf(kind), count);
         if (base) {
@@ -241,7 +243,8 @@ private:
     }
 
     const GltfFile& file_;
-    DrawnMesh* mesh_ = nullptr;  ///< the current one
+    const std::vector<Affine> world_;  ///< the maps of all nodes
+    DrawnMesh* mesh_ = nullptr;        ///< the current one
     std::map<std::pair<DeformationGradient, Point3>, Maps> matrices_;
     std::map<std::string, Maps> skins_;
     std::map<std::size_t, std::vector<Affine>> joints_;
@@ -255,8 +258,8 @@ private:
 std::vector<std::size_t> countReferences(const GltfFile& file) {
     std::vector<std::size_t> counts(file.list("accessors").size());
     const auto count = [&](const Json& index) {
-        if (index.is_number_unsigned() && index.get<std::size_t>() < counts.size())
-            ++counts[index.get<std::size_t>()];
+        if (const auto number = wholeNumber(index); number && *number < counts.size())
+            ++counts[*number];
     };
     const auto countAll = [&](const Json& object, const char* key) {
         const auto found = object.find(key);
@@ -490,6 +493,13 @@ ModelSurface GltfModel::surface() const {
         surface.normalCorners.clear();
         if (directions().normals > 0) surface.addOther("normals of some meshes");
     }
+    std::vector<bool> isDrawn(file_.list("meshes").size());
+    for (const DrawnMesh& drawn : scene_.meshes) isDrawn[drawn.drawing.mesh] = true;
+    if (std::ranges::count(isDrawn, false) > 0) surface.addOther("meshes that no node draws");
+    if (const auto used = file_.json().find("extensionsUsed");
+        used != file_.json().end() && used->is_array())
+        for (const Json& name : *used)
+            if (name.is_string()) surface.addOther("extensions", name.get<std::string>());
     for (const char* list : {"materials", "textures", "skins", "animations", "cameras"})
         if (!file_.list(list).empty()) surface.addOther(list);
     return surface;

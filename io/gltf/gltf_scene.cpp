@@ -69,42 +69,6 @@ Affine localMap(const GltfFile& file, const Json& node) {
     return map;
 }
 
-/// Returns the map of each node in the world.
-std::vector<Affine> worldMaps(const GltfFile& file) {
-    const std::size_t count = file.list("nodes").size();
-    std::vector<std::optional<std::size_t>> parents(count);
-    std::vector<std::size_t> order;  // parents before their children
-    std::vector<std::vector<std::size_t>> children(count);
-    for (std::size_t node = 0; node < count; ++node) {
-        const Json& json = file.item("nodes", node);
-        const auto found = json.find("children");
-        if (found == json.end()) continue;
-        if (!found->is_array()) file.fail(concat("node ", node, " has malformed children"));
-        for (const Json& child : *found) {
-            const std::size_t index = child.is_number_unsigned() ? child.get<std::size_t>() : count;
-            if (index >= count)
-                file.fail(concat("node ", node, " has the child ", child.dump().substr(0, 40),
-                                 ", which does not exist; there are ", count, " nodes"));
-            if (parents[index])
-                file.fail(concat("node ", index, " is a child of node ", *parents[index],
-                                 " and of node ", node, "; expected one parent at most"));
-            parents[index] = node;
-            children[node].push_back(index);
-        }
-    }
-    for (std::size_t node = 0; node < count; ++node)
-        if (!parents[node]) order.push_back(node);
-    for (std::size_t i = 0; i < order.size(); ++i)
-        order.insert(order.end(), children[order[i]].begin(), children[order[i]].end());
-    if (order.size() < count) file.fail("some nodes are children of their own descendants");
-    std::vector<Affine> maps(count);
-    for (const std::size_t node : order) {
-        const Affine local = localMap(file, file.item("nodes", node));
-        maps[node] = parents[node] ? maps[*parents[node]] * local : local;
-    }
-    return maps;
-}
-
 }  // namespace
 
 Point3 operator*(const DeformationGradient& m, const Point3& v) {
@@ -156,13 +120,47 @@ std::optional<DeformationGradient> inverse(const DeformationGradient& m) {
     return result;
 }
 
-std::vector<GltfDrawing> drawingsOf(const GltfFile& file) {
-    const std::vector<Affine> maps = worldMaps(file);
+std::vector<Affine> worldMaps(const GltfFile& file) {
+    const std::size_t count = file.list("nodes").size();
+    std::vector<std::optional<std::size_t>> parents(count);
+    std::vector<std::size_t> order;  // parents before their children
+    std::vector<std::vector<std::size_t>> children(count);
+    for (std::size_t node = 0; node < count; ++node) {
+        const Json& json = file.item("nodes", node);
+        const auto found = json.find("children");
+        if (found == json.end()) continue;
+        if (!found->is_array()) file.fail(concat("node ", node, " has malformed children"));
+        for (const Json& child : *found) {
+            const std::size_t index = wholeNumber(child).value_or(count);
+            if (index >= count)
+                file.fail(concat("node ", node, " has the child ", child.dump().substr(0, 40),
+                                 ", which does not exist; there are ", count, " nodes"));
+            if (parents[index])
+                file.fail(concat("node ", index, " is a child of node ", *parents[index],
+                                 " and of node ", node, "; expected one parent at most"));
+            parents[index] = node;
+            children[node].push_back(index);
+        }
+    }
+    for (std::size_t node = 0; node < count; ++node)
+        if (!parents[node]) order.push_back(node);
+    for (std::size_t i = 0; i < order.size(); ++i)
+        order.insert(order.end(), children[order[i]].begin(), children[order[i]].end());
+    if (order.size() < count) file.fail("some nodes are children of their own descendants");
+    std::vector<Affine> maps(count);
+    for (const std::size_t node : order) {
+        const Affine local = localMap(file, file.item("nodes", node));
+        maps[node] = parents[node] ? maps[*parents[node]] * local : local;
+    }
+    return maps;
+}
+
+std::vector<GltfDrawing> drawingsOf(const GltfFile& file, const std::vector<Affine>& world) {
     std::vector<GltfDrawing> drawings;
     std::map<std::tuple<std::size_t, std::optional<std::size_t>, DeformationGradient, Point3>,
              std::size_t>
         known;
-    for (std::size_t i = 0; i < maps.size(); ++i) {
+    for (std::size_t i = 0; i < world.size(); ++i) {
         const Json& node = file.item("nodes", i);
         const auto mesh = file.number(node, "mesh");
         if (!mesh) continue;
@@ -172,7 +170,7 @@ std::vector<GltfDrawing> drawingsOf(const GltfFile& file) {
                              " draws its mesh many times by EXT_mesh_gpu_instancing, "
                              "which Espalier does not read; make nodes of the "
                              "instances"));
-        GltfDrawing drawing{*mesh, {i}, file.number(node, "skin"), maps[i]};
+        GltfDrawing drawing{*mesh, {i}, file.number(node, "skin"), world[i]};
         if (drawing.skin) drawing.matrix = {};
         const auto [same, isNew] = known.try_emplace(
             {drawing.mesh, drawing.skin, drawing.matrix.linear, drawing.matrix.translation},
@@ -185,16 +183,15 @@ std::vector<GltfDrawing> drawingsOf(const GltfFile& file) {
     return drawings;
 }
 
-std::vector<Affine> jointMaps(const GltfFile& file, std::size_t skin) {
+std::vector<Affine> jointMaps(const GltfFile& file, const std::vector<Affine>& world,
+                              std::size_t skin) {
     const Json& json = file.item("skins", skin);
     const auto joints = json.find("joints");
     if (joints == json.end() || !joints->is_array())
         file.fail(concat("skin ", skin, " has no joints"));
-    const std::vector<Affine> world = worldMaps(file);
     std::vector<Affine> maps;
     for (const Json& joint : *joints) {
-        const std::size_t node =
-            joint.is_number_unsigned() ? joint.get<std::size_t>() : world.size();
+        const std::size_t node = wholeNumber(joint).value_or(world.size());
         if (node >= world.size())
             file.fail(concat("skin ", skin, " has the joint ", joint.dump().substr(0, 40),
                              ", which is not the number of a node; there are ", world.size()));

@@ -37,6 +37,10 @@ double determinant(const DeformationGradient& matrix);
 /// Returns the inverse; nothing if the matrix is singular to rounding.
 std::optional<DeformationGradient> inverse(const DeformationGradient& matrix);
 
+/// Returns the map of each node in the world.
+/// \throws FileError if the nodes are no trees, or a matrix is malformed
+std::vector<Affine> worldMaps(const GltfFile& file);
+
 /// A mesh that nodes draw, all at the same place.
 struct GltfDrawing {
     std::size_t mesh = 0;
@@ -46,14 +50,16 @@ struct GltfDrawing {
 };
 
 /// Returns the drawings of all nodes with a mesh, in the order of their first nodes.
-/// \throws FileError if the nodes are no trees, or a matrix is malformed; if a mesh is drawn by the
-///         extension EXT_mesh_gpu_instancing
-std::vector<GltfDrawing> drawingsOf(const GltfFile& file);
+/// \throws FileError if a mesh does not exist, or is drawn by EXT_mesh_gpu_instancing
+/// \param world worldMaps()
+std::vector<GltfDrawing> drawingsOf(const GltfFile& file, const std::vector<Affine>& world);
 
 /// Returns the map of each joint of a skin: its matrix in the world, at rest, after its inverse
 /// bind matrix.
 /// \throws FileError if the skin is malformed
-std::vector<Affine> jointMaps(const GltfFile& file, std::size_t skin);
+/// \param world worldMaps()
+std::vector<Affine> jointMaps(const GltfFile& file, const std::vector<Affine>& world,
+                              std::size_t skin);
 
 /// Returns the map of each point of a primitive with a skin, the average of the maps of its joints
 /// by their weights. Returns one map if all are equal.

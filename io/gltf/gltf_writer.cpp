@@ -78,11 +78,11 @@ public:
         json["bufferViews"] = views_;
         json["accessors"] = accessors_;
         if (lowerCase(path.extension().string()) != ".gltf") {
-            out << binaryGltf(path, json.dump(), data_);
+            out << binaryGltf(path, textOf(json), data_);
             return;
         }
         json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + encodeBase64(data_);
-        out << json.dump(2) << '\n';
+        out << textOf(json, 2) << '\n';
     }
 
 private:

@@ -388,12 +388,14 @@ public:
                 ++before_.normals;
                 surface_.normals.push_back(readObjNormal(words));
             } else if (keyword == "vt") {
-                surface_.textures.push_back({parseReal(words.next(), Precision::Double),
-                                             parseReal(words.next(), Precision::Double)});
+                addTexture(words);
             } else if (keyword == "f" || keyword == "fo") {
                 addFace(words, line);
             } else if (keyword == "usemtl") {
-                useMaterial(words.next());
+                std::string name(words.next());  // a name may have spaces
+                for (auto word = words.next(); !word.empty(); word = words.next())
+                    name += concat(" ", word);
+                useMaterial(name);
             } else if (!keyword.empty()) {
                 nameOtherData(keyword, surface_);
             }
@@ -403,6 +405,16 @@ public:
     }
 
 private:
+    /// A coordinate that is missing is 0. Texture coordinates that are not finite count as none.
+    void addTexture(ObjWords& words) {
+        std::array<double, 2> texture = {};
+        for (double& number : texture)
+            if (const std::string_view word = words.next(); !word.empty())
+                number = parseReal(word, Precision::Double);
+        haveTextures_ = haveTextures_ && std::isfinite(texture[0]) && std::isfinite(texture[1]);
+        surface_.textures.push_back(texture);
+    }
+
     /// Three numbers after the coordinates are a colour; one is a weight.
     void addColor(ObjWords& words) {
         std::array<float, 4> color = {0, 0, 0, 1};
@@ -444,10 +456,10 @@ private:
         corners.push_back(reference ? static_cast<Index>(reference->index) : -1);
     }
 
-    void useMaterial(std::string_view name) {
-        const auto [found, isNew] = materials_.try_emplace(
-            std::string(name), static_cast<Index>(surface_.materials.size()));
-        if (isNew) surface_.materials.emplace_back(name);
+    void useMaterial(const std::string& name) {
+        const auto [found, isNew] =
+            materials_.try_emplace(name, static_cast<Index>(surface_.materials.size()));
+        if (isNew) surface_.materials.push_back(name);
         material_ = found->second;
     }
 
@@ -470,6 +482,7 @@ private:
 
     void finish() {
         dropUnlessComplete("normals", surface_.normals, surface_.normalCorners);
+        if (!haveTextures_) surface_.textureCorners.clear();
         dropUnlessComplete("texture coordinates", surface_.textures, surface_.textureCorners);
         if (surface_.materials.empty()) surface_.faceMaterials.clear();
         if (surface_.colors.size() == before_.points) return;
@@ -482,7 +495,8 @@ private:
     CountsBefore before_;
     std::unordered_map<std::string, Index> materials_;
     Index material_ = -1;
-    bool haveExtras_ = false;  ///< some points have numbers beside their coordinates
+    bool haveTextures_ = true;  ///< all texture coordinates are finite
+    bool haveExtras_ = false;   ///< some points have numbers beside their coordinates
 };
 
 ModelSurface readObjSurface(const FileView& file) {

@@ -451,6 +451,83 @@ TEST(Gltf, BuffersBesideTheFileAreReadAndWritten) {
     EXPECT_EQ(packed.data.substr(view["byteOffset"], view["byteLength"]), std::string("\0\1\2", 3));
 }
 
+TEST(Gltf, NoOtherFileIsOverwritten) {
+    // The buffer of a picture has the name that the new buffer would get.
+    const TemporaryFolder folder;
+    const auto sample = triangle();
+    json root = sample.root;
+    root["buffers"] = json::array({json{{"byteLength", sample.data.size()}, {"uri", "c.bin"}},
+                                   json{{"byteLength", 4}, {"uri", "b.bin"}}});
+    test::putFile(folder / "a.gltf", root.dump());
+    test::putFile(folder / "b.bin", "keep");
+    test::putFile(folder / "c.bin", sample.data);
+    const auto model = readModel(folder / "a.gltf");
+    model->write(folder / "b.gltf", movedBy(model->positions(), {0, 0, 1}));
+    EXPECT_EQ(readFile(folder / "b.bin"), "keep");
+    const json written = json::parse(readFile(folder / "b.gltf"));
+    EXPECT_EQ(written["buffers"][0]["uri"], "b_1.bin");
+    EXPECT_EQ(written["buffers"][1]["uri"], "b.bin");
+    EXPECT_EQ(readModel(folder / "b.gltf")->positions()[0][2], 1);
+}
+
+/// A description of sparse values in views.
+json sparseValues(std::size_t indices, std::size_t values) {
+    return {{"count", 1},
+            {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+            {"values", {{"bufferView", values}}}};
+}
+
+TEST(Gltf, SparseNumbersOfAFileBesideNeedNoView) {
+    const TemporaryFolder folder;
+    auto sample = triangle();
+    const auto moves = sample.view(std::string(8, '\0') + bytesOf(1.0F, std::endian::little));
+    const auto where = sample.view(std::string("\1", 1));
+    // The file beside has more bytes than the text.
+    constexpr std::size_t kCount = 5000;
+    sample.data.resize(12 * kCount);
+    json root = sample.root;
+    root["buffers"] = json::array({json{{"byteLength", sample.data.size()}, {"uri", "a.bin"}}});
+    root["accessors"][0] = {{"componentType", 5126},
+                            {"count", kCount},
+                            {"type", "VEC3"},
+                            {"sparse", sparseValues(where, moves)}};
+    root["meshes"][0]["primitives"][0]["attributes"] = {{"POSITION", 0}};
+    test::putFile(folder / "a.gltf", root.dump());
+    test::putFile(folder / "a.bin", sample.data);
+    const auto model = readModel(folder / "a.gltf");
+    EXPECT_EQ(model->positions().size(), kCount);
+    EXPECT_EQ(model->positions()[1], (Point3{0, 0, 1}));
+}
+
+TEST(Gltf, BytesOfSparseValuesAreNotReplaced) {
+    // The sparse values of an undrawn mesh are the bytes of the drawn positions.
+    auto sample = triangle();
+    const auto where = sample.view(std::string("\1", 1));
+    const auto sparse = sample.add(std::vector<float>(9));
+    sample.root["accessors"][sparse]["sparse"] = sparseValues(where, 0);
+    sample.root["meshes"].push_back(sample.root["meshes"][0]);
+    sample.root["meshes"][1]["primitives"][0]["attributes"] = {{"POSITION", sparse}};
+    const auto model = readModel("a.glb", sample.binary());
+    const ParsedGltf moved(writtenAs(*model, "a.glb", movedBy(model->positions(), {5, 0, 0})));
+    EXPECT_NE(moved.root["accessors"][0]["bufferView"], 0);
+    EXPECT_EQ(moved.data.substr(0, 36), sample.data.substr(0, 36));
+}
+
+TEST(Gltf, NamesAndTexturesOfOddObjFilesAreKept) {
+    const auto model = readModel("a.obj",
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5\nusemtl My Red\nf 1/1 2/1 3/1\n"
+                                 "usemtl My Blue\nf 1/1 3/1 2/1\nusemtl M\xFC"
+                                 "ller\nf 2/1 3/1 1/1\n");
+    const ParsedGltf made(writtenAs(*model, "a.glb", model->positions()));
+    EXPECT_EQ(made.root["materials"][0]["name"], "My Red");
+    EXPECT_EQ(made.root["materials"][1]["name"], "My Blue");
+    EXPECT_EQ(made.root["materials"][2]["name"], "M\uFFFDller");
+    EXPECT_EQ(made.floats(made.attribute("TEXCOORD_0"))[0], (std::vector<float>{0.5, 1}));
+    const auto odd = readModel("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 nan\nf 1/1 2/1 3/1\n");
+    EXPECT_TRUE(odd->readSurface().textures.empty());
+    EXPECT_EQ(odd->readSurface().others[0].kind, "texture coordinates (some corners have none)");
+}
+
 TEST(Gltf, DamagedFilesAreRefusedAndNamed) {
     const std::string good = triangle().binary();
     test::expectPartsRefused("a.glb", good, good.size() - 1);
@@ -488,6 +565,20 @@ TEST(Gltf, DamagedFilesAreRefusedAndNamed) {
     expectRefused(
         "EXT_mesh_gpu_instancing",
         replace("/nodes/0/extensions", json{{"EXT_mesh_gpu_instancing", json::object()}}));
+    // Joints that another primitive with more points has, too.
+    GltfSample skinned = triangle({{"skin", 0}});
+    const auto joints = skinned.add(std::vector<std::uint8_t>(12), "VEC4", 5121);
+    const auto weights = skinned.add(std::vector<float>(12, 0.25F), "VEC4");
+    const auto longer = skinned.add(std::vector<float>(3000));
+    json& primitives = skinned.root["meshes"][0]["primitives"];
+    primitives[0]["attributes"] = {{"POSITION", 0}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}};
+    primitives.push_back(json(primitives[0]));
+    primitives[1]["attributes"]["POSITION"] = longer;
+    skinned.root["skins"] = json::array({json{{"joints", json::array({0})}}});
+    expectRefused("do not have 4 joints and weights for each of 1000 points", json::array(),
+                  skinned);
+    expectRefused("'POSITION' is '\"x\"'; expected a whole number",
+                  replace("/meshes/0/primitives/0/attributes/POSITION", "x"));
     GltfSample remote = triangle();
     const std::string text = remote.text();
     const std::size_t at = text.find("data:");
