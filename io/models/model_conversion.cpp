@@ -90,19 +90,20 @@ ModelConversion::ModelConversion(const Model& model, const Format& format,
 }
 
 void ModelConversion::dropSmallFaces() {
-    std::size_t dropped = 0;
+    std::size_t dropped = 0, begin = 0;
+    for (const std::size_t end : surface_.faces.ends) {
+        dropped += end - begin < 3 ? 1 : 0;
+        begin = end;
+    }
+    if (dropped == 0) return;
     const bool hadNormalCorners = !surface_.normalCorners.empty();
     surface_.replaceFaces([&](std::size_t face) -> std::vector<std::vector<std::size_t>> {
         const std::size_t size = surface_.faces[face].size();
-        if (size < 3) {
-            ++dropped;
-            return {};
-        }
+        if (size < 3) return {};
         std::vector<std::size_t> all(size);
         std::iota(all.begin(), all.end(), std::size_t{0});
         return {all};
     });
-    if (dropped == 0) return;
     surface_.addOther(counted(dropped, "face", "faces") + " of fewer than three corners");
     // Without corners, these normals would count as normals of points.
     if (hadNormalCorners && surface_.normalCorners.empty()) surface_.normals.clear();
