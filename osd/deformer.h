@@ -37,7 +37,7 @@ public:
     ///
     /// \throws Error as bind::Binding::checkParts()
     /// \cost O(entries + rows log rows). The compiled form takes a tenth to two thirds of the bytes
-    ///       of D. Besides, x takes 3 numbers for each point, and p 3 for each vertex
+    ///       of D. The deformer also stores x, 3 numbers per point, and p, 3 per vertex
     explicit Deformer(const bind::Binding& binding);
 
     Index pointCount() const;

@@ -289,7 +289,7 @@ std::vector<bool> overlappingAccessors(const GltfFile& file) {
         std::erase_if(open, [&](const Range* other) {
             return other->buffer != range.buffer || other->end <= range.begin;
         });
-        // So many ranges over one byte are no interleaved elements.
+        // Interleaved elements share no byte. More ranges than this cannot be interleaved.
         constexpr std::size_t kMaxInterleaved = 256;
         const bool isCrowded = open.size() > kMaxInterleaved;
         for (const Range* other : open)

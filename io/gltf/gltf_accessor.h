@@ -65,7 +65,7 @@ std::vector<Point3> vectorsOf(const GltfFile& file, std::size_t index, const cha
 /// \throws FileError as accessorOf(), or if it does not hold integers below `count`
 std::vector<Index> indicesOf(const GltfFile& file, std::size_t index, std::size_t count);
 
-/// What else in a file has the numbers of an accessor.
+/// Says whether other parts of a file use the numbers of an accessor.
 struct GltfOwnership {
     bool isOwn = false;    ///< nothing else names the accessor
     bool isAlone = false;  ///< no other accessor has bytes of it

@@ -5,11 +5,12 @@ namespace espalier::io {
 
 class GltfFile;
 
-/// Replaces the compressed meshes (KHR_draco_mesh_compression) and views (EXT_meshopt_compression)
-/// of a file by plain ones, in a buffer of its own, and removes the two extensions.
+/// Decompresses the meshes (KHR_draco_mesh_compression) and views (EXT_meshopt_compression) of a
+/// file. The file gets a buffer with the plain numbers, and loses the two extensions. The bytes of
+/// the compressed views stay in their buffers.
 ///
-/// Draco's decoder returns the points of a mesh in its own order, so all attributes and indices of
-/// the mesh are replaced.
+/// Draco's decoder returns the points of a mesh in its own order. The attributes that the extension
+/// names and the indices are replaced together.
 ///
 /// \throws FileError if compressed data are damaged, or if this build lacks the library; the
 ///         message then names the extension

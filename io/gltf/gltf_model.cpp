@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/base/memory.h>
 #include <espalier/base/progress.h>
 #include <espalier/io/model.h>
 
@@ -18,7 +17,7 @@
 #include "../models/coordinates.h"
 #include "gltf_accessor.h"
 #include "gltf_file.h"
-#include "gltf_scene.h"
+#include "gltf_vectors.h"
 #include "gltf_writer.h"
 
 // glTF 2.0 (.gltf, .glb): the points of all meshes that nodes draw.
@@ -47,212 +46,6 @@
 
 namespace espalier::io {
 namespace {
-
-enum class VectorKind { Points, Normals, Tangents };
-
-/// Points of the model that are drawn alike, in the order of an accessor.
-struct Block {
-    std::size_t first = 0, count = 0;
-    /// One for all points, or one per point.
-    std::shared_ptr<const std::vector<Affine>> maps;
-
-    const Affine& map(std::size_t i) const { return (*maps)[maps->size() == 1 ? 0 : i]; }
-};
-
-/// The vectors of an accessor, as one drawing uses them.
-struct Vectors {
-    std::size_t accessor = 0;
-    VectorKind kind = VectorKind::Points;
-    std::size_t block = 0;  ///< the points at which they are
-    /// For the displacements of a morph target: the vectors of the mesh, to which they are added.
-    std::optional<std::size_t> base = {};
-    std::vector<Point3> local = {};          ///< in the mesh, plus the base
-    std::vector<Point3> displacements = {};  ///< of a morph target: the numbers of the file
-};
-
-/// An attribute of a primitive or of one of its morph targets.
-struct Use {
-    std::size_t mesh = 0, primitive = 0;
-    std::optional<std::size_t> target = {};
-    const char* semantic = "";
-    std::size_t vectors = 0;
-};
-
-/// A mesh as nodes draw it.
-struct DrawnMesh {
-    GltfDrawing drawing;
-    std::vector<std::size_t> blocks;                  ///< per primitive: its points
-    std::vector<std::optional<std::size_t>> normals;  ///< per primitive: its vectors
-    std::vector<Use> uses;
-};
-
-constexpr std::pair<const char*, VectorKind> kSemantics[] = {{"POSITION", VectorKind::Points},
-                                                             {"NORMAL", VectorKind::Normals},
-                                                             {"TANGENT", VectorKind::Tangents}};
-
-const char* nameOf(VectorKind kind) {
-    return kind == VectorKind::Points    ? "positions"
-           : kind == VectorKind::Normals ? "normals"
-                                         : "tangents";
-}
-
-Point3 sum(const Point3& a, const Point3& b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-
-Point3 difference(const Point3& a, const Point3& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-/// Reads the vectors of all drawn meshes.
-class SceneReader {
-public:
-    explicit SceneReader(const GltfFile& file) : file_(file), world_(worldMaps(file)) {
-        for (const GltfDrawing& drawing : drawingsOf(file, world_)) {
-            checkCancelled();
-            addMesh(drawing);
-        }
-    }
-
-    std::vector<Point3> positions;
-    std::vector<Block> blocks;
-    std::vector<Vectors> vectors;
-    std::vector<DrawnMesh> meshes;
-
-private:
-    void addMesh(const GltfDrawing& drawing) {
-        mesh_ = &meshes.emplace_back(DrawnMesh{drawing, {}, {}, {}});
-        const Json& json = file_.item("meshes", drawing.mesh);
-        const auto primitives = json.find("primitives");
-        if (primitives == json.end() || !primitives->is_array())
-            file_.fail(concat("mesh ", drawing.mesh, " has no primitives"));
-        for (std::size_t i = 0; i < primitives->size(); ++i) addPrimitive((*primitives)[i], i);
-    }
-
-    void addPrimitive(const Json& primitive, std::size_t number) {
-        const auto attributes = primitive.find("attributes");
-        const bool hasPoints = attributes != primitive.end() && attributes->is_object() &&
-                               attributes->contains("POSITION");
-        mesh_->normals.push_back(std::nullopt);
-        mesh_->blocks.push_back(blocks.size());
-        if (!hasPoints) {
-            // Nothing is drawn of it.
-            blocks.push_back({positions.size(), 0, identity()});
-            return;
-        }
-        const std::size_t position = file_.needNumber(*attributes, "POSITION");
-        const std::size_t count = accessorOf(file_, position).count;
-        const auto maps = mapsOf(*attributes, count);
-        std::map<VectorKind, std::size_t> own;
-        std::size_t block = 0;
-        for (const auto& [semantic, kind] : kSemantics) {
-            const auto accessor = file_.number(*attributes, semantic);
-            if (!accessor) continue;
-            if (kind == VectorKind::Points) block = blockOf(position, std::nullopt, maps, count);
-            own[kind] = vectorsOf(*accessor, kind, block, std::nullopt, count);
-            mesh_->uses.push_back({mesh_->drawing.mesh, number, {}, semantic, own[kind]});
-            if (kind == VectorKind::Normals) mesh_->normals.back() = own[kind];
-        }
-        mesh_->blocks.back() = block;
-        const auto targets = primitive.find("targets");
-        if (targets == primitive.end()) return;
-        if (!targets->is_array())
-            file_.fail(
-                concat("a primitive of mesh ", mesh_->drawing.mesh, " has malformed targets"));
-        for (std::size_t target = 0; target < targets->size(); ++target) {
-            std::size_t at = block;  // the points of a target without POSITION are the mesh's
-            for (const auto& [semantic, kind] : kSemantics) {
-                const Json& json = (*targets)[target];
-                const auto accessor =
-                    json.is_object() ? file_.number(json, semantic) : std::nullopt;
-                if (!accessor || !own.contains(kind)) continue;
-                if (kind == VectorKind::Points) at = blockOf(position, *accessor, maps, count);
-                mesh_->uses.push_back({mesh_->drawing.mesh, number, target, semantic,
-                                       vectorsOf(*accessor, kind, at, own[kind], count)});
-            }
-        }
-    }
-
-    using Maps = std::shared_ptr<const std::vector<Affine>>;
-
-    static Maps identity() {
-        static const Maps kMaps = std::make_shared<const std::vector<Affine>>(1);
-        return kMaps;
-    }
-
-    /// Returns the maps of the points of a primitive. Equal maps are one object.
-    Maps mapsOf(const Json& attributes, std::size_t count) {
-        const GltfDrawing& drawing = mesh_->drawing;
-        if (!drawing.skin) {
-            if (drawing.matrix == Affine{}) return identity();
-            Maps& maps = matrices_[{drawing.matrix.linear, drawing.matrix.translation}];
-            if (!maps) maps = std::make_shared<const std::vector<Affine>>(1, drawing.matrix);
-            return maps;
-        }
-        std::string accessors = concat(*drawing.skin, " ", count);
-        for (const auto& [name, accessor] : attributes.items())
-            if (name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
-                accessors += concat(" ", name, " ", accessor.dump());
-        Maps& maps = skins_[accessors];
-        if (maps) return maps;
-        auto joints = joints_.find(*drawing.skin);
-        if (joints == joints_.end())
-            joints = joints_.emplace(*drawing.skin, jointMaps(file_, world_, *drawing.skin)).first;
-        maps = std::make_shared<const std::vector<Affine>>(
-            skinMaps(file_, joints->second, attributes, count));
-        return maps;
-    }
-
-    /// Returns the number of the block of these points, which is new or known.
-    std::size_t blockOf(std::size_t position, std::optional<std::size_t> target, const Maps& maps,
-                        std::size_t count) {
-        const auto [found, isNew] =
-            blocks_.try_emplace({position, target, maps.get()}, blocks.size());
-        if (isNew) blocks.push_back({positions.size(), count, maps});
-        return found->second;
-    }
-
-    /// Returns the number of these vectors, which are new or known. Adds new points to positions.
-    std::size_t vectorsOf(std::size_t accessor, VectorKind kind, std::size_t block,
-                          std::optional<std::size_t> base, std::size_t count) {
-        const auto [found, isNew] =
-            vectors_.try_emplace({accessor, kind, block, base}, vectors.size());
-        if (!isNew) return found->second;
-        requireMemory(2 * count * sizeof(Point3), concat("accessor ", accessor));
-        Vectors made{accessor, kind, block, base};
-        made.local = io::vectorsOf(file_, accessor, nameOf(kind), count);
-        if (base) {
-            made.displacements = made.local;
-            const std::vector<Point3>& zero = vectors[*base].local;
-            for (std::size_t i = 0; i < count; ++i) made.local[i] = sum(zero[i], made.local[i]);
-        }
-        if (kind == VectorKind::Points) {
-            const Block& at = blocks[block];
-            for (std::size_t i = 0; i < count; ++i) {
-                checkCancelledEvery(i, 14);
-                const Point3& local = made.local[i];
-                const bool isDrawnAsIs = at.maps == identity();
-                positions.push_back(isDrawnAsIs ? local : at.map(i) * local);
-                if (!std::ranges::all_of(positions.back(),
-                                         [](double x) { return std::isfinite(x); }))
-                    file_.fail(concat("point ", i, " of accessor ", accessor, " is not finite"));
-            }
-        }
-        vectors.push_back(std::move(made));
-        return found->second;
-    }
-
-    const GltfFile& file_;
-    const std::vector<Affine> world_;  ///< the maps of all nodes
-    DrawnMesh* mesh_ = nullptr;        ///< the current one
-    std::map<std::pair<DeformationGradient, Point3>, Maps> matrices_;
-    std::map<std::string, Maps> skins_;
-    std::map<std::size_t, std::vector<Affine>> joints_;
-    std::map<std::tuple<std::size_t, std::optional<std::size_t>, const void*>, std::size_t> blocks_;
-    std::map<std::tuple<std::size_t, VectorKind, std::size_t, std::optional<std::size_t>>,
-             std::size_t>
-        vectors_;
-};
 
 /// Returns how often the JSON names each accessor.
 std::vector<std::size_t> countReferences(const GltfFile& file) {
@@ -298,7 +91,7 @@ bool isSamePoint(const Point3& a, const Point3& b) {
 class GltfModel final : public Model {
 public:
     GltfModel(const Format& format, const std::filesystem::path& path, std::string bytes)
-        : Model(format, path), file_(path, std::move(bytes)), scene_(file_) {
+        : Model(format, path), file_(path, std::move(bytes)), scene_(readGltfScene(file_)) {
         if (scene_.positions.empty()) file_.fail("no node draws a mesh with points");
     }
 
@@ -306,9 +99,9 @@ public:
 
     DirectionCounts directions() const override {
         DirectionCounts counts;
-        for (const Vectors& vectors : scene_.vectors)
-            if (vectors.kind != VectorKind::Points)
-                (vectors.kind == VectorKind::Normals ? counts.normals : counts.tangents) +=
+        for (const GltfVectors& vectors : scene_.vectors)
+            if (vectors.kind != GltfVectorKind::Points)
+                (vectors.kind == GltfVectorKind::Normals ? counts.normals : counts.tangents) +=
                     vectors.local.size();
         return counts;
     }
@@ -318,9 +111,9 @@ public:
     std::vector<Point3> stored(std::vector<Point3> points) const override {
         std::vector<std::vector<Point3>> local(scene_.vectors.size());
         for (std::size_t v = 0; v < scene_.vectors.size(); ++v) {
-            const Vectors& vectors = scene_.vectors[v];
-            if (vectors.kind != VectorKind::Points) continue;
-            const Block& block = scene_.blocks[vectors.block];
+            const GltfVectors& vectors = scene_.vectors[v];
+            if (vectors.kind != GltfVectorKind::Points) continue;
+            const GltfBlock& block = scene_.blocks[vectors.block];
             local[v] = newPoints(vectors, points);
             for (std::size_t i = 0; i < block.count; ++i) {
                 Point3& point = points[block.first + i];
@@ -343,7 +136,7 @@ public:
         std::vector<std::string> notes;
         const std::size_t meshCount = file_.list("meshes").size();
         std::vector<std::size_t> places(meshCount);
-        for (const DrawnMesh& drawn : scene_.meshes) ++places[drawn.drawing.mesh];
+        for (const GltfDrawnMesh& drawn : scene_.meshes) ++places[drawn.drawing.mesh];
         const auto add = [&](std::size_t count, const char* one, const char* many) {
             if (count > 0) notes.push_back(concat(count, count == 1 ? one : many));
         };
@@ -354,7 +147,7 @@ public:
             " meshes are drawn at several places, and become a mesh for each once their points "
             "move");
         std::size_t fixed = 0;
-        for (const Block& block : scene_.blocks)
+        for (const GltfBlock& block : scene_.blocks)
             for (std::size_t i = 0; i < block.count; ++i) {
                 if (block.maps->size() == 1 && i > 0) break;
                 if (!inverse(block.map(i).linear))
@@ -367,8 +160,8 @@ public:
 
 private:
     /// Returns new points in the mesh. A point that has not moved keeps its numbers.
-    std::vector<Point3> newPoints(const Vectors& vectors, std::span<const Point3> moved) const {
-        const Block& block = scene_.blocks[vectors.block];
+    std::vector<Point3> newPoints(const GltfVectors& vectors, std::span<const Point3> moved) const {
+        const GltfBlock& block = scene_.blocks[vectors.block];
         std::vector<Point3> points = vectors.local;
         std::optional<DeformationGradient> back;
         const Affine* backOf = nullptr;
@@ -392,9 +185,9 @@ private:
     }
 
     /// Returns new directions in the mesh.
-    std::vector<Point3> newDirections(const Vectors& vectors,
+    std::vector<Point3> newDirections(const GltfVectors& vectors,
                                       std::span<const DeformationGradient> gradients) const {
-        const Block& block = scene_.blocks[vectors.block];
+        const GltfBlock& block = scene_.blocks[vectors.block];
         gradients = gradients.subspan(block.first, block.count);
         std::vector<DeformationGradient> local;
         if (block.maps->size() > 1 || block.map(0) != Affine{}) {
@@ -409,7 +202,7 @@ private:
             gradients = local;
         }
         return carried(vectors.local, gradients,
-                       vectors.kind == VectorKind::Normals ? carryNormal : carryTangent,
+                       vectors.kind == GltfVectorKind::Normals ? carryNormal : carryTangent,
                        Precision::Float);
     }
 
@@ -423,7 +216,7 @@ private:
                    std::span<const DeformationGradient> gradients) const;
 
     GltfFile file_;
-    SceneReader scene_;
+    GltfScene scene_;
 };
 
 /// Calls f with the corners of each triangle of a primitive.
@@ -445,10 +238,10 @@ ModelSurface GltfModel::surface() const {
     ModelSurface surface;
     bool haveNormals = true;
     std::vector<std::optional<std::size_t>> firstNormals(scene_.vectors.size());
-    for (const DrawnMesh& drawn : scene_.meshes) {
+    for (const GltfDrawnMesh& drawn : scene_.meshes) {
         const Json& primitives = file_.item("meshes", drawn.drawing.mesh)["primitives"];
         for (std::size_t p = 0; p < primitives.size(); ++p) {
-            const Block& block = scene_.blocks[drawn.blocks[p]];
+            const GltfBlock& block = scene_.blocks[drawn.blocks[p]];
             if (block.count == 0) continue;
             const Json& primitive = primitives[p];
             const std::size_t mode = file_.number(primitive, "mode").value_or(4);
@@ -494,7 +287,7 @@ ModelSurface GltfModel::surface() const {
         if (directions().normals > 0) surface.addOther("normals of some meshes");
     }
     std::vector<bool> isDrawn(file_.list("meshes").size());
-    for (const DrawnMesh& drawn : scene_.meshes) isDrawn[drawn.drawing.mesh] = true;
+    for (const GltfDrawnMesh& drawn : scene_.meshes) isDrawn[drawn.drawing.mesh] = true;
     if (std::ranges::count(isDrawn, false) > 0) surface.addOther("meshes that no node draws");
     if (const auto used = file_.json().find("extensionsUsed");
         used != file_.json().end() && used->is_array())
@@ -511,8 +304,8 @@ void GltfModel::writeFile(const std::filesystem::path& path, std::span<const Poi
     std::vector<std::vector<Point3>> now(scene_.vectors.size());
     std::vector<bool> isChanged(now.size());
     for (std::size_t v = 0; v < now.size(); ++v) {
-        const Vectors& vectors = scene_.vectors[v];
-        if (vectors.kind == VectorKind::Points)
+        const GltfVectors& vectors = scene_.vectors[v];
+        if (vectors.kind == GltfVectorKind::Points)
             now[v] = newPoints(vectors, moved);
         else if (!gradients.empty())
             now[v] = newDirections(vectors, gradients);
@@ -527,7 +320,7 @@ void GltfModel::writeFile(const std::filesystem::path& path, std::span<const Poi
 
     // The numbers that the file gets.
     const auto numbersFor = [&](std::size_t v) {
-        const Vectors& vectors = scene_.vectors[v];
+        const GltfVectors& vectors = scene_.vectors[v];
         std::vector<Point3> numbers = std::move(now[v]);
         if (vectors.base) {
             const std::vector<Point3>& zero = now[*vectors.base];
@@ -549,8 +342,8 @@ void GltfModel::writeFile(const std::filesystem::path& path, std::span<const Poi
     std::vector<std::size_t> references = countReferences(file_);
     std::map<std::size_t, std::set<std::size_t>> vectorsOfAccessor;
     std::set<std::tuple<std::size_t, std::size_t, std::optional<std::size_t>, std::string>> uses;
-    for (const DrawnMesh& drawn : scene_.meshes)
-        for (const Use& use : drawn.uses) {
+    for (const GltfDrawnMesh& drawn : scene_.meshes)
+        for (const GltfUse& use : drawn.uses) {
             const std::size_t accessor = scene_.vectors[use.vectors].accessor;
             vectorsOfAccessor[accessor].insert(use.vectors);
             if (uses.emplace(use.mesh, use.primitive, use.target, use.semantic).second)
@@ -571,10 +364,10 @@ void GltfModel::writeFile(const std::filesystem::path& path, std::span<const Poi
 
     // A mesh that is drawn at several places gets a copy for each place after the first.
     std::set<std::size_t> changedMeshes, drawnMeshes;
-    for (const DrawnMesh& drawn : scene_.meshes)
-        for (const Use& use : drawn.uses)
+    for (const GltfDrawnMesh& drawn : scene_.meshes)
+        for (const GltfUse& use : drawn.uses)
             if (isChanged[use.vectors]) changedMeshes.insert(use.mesh);
-    for (const DrawnMesh& drawn : scene_.meshes) {
+    for (const GltfDrawnMesh& drawn : scene_.meshes) {
         std::size_t mesh = drawn.drawing.mesh;
         if (!changedMeshes.contains(mesh)) continue;
         Json& json = edit.json();
@@ -584,7 +377,7 @@ void GltfModel::writeFile(const std::filesystem::path& path, std::span<const Poi
             json["meshes"].push_back(copy);
             for (const std::size_t node : drawn.drawing.nodes) json["nodes"][node]["mesh"] = mesh;
         }
-        for (const Use& use : drawn.uses) {
+        for (const GltfUse& use : drawn.uses) {
             if (accessors[use.vectors] == scene_.vectors[use.vectors].accessor) continue;
             Json& primitive = json["meshes"][mesh]["primitives"][use.primitive];
             Json& attributes =

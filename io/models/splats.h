@@ -17,8 +17,9 @@
 /// \file
 /// Carries Gaussian splats along with a deformation.
 ///
-/// A splat is a Gaussian around a point, with the covariance Σ = R diag(e^s)² Rᵀ. R is the rotation
-/// of a quaternion q, and s are the logarithms of the standard deviations along its axes. Spherical
+/// A splat is a Gaussian around a point, with the covariance Σ = R diag(e^s)² Rᵀ. The quaternion q
+/// describes the rotation R. The numbers s are the logarithms of the standard deviations along the
+/// axes of R. Spherical
 /// harmonics describe how the colour depends on the direction of view (B. Kerbl, G. Kopanas, T.
 /// Leimkühler, G. Drettakis, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", 2023).
 
@@ -50,9 +51,9 @@ bool isHarmonicCount(std::size_t count);
 /// det F < 0, Q is a rotation all the same: colours are not mirrored.
 ///
 /// \param gradient finite, of any size and determinant
-/// \param numbers as above. They stay if q is 0, or if one of them or of the results is not finite
-/// or
-///        too large for a float
+/// \param numbers as above. They stay if q is 0; or if one of them, or of the results, is not
+/// finite
+///        or too large for a float
 void carrySplat(const DeformationGradient& gradient, std::span<double> numbers);
 
 /// Says where a file has its splats, one per point. The file has the numbers of a splat in one row.

@@ -330,31 +330,7 @@ CELL_TYPES 1
 <DataArray type="Float32" NumberOfComponents="3" format="appended" offset="0"/></Points>
 <Cells/></Piece></UnstructuredGrid><AppendedData encoding="raw">
 _""" + struct.pack("<I6f", 24, float("nan"), 0, 0, 0.6, 0, 0.8))
-    put("ovm", "no-ascii", """OVM
-Vertices
-4
-0 0 0
-1 0 0
-0 1 0
-0 0 1
-Edges
-6
-0 1
-1 2
-2 0
-0 3
-3 1
-3 2
-Faces
-4
-3 0 2 4
-3 6 8 1
-3 9 10 3
-3 11 7 5
-Polyhedra
-1
-4 0 2 4 6
-""")
+    put("ovm", "no-ascii", (CORPUS / "ovm/seed-marks").read_text().replace("OVM ASCII", "OVM"))
     put("targets", "two", "# point x y z\n3 0 0 1\n99 1e-3 -2.5 7  # far\n")
 
 
