@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/argument_error.h>
 #include <espalier/bind/bind.h>
+#include <espalier/embed/place_points.h>
 #include <espalier/embed/row_bound.h>
 #include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
+
+#include "weighted_binding.h"
 
 namespace espalier::bind {
 namespace {
 
-/// Binds points to each kind of target. The points and the lattice at rest are added later.
+/// Binds points to each kind of target, without their weights. The points and the lattice at rest
+/// are added later.
 struct Binder {
     const embed::RestLattice& lattice;
     std::span<const Point3> points;
     const BindOptions& options;
+    std::vector<embed::CarriedPoint>& carried;  ///< gets the points outside that have a place
 
     Binding operator()(const Level& target) const {
         const embed::BindingOptions chosen = embedding(target.level);
@@ -55,7 +62,8 @@ private:
         return {level, options.embedding, options.gradients, options.progress};
     }
 
-    static Binding made(embed::BoundRows<> bound) {
+    Binding made(embed::BoundRows<> bound) const {
+        carried = std::move(bound.carried);
         Binding binding{std::move(bound.table)};
         binding.statuses = std::move(bound.statuses);
         binding.largestResidual = bound.largestResidual;
@@ -63,6 +71,77 @@ private:
         return binding;
     }
 };
+
+/// \throws Error
+void checkWeights(const PointWeights& weights, std::size_t pointCount) {
+    const auto checkCount = [&](std::size_t count, const char* what) {
+        if (count != 0 && count != pointCount)
+            throw Error(concat("got ", count, " ", what, " for ", pointCount, " points"));
+    };
+    checkCount(weights.values.size(), "weights");
+    checkCount(weights.slopes.size(), "slopes of weights");
+    for (std::size_t i = 0; i < weights.values.size(); ++i)
+        if (!(weights.values[i] >= 0 && weights.values[i] <= 1))
+            throw Error(
+                concat("the weight of point ", i, " is ", weights.values[i], "; expected 0 to 1"));
+    for (std::size_t i = 0; i < weights.slopes.size(); ++i)
+        for (const double slope : weights.slopes[i])
+            if (!std::isfinite(slope))
+                throw Error(concat("the slope of the weight of point ", i, " is not finite"));
+}
+
+/// Returns the embedding options, with the effect of the falloff.
+/// \throws ArgumentError; Error for a falloff and OutsidePolicy::Error
+embed::EmbeddingOptions embeddingOf(const BindOptions& options) {
+    embed::EmbeddingOptions embedding = options.embedding;
+    if (!std::isfinite(options.falloff) || options.falloff < 0)
+        throw ArgumentError("", "falloff", textOf(options.falloff),
+                            "a finite distance of 0 or more");
+    if (options.falloff == 0) return embedding;
+    if (embedding.outside == embed::OutsidePolicy::Error)
+        throw Error(
+            "a falloff moves points outside the lattice, which the policy for points outside "
+            "refuses: leave out one of the two");
+    embedding.outside = embed::OutsidePolicy::Nearest;
+    return embedding;
+}
+
+/// Returns the weight of each point without the falloff.
+/// \param numbers the points that are bound
+std::vector<embed::PointWeight> weightsOf(const PointWeights& chosen,
+                                          std::span<const Index> numbers) {
+    std::vector<embed::PointWeight> weights(numbers.size());
+    const auto& [values, slopes] = chosen;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        if (!values.empty()) weights[i].value = values[numbers[i]];
+        if (!slopes.empty()) weights[i].slope = slopes[numbers[i]];
+    }
+    return weights;
+}
+
+/// Multiplies weights by the falloff.
+/// \param carried the points outside that have a place
+void addFalloff(double radius, std::span<const Point3> points, std::span<const Point3> rest,
+                std::span<const embed::CarriedPoint> carried,
+                std::span<const embed::PointStatus> statuses,
+                std::vector<embed::PointWeight>& weights) {
+    std::vector<bool> isCarried(points.size());
+    for (const auto& [point, away] : carried) {
+        isCarried[point] = true;
+        const embed::PointWeight fall = falloffWeight(away, radius);
+        auto& [value, slope] = weights[point];
+        for (std::size_t c = 0; c < 3; ++c)
+            slope[c] = fall.value * slope[c] + value * fall.slope[c];
+        value *= fall.value;
+    }
+    // Points far away have no place. All levels are in the box of the lattice.
+    Eigen::AlignedBox3d box;
+    for (const Point3& vertex : rest) box.extend(Eigen::Vector3d(vertex.data()));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (statuses[i] == embed::PointStatus::Outside && !isCarried[i] &&
+            box.exteriorDistance(Eigen::Vector3d(points[i].data())) >= radius)
+            weights[i] = {0, {}};
+}
 
 }  // namespace
 
@@ -92,7 +171,35 @@ void Binding::checkParts() const {
 
 Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,
                    const Target& target, const BindOptions& options) {
-    Binding binding = std::visit(Binder{lattice, points, options}, target);
+    checkWeights(options.weights, points.size());
+    const auto& values = options.weights.values;
+    std::vector<Index> numbers;  // The points with a weight above 0.
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (values.empty() || values[i] > 0) numbers.push_back(static_cast<Index>(i));
+    const bool areAllBound = numbers.size() == points.size();
+    BindOptions own = options;
+    own.embedding = embeddingOf(options);
+    // The numbers of points in an error would be their numbers among those that are bound.
+    const bool refusesOutside = own.embedding.outside == embed::OutsidePolicy::Error;
+    if (!areAllBound && refusesOutside) own.embedding.outside = embed::OutsidePolicy::Keep;
+    std::vector<Point3> chosen;
+    if (!areAllBound) chosen = embed::chosenPoints(points, numbers);
+    std::vector<embed::CarriedPoint> carried;
+    const std::span<const Point3> sought = areAllBound ? points : std::span<const Point3>(chosen);
+    Binding binding = std::visit(Binder{lattice, sought, own, carried}, target);
+    if (!values.empty() || options.falloff > 0) {
+        auto weights = weightsOf(options.weights, numbers);
+        if (options.falloff > 0)
+            addFalloff(options.falloff, sought, lattice.positions, carried, binding.statuses,
+                       weights);
+        applyWeights(weights, binding);
+    }
+    if (!areAllBound) {
+        for (std::size_t i = 0; refusesOutside && i < numbers.size(); ++i)
+            if (binding.statuses[i] != embed::PointStatus::Inside)
+                embed::refusePoint(numbers[i], chosen[i], binding.statuses[i]);
+        addKeptPoints(numbers, static_cast<Index>(points.size()), binding);
+    }
     binding.topologyHash = far::topologyHash(lattice.base.level(0).complex);
     binding.points.assign(points.begin(), points.end());
     binding.rest.assign(lattice.positions.begin(), lattice.positions.end());

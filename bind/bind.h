@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/bind/point_weights.h>
 #include <espalier/embed/basis_functions.h>
 #include <espalier/limit/limit_binding.h>
 
@@ -18,9 +19,11 @@
 // In: a lattice at rest, points, and a target: a level, the limit volume, or a tensor basis. Out: a
 // Binding, which holds all that is needed to deform the points.
 //
-// Types: Target says what the points are bound to; Binding is the result.
+// Types: Target says what the points are bound to; PointWeights say how far each point follows;
+// Binding is the result.
 //
-// Read this header. embed/ and limit/ do the work; osd/binding_evaluator.h applies a pose.
+// Read this header, then point_weights.h. embed/ and limit/ do the work; osd/binding_evaluator.h
+// applies a pose.
 //
 // Notation: x' = x + D · (p' − p), where x and p are the points and the lattice at rest, p' is a
 // pose of the lattice, and D the table of the binding.
@@ -49,6 +52,18 @@ struct BindOptions {
     /// Makes Binding::gradients, which carry normals, tangents and splats (io::Model::write()).
     bool gradients = false;
 
+    /// How far each point follows. Points with the weight 0 are not sought, so they are no errors
+    /// under OutsidePolicy::Error either.
+    PointWeights weights = {};
+
+    /// If above 0, points outside the lattice follow it as under OutsidePolicy::Nearest, with a
+    /// weight that falls from 1 at the lattice to 0 at this distance (falloffWeight()), in the
+    /// units of the lattice. So the deformation has no edge at the boundary of the lattice. Keep
+    /// it smaller than the gaps between parts of the lattice: in the middle of a gap the nearest
+    /// part changes. A point that is too far away to be carried stays in place, see
+    /// embed::kMaxRowSum.
+    double falloff = 0;
+
     /// Called now and then with the number of points done, from any thread; may be empty.
     std::function<void(Offset)> progress = {};
 };
@@ -56,11 +71,13 @@ struct BindOptions {
 /// Points that are bound to a lattice: all that is needed to deform them. Neither the lattice nor
 /// its topology is needed any more.
 ///
-/// A point whose row is empty is outside the lattice, or could not be placed (`statuses`). Since
-/// its displacement is 0, it is exactly where it was in every pose.
+/// A point whose row is empty is outside the lattice, could not be placed, or has the weight 0
+/// (`statuses`). Since its displacement is 0, it is exactly where it was in every pose.
 struct Binding {
-    stencils::StencilTable<double> table;  ///< D: points × base vertices
-    std::uint64_t topologyHash = 0;        ///< far::topologyHash of the base lattice
+    /// D, points × base vertices, with the weights of the points: each row sums to the weight of
+    /// its point, which is 1 without weights and falloff.
+    stencils::StencilTable<double> table;
+    std::uint64_t topologyHash = 0;  ///< far::topologyHash of the base lattice
     /// How F = ∂x'/∂X follows from a pose; made on request (osd::evaluateGradients()).
     std::optional<embed::Gradients> gradients = {};
     /// D in its two factors, which are faster where cells of the level hold several points; only of
@@ -88,7 +105,10 @@ struct Binding {
 ///        marks; its rules have no effect then
 /// \param points in the units of the lattice; the binding gets a copy
 /// \throws Error as embed::bindPoints(), limit::bindLimit() and embed::TensorLattice do; Error for
-///         a basis and a lattice with marks, which only subdivision applies
+///         a basis and a lattice with marks, which only subdivision applies; Error unless there
+///         is one weight for each point, or none, of 0 to 1 (names the first other point), and
+///         likewise finite slopes; Error for a falloff with OutsidePolicy::Error; ArgumentError for
+///         a falloff that is negative or not finite
 /// \cost of the function for the target: embed::bindPoints(), limit::bindLimit()
 /// \cite MacCracken & Joy 1996, sections 1 and 5
 ESPALIER_API Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,

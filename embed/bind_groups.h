@@ -26,8 +26,9 @@ struct BoundPart {
     std::vector<Index> points;  ///< their indices in the group
     std::vector<PointStatus> statuses;
     double largestResidual = 0;
-    Table table;                           ///< one row per point; empty if the point has no place
-    GradientTables gradients = {};         ///< the same rows; 0 × 0 if they were not requested
+    Table table;                    ///< one row per point; empty if the point has no place
+    GradientTables gradients = {};  ///< the same rows; 0 × 0 if they were not requested
+    std::vector<CarriedPoint> carried = {};
     std::vector<Index> baseVertices = {};  ///< numbers in the base of the vertices that the table
                                            ///< starts from; empty if the numbers are equal
 
@@ -94,6 +95,7 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
         auto& parts = groups[first / groupSize];
         parts = bindGroup(unit.toUnits(chosenPoints(points, numbers)));
         for (BoundPart<Table>& part : parts) {
+            for (CarriedPoint& each : part.carried) each.point = numbers[part.points[each.point]];
             for (Index& point : part.points) point = numbers[point];
             entryCount += pointRows(part.table).entryCount();
             for (const auto& gradient : part.gradients) entryCount += gradient.entryCount();
@@ -114,6 +116,8 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
                 model.statuses[part.points[i]] = part.statuses[i];
             model.largestResidual =
                 std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
+            for (const CarriedPoint& each : part.carried)
+                model.carried.push_back({each.point, unit.fromUnits(each.away)});
             parts.push_back(std::move(part));
         }
     const auto rowCount = static_cast<Index>(pointCount);

@@ -239,6 +239,7 @@ std::optional<LocatedPoint> CellSolver::continued(const Vector3d& point,
         return std::nullopt;
     place.offset = toArray(continuation->offset);
     result.residual = (continuation->position.sum - point).norm();
+    result.away = toArray(point - positionOf(nearest.place));
     return result;
 }
 

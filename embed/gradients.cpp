@@ -78,10 +78,13 @@ struct PlaceWeights {
     TricubicPatch::AxisWeights values, slopes;
 };
 
-/// Returns the derivatives of both sets of positions by u, v and w, as columns.
-Eigen::Matrix<double, 6, 3> derivatives(const PatchPositions& positions, const PlaceWeights& at) {
+/// At a place, the derivatives of both sets of positions by u, v and w, and their values, as
+/// columns.
+using PatchValues = Eigen::Matrix<double, 6, 4>;
+
+PatchValues valuesAt(const PatchPositions& positions, const PlaceWeights& at) {
     using Vector = Eigen::Matrix<double, 6, 1>;
-    Eigen::Matrix<double, 6, 3> result = Eigen::Matrix<double, 6, 3>::Zero();
+    PatchValues result = PatchValues::Zero();
     for (std::size_t k = 0; k < 4; ++k) {
         Vector alongU = Vector::Zero(), alongV = Vector::Zero(), value = Vector::Zero();
         for (std::size_t j = 0; j < 4; ++j) {
@@ -94,6 +97,7 @@ Eigen::Matrix<double, 6, 3> derivatives(const PatchPositions& positions, const P
         result.col(0) += at.values[2][k] * alongU;
         result.col(1) += at.values[2][k] * alongV;
         result.col(2) += at.slopes[2][k] * value;
+        result.col(3) += at.values[2][k] * value;
     }
     return result;
 }
@@ -115,8 +119,7 @@ struct PointsOfPatches {
     }
 };
 
-/// Calls use(point, derivatives) for each point that has a place, from several
-/// threads.
+/// Calls use(point, values) for each point that has a place, from several threads.
 template <class Use>
 void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
                   std::span<const Point3> displacements, Use use) {
@@ -133,15 +136,15 @@ void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
                 const Vector3d uvw(splines.places[point].uvw.data());
                 const PlaceWeights weights{patch.axisWeights(uvw, splines.spacing, values),
                                            patch.axisWeights(uvw, splines.spacing, {1, 1, 1})};
-                use(point, derivatives(positions, weights));
+                use(point, valuesAt(positions, weights));
             }
         }
     });
 }
 
 /// Returns the inverse of the derivatives at rest; NaN where they span no volume.
-Matrix3d inverseAtRest(const Eigen::Matrix<double, 6, 3>& derivatives) {
-    const Matrix3d atRest = derivatives.topRows<3>().transpose();
+Matrix3d inverseAtRest(const PatchValues& values) {
+    const Matrix3d atRest = values.topLeftCorner<3, 3>().transpose();
     return inverseOf(atRest, atRest.rowwise().norm());
 }
 
@@ -158,7 +161,7 @@ void Gradients::check() const {
     for (const auto& table : tables)
         if (table.rowCount() != rowCount() || table.columnCount() != columnCount())
             throw Error("the three tables of the gradients have different shapes");
-    const auto& [spacing, patches, places] = splines;
+    const auto& [spacing, patches, places, weights] = splines;
     if (!(spacing >= 0 && spacing <= 1))
         throw Error(concat("a spacing of ", spacing, " in the gradients; expected 0 to 1"));
     if (!places.empty() && std::ssize(places) != rowCount())
@@ -174,21 +177,39 @@ void Gradients::check() const {
                 throw Error(concat("the place of point ", i, " in its patch is not finite"));
     }
     for (const auto& patch : patches) TricubicPatch::checkVertices(patch, columnCount());
+    if (!weights.empty() && weights.size() != places.size())
+        throw Error(
+            concat(places.size(), " places in the gradients have ", weights.size(), " weights"));
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const auto& [value, slope] = weights[i];
+        if (!(value >= 0 && value <= 1) || !Vector3d(slope.data()).allFinite())
+            throw Error(concat("the weight of point ", i, " is ", value, " with the slope ",
+                               slope[0], " ", slope[1], " ", slope[2],
+                               "; expected 0 to 1, and finite numbers"));
+    }
 }
 
 void addSplineGradients(const SplinePlaces& splines, std::span<const Point3> rest,
                         std::span<const Point3> displacements,
                         std::span<DeformationGradient> sums) {
-    forEachPlace(splines, rest, displacements,
-                 [&](Index point, const Eigen::Matrix<double, 6, 3>& derivatives) {
-                     const Matrix3d inverse = inverseAtRest(derivatives);
-                     if (!inverse.allFinite()) return;
-                     // Fᵀ − 1 = (T X)⁻¹ T (x − X)
-                     const Matrix3d added = inverse * derivatives.bottomRows<3>().transpose();
-                     for (Eigen::Index i = 0; i < 3; ++i)
-                         for (Eigen::Index j = 0; j < 3; ++j)
-                             sums[point][static_cast<std::size_t>(3 * i + j)] += added(j, i);
-                 });
+    const LengthUnit unit(rest);
+    forEachPlace(splines, rest, displacements, [&](Index point, const PatchValues& values) {
+        const Matrix3d inverse = inverseAtRest(values);
+        if (!inverse.allFinite()) return;
+        // Fᵀ − 1 = (T X)⁻¹ T (x − X)
+        Matrix3d added = inverse * values.bottomLeftCorner<3, 3>().transpose();
+        if (!splines.weights.empty()) {
+            // The displacement d is relative to the vertex of positionsOf().
+            const auto& patch = splines.patches[splines.places[point].patch];
+            const auto& [weight, slope] = splines.weights[point];
+            Vector3d d(displacements[patch[TricubicPatch::kCorner]].data());
+            for (Eigen::Index c = 0; c < 3; ++c) d[c] += unit.fromUnits(values(3 + c, 3));
+            added = weight * added + Vector3d(slope.data()) * d.transpose();
+        }
+        for (Eigen::Index i = 0; i < 3; ++i)
+            for (Eigen::Index j = 0; j < 3; ++j)
+                sums[point][static_cast<std::size_t>(3 * i + j)] += added(j, i);
+    });
 }
 
 GradientTables gradientTables(const Gradients& gradients, std::span<const Point3> rest) {
@@ -197,18 +218,17 @@ GradientTables gradientTables(const Gradients& gradients, std::span<const Point3
     const std::vector<Point3> none(rest.size());
     const double perLength = LengthUnit(rest).toUnits(1.0);  // Derivatives are in units.
     std::vector<Matrix3d> inverses(splines.places.size());
-    forEachPlace(splines, rest, none,
-                 [&](Index point, const Eigen::Matrix<double, 6, 3>& derivatives) {
-                     inverses[point] = perLength * inverseAtRest(derivatives);
-                 });
+    forEachPlace(splines, rest, none, [&](Index point, const PatchValues& values) {
+        inverses[point] = perLength * inverseAtRest(values);
+    });
     std::vector<TricubicPatch> patches(splines.patches.begin(), splines.patches.end());
     GradientTables result;
     for (std::size_t axis = 0; axis < 3; ++axis)
         result[axis] = stencils::buildTable(
             gradients.rowCount(), gradients.columnCount(),
             [&](Index point, stencils::RowAccumulator& accumulator) {
-                const auto& [uvw, patch] = splines.places[point];
-                if (patch == kMaxIndex) {
+                const SplinePlaces::Place& place = splines.places[point];
+                if (place.patch == kMaxIndex) {
                     const auto columns = gradients.tables[axis].columns(point);
                     const auto weights = gradients.tables[axis].weights(point);
                     for (std::size_t k = 0; k < columns.size(); ++k)
@@ -216,21 +236,26 @@ GradientTables gradientTables(const Gradients& gradients, std::span<const Point3
                     return;
                 }
                 if (!inverses[point].allFinite()) return;
-                for (std::size_t by = 0; by < 3; ++by) {
-                    const double factor = inverses[point](static_cast<Eigen::Index>(axis),
-                                                          static_cast<Eigen::Index>(by));
-                    std::array<int, 3> orders = {};
-                    orders[by] = 1;
-                    const auto along =
-                        patches[patch].axisWeights(Vector3d(uvw.data()), splines.spacing, orders);
+                const PointWeight follows =
+                    splines.weights.empty() ? PointWeight{} : splines.weights[point];
+                const auto add = [&](const std::array<int, 3>& orders, double factor) {
+                    const auto along = patches[place.patch].axisWeights(Vector3d(place.uvw.data()),
+                                                                        splines.spacing, orders);
                     std::array<Index, 64> vertices;
                     std::array<double, 64> weights;
-                    patches[patch].writeRow(along, vertices.data(), weights.data());
+                    patches[place.patch].writeRow(along, vertices.data(), weights.data());
                     const Index length = TricubicPatch::rowLength(along);
                     for (Index k = 0; k < length; ++k)
                         accumulator.add(vertices[k], factor * weights[k]);
+                };
+                for (std::size_t by = 0; by < 3; ++by) {
+                    std::array<int, 3> orders = {};
+                    orders[by] = 1;
+                    add(orders, follows.value * inverses[point](static_cast<Eigen::Index>(axis),
+                                                                static_cast<Eigen::Index>(by)));
                 }
                 accumulator.makeSumZero();
+                if (follows.slope[axis] != 0) add({}, follows.slope[axis]);
             });
     return result;
 }

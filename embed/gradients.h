@@ -14,8 +14,17 @@
 namespace espalier::embed {
 
 /// Three tables that give the deformation gradient F = ∂x'/∂X at each point: table j times the
-/// displacements of a pose from the rest is column j of F − 1. Rows sum to 0.
+/// displacements of a pose from the rest is column j of F − 1. Rows sum to 0, or, for a point with
+/// a PointWeight, to the slope of its weight by coordinate j.
 using GradientTables = std::array<stencils::StencilTable<double>, 3>;
+
+/// How far a point follows the lattice, and how this changes from point to point
+/// (bind::PointWeights).
+struct PointWeight {
+    double value = 1;   ///< 0 to 1
+    Point3 slope = {};  ///< by the coordinates of the point at rest
+    friend bool operator==(const PointWeight&, const PointWeight&) = default;
+};
 
 /// Places of points in regular cells of a lattice. There the map is a product of splines, and the
 /// rows of F follow from the place by a formula. A place takes 32 bytes; the rows take 2,300.
@@ -32,7 +41,8 @@ struct SplinePlaces {
 
     double spacing = 0;  ///< 2⁻ⁿ for level n; 0 for the limit
     std::vector<Patch> patches = {};
-    std::vector<Place> places = {};  ///< one per point, or none at all
+    std::vector<Place> places = {};         ///< one per point, or none at all
+    std::vector<PointWeight> weights = {};  ///< one per place; or none, and all points follow fully
 
     friend bool operator==(const SplinePlaces&, const SplinePlaces&) = default;
 };
@@ -59,7 +69,8 @@ struct Gradients {
     ESPALIER_API Index identityCount() const;
 
     /// \throws Error unless the tables have one shape, each place is in a patch that exists and
-    ///         has finite coordinates, and each patch has the 8 vertices of its cell, of the base
+    ///         has finite coordinates, each patch has the 8 vertices of its cell, of the base, and
+    ///         weights are 0 to 1 with finite slopes
     ESPALIER_API void check() const;
 
     friend bool operator==(const Gradients&, const Gradients&) = default;

@@ -41,6 +41,9 @@ public:
     Point3 toUnits(const Point3& point) const {
         return {toUnits(point[0]), toUnits(point[1]), toUnits(point[2])};
     }
+    Point3 fromUnits(const Point3& point) const {
+        return {fromUnits(point[0]), fromUnits(point[1]), fromUnits(point[2])};
+    }
     std::vector<Point3> toUnits(std::span<const Point3> points) const {
         std::vector<Point3> result;
         result.reserve(points.size());

@@ -76,6 +76,7 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
         part.points = std::move(located.points);
         for (const LocatedPoint& point : located.embedding.points)
             part.statuses.push_back(point.status);
+        addCarried(located.embedding.points, part.carried);
         if (located.levels) {
             const stencils::Levels& levels = *located.levels;
             part.table = rowsIn<Table>(levels, located.embedding);
@@ -156,6 +157,7 @@ struct PointsInLevel {
     stencils::FactoredTable<double> factors;
     stencils::RowOrder byBaseCell;
     GradientTables gradients;  ///< 0 × 0 if they were not requested
+    std::vector<CarriedPoint> carried;
 };
 
 /// Locates points in the whole level.
@@ -181,6 +183,7 @@ PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const P
                           0,
                           buildFactoredTable(refiner, level, embedding),
                           orderByBaseCell(embedding, origins.of(3), origins.count()),
+                          {},
                           {}};
     if (options.gradients)
         located.gradients = gradientTablesIn(refiner.level(level).complex,
@@ -189,6 +192,7 @@ PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const P
     located.largestResidual = embedding.largestResidual(located.factors.points);
     located.statuses.reserve(points.size());
     for (const LocatedPoint& point : embedding.points) located.statuses.push_back(point.status);
+    addCarried(embedding.points, located.carried);
     return located;
 }
 
@@ -226,6 +230,8 @@ BoundRows<Table> bindToWholeLevel(const far::TopologyRefiner& base, const Length
     model.statuses.resize(points.size());
     for (std::size_t i = 0; i < order.size(); ++i) model.statuses[order[i]] = located.statuses[i];
     model.largestResidual = unit.fromUnits(located.largestResidual);
+    for (const CarriedPoint& each : located.carried)
+        model.carried.push_back({order[each.point], unit.fromUnits(each.away)});
     if (options.gradients) {
         model.gradients.emplace();
         const std::vector<Index> rowOf = rowsOfPoints(order);

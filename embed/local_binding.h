@@ -43,6 +43,7 @@ struct BoundRows {
     std::vector<PointStatus> statuses;        ///< one per point
     double largestResidual = 0;               ///< see PointPlaces::largestResidual()
     std::optional<Gradients> gradients = {};  ///< made on request
+    std::vector<CarriedPoint> carried = {};   ///< the points outside that have a place
 
     Index count(PointStatus status) const {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));

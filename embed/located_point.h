@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
 #include <espalier/embed/cell_place.h>
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace espalier::embed {
 
@@ -12,9 +15,10 @@ namespace espalier::embed {
 enum class PointStatus : std::uint8_t {
     Inside,  ///< the point is in a cell, in a gap between two cells, or within the tolerance of the
              ///< lattice
-    Outside,      ///< outside the region that the cells fill
-    NotConverged  ///< no place reproduces the point: its cell is degenerate, or a coordinate is not
-                  ///< finite
+    Outside,       ///< outside the region that the cells fill
+    NotConverged,  ///< no place reproduces the point: its cell is degenerate, or a coordinate is
+                   ///< not finite
+    NotBound       ///< the weight of the point is 0 (bind::BindOptions)
 };
 
 /// The result of locating a point in a lattice. Place is CellPlace or TensorPlace.
@@ -32,7 +36,29 @@ struct Located {
 
     /// Distance between the point and the position of the place; 0 without a place.
     double residual = 0;
+
+    /// The vector from the nearest place to the point, if the point is carried (Outside, with a
+    /// place).
+    Point3 away = {};
 };
+
+/// A point outside that the nearest cell carries.
+struct CarriedPoint {
+    Index point = 0;
+    Point3 away = {};  ///< the vector from the nearest place in the lattice at rest to the point
+    friend bool operator==(const CarriedPoint&, const CarriedPoint&) = default;
+};
+
+/// Appends the points of some that are carried. Their numbers are their positions in `points`.
+template <class Points>
+void addCarried(const Points& points, std::vector<CarriedPoint>& carried) {
+    Index number = 0;
+    for (const auto& point : points) {
+        if (point.status == PointStatus::Outside && point.place)
+            carried.push_back({number, point.away});
+        ++number;
+    }
+}
 
 /// The result of locating a point in a refined lattice.
 ///

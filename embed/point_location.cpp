@@ -40,6 +40,7 @@ LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) cons
     LocatedPoint located = locateInUnits(unit_.toUnits(position), seekNearest);
     located.distance = unit_.fromUnits(located.distance);
     located.residual = unit_.fromUnits(located.residual);
+    located.away = unit_.fromUnits(located.away);
     return located;
 }
 

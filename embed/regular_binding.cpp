@@ -129,6 +129,8 @@ BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit
         others = bindOthers(chosenPoints(points, numbers), ofOthers);
         for (std::size_t i = 0; i < numbers.size(); ++i)
             model.statuses[numbers[i]] = others.statuses[i];
+        for (const CarriedPoint& each : others.carried)
+            model.carried.push_back({numbers[each.point], each.away});
     }
     model.largestResidual =
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);

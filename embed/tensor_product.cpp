@@ -161,6 +161,7 @@ Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolera
     result.status = isInside ? PointStatus::Inside : PointStatus::Outside;
     if (!isInside && !seekNearest) return result;
     result.place = TensorPlace{toArray(at), toArray(local - at)};
+    if (!isInside) result.away = toArray(point - positionAt(at));
     Vector3d back = Vector3d::Zero();
     setWeights(*result.place, row);
     for (const auto& [vertex, weight] : row.weights) back += weight * restAt(vertex);
@@ -287,6 +288,7 @@ BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> poi
             table = emptyRows(std::move(table), result.table.emptyRows());
     }
     result.largestResidual = embedding.largestResidual(result.table);
+    addCarried(embedding.points, result.carried);
     result.statuses.reserve(points.size());
     for (const auto& point : embedding.points) result.statuses.push_back(point.status);
     return result;

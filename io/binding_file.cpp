@@ -19,7 +19,7 @@ namespace espalier::io {
 namespace {
 
 constexpr std::string_view kBindingMagic = "ESPALIER";
-constexpr std::uint32_t kBindingVersion = 6;
+constexpr std::uint32_t kBindingVersion = 7;
 
 using stencils::StencilTable;
 
@@ -31,7 +31,7 @@ struct Header {
     std::int64_t rows = 0, columns = 0, entries = 0, faces = 0, corners = 0, nameBytes = 0,
                  modelBytes = 0;
     std::array<std::int64_t, 3> gradientEntries = {};
-    std::int64_t patches = 0, places = 0;
+    std::int64_t patches = 0, places = 0, weights = 0;
 };
 
 template <class Number>
@@ -77,9 +77,11 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
     };
     for (const std::int64_t entries : header.gradientEntries)
         if (header.hasGradients ? !takeTable(entries) : entries != 0) return false;
-    if (header.hasGradients ? !take(1, 8) : header.patches != 0 || header.places != 0) return false;
+    if (header.hasGradients ? !take(1, 8)
+                            : header.patches != 0 || header.places != 0 || header.weights != 0)
+        return false;
     if (!take(header.patches, sizeof(embed::SplinePlaces::Patch)) ||
-        !take(header.places, 3 * 8 + 4))
+        !take(header.places, 3 * 8 + 4) || !take(header.weights, 4 * 8))
         return false;
     return takeTable(header.entries) && take(header.rows, sizeof(Point3) + 1) &&
            take(header.columns, sizeof(Point3)) && take(header.faces, 8) &&
@@ -88,7 +90,7 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
 }
 
 Header readHeader(ByteInput& in) {
-    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 12 * 8;
+    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 13 * 8;
     if (in.left() < kBindingMagic.size() || in.bytes(kBindingMagic.size()) != kBindingMagic)
         throw CodingError("is not a bound model");
     if (in.left() < 4) throw CodingError("is truncated");
@@ -108,7 +110,8 @@ Header readHeader(ByteInput& in) {
     for (std::int64_t* size :
          {&header.rows, &header.columns, &header.entries, &header.faces, &header.corners,
           &header.nameBytes, &header.modelBytes, &header.gradientEntries[0],
-          &header.gradientEntries[1], &header.gradientEntries[2], &header.patches, &header.places})
+          &header.gradientEntries[1], &header.gradientEntries[2], &header.patches, &header.places,
+          &header.weights})
         *size = in.number<std::int64_t>();
     if (!fileSizeMatches(header, in.left()))
         throw CodingError("is truncated or corrupted: its size is not what its header says");
@@ -138,6 +141,11 @@ embed::SplinePlaces readSplines(ByteInput& in, const Header& header) {
     for (auto& place : splines.places)
         for (double& coordinate : place.uvw) coordinate = in.number<double>();
     for (auto& place : splines.places) place.patch = in.number<Index>();
+    splines.weights.resize(header.weights);
+    for (auto& [value, slope] : splines.weights) {
+        value = in.number<double>();
+        for (double& coordinate : slope) coordinate = in.number<double>();
+    }
     return splines;
 }
 
@@ -181,6 +189,10 @@ void write(ByteOutput& out, const embed::SplinePlaces& splines) {
     for (const auto& patch : splines.patches) out.numbers(std::span<const Index>(patch));
     for (const auto& place : splines.places) out.numbers(std::span<const double>(place.uvw));
     for (const auto& place : splines.places) out.number(place.patch);
+    for (const auto& [value, slope] : splines.weights) {
+        out.number(value);
+        out.numbers(std::span<const double>(slope));
+    }
 }
 
 BoundModel decodeBoundModel(std::string_view bytes) {
@@ -217,9 +229,9 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     binding.points = readPoints(in, header.rows, "point");
     binding.rest = readPoints(in, header.columns, "vertex of the lattice at rest");
     for (const auto status : readNumbers<std::uint8_t>(in, header.rows)) {
-        if (status > static_cast<std::uint8_t>(embed::PointStatus::NotConverged))
+        if (status > static_cast<std::uint8_t>(embed::PointStatus::NotBound))
             throw CodingError(concat("has the status ", int{status}, " for point ",
-                                     binding.statuses.size(), "; expected 0 to 2"));
+                                     binding.statuses.size(), "; expected 0 to 3"));
         binding.statuses.push_back(static_cast<embed::PointStatus>(status));
     }
     model.faces = readLatticeFaces(in, header);
@@ -267,6 +279,7 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
         for (const std::int64_t entries : gradientEntries) out.number(entries);
         out.number(std::int64_t{std::ssize(splines.patches)});
         out.number(std::int64_t{std::ssize(splines.places)});
+        out.number(std::int64_t{std::ssize(splines.weights)});
         write(out, binding.table);
         if (binding.gradients) {
             for (const StencilTable<double>& table : binding.gradients->tables) write(out, table);

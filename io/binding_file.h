@@ -35,13 +35,14 @@ struct BoundModel {
 /// Writes a bound model (.espb). The file is little-endian throughout and holds:
 ///
 ///     8 bytes   "ESPALIER"
-///     u32       version of the format: 6
+///     u32       version of the format: 7
 ///     u32       1 with gradients, 0 without
 ///     u64       hash of the lattice topology (far::topologyHash)
 ///     f64       largest residual
 ///     i64 × 7   rows, columns, entries, faces of the lattice, corners of all faces, bytes of the
 ///               model's name, bytes of the model
-///     i64 × 5   entries of the gradients by x, y and z, patches, places; 0 without gradients
+///     i64 × 6   entries of the gradients by x, y and z, patches, places, weights of places; 0
+///               without gradients
 ///     the table:
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
@@ -52,6 +53,7 @@ struct BoundModel {
 ///       i32 × 64 vertices of each patch; 2³¹ − 1 where a layer is missing
 ///       f64 × 3  u, v and w of each place
 ///       i32      patch of each place; 2³¹ − 1 for a point without a place
+///       f64 × 4  weight of each place, and its slope by x, y and z; none if all are 1
 ///     f64 × 3   the points at rest, one per row
 ///     f64 × 3   the lattice at rest, one position per column
 ///     u8        status of each point (embed::PointStatus)

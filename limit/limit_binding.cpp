@@ -130,6 +130,8 @@ private:
             const LocatedInLimit& located = found.points[i];
             Part& part = located.place ? ofLevels[located.place->level] : without;
             part.points.push_back(numbers[i]);
+            if (located.status == embed::PointStatus::Outside && located.place)
+                part.carried.push_back({static_cast<Index>(part.statuses.size()), located.away});
             part.statuses.push_back(located.status);
             if (!located.place) continue;
             places[located.place->level].push_back(*located.place);

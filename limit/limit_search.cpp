@@ -379,7 +379,7 @@ FoundPoints LimitSearch::carry(std::span<const Point3> points) const {
         const ContinuedPlace there = continued(*located.place, result.descent.levels,
                                                Vector3d(points[p].data()), kAnyDistance);
         if (there.isSettled)
-            located = {located.status, there.place, located.distance, there.residual};
+            located = {located.status, there.place, located.distance, there.residual, there.away};
         else
             located.place.reset();
     }
@@ -403,6 +403,7 @@ LimitSearch::ContinuedPlace LimitSearch::continued(LimitPlace place, const stenc
     Eigen::Matrix3d jacobian;
     for (std::size_t axis = 0; axis < 3; ++axis)
         jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]).sum;
+    const Point3 away = embed::toArray(point - sum(kPosition).sum);
     const auto continuation =
         embed::continueTo(point, jacobian, scale_.size, [&](const Vector3d& offset) {
             setOffset(offset);
@@ -411,10 +412,10 @@ LimitSearch::ContinuedPlace LimitSearch::continued(LimitPlace place, const stenc
     if (continuation && embed::isWithin(embed::toArray(continuation->offset), maxOffset)) {
         setOffset(continuation->offset);
         if (embed::isSettled(continuation->position, point, scale_.size))
-            return {place, (continuation->position.sum - point).norm(), true};
+            return {place, (continuation->position.sum - point).norm(), true, away};
     }
     setOffset(Vector3d::Zero());
-    return {place, (sum(kPosition).sum - point).norm(), false};
+    return {place, (sum(kPosition).sum - point).norm(), false, away};
 }
 
 }  // namespace espalier::limit

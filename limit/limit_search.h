@@ -79,6 +79,7 @@ private:
         LimitPlace place;
         double residual;  ///< distance of the position from the point
         bool isSettled;   ///< false if no such offset leads to the point; the offset is then 0
+        Point3 away;      ///< from the position without offset to the point
     };
     ContinuedPlace continued(LimitPlace place, const stencils::Levels& levels,
                              const Eigen::Vector3d& point, double maxOffset) const;

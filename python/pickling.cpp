@@ -242,7 +242,7 @@ py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
     const auto stateOf = [&](std::size_t axis) {
         return stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients.tables[axis])));
     };
-    const auto& [spacing, patches, places] = gradients.splines;
+    const auto& [spacing, patches, places, weights] = gradients.splines;
     std::vector<double> coordinates;
     std::vector<Index> patchOf;
     for (const auto& place : places) {
@@ -251,18 +251,23 @@ py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
     }
     std::vector<Index> vertices;
     for (const auto& patch : patches) vertices.insert(vertices.end(), patch.begin(), patch.end());
+    std::vector<double> weightsAndSlopes;
+    for (const auto& [value, slope] : weights) {
+        weightsAndSlopes.push_back(value);
+        weightsAndSlopes.insert(weightsAndSlopes.end(), slope.begin(), slope.end());
+    }
     return py::make_tuple(stateOf(0), stateOf(1), stateOf(2), spacing, copyOf(vertices),
-                          copyOf(coordinates), copyOf(patchOf));
+                          copyOf(coordinates), copyOf(patchOf), copyOf(weightsAndSlopes));
 }
 
 std::optional<embed::Gradients> gradientsOfState(const py::handle& state) {
     if (state.is_none()) return std::nullopt;
     const auto parts = state.cast<py::tuple>();
-    requireState(parts.size() == 7);
+    requireState(parts.size() == 8);
     embed::Gradients gradients;
     for (std::size_t axis = 0; axis < 3; ++axis)
         gradients.tables[axis] = std::move(*tableOfState(parts[axis]));
-    auto& [spacing, patches, places] = gradients.splines;
+    auto& [spacing, patches, places, weights] = gradients.splines;
     spacing = parts[3].cast<double>();
     const auto vertices = numbersOf<std::vector<Index>>(parts[4]);
     requireState(vertices.size() % 64 == 0);
@@ -275,6 +280,13 @@ std::optional<embed::Gradients> gradientsOfState(const py::handle& state) {
     for (std::size_t i = 0; i < places.size(); ++i)
         places[i] = {{coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]},
                      patchOf[i]};
+    const auto weightsAndSlopes = numbersOf<std::vector<double>>(parts[7]);
+    requireState(weightsAndSlopes.size() % 4 == 0);
+    weights.resize(weightsAndSlopes.size() / 4);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double* const numbers = &weightsAndSlopes[4 * i];
+        weights[i] = {numbers[0], {numbers[1], numbers[2], numbers[3]}};
+    }
     return gradients;
 }
 
@@ -303,7 +315,7 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     binding.points = toPoints(state[3], "points", binding.table.rowCount());
     binding.rest = toPoints(state[4], "rest", binding.table.columnCount());
     for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[5])) {
-        requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotConverged));
+        requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotBound));
         binding.statuses.push_back(static_cast<embed::PointStatus>(status));
     }
     binding.gradients = gradientsOfState(state[6]);

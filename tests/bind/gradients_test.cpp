@@ -45,15 +45,6 @@ std::vector<Point3> scattered(const Lattice& lattice, std::size_t count, double 
     return points;
 }
 
-/// A smooth pose that is far from affine.
-std::vector<Point3> bent(const Lattice& lattice) {
-    std::vector<Point3> pose = lattice.positions;
-    for (Point3& p : pose)
-        p = {p[0] + 0.3 * std::sin(2 * p[1]), p[1] - 0.2 * p[0] * p[2],
-             p[2] + 0.3 * std::cos(p[0] + p[1])};
-    return pose;
-}
-
 Binding withGradients(const Lattice& lattice, std::span<const Point3> points, const Target& target,
                       const BindOptions& options = kCarried) {
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
@@ -132,7 +123,7 @@ TEST(Gradients, DoNotDependOnTheUnit) {
                 return positions;
             };
             Lattice lattice = evenBox();
-            const auto pose = scaled(bent(lattice));
+            const auto pose = scaled(test::bent(lattice));
             lattice.positions = scaled(lattice.positions);
             return osd::evaluateGradients(withGradients(lattice, scaled(points), target), pose);
         };
@@ -153,7 +144,7 @@ TEST(Gradients, EqualTheJacobiansOfTheCellsOfALevel) {
     for (const auto& [name, lattice] : test::zoo()) {
         const auto points = scattered(lattice, 200, 0);
         const Binding binding = withGradients(lattice, points, Level{kLevel});
-        const auto pose = bent(lattice);
+        const auto pose = test::bent(lattice);
         const auto gradients = osd::evaluateGradients(binding, pose);
 
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
@@ -207,7 +198,7 @@ TEST(Gradients, AreTheDerivativeOfTheDeformation) {
                 if (k > 0) points.back()[std::size_t(k - 1) / 2] += k % 2 == 0 ? kStep : -kStep;
             }
         const Binding binding = withGradients(lattice, points, target);
-        const auto pose = bent(lattice);
+        const auto pose = test::bent(lattice);
         const auto moved = osd::evaluateBinding(binding, pose);
         const auto gradients = osd::evaluateGradients(binding, pose);
         for (std::size_t i = 0; i < points.size(); i += 7)
@@ -233,7 +224,7 @@ TEST(Gradients, TablesEqualTheFormula) {
         EXPECT_GE(std::ranges::count_if(gradients.splines.places,
                                         [](const auto& place) { return place.patch != kMaxIndex; }),
                   100);
-        const auto pose = bent(lattice);
+        const auto pose = test::bent(lattice);
         const auto tables = embed::gradientTables(gradients, lattice.positions);
         const auto expected = osd::evaluateGradients(binding, pose);
         std::array<std::vector<Point3>, 3> columns;

@@ -37,7 +37,10 @@ BoundModel sample(bool hasGradients = false) {
                                             {-1. / 3, 1. / 3, 2, -2}),
              stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
              stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})},
-            {0.125, {patch}, {{{0.5, 0.25, 1. / 3}, 0}, {}, {}}}};
+            {0.125,
+             {patch},
+             {{{0.5, 0.25, 1. / 3}, 0}, {}, {}},
+             {{0.75, {1e-300, -2, 1. / 3}}, {0, {}}, {1, {}}}}};
     }
     model.faces = {{0, 1, 3, 3, 2, 1, 0}, {3, 7}};
     model.modelName = "bunny.obj";
@@ -62,7 +65,7 @@ std::string withChecksum(std::string bytes) {
 }
 
 // Places in the file of sample() without gradients.
-constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 12 * 8, kWeightsAt = kTableAt + 4 * 8,
+constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 13 * 8, kWeightsAt = kTableAt + 4 * 8,
                       kPointsAt = kWeightsAt + 3 * 8 + 3 * 4, kRestAt = kPointsAt + 3 * 24,
                       kStatusesAt = kRestAt + 4 * 24, kEndsAt = kStatusesAt + 3,
                       kCornersAt = kEndsAt + 2 * 8, kNameAt = kCornersAt + 7 * 4,
@@ -74,11 +77,12 @@ TEST(BindingFile, RoundTripIsExact) {
         writeBoundModel(folder / "a.espb", sample(hasGradients));
         expectEqual(readBoundModel(folder / "a.espb"), sample(hasGradients));
         const std::string bytes = readFile(folder / "a.espb");
-        EXPECT_EQ(bytes[8], 6) << "the version";
+        EXPECT_EQ(bytes[8], 7) << "the version";
         EXPECT_EQ(bytes[12], hasGradients);
-        // Three tables with 4 offsets each, and 6 entries; a spacing, a patch, three places.
+        // Three tables with 4 offsets each, and 6 entries; a spacing, a patch, three places
+        // with weights.
         constexpr std::size_t kTables = 3 * 4 * 8 + 6 * (8 + 4),
-                              kSplines = 8 + 64 * 4 + 3 * (3 * 8 + 4);
+                              kSplines = 8 + 64 * 4 + 3 * (3 * 8 + 4 + 4 * 8);
         EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? kTables + kSplines : 0));
     }
 }
@@ -186,18 +190,18 @@ TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
 
 TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
-    for (const int version : {1, 5, 7}) {
+    for (const int version : {1, 6, 8}) {
         std::string other = bytes;
         other[8] = char(version);
         expectRefused(other,
                       concat("is a bound model of version ", version,
-                             ", and this program reads version 6 only: bind the model again"));
+                             ", and this program reads version 7 only: bind the model again"));
     }
 }
 
 // A header that claims 10¹⁸ entries is refused before memory is allocated for them.
 TEST_P(DamagedBindingFile, HugeClaimedSizesAreRefused) {
-    for (std::size_t field = 0; field < 12; ++field) {
+    for (std::size_t field = 0; field < 13; ++field) {
         std::string damaged = bytes;
         damaged[kSizesAt + 8 * field + 7] = 0x0d;
         expectRefused(damaged, "its size is not what its header says");
@@ -237,10 +241,11 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
     const auto path = folder / "p.espb";
     writeBoundModel(path, sample(true));
     const std::string bytes = readFile(path);
-    // The places end before the points; the patches and the spacing are before the places.
-    constexpr std::size_t kEnd = kPointsAt + 3 * 4 * 8 + 6 * (8 + 4) + 8 + 64 * 4 + 3 * (3 * 8 + 4),
-                          kPatchOf = kEnd - 3 * 4, kPlaces = kPatchOf - 3 * 24,
-                          kPatch = kPlaces - 64 * 4;
+    // The weights end before the points; the places, the patches and the spacing are before them.
+    constexpr std::size_t kEnd = kPointsAt + 3 * 4 * 8 + 6 * (8 + 4) + 8 + 64 * 4 +
+                                 3 * (3 * 8 + 4 + 4 * 8),
+                          kWeights = kEnd - 3 * 4 * 8, kPatchOf = kWeights - 3 * 4,
+                          kPlaces = kPatchOf - 3 * 24, kPatch = kPlaces - 64 * 4;
     const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
         std::string damaged = bytes;
         storeNumber(damaged.data() + at, number, std::endian::little);
@@ -253,6 +258,8 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
     expectRefused(kPatch + 4 * 21, std::int32_t{4}, "has vertex 4 at its control point 21");
     expectRefused(kPatch, std::int32_t{0}, "has vertex 0 at its control point 0; expected none");
     expectRefused(kPatch - 8, -1.0, "a spacing of -1");
+    expectRefused(kWeights, 1.5, "the weight of point 0 is 1.5");
+    expectRefused(kWeights + 5 * 8, kNan, "the weight of point 1 is 0 with the slope nan 0 0");
 }
 
 INSTANTIATE_TEST_SUITE_P(BindingFile, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {
@@ -270,7 +277,7 @@ TEST(BindingFile, DamagedFacesAndStatusesAreRefused) {
         std::ofstream(path, std::ios::binary) << withChecksum(damaged);
         EXPECT_THAT(messageOf<FileError>([&] { readBoundModel(path); }), HasSubstr(why));
     };
-    expectRefused(kStatusesAt + 1, std::uint8_t{3}, "has the status 3 for point 1");
+    expectRefused(kStatusesAt + 1, std::uint8_t{4}, "has the status 4 for point 1");
     expectRefused(kEndsAt, std::int64_t{-1}, "ends face 0 of the lattice at corner -1");
     expectRefused(kEndsAt, std::int64_t{8}, "ends face 0 of the lattice at corner 8");
     expectRefused(kEndsAt + 8, std::int64_t{2}, "ends face 1 of the lattice at corner 2");

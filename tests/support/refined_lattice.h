@@ -6,6 +6,7 @@
 #include <espalier/stencils/composition.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -50,6 +51,15 @@ inline Eigen::Vector3d vec(const Point3& p) {
 
 inline Point3 toPoint(const Eigen::Vector3d& v) {
     return {v[0], v[1], v[2]};
+}
+
+/// A smooth pose that is far from affine.
+inline std::vector<Point3> bent(const Lattice& lattice) {
+    std::vector<Point3> pose = lattice.positions;
+    for (Point3& p : pose)
+        p = {p[0] + 0.3 * std::sin(2 * p[1]), p[1] - 0.2 * p[0] * p[2],
+             p[2] + 0.3 * std::cos(p[0] + p[1])};
+    return pose;
 }
 
 /// Returns random convex combinations of the vertices of random cells. Most of them are in their

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/bind/bind.h>
+
+#include <span>
+
+// How weights change the rows of a binding.
+namespace espalier::bind {
+
+/// Multiplies D by the weights of its points, and adds the slopes to the gradients. The rows of a
+/// point with the weight 0 become empty, and its status NotBound.
+/// \param weights one per point
+/// \cost O(entries), in parallel
+void applyWeights(std::span<const embed::PointWeight> weights, Binding& binding);
+
+/// Adds points that stay in place, with the status NotBound.
+/// \param binding its points have weights (applyWeights())
+/// \param numbers the numbers of its points among all, ascending
+void addKeptPoints(std::span<const Index> numbers, Index pointCount, Binding& binding);
+
+}  // namespace espalier::bind
