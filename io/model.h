@@ -148,6 +148,22 @@ struct DirectionCounts {
     std::size_t count() const { return normals + tangents + splats; }
 };
 
+/// Numbers of a file, one per point, that may say how far each point follows a lattice.
+struct PointAttribute {
+    /// As the file has it; for one number of several, with its number behind a colon: "COLOR_0:3".
+    std::string name;
+
+    /// Reads the numbers, one per point. The model must still exist.
+    /// \throws FileError if they are malformed
+    std::function<std::vector<double>()> read;
+};
+
+/// Points of a model that belong together: the points of the faces in a group.
+struct PointGroup {
+    std::string name;
+    std::vector<Index> points;  ///< ascending, each once
+};
+
 class ModelConversion;
 struct Format;
 
@@ -215,6 +231,17 @@ public:
     /// \throws FileError if a cell is malformed, or names a point that does not exist
     /// \cost one pass over the file, and far::VolumeMeshBuilder::build()
     virtual ModelVolume readVolume() const { return {}; }
+
+    /// Returns the numbers at the points that can be read: properties of a PLY, arrays of VTK's
+    /// point data, attributes of glTF, and the colours of an OBJ. Those that are stored as bytes or
+    /// fractions of colours are 0 to 1.
+    virtual std::vector<PointAttribute> attributes() const { return {}; }
+
+    /// Reads the groups, objects and materials of an OBJ, and the meshes, nodes and materials of
+    /// glTF, in the order of the file. Parts of one name are one group.
+    /// \throws FileError as readSurface()
+    /// \cost one pass over the file
+    virtual std::vector<PointGroup> readGroups() const { return {}; }
 
     /// Returns notes on parts of the file that were skipped, or are kept without being understood;
     /// none for most files. Each note is a phrase with a number: "kept 3 lines whose first word no

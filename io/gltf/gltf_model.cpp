@@ -15,6 +15,7 @@
 
 #include "../format.h"
 #include "../models/coordinates.h"
+#include "../models/point_data.h"
 #include "gltf_accessor.h"
 #include "gltf_file.h"
 #include "gltf_vectors.h"
@@ -132,6 +133,51 @@ public:
         return withJsonErrors(file_.path(), [&] { return surface(); });
     }
 
+    std::vector<PointAttribute> attributes() const override {
+        return withJsonErrors(file_.path(), [&] {
+            std::vector<PointAttribute> attributes;
+            std::set<std::string> names;
+            forEachPrimitive([&](const Json& primitive, const auto&) {
+                for (const auto& [name, index] : primitive["attributes"].items()) {
+                    if (name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
+                        name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+                        !names.insert(name).second)
+                        continue;
+                    const std::size_t components =
+                        accessorOf(file_, file_.needNumber(primitive["attributes"], name.c_str()))
+                            .components;
+                    addAttributes(name, components, attributes, [this, name = name, components] {
+                        return attribute(name, components);
+                    });
+                }
+            });
+            return attributes;
+        });
+    }
+
+    std::vector<PointGroup> readGroups() const override {
+        return withJsonErrors(file_.path(), [&] {
+            GroupBuilder groups;
+            for (const GltfDrawnMesh& drawn : scene_.meshes) {
+                std::vector<std::string> names = {
+                    GltfFile::text(file_.item("meshes", drawn.drawing.mesh), "name")};
+                for (const std::size_t node : drawn.drawing.nodes)
+                    names.push_back(GltfFile::text(file_.item("nodes", node), "name"));
+                forEachPrimitiveOf(drawn, [&](const Json& primitive, const auto& blocks) {
+                    std::vector<std::string> all = names;
+                    if (const auto material = file_.number(primitive, "material"))
+                        all.push_back(GltfFile::text(file_.item("materials", *material), "name"));
+                    for (const std::string& name : all)
+                        for (const GltfBlock* block : blocks)
+                            if (!name.empty())
+                                groups.add(name, static_cast<Index>(block->first),
+                                           static_cast<Index>(block->count));
+                });
+            }
+            return groups.finish();
+        });
+    }
+
     std::vector<std::string> notes() const override {
         std::vector<std::string> notes;
         const std::size_t meshCount = file_.list("meshes").size();
@@ -159,6 +205,50 @@ public:
     }
 
 private:
+    /// Calls f(primitive, blocks) for each primitive of a mesh that has points. The blocks are its
+    /// points, and the points of its morph targets.
+    template <class F>
+    void forEachPrimitiveOf(const GltfDrawnMesh& drawn, F f) const {
+        const Json& primitives = file_.item("meshes", drawn.drawing.mesh)["primitives"];
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            std::vector<const GltfBlock*> blocks = {&scene_.blocks[drawn.blocks[p]]};
+            if (blocks.front()->count == 0) continue;
+            for (const GltfUse& use : drawn.uses)
+                if (use.primitive == p && use.target &&
+                    scene_.vectors[use.vectors].kind == GltfVectorKind::Points)
+                    blocks.push_back(&scene_.blocks[scene_.vectors[use.vectors].block]);
+            f(primitives[p], blocks);
+        }
+    }
+    template <class F>
+    void forEachPrimitive(F f) const {
+        for (const GltfDrawnMesh& drawn : scene_.meshes) forEachPrimitiveOf(drawn, f);
+    }
+
+    /// Reads the numbers of an attribute: 0 where a primitive lacks it. Where primitives share
+    /// points, the largest number counts.
+    std::vector<double> attribute(const std::string& name, std::size_t components) const {
+        return withJsonErrors(file_.path(), [&] {
+            std::vector<double> values(components * scene_.positions.size());
+            forEachPrimitive([&](const Json& primitive, const auto& blocks) {
+                const auto index = file_.number(primitive["attributes"], name.c_str());
+                if (!index) return;
+                const std::vector<double> numbers = numbersOf(file_, *index);
+                for (const GltfBlock* block : blocks) {
+                    if (numbers.size() != components * block->count)
+                        file_.fail(concat("accessor ", *index, " has ", numbers.size(), " numbers ",
+                                          inQuotes(name), "; expected ", components,
+                                          " for each of ", block->count, " points"));
+                    for (std::size_t i = 0; i < numbers.size(); ++i) {
+                        double& value = values[components * block->first + i];
+                        value = std::max(value, numbers[i]);
+                    }
+                }
+            });
+            return values;
+        });
+    }
+
     /// Returns new points in the mesh. A point that has not moved keeps its numbers.
     std::vector<Point3> newPoints(const GltfVectors& vectors, std::span<const Point3> moved) const {
         const GltfBlock& block = scene_.blocks[vectors.block];

@@ -51,8 +51,10 @@ Lattice readLatticeOfMesh(const MeshFormat& format, const std::filesystem::path&
 /// The model of a format of meshes: all that is not a coordinate is kept byte for byte.
 template <const MeshFormat& format>
 inline constexpr FileModelFormat kMeshModel = {
-    format.readPoints, [](const FileView& file) { return readMeshSurface(format, file); },
-    [](const FileView& file) { return readMeshVolume(format, file); }, format.checkTarget};
+    .readNumbers = format.readPoints,
+    .readSurface = [](const FileView& file) { return readMeshSurface(format, file); },
+    .readVolume = [](const FileView& file) { return readMeshVolume(format, file); },
+    .checkTarget = format.checkTarget};
 
 /// Format::readModel and Format::readLattice of a format of meshes.
 template <const MeshFormat& format>

@@ -53,6 +53,13 @@ public:
     ModelVolume readVolume() const override {
         return functions_.readVolume ? functions_.readVolume(view()) : ModelVolume{};
     }
+    std::vector<PointAttribute> attributes() const override {
+        return functions_.attributes ? functions_.attributes(view())
+                                     : std::vector<PointAttribute>();
+    }
+    std::vector<PointGroup> readGroups() const override {
+        return functions_.readGroups ? functions_.readGroups(view()) : std::vector<PointGroup>();
+    }
 
 private:
     /// Throws the error of a point whose numbers in the file are not finite.

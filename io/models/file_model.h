@@ -72,6 +72,7 @@ struct FileNumbers {
 std::vector<Point3> normalsOf(const FileNumbers& numbers);
 
 /// A file that was read.
+/// It is valid as long as the model.
 struct FileView {
     const std::filesystem::path& path;
     std::string_view bytes;
@@ -88,6 +89,10 @@ struct FileModelFormat {
 
     /// Null if the format has no cells.
     ModelVolume (*readVolume)(const FileView& file) = nullptr;
+
+    /// Model::attributes() and Model::readGroups(); null if the format has none.
+    std::vector<PointAttribute> (*attributes)(const FileView& file) = nullptr;
+    std::vector<PointGroup> (*readGroups)(const FileView& file) = nullptr;
 
     /// Throws unless the numbers may be written to `target`; null if any name will do.
     void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;

@@ -26,6 +26,7 @@
 #include "../files/text_output.h"
 #include "file_model.h"
 #include "obj_statements.h"
+#include "point_data.h"
 #include "surface_writers.h"
 
 // Wavefront OBJ. Its points are the `v` statements, and its directions the `vn`
@@ -373,6 +374,13 @@ void nameOtherData(std::string_view keyword, ModelSurface& surface) {
     surface.addOther("statements", std::string(keyword));
 }
 
+/// Returns the words of a statement as one name, which may have spaces.
+std::string nameIn(ObjWords& words) {
+    std::string name(words.next());
+    for (auto word = words.next(); !word.empty(); word = words.next()) name += concat(" ", word);
+    return name;
+}
+
 /// Reads the surface of an OBJ, statement by statement.
 class SurfaceReader {
 public:
@@ -392,10 +400,7 @@ public:
             } else if (keyword == "f" || keyword == "fo") {
                 addFace(words, line);
             } else if (keyword == "usemtl") {
-                std::string name(words.next());  // a name may have spaces
-                for (auto word = words.next(); !word.empty(); word = words.next())
-                    name += concat(" ", word);
-                useMaterial(name);
+                useMaterial(nameIn(words));
             } else if (!keyword.empty()) {
                 nameOtherData(keyword, surface_);
             }
@@ -512,7 +517,59 @@ void writeObj(std::ostream& out, const FileView& file, std::span<const Point3> m
             .write(out, file.numbers.points.changeTo(moved));
 }
 
-constexpr FileModelFormat kObjModel = {readObjNumbers, readObjSurface, nullptr, nullptr, writeObj};
+/// Returns the colours of the points, if all have one.
+std::vector<PointAttribute> objAttributes(const FileView& file) {
+    constexpr const char* kNames[] = {"red", "green", "blue"};
+    if (readObjSurface(file).colors.empty()) return {};
+    std::vector<PointAttribute> attributes;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        attributes.push_back({kNames[channel], [file, channel] {
+                                  std::vector<double> values;
+                                  for (const auto& color : readObjSurface(file).colors)
+                                      values.push_back(color[channel]);
+                                  return values;
+                              }});
+    return attributes;
+}
+
+/// Reads the groups, objects and materials: the points of the faces, lines and point elements that
+/// follow their statement.
+std::vector<PointGroup> readObjGroups(const FileView& file) {
+    const std::size_t pointCount = file.numbers.points.values.size();
+    GroupBuilder groups;
+    CountsBefore before;
+    std::vector<std::string> ofGroups, ofObject, ofMaterial;
+    forEachObjStatement(file.path, file.bytes, [&](ObjWords& words, std::size_t) {
+        const std::string_view keyword = words.next();
+        if (keyword == "v") {
+            ++before.points;
+        } else if (keyword == "g") {
+            ofGroups.clear();
+            for (auto word = words.next(); !word.empty(); word = words.next())
+                ofGroups.emplace_back(word);
+        } else if (keyword == "o") {
+            ofObject = {nameIn(words)};
+        } else if (keyword == "usemtl") {
+            ofMaterial = {nameIn(words)};
+        } else if (keyword == "f" || keyword == "fo" || keyword == "l" || keyword == "p") {
+            for (auto word = words.next(); !word.empty(); word = words.next()) {
+                const auto point =
+                    referenceOf(word.substr(0, word.find('/')), before.points, pointCount);
+                if (!point) continue;
+                for (const auto* names : {&ofGroups, &ofObject, &ofMaterial})
+                    for (const std::string& name : *names)
+                        if (!name.empty()) groups.add(name, static_cast<Index>(point->index));
+            }
+        }
+    });
+    return groups.finish();
+}
+
+constexpr FileModelFormat kObjModel = {.readNumbers = readObjNumbers,
+                                       .readSurface = readObjSurface,
+                                       .attributes = objAttributes,
+                                       .readGroups = readObjGroups,
+                                       .write = writeObj};
 
 }  // namespace
 

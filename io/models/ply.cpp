@@ -29,8 +29,9 @@
 // error.
 //
 // Likewise scale_0 to scale_2, rot_0 to rot_3 and, if there are 9, 24 or 45 of them, f_rest_0,
-// f_rest_1, ... are a Gaussian splat (splats.h), in any order, of vertices without lists. Normals
-// of splats that are all 0, as most programs write them, are no normals.
+// f_rest_1, ... are a Gaussian splat (splats.h), in any order, if the vertices have no lists. Most
+// programs write the normal 0 0 0 for each splat. If all normals of splats are 0, they do not
+// count.
 //
 // The faces are the rows of the element `face`: its lists `vertex_indices` or `vertex_index`. The
 // same lists of the element `tristrips` are strips of triangles: a strip ends at -1 or with its
@@ -61,6 +62,12 @@ bool isCornerList(const PlyProperty& property) {
            (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
+/// A property of the vertices, and its numbers.
+struct PlyColumn {
+    std::size_t column;
+    std::vector<double> values;
+};
+
 /// Reads the rows of all elements, and collects the points and directions.
 class RowReader {
     static constexpr std::int64_t kEndOfStrip = -1;
@@ -68,12 +75,14 @@ class RowReader {
 public:
     /// \param path, bytes, header must outlive the reader
     /// \param faces receives the faces; may be null
+    /// \param wanted receives a property of the points; may be null
     RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
-              ModelFaces* faces)
+              ModelFaces* faces, PlyColumn* wanted)
         : path_(path),
           bytes_(bytes),
           header_(header),
           faces_(faces),
+          wanted_(wanted),
           slots_(header.vertices().properties.size()) {
         numbers_.directions.resize(header.directions.size());
         setSlots(header.axes, numbers_.points);
@@ -134,6 +143,13 @@ protected:
         return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
     }
 
+    /// Returns true if a column of the current element is wanted.
+    bool isWanted(std::size_t column) const {
+        return isVertex_ && wanted_ && wanted_->column == column;
+    }
+
+    void addWanted(double value) { wanted_->values.push_back(value); }
+
     /// Remembers where the current row begins, if it has a splat.
     void beginRow(std::size_t offset) {
         if (isVertex_ && !numbers_.splats.rows.empty()) numbers_.splats.rows[row_] = offset;
@@ -192,6 +208,7 @@ private:
 
     FileNumbers numbers_;
     ModelFaces* faces_;
+    PlyColumn* wanted_;
     std::vector<Slot> slots_;  ///< one for each column of the vertices
     bool isVertex_ = false;
     bool isFace_ = false;
@@ -202,8 +219,8 @@ private:
 class AsciiRows final : public RowReader {
 public:
     AsciiRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
-              ModelFaces* faces)
-        : RowReader(path, bytes, header, faces),
+              ModelFaces* faces, PlyColumn* wanted)
+        : RowReader(path, bytes, header, faces, wanted),
           lines_(path, bytes.substr(header.size), header.lineCount + 1) {}
 
 private:
@@ -227,6 +244,7 @@ private:
         for (std::size_t column = 0; column < element.properties.size(); ++column) {
             const PlyProperty& property = element.properties[column];
             if (column > 0) word = needWord(line, property);
+            if (isWanted(column)) addWanted(parseReal(word, Precision::Double));
             if (property.lengthType)
                 readList(line, word, property);
             else if (const Slot* slot = slotOf(column))
@@ -283,8 +301,10 @@ private:
 class BinaryRows final : public RowReader {
 public:
     BinaryRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
-               ModelFaces* faces)
-        : RowReader(path, bytes, header, faces), at_(header.size), order_(header.byteOrder()) {}
+               ModelFaces* faces, PlyColumn* wanted)
+        : RowReader(path, bytes, header, faces, wanted),
+          at_(header.size),
+          order_(header.byteOrder()) {}
 
 private:
     [[noreturn]] void fail(const std::string& cause) const {
@@ -309,12 +329,13 @@ private:
         for (std::size_t column = 0; column < element.properties.size(); ++column) {
             const PlyProperty& property = element.properties[column];
             const std::size_t size = byteSize(property.type);
-            if (property.lengthType)
+            if (property.lengthType) {
                 readList(property);
-            else if (const Slot* slot = slotOf(column))
-                readReal(*slot, take(1, size, property));
-            else
-                take(1, size, property);
+                continue;
+            }
+            const std::size_t at = take(1, size, property);
+            if (isWanted(column)) addWanted(load(at, property.type));
+            if (const Slot* slot = slotOf(column)) readReal(*slot, at);
         }
     }
 
@@ -353,6 +374,13 @@ private:
         endFace();
     }
 
+    double load(std::size_t at, NumberType type) const {
+        if (isInteger(type))
+            return static_cast<double>(loadInteger(bytes_.data() + at, type, order_));
+        return loadReal(bytes_, at,
+                        type == NumberType::Float32 ? Precision::Float : Precision::Double, order_);
+    }
+
     void readReal(const Slot& slot, std::size_t at) {
         set(slot, loadReal(bytes_, at, slot.precision(), order_), at);
     }
@@ -367,12 +395,15 @@ private:
 /// \param path for messages
 /// \param bytes the whole file
 /// \param faces receives the faces; may be null
+/// \param wanted receives a property of the points; may be null
 /// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
 ///         than the header claims, if a row is malformed, or if a position is not finite
 FileNumbers readPlyRows(const std::filesystem::path& path, std::string_view bytes,
-                        const PlyHeader& header, ModelFaces* faces = nullptr) {
-    if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header, faces).read();
-    return BinaryRows(path, bytes, header, faces).read();
+                        const PlyHeader& header, ModelFaces* faces = nullptr,
+                        PlyColumn* wanted = nullptr) {
+    if (header.format == PlyFormat::Ascii)
+        return AsciiRows(path, bytes, header, faces, wanted).read();
+    return BinaryRows(path, bytes, header, faces, wanted).read();
 }
 
 bool isZero(const FileVectors& vectors) {
@@ -391,6 +422,22 @@ FileNumbers readPlyNumbers(const std::filesystem::path& path, std::string_view b
                                                                  "a PLY has"));
     if (!numbers.splats.rows.empty()) std::erase_if(numbers.directions, isZero);
     return numbers;
+}
+
+/// Returns true for a colour that is stored as a byte.
+bool isColorByte(const PlyProperty& property) {
+    constexpr std::string_view kColors[] = {"red", "green", "blue", "alpha"};
+    return property.type == NumberType::UInt8 && std::ranges::count(kColors, property.name) > 0;
+}
+
+/// Reads one property of the points. Bytes of colours become 0 to 1.
+std::vector<double> readPlyProperty(const FileView& file, std::size_t column) {
+    const PlyHeader header = parsePlyHeader(file.path, file.bytes);
+    PlyColumn numbers{column, {}};
+    readPlyRows(file.path, file.bytes, header, nullptr, &numbers);
+    if (isColorByte(header.vertices().properties[column]))
+        for (double& value : numbers.values) value /= 255;
+    return std::move(numbers.values);
 }
 
 /// Names the data of an element that are neither points, faces nor normals.
@@ -429,7 +476,20 @@ ModelSurface readPlySurface(const FileView& file) {
     return surface;
 }
 
-constexpr FileModelFormat kPlyModel = {readPlyNumbers, readPlySurface};
+std::vector<PointAttribute> plyAttributes(const FileView& file) {
+    const PlyHeader header = parsePlyHeader(file.path, file.bytes);
+    const auto& properties = header.vertices().properties;
+    std::vector<PointAttribute> attributes;
+    for (std::size_t column = 0; column < properties.size(); ++column) {
+        if (properties[column].lengthType || std::ranges::count(header.axes, column) > 0) continue;
+        attributes.push_back(
+            {properties[column].name, [file, column] { return readPlyProperty(file, column); }});
+    }
+    return attributes;
+}
+
+constexpr FileModelFormat kPlyModel = {
+    .readNumbers = readPlyNumbers, .readSurface = readPlySurface, .attributes = plyAttributes};
 
 }  // namespace
 

@@ -309,8 +309,8 @@ void writeStl(std::ostream& out, const FileView& file, std::span<const Point3> m
     (file.numbers.order ? writeBinary : writeText)(out, file, moved);
 }
 
-constexpr FileModelFormat kStlModel = {readStlNumbers, readStlModelSurface, nullptr, nullptr,
-                                       writeStl};
+constexpr FileModelFormat kStlModel = {
+    .readNumbers = readStlNumbers, .readSurface = readStlModelSurface, .write = writeStl};
 
 }  // namespace
 

@@ -14,6 +14,7 @@
 #include "../lattices/lattice_parts.h"
 #include "../meshes/volume_cells.h"
 #include "../models/file_model.h"
+#include "../models/point_data.h"
 #include "vtk_cells.h"
 #include "vtk_legacy_parts.h"
 #include "vtk_surface_writers.h"
@@ -245,6 +246,55 @@ private:
     LegacyCells cells_;
 };
 
+/// Finds the arrays of the point data, and reads one of them.
+class LegacyArrayReader final : public LegacyParts {
+public:
+    LegacyArrayReader(const std::filesystem::path& path, std::string_view bytes)
+        : LegacyParts(path, bytes) {}
+
+    /// Returns the arrays of numbers.
+    std::vector<LegacyArray> read() {
+        readParts();
+        return std::move(arrays_);
+    }
+
+    /// Returns the numbers of an array.
+    std::vector<double> read(std::size_t number) {
+        wanted_ = number;
+        readParts();
+        return std::move(values_);
+    }
+
+private:
+    void beginDataSet(const std::string&) override {}
+    void beginData(LegacyArray::Owner, std::size_t) override {}
+    void readRows(const std::string&) override { data().skipRows(); }
+    void readPoints(std::size_t count, const std::string& type) override {
+        data().skipValues(type, saturatingProduct(3, count), "a coordinate");
+        pointCount_ = count;
+    }
+    void readCellTypes(std::size_t count) override {
+        data().skipValues("int", count, "a cell type");
+    }
+
+    void readArray(const LegacyArray& array) override {
+        constexpr const char* kNumber = "a number";
+        const bool isOfPoints = array.owner == LegacyArray::Owner::Points &&
+                                array.tuples == pointCount_ && array.components > 0 &&
+                                numberOfLegacyName(array.type).has_value();
+        if (isOfPoints) arrays_.push_back(array);
+        if (isOfPoints && wanted_ == arrays_.size() - 1)
+            values_ = data().numbers<double>(array.type, array.size(), kNumber);
+        else
+            data().skipValues(array.type, array.size(), kNumber);
+    }
+
+    std::size_t pointCount_ = 0;
+    std::vector<LegacyArray> arrays_;
+    std::optional<std::size_t> wanted_;
+    std::vector<double> values_;
+};
+
 FileNumbers readLegacyNumbers(const std::filesystem::path& path, std::string_view bytes) {
     return LegacyVectorReader(path, bytes).read();
 }
@@ -262,7 +312,20 @@ ModelVolume readLegacyVolume(const FileView& file) {
     return withPathInErrors(file.path, [&] { return volume.finish(file.numbers.points.values); });
 }
 
-constexpr FileModelFormat kLegacyModel = {readLegacyNumbers, readLegacySurface, readLegacyVolume};
+std::vector<PointAttribute> legacyAttributes(const FileView& file) {
+    std::vector<PointAttribute> attributes;
+    const auto arrays = LegacyArrayReader(file.path, file.bytes).read();
+    for (std::size_t number = 0; number < arrays.size(); ++number)
+        addAttributes(arrays[number].name, arrays[number].components, attributes, [file, number] {
+            return LegacyArrayReader(file.path, file.bytes).read(number);
+        });
+    return attributes;
+}
+
+constexpr FileModelFormat kLegacyModel = {.readNumbers = readLegacyNumbers,
+                                          .readSurface = readLegacySurface,
+                                          .readVolume = readLegacyVolume,
+                                          .attributes = legacyAttributes};
 
 }  // namespace
 

@@ -15,6 +15,7 @@
 #include "../meshes/volume_cells.h"
 #include "../models/coordinates.h"
 #include "../models/held_points.h"
+#include "../models/point_data.h"
 #include "vtk_cells.h"
 #include "vtk_surface_writers.h"
 #include "vtk_xml.h"
@@ -165,6 +166,23 @@ public:
         return withPathInErrors(file_.path(), [&] { return volume.finish(positions_); });
     }
 
+    std::vector<PointAttribute> attributes() const override {
+        std::vector<PointAttribute> attributes;
+        if (arrays_.empty()) return attributes;
+        for (const VtkPiece& piece : file_.pieces()) {
+            if (file_.count(piece, "NumberOfPoints") == 0) continue;
+            const auto section = piece.sections.find("PointData");
+            if (section == piece.sections.end()) break;
+            // The first piece with points has the arrays that all pieces have.
+            for (const VtkDataArray& array : section->second.arrays)
+                if (array.type)
+                    addAttributes(array.name, array.components, attributes,
+                                  [this, first = &array] { return pointData(*first); });
+            break;
+        }
+        return attributes;
+    }
+
     CoordinateStorage storage() const override {
         CoordinateStorage storage = CoordinateStorage::Double;
         for (const PointArray& each : arrays_) {
@@ -209,6 +227,24 @@ private:
         }
         if (std::ranges::count(haveNormals, false) > 0) normals.clear();
         return normals;
+    }
+
+    /// Reads an array of the point data of all pieces.
+    /// \param first the array of the first piece
+    std::vector<double> pointData(const VtkDataArray& first) const {
+        std::vector<double> values;
+        for (const VtkPiece& piece : file_.pieces()) {
+            const std::size_t count = file_.count(piece, "NumberOfPoints");
+            if (count == 0) continue;
+            const VtkDataArray& array = file_.array(file_.section(piece, "PointData"), first.name);
+            if (array.components != first.components)
+                file_.fail(array.line,
+                           concat("the array ", inQuotes(array.name), " has ", array.components,
+                                  " components, and ", first.components, " in another piece"));
+            const auto ofPiece = file_.reals(array, count);
+            values.insert(values.end(), ofPiece.begin(), ofPiece.end());
+        }
+        return values;
     }
 
     /// Names all arrays but the points and the first normals.

@@ -2,7 +2,7 @@
 // Files of glTF 2.0 as models. The files are made here, number by number, and read again by a
 // reader of this test, which knows nothing of io/gltf.
 #include <espalier/io/files/base64.h>
-#include <espalier/io/model.h>
+#include <espalier/io/model_part.h>
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
 
@@ -771,6 +771,41 @@ TEST(Gltf, ANewFileFarFromTheOriginKeepsItsPrecision) {
                   .root["nodes"][0]
                   .contains("translation"),
               false);
+}
+
+// A box of two meshes: the first has a number of its own and colours in bytes, and a morph target;
+// the second has neither, and counts as 0.
+TEST(Gltf, AttributesAreNumbersOfThePoints) {
+    auto sample = triangle({{"name", "left"}});
+    json& first = sample.root["meshes"][0]["primitives"][0];
+    first["attributes"]["_BEND"] = sample.add(std::vector<float>{0, 0.5F, 1}, "SCALAR");
+    first["attributes"]["COLOR_0"] = sample.add(
+        std::vector<std::uint8_t>{0, 51, 255, 255, 1, 2, 3, 4, 255, 0, 0, 0}, "VEC4", 5121);
+    sample.root["accessors"].back()["normalized"] = true;
+    first["targets"] = json::array({{{"POSITION", sample.add(std::vector<float>(9, 1.0F))}}});
+    first["material"] = 0;
+    sample.root["materials"] = {{{"name", "skin"}}};
+    sample.root["meshes"][0]["name"] = "arm";
+    sample.root["meshes"].push_back(
+        {{"name", "hand"},
+         {"primitives", {{{"attributes", {{"POSITION", sample.add(kGltfCorners)}}}}}}});
+    sample.root["nodes"].push_back({{"mesh", 1}, {"name", "left"}});
+    sample.root["scenes"][0]["nodes"] = {0, 1};
+    const auto model = readModel("a.gltf", sample.text());
+    EXPECT_EQ(
+        namesOf(model->attributes()),
+        (std::vector<std::string>{"COLOR_0:0", "COLOR_0:1", "COLOR_0:2", "COLOR_0:3", "_BEND"}));
+    // Three points of the mesh, three of its target, three of the other mesh.
+    EXPECT_EQ(numbersOf("a.gltf", *model, "_BEND"),
+              (std::vector<double>{0, 0.5, 1, 0, 0.5, 1, 0, 0, 0}));
+    EXPECT_EQ(numbersOf("a.gltf", *model, "COLOR_0:1"),
+              (std::vector<double>{0.2, 2 / 255.0, 0, 0.2, 2 / 255.0, 0, 0, 0, 0}));
+    std::map<std::string, std::vector<Index>> groups;
+    for (const PointGroup& group : model->readGroups()) groups[group.name] = group.points;
+    const std::vector<Index> firstSix = {0, 1, 2, 3, 4, 5}, all = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+    EXPECT_EQ(groups,
+              (std::map<std::string, std::vector<Index>>{
+                  {"arm", firstSix}, {"skin", firstSix}, {"left", all}, {"hand", {6, 7, 8}}}));
 }
 
 }  // namespace

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/model_part.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace espalier::io {
+namespace {
+
+/// Returns the item of a name.
+/// \param kind for messages: "attribute"
+/// \throws FileError that lists the names
+template <class Item>
+const Item& find(const std::filesystem::path& path, const std::vector<Item>& items,
+                 const std::string& name, const char* kind) {
+    const auto found = std::ranges::find(items, name, &Item::name);
+    if (found != items.end()) return *found;
+    constexpr std::size_t kMaxNames = 20;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(items.size(), kMaxNames); ++i)
+        names += concat(i == 0 ? "" : ", ", inQuotes(items[i].name));
+    if (items.size() > kMaxNames) names += concat(" and ", items.size() - kMaxNames, " more");
+    throw FileError(path, concat("has no ", kind, " ", inQuotes(name), " of points; ",
+                                 items.empty() ? "there are none" : "it has " + names));
+}
+
+}  // namespace
+
+std::vector<double> numbersOf(const std::filesystem::path& path, const Model& model,
+                              const std::string& name) {
+    const auto attributes = model.attributes();
+    auto numbers = find(path, attributes, name, "attribute").read();
+    if (const std::size_t count = model.positions().size(); numbers.size() != count)
+        throw FileError(path, concat("has ", numbers.size(), " numbers ", inQuotes(name), " for ",
+                                     count, " points"));
+    return numbers;
+}
+
+bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& model,
+                             const ModelPart& part, bool needSlopes) {
+    bind::PointWeights weights;
+    if (part.isWhole()) return weights;
+    const auto points = model.positions();
+    if (part.weights.empty()) {
+        weights.values.assign(points.size(), 1);
+    } else {
+        weights.values = numbersOf(path, model, part.weights);
+        const auto wrong = std::ranges::find_if(
+            weights.values, [](double value) { return !(value >= 0 && value <= 1); });
+        if (wrong != weights.values.end())
+            throw FileError(
+                path, concat("has ", inQuotes(part.weights), " = ", formatNumber(*wrong),
+                             " at point ", wrong - weights.values.begin(), "; weights are 0 to 1"));
+    }
+    if (!part.groups.empty()) {
+        const std::vector<PointGroup> groups = model.readGroups();
+        std::vector<bool> isIn(points.size());
+        for (const std::string& name : part.groups)
+            for (const Index point : find(path, groups, name, "group").points) isIn[point] = true;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (!isIn[i]) weights.values[i] = 0;
+    }
+    return needSlopes ? withSlopes(model, std::move(weights.values)) : weights;
+}
+
+bind::PointWeights withSlopes(const Model& model, std::vector<double> values) {
+    const ModelFaces faces = model.readSurface().faces;
+    bind::PointWeights weights{std::move(values), {}};
+    if (faces.count() > 0)
+        weights.slopes =
+            bind::slopesOnSurface(model.positions(), faces.corners, faces.ends, weights.values);
+    return weights;
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/bind/point_weights.h>
+#include <espalier/io/model.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace espalier::io {
+
+/// The part of a model that follows a lattice.
+struct ModelPart {
+    /// The name of a PointAttribute of 0 to 1, by which the displacement of each point is
+    /// multiplied; or empty.
+    std::string weights = {};
+
+    /// Names of groups (Model::readGroups()): the points in none of them stay. Or none, and the
+    /// part is the whole model.
+    std::vector<std::string> groups = {};
+
+    bool isWhole() const { return weights.empty() && groups.empty(); }
+};
+
+/// Returns the names of attributes or groups.
+template <class Items>
+std::vector<std::string> namesOf(const Items& items) {
+    std::vector<std::string> names;
+    for (const auto& item : items) names.push_back(item.name);
+    return names;
+}
+
+/// Reads an attribute of a model.
+/// \param path for messages
+/// \throws FileError if the model has no attribute of this name (lists those that it has)
+ESPALIER_API std::vector<double> numbersOf(const std::filesystem::path& path, const Model& model,
+                                           const std::string& name);
+
+/// Returns the weights of the points of a part for bind::BindOptions: the attribute, and 0 for the
+/// points in no group of the part. Nothing if the part is the whole model.
+///
+/// \param needSlopes makes the slopes, too, which normals need (withSlopes())
+/// \throws FileError if the model has no attribute or group of a name (lists those that it has), or
+///         a number of the attribute is not 0 to 1 (names the first such point); as readSurface()
+/// \cost some passes over the file
+ESPALIER_API bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& model,
+                                          const ModelPart& part, bool needSlopes);
+
+/// Returns weights with their slopes along the faces of the model; without, if it has no faces.
+/// \param values one weight per point
+/// \throws Error unless there is one for each point; FileError as readSurface()
+ESPALIER_API bind::PointWeights withSlopes(const Model& model, std::vector<double> values);
+
+}  // namespace espalier::io
