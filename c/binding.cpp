@@ -18,6 +18,7 @@ static_assert(static_cast<int>(embed::OutsidePolicy::Error) == ESPALIER_OUTSIDE_
 static_assert(static_cast<int>(embed::PointStatus::Inside) == ESPALIER_POINT_INSIDE);
 static_assert(static_cast<int>(embed::PointStatus::Outside) == ESPALIER_POINT_OUTSIDE);
 static_assert(static_cast<int>(embed::PointStatus::NotConverged) == ESPALIER_POINT_NOT_CONVERGED);
+static_assert(static_cast<int>(embed::PointStatus::NotBound) == ESPALIER_POINT_NOT_BOUND);
 static_assert(static_cast<int>(embed::Basis::BSpline) == ESPALIER_BASIS_BSPLINE);
 static_assert(sizeof(embed::PointStatus) == sizeof(std::uint8_t));
 
@@ -34,12 +35,27 @@ espalier_binding* newBinding(io::BoundModel model) {
     return new espalier_binding{std::make_shared<const io::BoundModel>(std::move(model))};
 }
 
+/// \param pointCount number of points
+bind::PointWeights weightsOf(const espalier_bind_options& chosen, std::size_t pointCount) {
+    bind::PointWeights weights;
+    const auto count = static_cast<std::int64_t>(pointCount);
+    if (chosen.weights != nullptr) {
+        const auto values = array(chosen.weights, count, "weights");
+        weights.values.assign(values.begin(), values.end());
+    }
+    if (chosen.weight_slopes != nullptr)
+        weights.slopes = positions(chosen.weight_slopes, count, "weight_slopes");
+    return weights;
+}
+
 espalier_binding* bindTo(const embed::RestLattice& lattice, std::span<const Point3> points,
                          const bind::Target& target, const espalier_bind_options& chosen) {
     io::BoundModel model{
         bind::bindPoints(lattice, points, target,
                          {.embedding = embeddingOptions(chosen),
-                          .gradients = choice(chosen.gradients, 1, "gradients") != 0}),
+                          .gradients = choice(chosen.gradients, 1, "gradients") != 0,
+                          .weights = weightsOf(chosen, points.size()),
+                          .falloff = chosen.falloff}),
         {},
         {},
         io::facesOf(lattice.base.level(0).complex)};

@@ -418,8 +418,9 @@ typedef struct espalier_table espalier_table;
 
 /// The arrays of a table in compressed sparse rows, the format of SciPy, Eigen and MKL. Row r has
 /// entries offsets[r] to offsets[r + 1] − 1. The columns of a row ascend, without duplicates. Every
-/// row sums to 1, except empty rows, which belong to points that no pose moves, and rows of
-/// derivatives, which sum to 0. A table that was read from a file has the rows of the file.
+/// row sums to 1, except empty rows, which belong to points that no pose moves, rows of points with
+/// weights (espalier_bind_options), which sum to the weight, and rows of derivatives, which sum to
+/// 0. A table that was read from a file has the rows of the file.
 typedef struct espalier_csr {
     int32_t row_count;
     int32_t column_count;
@@ -518,8 +519,9 @@ enum {
 enum {
     ESPALIER_POINT_INSIDE = 0,
     ESPALIER_POINT_OUTSIDE = 1,
-    ESPALIER_POINT_NOT_CONVERGED = 2  ///< the cell is degenerate, or a coordinate is not finite;
-                                      ///< the point stays in place
+    ESPALIER_POINT_NOT_CONVERGED = 2,  ///< the cell is degenerate, or a coordinate is not finite;
+                                       ///< the point stays in place
+    ESPALIER_POINT_NOT_BOUND = 3       ///< the weight of the point is 0; it stays in place
 };
 
 /// Options of binding. Start from espalier_default_bind_options(), and change fields.
@@ -535,6 +537,12 @@ typedef struct espalier_bind_options {
                              ///< the level (limit/limit_binding.h); 1e-6 is usual
     int32_t gradients;  ///< 1 makes the gradients too, for espalier_binding_gradients(); the limit
                         ///< is then met within 1e-12; default 0
+    const double* weights;        ///< how far each point follows: a number of 0 to 1 for each point
+                                  ///< (bind/point_weights.h); default null: all follow fully
+    const double* weight_slopes;  ///< the derivatives of the weights by the points, for the
+                                  ///< gradients: three numbers for each point; default null: 0
+    double falloff;  ///< above 0: points outside follow as under ESPALIER_OUTSIDE_NEAREST, with a
+                     ///< weight that falls from 1 at the lattice to 0 at this distance; default 0
 } espalier_bind_options;
 
 static inline espalier_bind_options espalier_default_bind_options(void) {
@@ -545,6 +553,9 @@ static inline espalier_bind_options espalier_default_bind_options(void) {
     options.tolerance = 1e-6;
     options.limit_tolerance = 0;
     options.gradients = 0;
+    options.weights = NULL;
+    options.weight_slopes = NULL;
+    options.falloff = 0;
     return options;
 }
 
@@ -559,7 +570,8 @@ typedef struct espalier_binding espalier_binding;
 /// \param points 3 · point_count numbers
 /// \param options null for the defaults
 /// \retval ESPALIER_ERROR_INPUT a position of the lattice is not finite; options are out of range;
-///         under ESPALIER_OUTSIDE_REFUSE, a point is not inside: the message names the first
+///         under ESPALIER_OUTSIDE_REFUSE, a point is not inside: the message names the first;
+///         under it, there is a falloff; a weight is not 0 to 1, or a slope is not finite
 /// \cost O(points · (level + log cells)), and memory for D, with 64 entries for each point in
 ///       regular regions. The limit costs about as much as level 5.
 ESPALIER_C_API espalier_status espalier_binding_create(const espalier_refiner* refiner,

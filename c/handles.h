@@ -70,7 +70,7 @@ inline void checkNoLimit(const espalier_bind_options& chosen, const char* reason
 }
 
 /// Returns the given options, or the defaults, for a table of a level.
-/// \throws ArgumentError if the options ask for the limit, with the reason, or for gradients
+/// \throws Error if the options ask for the limit, with the reason, for gradients or for weights
 inline espalier_bind_options levelBindOptions(const espalier_bind_options* options,
                                               const char* reason) {
     const espalier_bind_options chosen = bindOptions(options);
@@ -78,6 +78,10 @@ inline espalier_bind_options levelBindOptions(const espalier_bind_options* optio
     if (chosen.gradients != 0)
         throw ArgumentError("", "gradients", std::to_string(chosen.gradients),
                             "0, since only bindings have gradients");
+    if (chosen.weights != nullptr || chosen.weight_slopes != nullptr || chosen.falloff != 0)
+        throw Error(
+            "weights, weight_slopes and falloff: expected null and 0, since only bindings "
+            "have weights");
     return chosen;
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements espalier_model.h.
 #include <espalier/base/lazy.h>
-#include <espalier/io/model.h>
+#include <espalier/io/model_part.h>
 #include <espalier/io/read_notes.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -21,9 +22,17 @@ struct espalier_model {
         std::vector<std::int32_t> corners;
     };
 
+    /// Names as C takes them.
+    struct Names {
+        std::vector<std::string> texts;
+        std::vector<const char*> pointers;
+    };
+
     std::unique_ptr<io::Model> model;
+    std::string name;  ///< of the file, for messages
     std::string notes;
-    mutable Lazy<Faces> faces = {};  ///< read on the first request
+    mutable Lazy<Faces> faces = {};  ///< read on the first request, as are the names
+    mutable Lazy<Names> attributes = {}, groups = {};
 };
 
 namespace espalier::c {
@@ -31,7 +40,7 @@ namespace {
 
 espalier_model* modelOf(const char* name, std::unique_ptr<io::Model> model) {
     std::string notes = io::describe(name, *model);
-    return new espalier_model{std::move(model), std::move(notes)};
+    return new espalier_model{std::move(model), name, std::move(notes)};
 }
 
 espalier_model::Faces readFaces(const io::Model& model) {
@@ -42,6 +51,21 @@ espalier_model::Faces readFaces(const io::Model& model) {
     for (const std::size_t end : read.ends) faces.offsets.push_back(std::int64_t(end));
     faces.corners = std::move(read.corners);
     return faces;
+}
+
+/// Gives the names of items.
+template <class Items>
+espalier_model::Names namesOf(const Items& items) {
+    espalier_model::Names names;
+    names.texts = io::namesOf(items);
+    for (const std::string& text : names.texts) names.pointers.push_back(text.c_str());
+    return names;
+}
+
+void give(const espalier_model::Names& names, std::int32_t* count, const char* const** pointers) {
+    auto& outCount = deref(count, "count");
+    deref(pointers, "names") = names.pointers.data();
+    outCount = static_cast<std::int32_t>(names.pointers.size());
 }
 
 }  // namespace
@@ -94,6 +118,57 @@ espalier_status espalier_model_has_directions(const espalier_model* model,
 
 espalier_status espalier_model_notes(const espalier_model* model, const char** notes) {
     return c::result(notes, "notes", [&] { return c::deref(model, "model").notes.c_str(); });
+}
+
+espalier_status espalier_model_attributes(const espalier_model* model, int32_t* count,
+                                          const char* const** names) {
+    return c::guarded([&] {
+        const auto& own = c::deref(model, "model");
+        c::give(own.attributes.get([&] { return c::namesOf(own.model->attributes()); }), count,
+                names);
+    });
+}
+
+espalier_status espalier_model_groups(const espalier_model* model, int32_t* count,
+                                      const char* const** names) {
+    return c::guarded([&] {
+        const auto& own = c::deref(model, "model");
+        c::give(own.groups.get([&] { return c::namesOf(own.model->readGroups()); }), count, names);
+    });
+}
+
+espalier_status espalier_model_weights(const espalier_model* model, const char* attribute,
+                                       int32_t group_count, const char* const* groups,
+                                       int32_t point_count, double* weights) {
+    return c::guarded([&] {
+        const auto& own = c::deref(model, "model");
+        c::checkCount(point_count, std::ssize(own.model->positions()), "points");
+        const auto result = c::array(weights, point_count, "weights");
+        io::ModelPart part;
+        if (attribute != nullptr) part.weights = attribute;
+        for (const char* const group : c::array(groups, group_count, "groups"))
+            part.groups.emplace_back(&c::deref(group, "groups"));
+        const auto values = io::weightsOf(own.name, *own.model, part, false).values;
+        if (values.empty())
+            std::fill(result.begin(), result.end(), 1);
+        else
+            std::ranges::copy(values, result.begin());
+    });
+}
+
+espalier_status espalier_model_weight_slopes(const espalier_model* model, int32_t point_count,
+                                             const double* weights, double* slopes) {
+    return c::guarded([&] {
+        const io::Model& own = *c::deref(model, "model").model;
+        c::checkCount(point_count, std::ssize(own.positions()), "points");
+        const auto values = c::array(weights, point_count, "weights");
+        const auto result = c::array(slopes, point_count, "slopes", 3);
+        const auto found = io::withSlopes(own, {values.begin(), values.end()}).slopes;
+        if (found.empty())
+            std::fill(result.begin(), result.end(), 0);
+        else
+            std::memcpy(result.data(), found.data(), found.size() * sizeof(Point3));
+    });
 }
 
 espalier_status espalier_model_write(const espalier_model* model, const char* path,

@@ -185,7 +185,7 @@ void runBench(const BenchOptions& options) {
     const auto model = readModel(options.model, options.common, stages);
     const Lattice lattice = readLattice(options.rest, stages);
     checkRange(options, lattice);
-    const bind::Binding bound = bindModel(options, model->positions(), lattice, stages);
+    const bind::Binding bound = bindModel(options, *model, lattice, stages);
     auto factors = bindInFactors(options, model->positions(), lattice, stages);
     const BenchTables tables = prepare(bound.table, std::move(factors), stages);
     std::vector<int> threadCounts = {1};

@@ -101,22 +101,70 @@ void checkBasis(const BindOptions& options) {
             throw CLI::ValidationError(option->get_name(), "works with --basis subdivision only");
 }
 
-bind::Binding bindModel(const BindOptions& options, std::span<const Point3> points,
-                        const Lattice& lattice, Stages& stages, bool hasGradients) {
+void addPartOptions(CLI::App& command, BindOptions& options) {
+    command
+        .add_option("--weights", options.part.weights,
+                    "Multiply the displacement of each point by a number of 0 to 1 that MODEL has "
+                    "for it: a property of a PLY, an array of VTK's point data (NAME, or NAME:0 "
+                    "for the first of several numbers), an attribute of glTF, or the red, green "
+                    "or blue of an OBJ. espalier info lists them")
+        ->type_name("NAME");
+    command
+        .add_option("--only", options.part.groups,
+                    "Move only the points of these parts of MODEL: groups, objects and materials "
+                    "of an OBJ; meshes, nodes and materials of glTF. espalier info lists them")
+        ->allow_extra_args(false)
+        ->type_name("GROUP");
+    command
+        .add_option_function<double>(
+            "--falloff",
+            [&options](double radius) {
+                options.falloff = radius;
+                options.common.embedding.outside = embed::OutsidePolicy::Nearest;
+            },
+            "Let points outside the lattice follow it with a weight that falls smoothly from 1 at "
+            "the lattice to 0 at the distance R, in the units of the model")
+        ->check(aboveZero())
+        ->type_name("R")
+        ->excludes(command.get_option("--outside"));
+}
+
+bind::Binding bindPoints(const BindOptions& options, std::span<const Point3> points,
+                         const Lattice& lattice, Stages& stages, bool hasGradients,
+                         bind::PointWeights weights) {
     warnOfFoldsAtRest(options, lattice);
     return stages.run("binding", [&] {
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
-        const auto bindPoints = [&] {
+        const auto bind = [&] {
             return bind::bindPoints({base, lattice.positions}, points, targetOf(options),
                                     {.embedding = options.common.embedding,
                                      .gradients = hasGradients,
+                                     .weights = std::move(weights),
+                                     .falloff = options.falloff,
                                      .progress = progressOf(stages, points.size())});
         };
         // A basis has demands on the lattice: the errors name its file.
-        bind::Binding binding = options.basis ? ofFile(options.rest, bindPoints) : bindPoints();
+        bind::Binding binding = options.basis ? ofFile(options.rest, bind) : bind();
         stages.addBytes(bytesOf(binding.table));
         return binding;
     });
+}
+
+bind::Binding bindModel(const BindOptions& options, const io::Model& model, const Lattice& lattice,
+                        Stages& stages, bool hasGradients) {
+    bind::PointWeights weights;
+    if (!options.part.isWhole())
+        weights = stages.run("weighting", [&] {
+            return io::weightsOf(options.model, model, options.part, hasGradients);
+        });
+    const bool lacksSlopes = hasGradients && !weights.values.empty() && weights.slopes.empty();
+    if (lacksSlopes && !options.common.quiet)
+        printError(fmt::format("note: {} has no faces, so the normals, tangents and splats of its "
+                               "{} points turn as if the weights around each point were the same",
+                               printable(options.model), model.positions().size())
+                       .c_str());
+    return bindPoints(options, model.positions(), lattice, stages, hasGradients,
+                      std::move(weights));
 }
 
 void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& options) {

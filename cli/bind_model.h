@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/bind/bind.h>
+#include <espalier/io/model_part.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -24,6 +25,8 @@ struct BindOptions {
     std::optional<embed::Basis> basis;  ///< nothing for subdivision
     int level = 3;
     bool limit = false;                       ///< bind to the limit volume instead of a level
+    io::ModelPart part;                       ///< the part of the model that follows
+    double falloff = 0;                       ///< see bind::BindOptions::falloff
     std::vector<CLI::Option*> ofSubdivision;  ///< the options that need --basis subdivision
 };
 
@@ -36,6 +39,9 @@ void addBasisOptions(CLI::App& command, BindOptions& options);
 /// Adds -n and the options of refinement, basis and embedding to a command.
 void addBindingOptions(CLI::App& command, BindOptions& options);
 
+/// Adds --weights, --only and --falloff to a command.
+void addPartOptions(CLI::App& command, BindOptions& options);
+
 /// Refuses options that the chosen basis cannot use.
 /// \throws CLI::ValidationError
 void checkBasis(const BindOptions& options);
@@ -43,8 +49,13 @@ void checkBasis(const BindOptions& options);
 /// Binds points to a lattice that was read from options.rest, in the stage "binding". Errors in the
 /// lattice name its file.
 /// \param hasGradients whether the binding gets its gradients
-bind::Binding bindModel(const BindOptions& options, std::span<const Point3> points,
-                        const Lattice& lattice, Stages& stages, bool hasGradients = false);
+bind::Binding bindPoints(const BindOptions& options, std::span<const Point3> points,
+                         const Lattice& lattice, Stages& stages, bool hasGradients = false,
+                         bind::PointWeights weights = {});
+
+/// Does the same for the points of a model, with the weights of options.part.
+bind::Binding bindModel(const BindOptions& options, const io::Model& model, const Lattice& lattice,
+                        Stages& stages, bool hasGradients = false);
 
 /// Prints a warning to standard error if points stay in place because they are outside the lattice:
 /// the parts of a model that move may come apart from them. Prints nothing if the command line has

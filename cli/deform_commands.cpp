@@ -265,7 +265,7 @@ void runDeform(const DeformOptions& options) {
     const Lattice rest = readLattice(options.rest, stages);
     const auto poses = readPoses(options.poses, rest, options.rest, stages);
     const bind::Binding binding =
-        bindModel(options, model->positions(), rest, stages, asksForDirections(*model, options));
+        bindModel(options, *model, rest, stages, asksForDirections(*model, options));
     const bool isChecked =
         !options.common.quiet || options.mesh.noInverted || options.mesh.largestStep;
     std::optional<MeshCheck> check;
@@ -306,8 +306,7 @@ void runBind(const DeformOptions& options) {
                                                           "hold finite points only; use espalier "
                                                           "deform"));
     const Lattice rest = readLattice(options.rest, stages);
-    file.binding =
-        bindModel(options, model->positions(), rest, stages, asksForDirections(*model, options));
+    file.binding = bindModel(options, *model, rest, stages, asksForDirections(*model, options));
     file.faces = io::facesOf(rest.complex);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
@@ -388,6 +387,7 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(deform, deformOptions);
     addPosesAndOutput(deform, deformOptions);
     addBindingOptions(deform, deformOptions);
+    addPartOptions(deform, deformOptions);
     addKeepNormals(deform, deformOptions);
     addMeshOptions(deform, deformOptions.mesh);
     addRunAndReport(deform, deformOptions);
@@ -398,6 +398,7 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(bind, bindOptions);
     addOutputOption(bind, bindOptions.output, "The bound model: .espb")->required();
     addBindingOptions(bind, bindOptions);
+    addPartOptions(bind, bindOptions);
     addKeepNormals(bind, bindOptions);
     addRunAndReport(bind, bindOptions);
 

@@ -321,7 +321,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind,
             heldRows.push_back(row->second);
         }
     }
-    auto bound = bindModel(bind, points, lattice, stages);
+    auto bound = bindPoints(bind, points, lattice, stages);
     const auto carried = carriedTargets(options, bound, pointTargets);
     stencils::StencilTable<double>& table = bound.table;
     FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};

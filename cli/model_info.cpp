@@ -3,6 +3,7 @@
 
 #include <espalier/base/disjoint_sets.h>
 #include <espalier/base/printable.h>
+#include <espalier/io/model_part.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -87,6 +88,17 @@ std::string endText(const BoundingBox& box, const Point3& end) {
     return fmt::format("{:.{}g}, {:.{}g}, {:.{}g}", end[0], digits, end[1], digits, end[2], digits);
 }
 
+/// Returns a line with names; nothing if there are none.
+std::string namesText(const char* label, const std::vector<std::string>& names) {
+    if (names.empty()) return {};
+    constexpr std::size_t kMaxNames = 12;
+    std::string text = fmt::format("{:<11}", label);
+    for (std::size_t i = 0; i < std::min(names.size(), kMaxNames); ++i)
+        text += (i == 0 ? " " : ", ") + printable(names[i]);
+    if (names.size() > kMaxNames) text += fmt::format(" and {} more", names.size() - kMaxNames);
+    return text + "\n";
+}
+
 }  // namespace
 
 std::string boundsText(const BoundingBox& box) {
@@ -111,6 +123,8 @@ nlohmann::json reportModel(const std::string& path, const io::Model& model) {
                              {"bounds", {box.min, box.max}},
                              {"size", box.size()},
                              {"diagonal", box.diagonal()},
+                             {"attributes", io::namesOf(model.attributes())},
+                             {"groups", io::namesOf(model.readGroups())},
                              {"notes", model.notes()},
                              {"precision", nameOf(model.storage())}};
     if (model.extension() == ".stl") {
@@ -140,7 +154,10 @@ std::string modelText(const nlohmann::json& report) {
                                 count("nonmanifold_edges"));
     }
     text += boundsText({report["bounds"][0].get<Point3>(), report["bounds"][1].get<Point3>()});
-    return text + fmt::format("precision   {}\n", report["precision"].get<std::string>());
+    text += fmt::format("precision   {}\n", report["precision"].get<std::string>());
+    for (const char* key : {"attributes", "groups"})
+        text += namesText(key, report[key].get<std::vector<std::string>>());
+    return text;
 }
 
 }  // namespace espalier::cli

@@ -25,6 +25,8 @@ std::string boundsText(const BoundingBox& box);
 ///                      edges in three or more faces
 ///     bounds, size, diagonal
 ///                      the box around the points, with sides parallel to the axes
+///     attributes, groups
+///                      names for --weights and --only
 ///     notes            phrases on parts of the file that are not understood; usually none
 ///     precision        how the file stores coordinates: "text", "float", "double" or "integer"
 nlohmann::json reportModel(const std::string& path, const io::Model& model);

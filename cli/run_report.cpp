@@ -62,7 +62,8 @@ OrderedJson toJson(const RunReport& report) {
         OrderedJson::object();  // If memory runs out later, null would be left broken.
     json["points"] = {{"inside", report.binding.count(PointStatus::Inside)},
                       {"outside", report.binding.count(PointStatus::Outside)},
-                      {"not_converged", report.binding.count(PointStatus::NotConverged)}};
+                      {"not_converged", report.binding.count(PointStatus::NotConverged)},
+                      {"not_bound", report.binding.count(PointStatus::NotBound)}};
     json["largest_residual"] = report.binding.largestResidual;
     json["kept"] = table.emptyRows().size();
     json["directions"] =
@@ -84,10 +85,13 @@ void printText(const RunReport& report) {
     const auto printLine = [&](const char* label, const std::string& text) {
         fmt::print("{:<{}} {}\n", label, width, text);
     };
-    printLine("points", fmt::format("{} inside the lattice, {} outside, {} could not be placed",
-                                    report.binding.count(PointStatus::Inside),
-                                    report.binding.count(PointStatus::Outside),
-                                    report.binding.count(PointStatus::NotConverged)));
+    std::string points = fmt::format("{} inside the lattice, {} outside, {} could not be placed",
+                                     report.binding.count(PointStatus::Inside),
+                                     report.binding.count(PointStatus::Outside),
+                                     report.binding.count(PointStatus::NotConverged));
+    if (const Index count = report.binding.count(PointStatus::NotBound); count > 0)
+        points += fmt::format(", {} with the weight 0", count);
+    printLine("points", points);
     if (kept > 0)
         printLine("left in place",
                   fmt::format("{} {}, whatever the pose", kept, kept == 1 ? "point" : "points"));

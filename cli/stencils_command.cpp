@@ -21,7 +21,7 @@ namespace {
 
 struct StencilsOptions : LatticeOptions {
     std::string points;
-    BindOptions bind;  ///< the command uses --basis and --limit only
+    BindOptions bind;  ///< the command uses --basis, --limit and the part of the model only
     bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;
@@ -75,6 +75,7 @@ std::string nameOfD(const StencilsOptions& options) {
 BindOptions bindOptions(const StencilsOptions& options) {
     BindOptions bind = options.bind;
     bind.common = options.common;
+    bind.model = options.points;
     bind.rest = options.lattice;
     bind.level = options.level;
     return bind;
@@ -85,7 +86,7 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
     const auto model = readModel(options.points, options.common, stages);
     const Lattice lattice = readLattice(options.lattice, stages);
     bind::Binding bound =
-        bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
+        bindModel(bindOptions(options), *model, lattice, stages, options.gradients);
     warnOfPointsOutside(bound, options.common);
     embed::GradientTables gradients;
     if (bound.gradients) gradients = embed::gradientTables(*bound.gradients, bound.rest);
@@ -185,6 +186,7 @@ void addStencilsCommand(CLI::App& program) {
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
     addBasisOptions(command, options.bind);
     addEmbeddingOptions(command, options.common);
+    addPartOptions(command, options.bind);
     command.add_flag(
         "--gradients", options.gradients,
         "Also write the gradients of D, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "

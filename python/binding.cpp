@@ -5,6 +5,7 @@
 #include <espalier/bind/bind.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/model_part.h>
 #include <espalier/io/pose_file.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <pybind11/stl.h>
@@ -27,36 +28,72 @@ namespace {
 
 using BoundPointer = std::shared_ptr<BoundPoints>;
 
+std::vector<double> toWeights(const ArrayLike& object, std::size_t count) {
+    const auto array = realArray<double>(object, "weights");
+    if (array.ndim() != 1 || array.shape(0) != static_cast<py::ssize_t>(count))
+        throw Error(concat("weights: expected an array of shape (", count, ",)"));
+    return {array.data(), array.data() + count};
+}
+
+/// Returns the weights of a part of a model.
+/// \param weights None, a name or an array
+bind::PointWeights weightsOf(const ModelFile& file, const py::object& weights,
+                             const std::vector<std::string>& only, bool needSlopes) {
+    io::ModelPart part{{}, only};
+    std::vector<double> given;
+    if (py::isinstance<py::str>(weights))
+        part.weights = weights.cast<std::string>();
+    else if (!weights.is_none())
+        given = toWeights(weights, file.model->positions().size());
+    return withoutGil([&] {
+        auto values = io::weightsOf(file.name, *file.model, part, false).values;
+        if (values.empty())
+            values = given;
+        else
+            for (std::size_t i = 0; i < given.size(); ++i) values[i] *= given[i];
+        if (values.empty() || !needSlopes) return bind::PointWeights{std::move(values), {}};
+        return io::withSlopes(*file.model, std::move(values));
+    });
+}
+
 BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,
                   const std::string& outside, double tolerance, const std::string& basis,
-                  bool limit, std::optional<bool> gradients) {
+                  bool limit, std::optional<bool> gradients, const py::object& weights,
+                  const std::vector<std::string>& only, double falloff) {
     const auto refiner = refinerOf(lattice);
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
-    const auto weights = chosen(embed::kBasisWords, "basis", basis);
-    if (limit && weights)
+    const auto functions = chosen(embed::kBasisWords, "basis", basis);
+    if (limit && functions)
         throw Error("limit: expected False with the basis \"" + basis +
                     "\", which has no levels and no limit");
     auto result = std::make_shared<BoundPoints>();
     std::vector<Point3> atRest;
     bool hasDirections = false;
+    bind::PointWeights pointWeights;
     if (py::isinstance<ModelFile>(points)) {
         const auto& file = points.cast<const ModelFile&>();
         hasDirections = file.model->hasDirections();
         atRest = pointsOf(file);
         result->bound.modelName = file.name;
         result->bound.modelBytes = file.bytes;
+        pointWeights = weightsOf(file, weights, only, gradients.value_or(hasDirections));
     } else {
         atRest = toPoints(points, "points");
+        if (py::isinstance<py::str>(weights) || !only.empty())
+            throw Error("weights, only: names need a Model; for points give an array of weights");
+        if (!weights.is_none()) pointWeights.values = toWeights(weights, atRest.size());
     }
     bind::Target target = bind::Level{level};
-    if (weights) target = *weights;
+    if (functions) target = *functions;
     if (limit) target = bind::Limit{tolerance};
     withoutGil([&] {
         const Lattice& rest = *refiner->lattice();
-        result->bound.binding = bind::bindPoints(
-            {refiner->base(), rest.positions}, atRest, target,
-            {.embedding = options, .gradients = gradients.value_or(hasDirections)});
+        result->bound.binding = bind::bindPoints({refiner->base(), rest.positions}, atRest, target,
+                                                 {.embedding = options,
+                                                  .gradients = gradients.value_or(hasDirections),
+                                                  .weights = std::move(pointWeights),
+                                                  .falloff = falloff});
         result->bound.faces = io::facesOf(rest.complex);
     });
     return result;
@@ -146,16 +183,17 @@ void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
         .def_property_readonly(
             "kept",
             [](const BoundPoints& self) { return toArray(self.binding().table.emptyRows()); },
-            "The points that stay where they are in every pose, since they are outside the lattice "
-            "or could not be placed; their rows of D are empty. New array (K,) of int32, "
+            "The points that stay where they are in every pose, since they are outside the "
+            "lattice, could not be placed or have the weight 0; their rows of D are empty. New "
+            "array (K,) of int32, "
             "ascending.")
         .def_property_readonly(
             "statuses",
             [](const py::object& self) {
                 return viewOf(bytesOf(self.cast<const BoundPoints&>().binding().statuses), self);
             },
-            "Whether each point is inside the lattice, outside, or could not be placed: array (N,) "
-            "of uint8, with the values of PointStatus.")
+            "Whether each point is inside the lattice, outside, could not be placed, or has the "
+            "weight 0: array (N,) of uint8, with the values of PointStatus.")
         .def_property_readonly(
             "largest_residual",
             [](const BoundPoints& self) { return self.binding().largestResidual; },
@@ -170,7 +208,8 @@ std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& sta
     static_assert(sizeof(PointStatus) == sizeof(std::uint8_t) &&
                   static_cast<int>(PointStatus::Inside) == 0 &&
                   static_cast<int>(PointStatus::Outside) == 1 &&
-                  static_cast<int>(PointStatus::NotConverged) == 2);
+                  static_cast<int>(PointStatus::NotConverged) == 2 &&
+                  static_cast<int>(PointStatus::NotBound) == 3);
     return {reinterpret_cast<const std::uint8_t*>(statuses.data()), statuses.size()};
 }
 
@@ -188,7 +227,9 @@ the lattice. Made by bind() and load_binding(). Any number of threads may use it
             "Number of points, and number of lattice vertices: tuple of 2 int.")
         .def_property_readonly(
             "table", [](const Shared<BoundPoints>& self) { return tableIn(self); },
-            "D as a StencilTable. A row sums to 1; it is empty for a point in `kept`.")
+            "D as a StencilTable. A row sums to the weight of its point, usually 1; it is empty "
+            "for a "
+            "point in `kept`.")
         .def_property_readonly(
             "matrix", [](const Shared<BoundPoints>& self) { return csrOf(tableIn(self)); },
             "D as a scipy.sparse.csr_matrix (N, V) over the same memory: see StencilTable.csr(). "
@@ -243,7 +284,8 @@ Precision, compiling and rounding are as in deform().
     addPickling(type, &stateOfBinding, &bindingOfState);
     module.def("bind", &bind, "lattice"_a, "points"_a, "level"_a = 3, py::kw_only(),
                "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision",
-               "limit"_a = false, "gradients"_a = py::none(), R"(
+               "limit"_a = false, "gradients"_a = py::none(), "weights"_a = py::none(),
+               "only"_a = std::vector<std::string>(), "falloff"_a = 0.0, R"(
 Binds points to a level of a lattice at rest, or to its limit. Returns a Binding.
 
 lattice   : Lattice, or Refiner where the rules are not the usual ones
@@ -260,6 +302,12 @@ limit     : whether to bind to the limit of refinement instead of a level. The t
             0.1, is then also how close to the limit points are placed
 gradients : whether to prepare Binding.gradients(), by which normals, tangents and splats turn: bool.
             Default: if `points` is a Model that has normals, tangents or splats
+weights   : how far each point follows the lattice, 0 to 1: array (N,); or, for a Model, the name of one
+            of its Model.attributes. Gradients use how the weights change along the faces of a Model.
+            Default: all points follow fully
+only      : names of Model.groups: the points in none of them stay. Default: no point stays
+falloff   : above 0, points outside the lattice follow with the nearest cell, with a weight that falls
+            smoothly from 1 at the lattice to 0 at this distance
 )");
     module.def(
         "load_binding",

@@ -4,6 +4,7 @@
 #include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/formats.h>
+#include <espalier/io/model_part.h>
 #include <espalier/io/read_notes.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -83,6 +84,26 @@ byte for byte, unless it is written in another format. Made by read_model().
             "notes", [](const ModelFile& self) { return self.model->notes(); },
             "Phrases on parts of the file that are skipped, or kept without being understood: list "
             "of str, usually empty.")
+        .def_property_readonly(
+            "attributes",
+            [](const ModelFile& self) { return io::namesOf(self.model->attributes()); },
+            "Names of the numbers at the points that attribute() reads and bind() takes as "
+            "weights: list of str. \"NAME:0\" is the first of several numbers.")
+        .def_property_readonly(
+            "groups",
+            [](const ModelFile& self) {
+                return io::namesOf(withoutGil([&] { return self.model->readGroups(); }));
+            },
+            "Names of the groups, objects and materials of an OBJ, and of the meshes, nodes and "
+            "materials of glTF: list of str, for bind().")
+        .def(
+            "attribute",
+            [](const ModelFile& self, const std::string& name) {
+                const auto values =
+                    withoutGil([&] { return io::numbersOf(self.name, *self.model, name); });
+                return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
+            },
+            "name"_a, "Returns the numbers of one of the attributes: array (N,) of float64.")
         .def_property_readonly("name", &nameOf, "Name of the file, without folders: str.")
         .def(
             "write",

@@ -77,6 +77,7 @@ class PointStatus(enum.IntEnum):
     INSIDE = 0  # in a cell, in a gap between two cells, or within the tolerance
     OUTSIDE = 1  # outside the region that the cells fill
     NOT_CONVERGED = 2  # could not be placed: its cell is degenerate, or a coordinate is not finite
+    NOT_BOUND = 3  # its weight is 0
 
 
 def compare(lattice, level=3):

@@ -166,6 +166,11 @@ class Model:
     @property
     def notes(self) -> list[str]: ...
     @property
+    def attributes(self) -> list[str]: ...
+    @property
+    def groups(self) -> list[str]: ...
+    def attribute(self, name: str) -> _Floats: ...
+    @property
     def name(self) -> str: ...
     def write(
         self, path: _Path, positions: ArrayLike, gradients: ArrayLike | None = None
@@ -175,6 +180,7 @@ class PointStatus(enum.IntEnum):
     INSIDE = 0
     OUTSIDE = 1
     NOT_CONVERGED = 2
+    NOT_BOUND = 3
 
 class Binding:
     @property
@@ -322,6 +328,9 @@ def bind(
     basis: Literal["subdivision", "bezier", "bspline"] = "subdivision",
     limit: bool = False,
     gradients: bool | None = None,
+    weights: ArrayLike | str | None = None,
+    only: Sequence[str] = ...,
+    falloff: float = 0.0,
 ) -> Binding: ...
 def carry_normals(gradients: ArrayLike, normals: ArrayLike) -> _Floats: ...
 def carry_tangents(gradients: ArrayLike, tangents: ArrayLike) -> _Floats: ...

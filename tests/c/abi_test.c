@@ -30,7 +30,7 @@ static_assert(ESPALIER_SMOOTHING_NONE == 0 && ESPALIER_SMOOTHING_TIKHONOV == 1 &
 static_assert(ESPALIER_UNDETERMINED_SMALLEST == 0 && ESPALIER_UNDETERMINED_REFUSE == 1,
               "undetermined");
 static_assert(ESPALIER_POINT_INSIDE == 0 && ESPALIER_POINT_OUTSIDE == 1 &&
-                  ESPALIER_POINT_NOT_CONVERGED == 2,
+                  ESPALIER_POINT_NOT_CONVERGED == 2 && ESPALIER_POINT_NOT_BOUND == 3,
               "points");
 
 static_assert(ESPALIER_BASIS_BEZIER == 0 && ESPALIER_BASIS_BSPLINE == 1, "bases");
@@ -65,6 +65,7 @@ IS_AT(espalier_bind_options, outside, sizeof(size_t) + 4);
 IS_AT(espalier_bind_options, tolerance, sizeof(size_t) + 8);
 IS_AT(espalier_bind_options, limit_tolerance, sizeof(size_t) + 16);
 IS_AT(espalier_bind_options, gradients, sizeof(size_t) + 24);
+IS_AT(espalier_bind_options, falloff, sizeof(espalier_bind_options) - 8);
 
 IS_AT(espalier_fit_options, size, 0);
 IS_AT(espalier_fit_options, smoothing, sizeof(size_t));

@@ -380,6 +380,66 @@ static void test_gradients_that_are_missing(void) {
     tear_down(&f);
 }
 
+/* The displacements are those of full weights, times the weights. */
+static void test_weights(void) {
+    fixture f = set_up();
+    espalier_bind_options options = espalier_default_bind_options();
+    options.level = 1;
+    double weights[POINTS], slopes[3 * POINTS], full[3 * POINTS], moved[3 * POINTS];
+    for (int i = 0; i < POINTS; ++i) weights[i] = i % 3 * 0.5;
+    for (int i = 0; i < 3 * POINTS; ++i) slopes[i] = 0.25;
+    espalier_binding* binding = NULL;
+    apply(f.binding, f.pose, full);
+    options.weights = weights;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &binding));
+    apply(binding, f.pose, moved);
+    const uint8_t* statuses = NULL;
+    int32_t count = 0;
+    OK(espalier_binding_statuses(binding, &count, &statuses));
+    for (int i = 0; i < 3 * POINTS; ++i) {
+        const double expected = points[i] + weights[i / 3] * (full[i] - points[i]);
+        CHECK(fabs(moved[i] - expected) < 1e-14); /* rounding */
+        CHECK((statuses[i / 3] == ESPALIER_POINT_NOT_BOUND) == (weights[i / 3] == 0));
+    }
+    espalier_binding_destroy(binding);
+    /* F = 1 + w (F of full weights - 1) + d slopes^T. */
+    double gradients[9 * POINTS], ofFull[9 * POINTS];
+    options.gradients = 1;
+    options.weight_slopes = slopes;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &binding));
+    OK(espalier_binding_gradients(binding, BOX_VERTICES, f.pose, POINTS, gradients));
+    espalier_binding_destroy(binding);
+    options.weights = options.weight_slopes = NULL;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &binding));
+    OK(espalier_binding_gradients(binding, BOX_VERTICES, f.pose, POINTS, ofFull));
+    espalier_binding_destroy(binding);
+    for (int i = 0; i < 9 * POINTS; ++i) {
+        const int point = i / 9, row = i % 9 / 3, column = i % 3;
+        const double one = row == column, d = full[3 * point + row] - points[3 * point + row];
+        const double expected =
+            weights[point] == 0 ? one : one + weights[point] * (ofFull[i] - one) + 0.25 * d;
+        CHECK(fabs(gradients[i] - expected) < 1e-13); /* rounding */
+    }
+    /* Only bindings have weights. */
+    espalier_table* table = NULL;
+    options.falloff = 0.5;
+    espalier_table* own = NULL;
+    OK(espalier_binding_table(f.binding, &own));
+    double* child_pose = malloc(sizeof f.rest[0] * 3 * BOX_VERTICES);
+    CHECK(child_pose);
+    memcpy(child_pose, f.rest, sizeof f.rest[0] * 3 * BOX_VERTICES);
+    options.gradients = 0;
+    INVALID(espalier_table_create_nested(own, BOX_VERTICES, child_pose, f.refiner, BOX_VERTICES,
+                                         f.rest, &options, &table),
+            "falloff");
+    free(child_pose);
+    espalier_table_destroy(own);
+    tear_down(&f);
+}
+
 /* Programs that were compiled with the options of an earlier version still bind to the level. */
 static void test_options_of_an_earlier_version(void) {
     fixture f = set_up();
@@ -428,6 +488,7 @@ int main(int count, char** arguments) {
     test_gradients_of_an_affine_pose();
     test_gradients_are_difference_quotients();
     test_gradients_that_are_missing();
+    test_weights();
     test_options_of_an_earlier_version();
     test_binding_ignores_levels_of_the_refiner();
     return 0;

@@ -535,7 +535,12 @@ static void test_models(void) {
     }
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
-        if (n != count) REFUSES(espalier_model_write(model, "none.obj", n, points, NULL));
+        if (n == count) continue;
+        double weights[4], slopes[12];
+        REFUSES(espalier_model_write(model, "none.obj", n, points, NULL));
+        REFUSES(espalier_model_weights(model, NULL, 0, NULL, n, weights));
+        if (n != 0) REFUSES(espalier_model_weights(model, NULL, n, NULL, count, weights));
+        REFUSES(espalier_model_weight_slopes(model, n, weights, slopes));
     }
     espalier_model_destroy(model);
 }

@@ -86,6 +86,44 @@ static void test_reading(const char* path) {
     espalier_model_destroy(NULL);
 }
 
+/* The names of the attributes and groups of a model, and the weights of a part of it. */
+static void test_parts(void) {
+    static const char text[] =
+        "v 0 0 0 1 0 0\nv 1 0 0 0.5 0 0\nv 1 1 0 0.25 0 0\nv 0 1 0 0 0 0\n"
+        "g a\nf 1 2 3\ng b\nf 1 3 4\n";
+    espalier_model* model = NULL;
+    OK(espalier_model_read_bytes("two.obj", sizeof text - 1, text, &model));
+    int32_t count = 0;
+    const char* const* names = NULL;
+    OK(espalier_model_attributes(model, &count, &names));
+    CHECK(count == 3 && strcmp(names[0], "red") == 0 && strcmp(names[2], "blue") == 0);
+    OK(espalier_model_groups(model, &count, &names));
+    CHECK(count == 2 && strcmp(names[0], "a") == 0 && strcmp(names[1], "b") == 0);
+    INVALID(espalier_model_groups(model, NULL, &names), "count");
+    INVALID(espalier_model_attributes(model, &count, NULL), "names");
+    double weights[4], slopes[12];
+    OK(espalier_model_weights(model, NULL, 0, NULL, 4, weights));
+    CHECK(weights[0] == 1 && weights[3] == 1);
+    OK(espalier_model_weights(model, "red", 1, names, 4, weights));
+    CHECK(weights[0] == 1 && weights[1] == 0.5 && weights[2] == 0.25 && weights[3] == 0);
+    /* Point 1 is in the first triangle only: the weight falls by 0.5 along x and 0.25 along y. */
+    OK(espalier_model_weight_slopes(model, 4, weights, slopes));
+    CHECK(slopes[3] == -0.5 && slopes[4] == -0.25 && slopes[5] == 0);
+    const char* const wrong[] = {"a", "c"};
+    REFUSED(espalier_model_weights(model, NULL, 2, wrong, 4, weights), ESPALIER_ERROR_FILE,
+            "has no group 'c' of points; it has 'a', 'b'");
+    REFUSED(espalier_model_weights(model, "bend", 0, NULL, 4, weights), ESPALIER_ERROR_FILE,
+            "two.obj: has no attribute 'bend'");
+    INVALID(espalier_model_weights(model, NULL, 0, NULL, 3, weights), "4");
+    INVALID(espalier_model_weights(model, NULL, 1, NULL, 4, weights), "groups is null");
+    INVALID(espalier_model_weight_slopes(model, 4, NULL, slopes), "weights is null");
+    espalier_model_destroy(model);
+    model = tetrahedron();
+    OK(espalier_model_attributes(model, &count, &names));
+    CHECK(count == 0);
+    espalier_model_destroy(model);
+}
+
 /* Grows a cell on a cube and removes it again. */
 static void test_editing(void) {
     espalier_lattice *cube = NULL, *two = NULL, *with_tip = NULL, *one = NULL;
@@ -170,6 +208,7 @@ int main(int argc, char** argv) {
     char path[1000];
     snprintf(path, sizeof path, "%s/model.obj", argv[1]);
     test_reading(path);
+    test_parts();
     test_editing();
     return 0;
 }

@@ -221,6 +221,19 @@ static void test_bindings(void) {
     FINITE(positions[5], "the position of lattice vertex 1 is not finite", BIND);
     FINITE(bind.tolerance, "tolerance: expected a finite number of 0 or more", BIND);
     FINITE(bind.limit_tolerance, "limit_tolerance: expected", BIND);
+    FINITE(bind.falloff, "falloff: expected a finite distance of 0 or more", BIND);
+    double weights[2] = {1, 0.5}, slopes[6] = {0};
+    bind.weights = weights;
+    bind.weight_slopes = slopes;
+    FINITE(weights[1], "the weight of point 1 is ", BIND);
+    FINITE(slopes[3], "the slope of the weight of point 1 is not finite", BIND);
+    bind.weights = bind.weight_slopes = NULL;
+    /* Slopes of weights that are not finite are not finite: binding refuses them, as above. */
+    static const char two[] = "v 0 0 0\nv 1 0 0\n";
+    espalier_model* model = NULL;
+    OK(espalier_model_read_bytes("two.obj", sizeof two - 1, two, &model));
+    OK(espalier_model_weight_slopes(model, 2, weights, slopes));
+    espalier_model_destroy(model);
     FINITE(bind.tolerance, "tolerance: expected",
            espalier_binding_create_tensor(lattice, 0, 2, points, &bind, &binding));
     /* A point that is not finite stays where it is, and its status says so. */

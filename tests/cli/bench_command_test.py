@@ -88,7 +88,7 @@ class Bench(CliTest):
 
     def test_every_row_is_there(self):
         report = self.report("-n", 2)
-        self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0})
+        self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0, "not_bound": 0})
         self.assertIn(report["kernels"], ["baseline", "avx2", "avx512"])
         threads = self.check(report)
         # On one core, and in a build without oneTBB, there is only one thread.

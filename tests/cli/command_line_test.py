@@ -54,7 +54,7 @@ class Numbers(EveryCommand):
             words = form.split("|")[-1].split() if "|" in form and form[0].isupper() else form.split()
             words = [word.split(":")[0] for word in words if not word.startswith(("to", "and", "at"))]
             numbers = [i for i, word in enumerate(words) if re.fullmatch("[A-Z][A-Z0-9]*", word)
-                       and word not in ("TEXT", "DIRECTION", "SIZE", "KIND", "AXIS")]
+                       and word not in ("TEXT", "DIRECTION", "SIZE", "KIND", "AXIS", "NAME", "GROUP")]
             if numbers:
                 yield name, [self.WORDS.get(word, "1") for word in words], numbers
 

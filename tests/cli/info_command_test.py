@@ -30,7 +30,7 @@ class ModelInfo(CliTest):
         self.assertEqual(report, {
             "model": "two.obj", "points": 9, "faces": 8, "points_in_no_face": 1, "components": 2,
             "closed": True, "boundary_edges": 0, "nonmanifold_edges": 0,
-            "bounds": [[0, 0, 0], [3, 2, 6]], "size": [3, 2, 6], "notes": [],
+            "bounds": [[0, 0, 0], [3, 2, 6]], "size": [3, 2, 6], "attributes": [], "groups": [], "notes": [],
             "precision": "text"})
         self.assertEqual(self.run_program("info", "two.obj").stdout, (
             "two.obj\n"
@@ -40,6 +40,14 @@ class ModelInfo(CliTest):
             "bounds      (0, 0, 0) to (3, 2, 6)\n"
             "size        3 × 2 × 6, diagonal 7\n"
             "precision   text\n"))
+
+    def test_the_parts_of_a_model_are_named(self):
+        self.put("two.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\ng upper arm\nusemtl red\nf 1 2 3\n")
+        report = self.info("two.obj")
+        self.assertEqual((report["attributes"], report["groups"]),
+                         (["red", "green", "blue"], ["upper", "arm", "red"]))
+        self.assertTrue(self.run_program("info", "two.obj").stdout.endswith(
+            "precision   text\nattributes  red, green, blue\ngroups      upper, arm, red\n"))
 
     def test_open_and_nonmanifold_surfaces_are_not_closed(self):
         # Without one face, its three edges are in one face; a fin on an edge gives it three.

@@ -51,7 +51,7 @@ class Report(CliTest):
 
     def test_bind_says_what_the_files_hold(self):
         report, stages, names = self.report(*self.bind)
-        self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0})
+        self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0, "not_bound": 0})
         self.assertEqual(report["kept"], 0)
         self.assertLess(report["largest_residual"], 1e-12)
         # The header of the file contains the sizes: io/binding_file.h.
@@ -82,7 +82,7 @@ class Report(CliTest):
             self.assertEqual(stages["writing"]["bytes"], self.size(*outputs))
             self.assertEqual(report["matrix"], matrix)
             self.assertEqual(report["points"],
-                             {"inside": 500, "outside": 0, "not_converged": 0})
+                             {"inside": 500, "outside": 0, "not_converged": 0, "not_bound": 0})
             one = self.report(*command, "a.ovm")[1]
             self.assertEqual(one["applying"]["bytes"], a_pose)
 

@@ -15,7 +15,8 @@ ROOT = Path(__file__).resolve().parents[2]
 STRUCTS = {
     "refine": [("far/topology_refiner.h", "RefinerOptions")],
     "limit_stencil": [("limit/limit_stencils.h", "LimitStencilOptions")],
-    "bind": [("bind/bind.h", "Level"), ("embed/embedding.h", "EmbeddingOptions")],
+    "bind": [("bind/bind.h", "Level"), ("embed/embedding.h", "EmbeddingOptions"),
+             ("bind/bind.h", "BindOptions")],
     "around": [("shapes/around.h", "AroundOptions")],
     "cage": [("cages/cage.h", "CageOptions")],
     "torus": [("shapes/inventory.h", "TorusOptions")],
@@ -29,7 +30,7 @@ IN_PYTHON = {"refine": ("__init__.pyi", r"class Refiner:\s+def __init__"), "bind
              "fit": ("__init__.pyi", "def fit")} | {
     shape: ("shapes.pyi", "def " + shape) for shape in ("around", "cage", "torus", "star", "barbell", "arm")}
 # Python's default of these is None, which stands for the default of the library.
-NONE_IN_PYTHON = {"boundary", "creasing", "triangles", "cells"}
+NONE_IN_PYTHON = {"boundary", "creasing", "triangles", "cells", "gradients"}
 
 
 def read(path):

@@ -38,6 +38,11 @@ def twist(positions):
     return np.stack([x + 0.3 * z * z, y - 0.2 * x * z, z + 0.1 * np.sin(3 * x)], axis=1)
 
 
+def colors_of(points):
+    """Three weights for each point: a third of them is 0, and a third is 1."""
+    return (np.arange(len(points))[:, None] + [0, 1, 2]) % 3 / 2
+
+
 def points_of(lattice):
     """Points in the cells and near their vertices, one just outside of the lattice, and one far away."""
     points = []
@@ -73,7 +78,9 @@ class FrontEnds(unittest.TestCase):
             edges = [edge for edge in map(tuple, rest.edges.tolist()) if axis.issuperset(edge)]
             rest = rest.with_marks(edge_sharpness=dict(zip(edges, (2.5, 1.0), strict=True)), vertex_sharpness={2: 1.5})
         points = points_of(rest)
-        (self.folder / "model.obj").write_text("".join("v %.17g %.17g %.17g\n" % tuple(point) for point in points))
+        (self.folder / "model.obj").write_text(
+            "".join("v %.17g %.17g %.17g %g %g %g\n" % (*point, *color)
+                    for point, color in zip(points, colors_of(points), strict=True)))
         poses = {"rest.ovm": rest.positions, "affine.ovm": rest.positions @ LINEAR.T + OFFSET,
                  "twist.ovm": twist(rest.positions)}
         for name, positions in poses.items():
@@ -82,7 +89,8 @@ class FrontEnds(unittest.TestCase):
 
     def by_program(self, scenario, poses):
         to = {"level": ("-n", scenario.level), "limit": ("--limit",)}.get(scenario.to, ("--basis", scenario.to))
-        options = [*to, "--outside", scenario.outside,
+        outside = ("--falloff", scenario.falloff) if scenario.falloff else ("--outside", scenario.outside)
+        options = [*to, *outside, *(("--weights", scenario.weights) if scenario.weights else ()),
                    *(word for key, value in scenario.refinement.items() for word in ("--" + key, value))]
         self.run_program(PROGRAM, "deform", "model.obj", "--rest", "rest.ovm", "--to", *poses, *options, "-o",
                          "out%d.obj", "--quiet")
@@ -90,7 +98,7 @@ class FrontEnds(unittest.TestCase):
         self.run_program(PROGRAM, "apply", "bound.espb", "--to", *poses, "-o", "applied%d.obj", "--quiet")
 
         def points_of_file(name):
-            return [[float(word) for word in line.split()[1:]]
+            return [[float(word) for word in line.split()[1:4]]
                     for line in (self.folder / name).read_text().splitlines()]
 
         return [np.array([points_of_file(f"{name}{i}.obj") for i in range(len(poses))]) for name in ("out", "applied")]
@@ -103,7 +111,8 @@ class FrontEnds(unittest.TestCase):
         options = [number(key, scenario.refinement.get(key, WORDS[key][0]))
                    for key in ("rules", "boundary", "sharp-edges", "creasing", "triangles")]
         lines = self.run_program(C_PROGRAM, "rest.ovm", "model.obj", "c.espb", basis, scenario.level,
-                                 number("outside", scenario.outside), *options, *poses).splitlines()
+                                 number("outside", scenario.outside), *options, scenario.falloff,
+                                 scenario.weights or "-", *poses).splitlines()
         points = np.array([[float(word) for word in line.split()] for line in lines[count:]])
         return np.array(lines[:count], dtype=int), points.reshape(2, len(poses), count, 3)
 
@@ -111,7 +120,9 @@ class FrontEnds(unittest.TestCase):
         refinement = {key.replace("-", "_"): value for key, value in scenario.refinement.items()}
         lattice = espalier.Refiner(rest, **refinement) if refinement else rest
         to = {"level": {"level": scenario.level}, "limit": {"limit": True}}.get(scenario.to, {"basis": scenario.to})
-        binding = espalier.bind(lattice, points, outside=scenario.outside, **to)
+        if scenario.weights:
+            to["weights"] = colors_of(points)[:, ("red", "green", "blue").index(scenario.weights)]
+        binding = espalier.bind(lattice, points, outside=scenario.outside, falloff=scenario.falloff, **to)
         binding.save(self.folder / "python.espb")
         loaded = espalier.load_binding(self.folder / "python.espb")
         positions = [espalier.read_pose(self.folder / pose, rest) for pose in poses]
@@ -135,15 +146,19 @@ class FrontEnds(unittest.TestCase):
 
         _, affine, twisted = python
         inside = binding.statuses == espalier.PointStatus.INSIDE
-        self.assertGreater(np.count_nonzero(inside), len(points) / 4)
+        self.assertGreater(np.count_nonzero(inside), len(points) / 5)
         self.assertGreater(np.count_nonzero(~inside), 0)
         # Points are placed within 1e-12 of the size, which is below 10, and the map stretches by less than 3.
-        np.testing.assert_allclose(affine[inside], (points @ LINEAR.T + OFFSET)[inside], atol=3e-11)
+        weights = binding.matrix.sum(axis=1)
+        np.testing.assert_allclose((affine - points)[inside],
+                                   (np.asarray(weights) * (points @ LINEAR.T + OFFSET - points))[inside], atol=3e-11)
+        if scenario.weights:
+            self.assertGreater(np.count_nonzero(binding.statuses == espalier.PointStatus.NOT_BOUND), len(points) / 4)
         self.assertGreater(np.abs(twisted - points)[inside].max(), 0.01)
         stay = np.diff(binding.table.offsets) == 0
         np.testing.assert_array_equal(twisted[stay], points[stay])
         self.assertTrue(stay[-1], "the point far away")
-        if scenario.outside == "keep":
+        if scenario.outside == "keep" and not scenario.falloff:
             np.testing.assert_array_equal(stay, ~inside)
         return twisted
 

@@ -4,9 +4,10 @@
 /* Does a scenario by the C interface, for front_ends_test.py:
 
        scenario REST MODEL BOUND.espb TO LEVEL OUTSIDE RULES BOUNDARY SHARP_EDGES CREASING TRIANGLES
-   POSE...
+                FALLOFF ATTRIBUTE POSE...
 
    The words are the numbers of their constants. TO is "level", "limit" or the number of a basis.
+   ATTRIBUTE has the weights of the points; "-" for none.
    Prints the statuses of the points, and the points of each pose; then the same by the binding that
    it saved and loaded. */
 
@@ -35,7 +36,7 @@ static void print_points(const espalier_binding* binding, int32_t count, char** 
 }
 
 int main(int count, char** arguments) {
-    CHECK(count > 12);
+    CHECK(count > 14);
     const char* const to = arguments[4];
     espalier_lattice* lattice = NULL;
     espalier_model* model = NULL;
@@ -51,6 +52,13 @@ int main(int count, char** arguments) {
     espalier_bind_options options = espalier_default_bind_options();
     options.level = atoi(arguments[5]);
     options.outside = atoi(arguments[6]);
+    options.falloff = atof(arguments[12]);
+    double* weights = malloc(sizeof(double) * (size_t)point_count);
+    CHECK(weights);
+    if (strcmp(arguments[13], "-") != 0) {
+        OK(espalier_model_weights(model, arguments[13], 0, NULL, point_count, weights));
+        options.weights = weights;
+    }
     if (strcmp(to, "limit") == 0) options.limit_tolerance = 1e-6;
     if (strcmp(to, "level") == 0 || strcmp(to, "limit") == 0) {
         espalier_refine_options refine = espalier_default_refine_options();
@@ -70,8 +78,9 @@ int main(int count, char** arguments) {
     for (int32_t i = 0; i < status_count; ++i) printf("%d\n", statuses[i]);
     OK(espalier_binding_save(binding, arguments[3]));
     OK(espalier_binding_load(arguments[3], &loaded));
-    print_points(binding, point_count, arguments + 12, count - 12);
-    print_points(loaded, point_count, arguments + 12, count - 12);
+    print_points(binding, point_count, arguments + 14, count - 14);
+    print_points(loaded, point_count, arguments + 14, count - 14);
+    free(weights);
     espalier_binding_destroy(loaded);
     espalier_binding_destroy(binding);
     espalier_refiner_destroy(refiner);

@@ -13,10 +13,13 @@ class Scenario:
     level: int = 2
     outside: str = "keep"
     refinement: dict = field(default_factory=dict)  # options of the program: {"rules": "cse96"}
+    falloff: float = 0
+    weights: str = ""  # a colour of the points
     marks: bool = False  # two semi-sharp edges with a common vertex, and a semi-sharp vertex
 
     def name(self):
         words = [" ".join(map(str, self.lattice)), self.to, self.level if self.to == "level" else "", self.outside,
+                 f"falloff {self.falloff}" if self.falloff else "", self.weights,
                  *(f"{key} {value}" for key, value in self.refinement.items()), "marks" if self.marks else ""]
         return ", ".join(str(word) for word in words if word != "")
 
@@ -40,6 +43,10 @@ SCENARIOS = [
     Scenario(FINE_BOX, to="bspline"),
     Scenario(FINE_BOX, to="bspline", outside="nearest"),
     Scenario(CYLINDER, level=2, outside="nearest"),
+    Scenario(CYLINDER, falloff=2),
+    Scenario(BOX, weights="green"),
+    Scenario(("star", "--rings", 2), to="limit", falloff=1, weights="red"),
+    Scenario(FINE_BOX, to="bezier", weights="blue"),
     Scenario(CYLINDER, refinement={"rules": "cse96"}),
     Scenario(CYLINDER, refinement={"rules": "mlca"}),
     Scenario(BOX, refinement={"boundary": "edge-only"}),

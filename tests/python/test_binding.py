@@ -174,11 +174,64 @@ def test_a_model_with_normals_keeps_its_gradients(tmp_path, rest, points):
                                    (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
                                                   limit=True), 0)]:
         binding.save(first)
-        assert first.read_bytes()[8] == 6  # the version
+        assert first.read_bytes()[8] == 7  # the version
         assert first.read_bytes()[12] == has_gradients
         for other in [espalier.load_binding(first), pickle.loads(pickle.dumps(binding))]:
             other.save(copy)
             assert copy.read_bytes() == first.read_bytes()
+
+
+def test_weights_multiply_displacements(tmp_path, rest, points, pose):
+    weights = np.linspace(0, 1, len(points))
+    full, binding = espalier.bind(rest, points), espalier.bind(rest, points, weights=weights)
+    expected = points + weights[:, None] * (full.deform(pose) - points)
+    np.testing.assert_allclose(binding.deform(pose), expected, atol=CLOSE)
+    np.testing.assert_allclose(binding.matrix.sum(axis=1).ravel(), [weights], atol=CLOSE)
+    assert binding.statuses[0] == espalier.PointStatus.NOT_BOUND and 0 in binding.kept
+    for wrong, message in [(weights[1:], r"shape \(500,\)"), (2 * weights, "point 250 is"), ("red", "need a Model")]:
+        with pytest.raises(ValueError, match=message):
+            espalier.bind(rest, points, weights=wrong)
+    with pytest.raises(ValueError, match="need a Model"):
+        espalier.bind(rest, points, only=["head"])
+
+
+def test_a_falloff_carries_points_outside():
+    box = espalier.shapes.box(cells=(2, 2, 2))
+    points = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 1.25], [0.5, 0.5, 1.5], [9, 9, 9]])
+    binding = espalier.bind(box, points, falloff=0.5, gradients=True)
+    lifted = binding.deform(box.positions + [0, 0, 1])
+    np.testing.assert_allclose(lifted - points, [[0, 0, 1], [0, 0, 0.5], [0, 0, 0], [0, 0, 0]], atol=CLOSE)
+    assert binding.statuses.tolist() == [0, 1, 3, 3]
+    # The displacement falls by 1.5 / 0.5 in the middle.
+    np.testing.assert_allclose(binding.gradients(box.positions + [0, 0, 1])[1], np.diag([1, 1, -2]), atol=1e-12)
+    with pytest.raises(ValueError, match="leave out one of the two"):
+        espalier.bind(box, points, falloff=0.5, outside="error")
+
+
+def test_a_part_of_a_model_follows(tmp_path):
+    text = ("v .1 .1 .5 1 0 0\nv .9 .1 .5 .5 0 0\nv .9 .9 .5 .25 0 0\nv .1 .9 .5 0 0 0\n"
+            "vn 0 0 1\ng a\nf 1//1 2//1 3//1\ng b\nf 1//1 3//1 4//1\n")
+    (tmp_path / "two.obj").write_text(text)
+    model = espalier.read_model(tmp_path / "two.obj")
+    assert model.attributes == ["red", "green", "blue"] and model.groups == ["a", "b"]
+    np.testing.assert_array_equal(model.attribute("red"), [1, 0.5, 0.25, 0])
+    with pytest.raises(ValueError, match="has no attribute 'bend'"):
+        model.attribute("bend")
+    box = espalier.shapes.box(cells=(2, 2, 2))
+    up = box.positions + [0, 0, 1]
+    for options, expected in [({"only": ["b"]}, [1, 0, 1, 1]), ({"weights": "red", "only": ["b"]}, [1, 0, 0.25, 0]),
+                              ({"weights": [0, 1, 0.5, 1], "only": ["b"]}, [0, 0, 0.5, 1])]:
+        binding = espalier.bind(box, model, **options)
+        np.testing.assert_allclose(binding.deform(up)[:, 2] - 0.5, expected, atol=CLOSE)
+        for other in [pickle.loads(pickle.dumps(binding))]:
+            np.testing.assert_array_equal(other.gradients(up), binding.gradients(up))
+    # The weight of point 1 falls by 0.625 along x in the only triangle with it: the surface slopes, and its normal
+    # too. F = 1 + (0, 0, 1) (slope)^T.
+    binding = espalier.bind(box, model, weights="red")
+    np.testing.assert_allclose(binding.gradients(up)[1], [[1, 0, 0], [0, 1, 0], [-0.625, -0.3125, 1]], atol=1e-12)
+    # The same from points of one's own has no faces, and so no slope.
+    binding = espalier.bind(box, model.positions, weights=model.attribute("red"), gradients=True)
+    np.testing.assert_allclose(binding.gradients(up)[1], np.eye(3), atol=1e-12)
 
 
 # For an affine pose F is the matrix of the pose, at each level, in the limit and under each basis.

@@ -55,7 +55,7 @@ GOOD = {
     "SectionVariables.matrix": {"values": SECTIONS.at_rest},
     "ValidityCheck.check": {"pose": POSITIONS},
     "ValidityCheck.largest_step": {"pose": POSITIONS, "most": 1.0},
-    "bind": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6},
+    "bind": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6, "weights": np.ones(2), "falloff": 0.5},
     "fit": {"lattice": BOX, "deformation": BOUND, "misses": 0 * POINTS, "strength": 1e-3},
     "check": {"lattice": BOX, "pose": POSITIONS},
     "hold": {"lattice": BOX, "points": POINTS, "tolerance": 1e-6},

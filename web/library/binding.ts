@@ -17,6 +17,13 @@ export interface BindOptions {
   tolerance?: number;
   /** makes the gradients too, for Binding.gradients() */
   gradients?: boolean;
+  /** how far each point follows: a number of 0 to 1 for each; default: all follow fully */
+  weights?: Float64Array;
+  /** the derivatives of the weights by the points, three for each, for the gradients:
+   * Model.weightSlopes(); default: 0 */
+  weightSlopes?: Float64Array;
+  /** above 0, points outside follow with a weight that falls to 0 at this distance; default 0 */
+  falloff?: number;
 }
 
 /** Where binding found a point. */
@@ -24,6 +31,8 @@ export const enum PointStatus {
   Inside = 0,
   Outside = 1,
   NotConverged = 2,
+  /** its weight is 0 */
+  NotBound = 3,
 }
 
 /** Points that are bound to a lattice. */

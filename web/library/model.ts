@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models: files with points that a lattice deforms.
 
-import { numbers, countPoints } from "./arguments.ts";
+import { countPoints, integer, numbers } from "./arguments.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { doublesAt, integersAt, longAt, longsAt, textAt } from "./memory.ts";
 
@@ -50,6 +50,66 @@ export class Model extends Handle {
       const out = scope.allocate(4);
       this.library.call("espalier_model_notes", this.address, out);
       return textAt(this.library.core, integersAt(this.library.core, out, 1)[0]);
+    });
+  }
+
+  /** The names of the numbers at the points that weights() takes. */
+  attributes(): string[] {
+    return this.names("espalier_model_attributes");
+  }
+
+  /** The names of the groups, objects, meshes, nodes and materials that weights() takes. */
+  groups(): string[] {
+    return this.names("espalier_model_groups");
+  }
+
+  private names(call: string): string[] {
+    const { core } = this.library;
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(8);
+      this.library.call(call, this.address, out, out + 4);
+      const [count, pointers] = integersAt(core, out, 2);
+      return Array.from(integersAt(core, pointers, count), (pointer) => textAt(core, pointer));
+    });
+  }
+
+  /** The weights of the points of a part of the model, for Refiner.bind().
+   * @param pointCount number of points of the model
+   * @param attribute the name of an attribute of 0 to 1; empty for weights of 1
+   * @param groups the points in none of these groups get the weight 0; empty for the whole model
+   */
+  weights(pointCount: number, attribute: string, groups: string[] = []): Float64Array {
+    const { core } = this.library;
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(8 * integer("pointCount", pointCount));
+      const list = scope.allocate(4 * groups.length);
+      groups.forEach((group, i) => (core.HEAP32[list / 4 + i] = scope.text(group)));
+      this.library.call(
+        "espalier_model_weights",
+        this.address,
+        attribute === "" ? 0 : scope.text(attribute),
+        groups.length,
+        list,
+        pointCount,
+        out,
+      );
+      return doublesAt(core, out, pointCount);
+    });
+  }
+
+  /** The slopes of weights along the faces of the model: three numbers for each point. */
+  weightSlopes(weights: Float64Array): Float64Array {
+    const count = numbers("weights", weights).length;
+    return this.library.scoped((scope) => {
+      const out = scope.allocate(24 * count);
+      this.library.call(
+        "espalier_model_weight_slopes",
+        this.address,
+        count,
+        scope.doubles(weights),
+        out,
+      );
+      return doublesAt(this.library.core, out, 3 * count);
     });
   }
 

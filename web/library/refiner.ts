@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The topology of a lattice and of its levels, and what is made of it.
 
-import { choice, countPoints, flag, integer, options as object, real } from "./arguments.ts";
+import {
+  choice,
+  countPoints,
+  flag,
+  integer,
+  numbers,
+  options as object,
+  real,
+} from "./arguments.ts";
 import { Binding, type BindOptions } from "./binding.ts";
 import { Handle, type CLibrary } from "./c_library.ts";
 import { bytesAt, integersAt, longsAt } from "./memory.ts";
@@ -120,9 +128,12 @@ export class Refiner extends Handle {
 
   bind(positions: Float64Array, points: Float64Array, options: BindOptions = {}): Binding {
     const { level = 3, outside = "keep", tolerance = 1e-6 } = object("options", options);
-    const { limitTolerance = 0, gradients = false } = options;
+    const { limitTolerance = 0, gradients = false, falloff = 0 } = options;
+    const { weights, weightSlopes } = options;
     const vertexCount = countPoints("positions", positions);
     const pointCount = countPoints("points", points);
+    if (weights) numbers("weights", weights, pointCount);
+    if (weightSlopes) numbers("weightSlopes", weightSlopes, 3 * pointCount);
     return this.library.scoped((scope) => {
       const binding = this.library.create(
         "espalier_binding_create",
@@ -138,6 +149,9 @@ export class Refiner extends Handle {
           ["f64", real("tolerance", tolerance)],
           ["f64", real("limitTolerance", limitTolerance)],
           ["i32", flag("gradients", gradients)],
+          ["i32", weights ? scope.doubles(weights) : 0],
+          ["i32", weightSlopes ? scope.doubles(weightSlopes) : 0],
+          ["f64", real("falloff", falloff)],
         ]),
       );
       return new Binding(this.library, binding);
