@@ -69,6 +69,12 @@ class BlenderAddOn(CliTest):
         self.blender("bake")
         self.blender("baked")
 
+    def test_a_part_follows(self):
+        self.blender("part")
+
+    def test_custom_normals_turn(self):
+        self.blender("custom_normals")
+
     def test_undo(self):
         self.blender("undo")
 

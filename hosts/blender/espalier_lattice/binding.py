@@ -41,10 +41,9 @@ class Bound:
         lattice = lattice_object.lattice_of(lattice_mesh, espalier, self.rest)
         refiner = espalier.Refiner(lattice, rules=settings.rules)
         self.refiner = refiner
-        if settings.use_limit:
-            self.binding = espalier.bind(refiner, self.points, outside=settings.outside, limit=True)
-        else:
-            self.binding = espalier.bind(refiner, self.points, settings.level, outside=settings.outside)
+        to = {"limit": True} if settings.use_limit else {"level": settings.level}
+        outside = {"falloff": settings.falloff} if settings.falloff > 0 else {"outside": settings.outside}
+        self.binding = espalier.bind(refiner, self.points, **to, **outside)
         self.moved = np.empty_like(self.points)
         self.written = None  # the coordinates that the shape key has, unless undo has changed them
 
@@ -156,7 +155,7 @@ def source_of(object):
     """Returns all that a Bound depends on, as a value to compare. Undo changes it, and so does a new name."""
     settings = object.espalier
     return (bytes(memoryview(object[REST])), object[POINTS], object[TOPOLOGY], settings.level, settings.use_limit,
-            settings.outside, settings.rules)
+            settings.outside, settings.falloff, settings.rules)
 
 
 def bound_of(object):
@@ -200,6 +199,7 @@ def bind(object, lattice, depsgraph):
     key = object.shape_key_add(name=KEY, from_mix=False)
     key.value = 1
     object.espalier.key = key.name
+    set_masks(object)
     return bound
 
 
@@ -211,6 +211,18 @@ def following_key(object):
     """Returns the shape key that follows the lattice; None if there is none."""
     name = object.espalier.key
     return object.data.shape_keys.key_blocks[name] if name and name in key_names(object) else None
+
+
+def set_masks(object):
+    """Lets what follows the lattice, and what was baked, have the weights of the vertex group. Blender multiplies
+    by them, so that painting shows at once."""
+    settings = object.espalier
+    keys = {settings.key, *(each.name for each in settings.baked_keys)}
+    for name in keys & set(key_names(object)):
+        object.data.shape_keys.key_blocks[name].vertex_group = settings.vertex_group
+    modifier = object.modifiers.get(settings.cache_modifier) if settings.cache_modifier else None
+    if modifier is not None:
+        modifier.vertex_group = settings.vertex_group
 
 
 def key_curves(keys, name):
@@ -286,6 +298,10 @@ def update(object, depsgraph):
     try:
         if key is None:
             raise LatticeError(f"{object.name}: its shape key {object.espalier.key or KEY} is gone; rebind")
+        group = object.espalier.vertex_group
+        if group and group not in object.vertex_groups:
+            raise LatticeError(f"{object.name}: it has no vertex group {group}, so all points follow fully; choose "
+                               "another group, or none")
         pose = lattice_object.posed_positions(lattice, depsgraph)
         bound = bound_of(object)
         if len(pose) != len(bound.rest):

@@ -456,6 +456,7 @@ class BakeShapeKeys(BakeBase, bpy.types.Operator):
         def take(object, frame, points):
             key = object.shape_key_add(name=f"{binding.KEY} {frame}", from_mix=False)
             object.espalier.baked_keys.add().name = key.name
+            key.vertex_group = object.espalier.vertex_group
             key.data.foreach_set("co", points.astype(np.float32).ravel())
             for other, value in ((frame - self.step, 0.0), (frame, 1.0), (frame + self.step, 0.0)):
                 if other in frames or other == frame:
@@ -495,6 +496,7 @@ class BakePointCache(BakeBase, ExportHelper, bpy.types.Operator):
                  lambda _, frame, points: file.write(points.astype("<f4").tobytes()))
         modifier = object.modifiers.new(binding.KEY, "MESH_CACHE")
         object.espalier.cache_modifier = modifier.name
+        binding.set_masks(object)
         modifier.cache_format = "PC2"
         modifier.filepath = self.filepath
         modifier.frame_start = frames[0]

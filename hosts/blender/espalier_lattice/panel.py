@@ -55,7 +55,11 @@ class LatticePanel(bpy.types.Panel):
         row.prop(settings, "use_limit")
         if not settings.use_limit:
             row.prop(settings, "level")
-        layout.prop(settings, "outside")
+        row = layout.row()
+        row.enabled = settings.falloff == 0
+        row.prop(settings, "outside")
+        layout.prop(settings, "falloff")
+        layout.prop_search(settings, "vertex_group", object, "vertex_groups")
         layout.prop(settings, "rules")
         layout.prop(settings, "is_live")
         problem = binding.problems.get(object.name_full)

@@ -14,6 +14,12 @@ def _rebind_is_needed(self, context):
         binding.update(object, context.evaluated_depsgraph_get())
 
 
+def _mask_is_needed(self, context):
+    from . import binding
+    binding.set_masks(self.id_data)
+    _rebind_is_needed(self, context)
+
+
 class EspalierSettings(bpy.types.PropertyGroup):
     lattice: bpy.props.PointerProperty(
         type=bpy.types.Object, name="Lattice", description="The lattice that this object follows",
@@ -28,6 +34,13 @@ class EspalierSettings(bpy.types.PropertyGroup):
         name="Outside", description="What happens to points outside the lattice", update=_rebind_is_needed,
         items=(("keep", "Stay", "They stay where they are"),
                ("nearest", "Follow", "They follow the nearest cell, unless they are too far away")))
+    vertex_group: bpy.props.StringProperty(
+        name="Vertex Group", description="The weights of this group say how far each point follows; without a "
+        "group, all points follow fully", update=_mask_is_needed)
+    falloff: bpy.props.FloatProperty(
+        name="Falloff", description="If above 0, points outside the lattice follow it with a weight that falls "
+        "smoothly to 0 at this distance, in the coordinates of the object", min=0, subtype="DISTANCE",
+        update=_rebind_is_needed)
     rules: bpy.props.EnumProperty(
         name="Rules", description="The rules of refinement", update=_rebind_is_needed,
         items=(("siggraph96", "SIGGRAPH 96", "MacCracken and Joy 1996"),

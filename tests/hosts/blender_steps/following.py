@@ -60,6 +60,106 @@ def deform():
         check(np.array_equal(evaluated(model), before) and model.data.shape_keys is None, kind)
 
 
+def part():
+    """A vertex group and a falloff: a part of the object follows, also in what is baked."""
+    enable()
+    clear()
+    from espalier_lattice import binding
+    model = sphere("model", 3)
+    lattice = add_lattice(model, kind="BOX", cells=2)
+    rest = evaluated(model)
+    weights = np.clip(0.5 + rest[:, 2], 0, 1)
+    group = model.vertex_groups.new(name="upper")
+    for i, weight in enumerate(weights.tolist()):
+        group.add([i], weight, "REPLACE")
+    move_lattice(lattice, twist)
+    full = evaluated(model) - rest
+    check(np.abs(full).max() > 0.1, "the model follows")
+    model.espalier.vertex_group = "upper"
+    bpy.context.view_layer.update()
+    expected = rest + weights[:, None] * full
+    # Blender's weights and points are floats.
+    check(np.abs(evaluated(model) - expected).max() < 1e-6, "weights")
+    # Painting shows at once.
+    group.add([0], 0.25, "REPLACE")
+    weights[0] = 0.25
+    expected = rest + weights[:, None] * full
+    model.data.update()
+    bpy.context.view_layer.update()
+    check(np.abs(evaluated(model) - expected).max() < 1e-6, "painted")
+    # The same after rebinding to another level and back, and in what is baked.
+    select(model)
+    model.espalier.level = 2
+    model.espalier.level = 3
+    bpy.context.view_layer.update()
+    check(np.abs(evaluated(model) - expected).max() < 1e-6, "another level")
+    frames = {"use_scene_range": False, "first": 1, "last": 1}
+    check(bpy.ops.espalier.bake_shape_keys(**frames) == {"FINISHED"}, "baked to shape keys")
+    bpy.context.scene.frame_set(1)
+    check(np.abs(evaluated(model) - expected).max() < 1e-6, "shape keys")
+    check(bpy.ops.espalier.follow_again() == {"FINISHED"}, "follows again")
+    check(bpy.ops.espalier.bake_point_cache(filepath=str(FOLDER / "part.pc2"), **frames) == {"FINISHED"}, "cache")
+    bpy.context.scene.frame_set(1)
+    check(np.abs(evaluated(model) - expected).max() < 1e-6, "point cache")
+    check(bpy.ops.espalier.follow_again() == {"FINISHED"}, "follows again")
+    # A group that is gone is told, and the object does not jump.
+    model.vertex_groups.remove(group)
+    move_lattice(lattice, lambda co: co)
+    check("no vertex group upper" in binding.problems.get("model", ""), "a group that is gone")
+    model.espalier.vertex_group = ""
+    move_lattice(lattice, lambda co: co)
+    check(np.abs(evaluated(model) - rest - full).max() < 1e-6 and not binding.problems, "without a group")
+
+    # A falloff: points above the box follow in part, and those beyond the distance stay.
+    clear()
+    mesh = bpy.data.meshes.new("line")
+    heights = np.linspace(0, 2, 41)
+    mesh.from_pydata([(0.1, 0.2, z) for z in heights.tolist()], [(i, i + 1) for i in range(40)], [])
+    line = bpy.data.objects.new("line", mesh)
+    bpy.context.collection.objects.link(line)
+    box = sphere("box", 3)
+    lattice = add_lattice(box, kind="BOX", cells=2)
+    top = max(vertex.co.z for vertex in lattice.data.vertices)
+    select(line, lattice)
+    check(bpy.ops.espalier.bind() == {"FINISHED"}, "bind")
+    line.espalier.falloff = 0.5
+    move_lattice(lattice, lambda co: (co[0] + 1, co[1], co[2]))
+    r = np.clip((heights - top) / 0.5, 0, 1)
+    got = evaluated(line)[:, 0] - 0.1
+    check(np.abs(got - (1 - r * r * (3 - 2 * r))).max() < 1e-5, f"falloff: {got}")
+
+
+def custom_normals():
+    """Normals that were set by hand turn with the object, as Blender keeps them relative to the surface."""
+    enable()
+    clear()
+    model = sphere("model", 3)
+    mesh = model.data
+    mesh.use_auto_smooth = True
+    rest = evaluated(model)
+    normals = rest / np.linalg.norm(rest, axis=1)[:, None] + (0.3, 0, 0.2)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    for polygon in mesh.polygons:
+        polygon.use_smooth = True
+    mesh.normals_split_custom_set_from_vertices(normals.tolist())
+    lattice = add_lattice(model, kind="BOX", cells=2)
+
+    def corner_normals():
+        mesh = model.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        mesh.calc_normals_split()
+        found = np.empty(3 * len(mesh.loops), dtype=np.float32)
+        mesh.loops.foreach_get("normal", found)
+        return found.reshape(-1, 3)
+
+    before = corner_normals()
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    move_lattice(lattice, lambda co: turn @ np.array(co))
+    angles = np.degrees(np.arccos(np.clip((corner_normals() * (before @ turn.T)).sum(axis=1), -1, 1)))
+    # Blender stores them as angles of 16 bits, relative to the normals of the surface.
+    check(angles.max() < 0.1, f"custom normals are {angles.max()} degrees off")
+    check(np.abs(before @ turn.T - before).max() > 0.5, "the normals turn")
+
+
 def undo():
     """The object follows the lattice after undo and redo, too."""
     enable()
