@@ -116,6 +116,31 @@ test("cages hold their models", () => {
   assert.ok(binding.statuses().every((status) => status === 0));
 });
 
+test("a part of a model follows", () => {
+  const text =
+    "v .1 .1 .5 1 0 0\nv .9 .1 .5 .5 0 0\nv .9 .9 .5 .25 0 0\nv .1 .9 1.25 1 0 0\n" +
+    "vn 0 0 1\ng a\nf 1//1 2//1 3//1\ng b c\nf 1//1 3//1 4//1\n";
+  const model = espalier.readModel("two.obj", bytesOf(text));
+  assert.deepEqual(model.attributes(), ["red", "green", "blue"]);
+  assert.deepEqual(model.groups(), ["a", "b", "c"]);
+  assert.deepEqual([...model.weights(4, "", ["c"])], [1, 0, 1, 1]);
+  const weights = model.weights(4, "red");
+  assert.deepEqual([...weights], [1, 0.5, 0.25, 1]);
+  assert.throws(() => model.weights(4, "bend"), /has no attribute 'bend' of points; it has 'red'/);
+  const lattice = espalier.box([2, 2, 2], [0, 0, 0], [1, 1, 1]);
+  const rest = lattice.positions();
+  const weightSlopes = model.weightSlopes(weights);
+  const options = { gradients: true, weights, weightSlopes, falloff: 0.5 };
+  const binding = lattice.refiner().bind(rest, model.points(), options);
+  const up = rest.map((coordinate, i) => coordinate + Number(i % 3 === 2));
+  const lifted = binding.apply(up, 4).map((coordinate, i) => coordinate - model.points()[i]);
+  // Half of the distance of the falloff from the lattice, a point follows with a half.
+  [1, 0.5, 0.25, 0.5].forEach((height, i) => assert.ok(Math.abs(lifted[3 * i + 2] - height) < 1e-12));
+  // The weight of point 1 falls by 0.625 along x in its only triangle, and so does its height.
+  assert.ok(Math.abs(binding.gradients(up, 4)[9 + 6] + 0.625) < 1e-12);
+  assert.equal(lattice.refiner().bind(rest, model.points(), { weights: new Float64Array(4) }).statuses()[0], 3);
+});
+
 test("lattices are edited", () => {
   const cube = espalier.regularSolid("cube");
   assert.deepEqual(cube.counts(), [8, 12, 6, 1]);

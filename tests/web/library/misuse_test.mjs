@@ -48,6 +48,12 @@ const calls = [
   ['outside: expected "keep" or "nearest" or "refuse", got "error"', () =>
     refiner.bind(rest, rest, { outside: "error" })],
   ["gradients: expected true or false, got 1", () => refiner.bind(rest, rest, { gradients: 1 })],
+  ["weights: expected 27 numbers, got 1", () => refiner.bind(rest, rest, { weights: new Float64Array(1) })],
+  ["weightSlopes: expected 81 numbers, got 27", () =>
+    refiner.bind(rest, rest, { weightSlopes: new Float64Array(27) })],
+  ['falloff: expected a number, got "1"', () => refiner.bind(rest, rest, { falloff: "1" })],
+  ["pointCount: expected an integer of 32 bits, got undefined", () => model.weights()],
+  ["weights: expected an array, got undefined", () => model.weightSlopes()],
   ["points: expected an array, got undefined", () => refiner.bind(rest)],
   ['level: expected an integer of 32 bits, got "2"', () => refiner.refine("2")],
   ["level: expected an integer of 32 bits, got 4294967297", () => refiner.counts(2 ** 32 + 1)],
