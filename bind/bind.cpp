@@ -5,6 +5,7 @@
 #include <espalier/embed/row_bound.h>
 #include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -108,9 +109,8 @@ embed::EmbeddingOptions embeddingOf(const BindOptions& options) {
 
 /// Returns the weight of each point without the falloff.
 /// \param numbers the points that are bound
-std::vector<embed::PointWeight> weightsOf(const PointWeights& chosen,
-                                          std::span<const Index> numbers) {
-    std::vector<embed::PointWeight> weights(numbers.size());
+std::vector<PointWeight> weightsOf(const PointWeights& chosen, std::span<const Index> numbers) {
+    std::vector<PointWeight> weights(numbers.size());
     const auto& [values, slopes] = chosen;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         if (!values.empty()) weights[i].value = values[numbers[i]];
@@ -123,12 +123,11 @@ std::vector<embed::PointWeight> weightsOf(const PointWeights& chosen,
 /// \param carried the points outside that have a place
 void addFalloff(double radius, std::span<const Point3> points, std::span<const Point3> rest,
                 std::span<const embed::CarriedPoint> carried,
-                std::span<const embed::PointStatus> statuses,
-                std::vector<embed::PointWeight>& weights) {
+                std::span<const embed::PointStatus> statuses, std::vector<PointWeight>& weights) {
     std::vector<bool> isCarried(points.size());
     for (const auto& [point, away] : carried) {
         isCarried[point] = true;
-        const embed::PointWeight fall = falloffWeight(away, radius);
+        const PointWeight fall = falloffWeight(away, radius);
         auto& [value, slope] = weights[point];
         for (std::size_t c = 0; c < 3; ++c)
             slope[c] = fall.value * slope[c] + value * fall.slope[c];
@@ -160,13 +159,44 @@ void Binding::checkParts() const {
             refuse(concat(what, " of ", ownRows, " points and ", ownColumns, " vertices"));
     };
     if (gradients) {
-        checkShape("gradients", gradients->rowCount(), gradients->columnCount());
-        gradients->check();
+        if (gradients->columnCount() != columns)
+            refuse(concat("gradients of ", gradients->columnCount(), " vertices"));
+        gradients->check(rows);
+    }
+    if (!weights.empty() && std::ssize(weights) != rows) refuse(concat(weights.size(), " weights"));
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const auto& [value, slope] = weights[i];
+        if (!(value >= 0 && value <= 1) ||
+            !std::ranges::all_of(slope, [](double each) { return std::isfinite(each); }))
+            refuse(concat("the weight ", value, " with the slope ", slope[0], " ", slope[1], " ",
+                          slope[2], " at point ", i, "; expected 0 to 1, and finite numbers"));
     }
     if (factors) checkShape("factors", factors->points.rowCount(), factors->vertices.columnCount());
     if (std::ssize(points) != rows) refuse(concat(points.size(), " points at rest"));
     if (std::ssize(rest) != columns) refuse(concat(rest.size(), " vertices at rest"));
     if (std::ssize(statuses) != rows) refuse(concat(statuses.size(), " statuses"));
+}
+
+embed::GradientTables gradientTables(const Binding& binding) {
+    if (!binding.gradients)
+        throw Error("the binding has no gradients: bind the points with BindOptions::gradients");
+    auto tables = embed::gradientTables(*binding.gradients, binding.rest, binding.table.rowCount());
+    if (binding.weights.empty()) return tables;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        tables[axis] = stencils::buildTable(
+            tables[axis].rowCount(), tables[axis].columnCount(),
+            [&](Index row, stencils::RowAccumulator& accumulator) {
+                const auto& [weight, slope] = binding.weights[row];
+                if (!(weight > 0)) return;
+                const auto add = [&](const stencils::StencilTable<double>& rows, double factor) {
+                    for (std::size_t k = 0; k < rows.columns(row).size(); ++k)
+                        accumulator.add(rows.columns(row)[k], factor * rows.weights(row)[k]);
+                };
+                add(tables[axis], weight);
+                // D has the weight already.
+                if (slope[axis] != 0) add(binding.table, slope[axis] / weight);
+            });
+    return tables;
 }
 
 Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> points,
@@ -192,7 +222,7 @@ Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> po
         if (options.falloff > 0)
             addFalloff(options.falloff, sought, lattice.positions, carried, binding.statuses,
                        weights);
-        applyWeights(weights, binding);
+        applyWeights(std::move(weights), binding);
     }
     if (!areAllBound) {
         for (std::size_t i = 0; refusesOutside && i < numbers.size(); ++i)

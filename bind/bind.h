@@ -78,8 +78,12 @@ struct Binding {
     /// its point, which is 1 without weights and falloff.
     stencils::StencilTable<double> table;
     std::uint64_t topologyHash = 0;  ///< far::topologyHash of the base lattice
-    /// How F = ∂x'/∂X follows from a pose; made on request (osd::evaluateGradients()).
+    /// How F = ∂x'/∂X follows from a pose, for points that follow fully; made on request
+    /// (osd::evaluateGradients()).
     std::optional<embed::Gradients> gradients = {};
+    /// The weights that D has, one per point, for the gradients; or none, if all are 1 with the
+    /// slope 0 or there are no gradients.
+    std::vector<PointWeight> weights = {};
     /// D in its two factors, which are faster where cells of the level hold several points; only of
     /// a level that was asked for them.
     std::optional<stencils::FactoredTable<double>> factors = {};
@@ -98,6 +102,11 @@ struct Binding {
 
     friend bool operator==(const Binding&, const Binding&) = default;
 };
+
+/// Returns the gradients of a binding as tables over the lattice vertices, with its weights.
+/// \throws Error if the binding has no gradients
+/// \cost O(entries of the result), in parallel
+ESPALIER_API embed::GradientTables gradientTables(const Binding& binding);
 
 /// Binds points to a lattice at rest.
 ///

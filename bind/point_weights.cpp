@@ -55,7 +55,7 @@ std::vector<Point3> slopesOnSurface(std::span<const Point3> points, std::span<co
     return slopes;
 }
 
-embed::PointWeight falloffWeight(const Point3& away, double radius) {
+PointWeight falloffWeight(const Point3& away, double radius) {
     const Vector3d vector(away.data());
     const double distance = vector.stableNorm();
     const double r = distance / radius;

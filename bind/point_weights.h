@@ -4,13 +4,19 @@
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
-#include <espalier/embed/gradients.h>
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace espalier::bind {
+
+/// How far a point follows the lattice, and how this changes from point to point.
+struct PointWeight {
+    double value = 1;   ///< 0 to 1
+    Point3 slope = {};  ///< by the coordinates of the point at rest
+    friend bool operator==(const PointWeight&, const PointWeight&) = default;
+};
 
 /// How far each point follows the lattice: x' = x + w · D · (p' − p), with a weight w for each
 /// point.
@@ -49,6 +55,6 @@ ESPALIER_API std::vector<Point3> slopesOnSurface(std::span<const Point3> points,
 ///
 /// \param away the vector from the nearest place in the lattice to the point
 /// \param radius > 0
-ESPALIER_API embed::PointWeight falloffWeight(const Point3& away, double radius);
+ESPALIER_API PointWeight falloffWeight(const Point3& away, double radius);
 
 }  // namespace espalier::bind

@@ -4,15 +4,16 @@
 #include <espalier/bind/bind.h>
 
 #include <span>
+#include <vector>
 
 // How weights change the rows of a binding.
 namespace espalier::bind {
 
-/// Multiplies D by the weights of its points, and adds the slopes to the gradients. The rows of a
-/// point with the weight 0 become empty, and its status NotBound.
+/// Multiplies D by the weights of its points, and keeps the weights for the gradients. The rows of
+/// a point with the weight 0 become empty, and its status NotBound.
 /// \param weights one per point
 /// \cost O(entries), in parallel
-void applyWeights(std::span<const embed::PointWeight> weights, Binding& binding);
+void applyWeights(std::vector<PointWeight> weights, Binding& binding);
 
 /// Adds points that stay in place, with the status NotBound.
 /// \param binding its points have weights (applyWeights())

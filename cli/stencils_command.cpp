@@ -89,7 +89,7 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
         bindModel(bindOptions(options), *model, lattice, stages, options.gradients);
     warnOfPointsOutside(bound, options.common);
     embed::GradientTables gradients;
-    if (bound.gradients) gradients = embed::gradientTables(*bound.gradients, bound.rest);
+    if (bound.gradients) gradients = bind::gradientTables(bound);
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",

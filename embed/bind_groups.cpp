@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/embed/bind_groups.h>
+#include <espalier/embed/gradient_rows.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
@@ -80,16 +81,25 @@ void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, I
         [&](Offset p, Index column) { return parts[p].baseVertex(column); });
 }
 
-GradientTables gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>& parts,
-                               Index rowCount, Index columnCount) {
-    GradientTables result;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        result[axis] = gatherPoints(
-            parts, rowCount, columnCount,
-            [axis](BoundPart<stencils::StencilTable<double>>& part)
-                -> stencils::StencilTable<double>& { return part.gradients[axis]; },
-            [&](Offset p, Index column) { return parts[p].baseVertex(column); });
-    return result;
+Gradients gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>& parts,
+                          Index columnCount) {
+    std::vector<Gradients> ofParts;
+    for (BoundPart<stencils::StencilTable<double>>& part : parts) {
+        Gradients gradients = renumbered(std::move(part.gradients), part.points);
+        part.gradients = {};
+        if (!part.baseVertices.empty()) {
+            const auto& vertices = gradients.vertices;
+            Array<Index> columns(vertices.columns().begin(), vertices.columns().end());
+            for (Index& column : columns) column = part.baseVertices[column];
+            gradients.vertices = {
+                stencils::Trusted{}, columnCount,
+                Array<Offset>(vertices.offsets().begin(), vertices.offsets().end()),
+                std::move(columns),
+                Array<double>(vertices.weights().begin(), vertices.weights().end())};
+        }
+        ofParts.push_back(std::move(gradients));
+    }
+    return merged(ofParts, columnCount);
 }
 
 void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,

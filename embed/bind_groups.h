@@ -26,8 +26,8 @@ struct BoundPart {
     std::vector<Index> points;  ///< their indices in the group
     std::vector<PointStatus> statuses;
     double largestResidual = 0;
-    Table table;                    ///< one row per point; empty if the point has no place
-    GradientTables gradients = {};  ///< the same rows; 0 × 0 if they were not requested
+    Table table;               ///< one row per point; empty if the point has no place
+    Gradients gradients = {};  ///< of the same points; empty if they were not requested
     std::vector<CarriedPoint> carried = {};
     std::vector<Index> baseVertices = {};  ///< numbers in the base of the vertices that the table
                                            ///< starts from; empty if the numbers are equal
@@ -63,8 +63,8 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
                 Index columnCount, stencils::FactoredTable<double>& result);
 
 /// Does the same for the gradients of D.
-GradientTables gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>& parts,
-                               Index rowCount, Index columnCount);
+Gradients gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>& parts,
+                          Index columnCount);
 
 /// Completes the statuses: a point inside without a row is NotConverged, because its place has
 /// unbounded weights (kMaxRowSum).
@@ -98,7 +98,7 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
             for (CarriedPoint& each : part.carried) each.point = numbers[part.points[each.point]];
             for (Index& point : part.points) point = numbers[point];
             entryCount += pointRows(part.table).entryCount();
-            for (const auto& gradient : part.gradients) entryCount += gradient.entryCount();
+            entryCount += part.gradients.vertices.entryCount() + part.gradients.rows.entryCount();
         }
         // gatherRows() needs as much memory again as the rows of the groups.
         requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(double)),
@@ -123,8 +123,7 @@ BoundRows<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefin
     const auto rowCount = static_cast<Index>(pointCount);
     const Index columnCount = base.level(0).complex.count(0);
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
-        if (options.gradients)
-            model.gradients = Gradients{gatherGradients(parts, rowCount, columnCount)};
+        if (options.gradients) model.gradients = gatherGradients(parts, columnCount);
     gatherRows(parts, rowCount, columnCount, model.table);
     completeStatuses(points, options.embedding.outside, model);
     return model;

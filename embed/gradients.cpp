@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
+#include <espalier/embed/gradient_rows.h>
 #include <espalier/embed/gradients.h>
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/tricubic_patch.h>
+#include <espalier/embed/trilinear.h>
+#include <espalier/stencils/composition.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <Eigen/LU>
@@ -11,6 +14,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
+#include <utility>
 
 namespace espalier::embed {
 
@@ -78,13 +83,12 @@ struct PlaceWeights {
     TricubicPatch::AxisWeights values, slopes;
 };
 
-/// At a place, the derivatives of both sets of positions by u, v and w, and their values, as
-/// columns.
-using PatchValues = Eigen::Matrix<double, 6, 4>;
+/// The derivatives of both sets of positions by u, v and w, as columns.
+using PatchDerivatives = Eigen::Matrix<double, 6, 3>;
 
-PatchValues valuesAt(const PatchPositions& positions, const PlaceWeights& at) {
+PatchDerivatives derivativesAt(const PatchPositions& positions, const PlaceWeights& at) {
     using Vector = Eigen::Matrix<double, 6, 1>;
-    PatchValues result = PatchValues::Zero();
+    PatchDerivatives result = PatchDerivatives::Zero();
     for (std::size_t k = 0; k < 4; ++k) {
         Vector alongU = Vector::Zero(), alongV = Vector::Zero(), value = Vector::Zero();
         for (std::size_t j = 0; j < 4; ++j) {
@@ -97,7 +101,6 @@ PatchValues valuesAt(const PatchPositions& positions, const PlaceWeights& at) {
         result.col(0) += at.values[2][k] * alongU;
         result.col(1) += at.values[2][k] * alongV;
         result.col(2) += at.slopes[2][k] * value;
-        result.col(3) += at.values[2][k] * value;
     }
     return result;
 }
@@ -119,7 +122,7 @@ struct PointsOfPatches {
     }
 };
 
-/// Calls use(point, values) for each point that has a place, from several threads.
+/// Calls use(point, derivatives) for each point that has a place, from several threads.
 template <class Use>
 void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
                   std::span<const Point3> displacements, Use use) {
@@ -136,155 +139,397 @@ void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
                 const Vector3d uvw(splines.places[point].uvw.data());
                 const PlaceWeights weights{patch.axisWeights(uvw, splines.spacing, values),
                                            patch.axisWeights(uvw, splines.spacing, {1, 1, 1})};
-                use(point, valuesAt(positions, weights));
+                use(point, derivativesAt(positions, weights));
             }
         }
     });
 }
 
 /// Returns the inverse of the derivatives at rest; NaN where they span no volume.
-Matrix3d inverseAtRest(const PatchValues& values) {
-    const Matrix3d atRest = values.topLeftCorner<3, 3>().transpose();
+Matrix3d inverseAtRest(const PatchDerivatives& derivatives) {
+    const Matrix3d atRest = derivatives.topRows<3>().transpose();
     return inverseOf(atRest, atRest.rowwise().norm());
+}
+
+/// The inverses and derivatives of the maps of cells at the places of points, for one pose.
+class CellMaps {
+public:
+    /// \param displacements may be empty, if only inverses are needed
+    CellMaps(const Gradients& gradients, std::span<const Point3> rest,
+             std::span<const Point3> displacements)
+        : cells_(gradients.cells) {
+        if (cells_.places.empty()) return;
+        const LengthUnit unit(rest);
+        // Rows sum to 1, so that the origin may be a vertex of the lattice: differences of large
+        // coordinates do not round then.
+        const auto ofVertices = [&](std::span<const Point3> of) {
+            std::vector<Point3> relative(of.size());
+            for (std::size_t v = 0; v < of.size(); ++v)
+                for (std::size_t c = 0; c < 3; ++c)
+                    relative[v][c] = unit.toUnits(of[v][c] - of.front()[c]);
+            return stencils::applyLevelTable(gradients.vertices, relative);
+        };
+        rest_ = ofVertices(rest);
+        if (!displacements.empty()) displaced_ = ofVertices(displacements);
+    }
+
+    /// Returns the weights of the corners in the derivatives by u, v and w.
+    static std::array<Trilinear::Weights, 3> weightsAt(const CellPlaces::Place& place) {
+        return Trilinear::weightDerivatives(Vector3d(place.uvw.data()));
+    }
+
+    /// Returns the inverse of the derivatives at rest, which are rows; NaN if the cell is flat.
+    Matrix3d inverse(const CellPlaces::Place& place,
+                     const std::array<Trilinear::Weights, 3>& weights) const {
+        const Matrix3d atRest = derivatives(place, weights, rest_);
+        return inverseOf(atRest, atRest.rowwise().norm());
+    }
+
+    /// Returns the derivatives of the displacements, as rows.
+    Matrix3d displaced(const CellPlaces::Place& place,
+                       const std::array<Trilinear::Weights, 3>& weights) const {
+        return derivatives(place, weights, displaced_);
+    }
+
+private:
+    Matrix3d derivatives(const CellPlaces::Place& place,
+                         const std::array<Trilinear::Weights, 3>& weights,
+                         const std::vector<Point3>& positions) const {
+        Matrix3d result = Matrix3d::Zero();
+        for (std::size_t corner = 0; corner < 8; ++corner) {
+            const Eigen::RowVector3d at(positions[cells_.cells[place.cell][corner]].data());
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                result.row(static_cast<Eigen::Index>(axis)) += weights[axis][corner] * at;
+        }
+        return result;
+    }
+
+    const CellPlaces& cells_;
+    std::vector<Point3> rest_, displaced_;  ///< of the vertices, in units
+};
+
+/// Adds a matrix, given as its transpose.
+void addTransposed(const Matrix3d& added, DeformationGradient& sum) {
+    for (Eigen::Index i = 0; i < 3; ++i)
+        for (Eigen::Index j = 0; j < 3; ++j)
+            sum[static_cast<std::size_t>(3 * i + j)] += added(j, i);
+}
+
+/// Returns rows for the points with rows, and for those in cells: three for each of all points.
+stencils::StencilTable<double> rowsOverVertices(const Gradients& gradients,
+                                                std::span<const Point3> rest, Index pointCount) {
+    const auto& [vertices, points, rows, cells, splines] = gradients;
+    constexpr Index kNone = -1;
+    std::vector<Index> rowOf(pointCount, kNone), placeOf(pointCount, kNone);
+    for (std::size_t i = 0; i < points.size(); ++i) rowOf[points[i]] = static_cast<Index>(i);
+    for (std::size_t i = 0; i < cells.places.size(); ++i)
+        placeOf[cells.places[i].point] = static_cast<Index>(i);
+    const double perLength = LengthUnit(rest).toUnits(1.0);  // Derivatives are in units.
+    const CellMaps maps(gradients, rest, {});
+    const auto& ofPoints = rows;  // clang 14 captures no structured binding
+    const auto& ofCells = cells;
+    return stencils::buildTable(
+        3 * pointCount, vertices.rowCount(), [&](Index row, stencils::RowAccumulator& accumulator) {
+            const Index point = row / 3;
+            if (rowOf[point] != kNone) {
+                const Index own = 3 * rowOf[point] + row % 3;
+                for (std::size_t k = 0; k < ofPoints.columns(own).size(); ++k)
+                    accumulator.add(ofPoints.columns(own)[k], ofPoints.weights(own)[k]);
+            }
+            if (placeOf[point] == kNone) return;
+            const CellPlaces::Place& place = ofCells.places[placeOf[point]];
+            const auto weights = CellMaps::weightsAt(place);
+            const Matrix3d inverse = perLength * maps.inverse(place, weights);
+            if (!inverse.allFinite()) return;
+            for (std::size_t by = 0; by < 3; ++by)
+                for (std::size_t corner = 0; corner < 8; ++corner)
+                    accumulator.add(
+                        ofCells.cells[place.cell][corner],
+                        inverse(row % 3, static_cast<Eigen::Index>(by)) * weights[by][corner]);
+            accumulator.makeSumZero();
+        });
 }
 
 }  // namespace
 
-Index Gradients::identityCount() const {
-    Index count = 0;
-    for (const Index point : tables[0].emptyRows())
-        count += splines.places.empty() || splines.places[point].patch == kMaxIndex;
-    return count;
+Index Gradients::identityCount(Index pointCount) const {
+    const auto ofSplines = std::ranges::count_if(
+        splines.places, [](const auto& place) { return place.patch != kMaxIndex; });
+    return static_cast<Index>(pointCount - std::ssize(points) - std::ssize(cells.places) -
+                              ofSplines);
 }
 
-void Gradients::check() const {
-    for (const auto& table : tables)
-        if (table.rowCount() != rowCount() || table.columnCount() != columnCount())
-            throw Error("the three tables of the gradients have different shapes");
-    const auto& [spacing, patches, places, weights] = splines;
+void Gradients::check(Index pointCount) const {
+    if (rows.rowCount() != 3 * std::ssize(points) ||
+        (!points.empty() && rows.columnCount() != vertices.rowCount()))
+        throw Error(concat("gradients of ", points.size(), " points have ", rows.rowCount(),
+                           " rows over ", rows.columnCount(), " vertices, and ",
+                           vertices.rowCount(), " rows of vertices"));
+    std::vector<bool> isKnown(pointCount);
+    const auto take = [&](Index point) {
+        if (point < 0 || point >= pointCount)
+            throw Error(concat("gradients of the point ", point, "; there are ", pointCount));
+        if (isKnown[point]) throw Error(concat("the point ", point, " has gradients twice"));
+        isKnown[point] = true;
+    };
+    const auto checkUvw = [](Index point, const std::array<double, 3>& uvw) {
+        for (const double coordinate : uvw)
+            if (!std::isfinite(coordinate))
+                throw Error(concat("the place of point ", point, " in its cell is not finite"));
+    };
+    for (const Index point : points) take(point);
+    for (const auto& [point, cell, uvw] : cells.places) {
+        take(point);
+        checkUvw(point, uvw);
+        if (cell < 0 || cell >= std::ssize(cells.cells))
+            throw Error(concat("the gradient of point ", point, " is in cell ", cell, " of ",
+                               cells.cells.size()));
+    }
+    for (const CellPlaces::Cell& cell : cells.cells)
+        for (const Index vertex : cell)
+            if (vertex < 0 || vertex >= vertices.rowCount())
+                throw Error(concat("a cell of the gradients has vertex ", vertex, "; there are ",
+                                   vertices.rowCount()));
+    const auto& [spacing, patches, places] = splines;
     if (!(spacing >= 0 && spacing <= 1))
         throw Error(concat("a spacing of ", spacing, " in the gradients; expected 0 to 1"));
-    if (!places.empty() && std::ssize(places) != rowCount())
-        throw Error(concat("gradients of ", rowCount(), " points have ", places.size(), " places"));
+    if (!places.empty() && std::ssize(places) != pointCount)
+        throw Error(concat("gradients of ", pointCount, " points have ", places.size(), " places"));
     for (std::size_t i = 0; i < places.size(); ++i) {
         const auto& [uvw, patch] = places[i];
         if (patch == kMaxIndex) continue;
+        take(static_cast<Index>(i));
         if (patch < 0 || patch >= std::ssize(patches))
             throw Error(concat("the gradient of point ", i, " is in patch ", patch, " of ",
                                patches.size()));
-        for (const double coordinate : uvw)
-            if (!std::isfinite(coordinate))
-                throw Error(concat("the place of point ", i, " in its patch is not finite"));
+        checkUvw(static_cast<Index>(i), uvw);
     }
     for (const auto& patch : patches) TricubicPatch::checkVertices(patch, columnCount());
-    if (!weights.empty() && weights.size() != places.size())
-        throw Error(
-            concat(places.size(), " places in the gradients have ", weights.size(), " weights"));
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const auto& [value, slope] = weights[i];
-        if (!(value >= 0 && value <= 1) || !Vector3d(slope.data()).allFinite())
-            throw Error(concat("the weight of point ", i, " is ", value, " with the slope ",
-                               slope[0], " ", slope[1], " ", slope[2],
-                               "; expected 0 to 1, and finite numbers"));
+}
+
+void addGradients(const Gradients& gradients, std::span<const Point3> rest,
+                  std::span<const Point3> displacements, std::span<DeformationGradient> sums) {
+    const auto& [vertices, points, rows, cells, splines] = gradients;
+    if (!points.empty()) {
+        const auto columns =
+            stencils::applyLevelTable(rows, stencils::applyLevelTable(vertices, displacements));
+        for (std::size_t row = 0; row < columns.size(); ++row)
+            for (std::size_t i = 0; i < 3; ++i)
+                sums[points[row / 3]][3 * i + row % 3] += columns[row][i];
     }
-}
-
-void addSplineGradients(const SplinePlaces& splines, std::span<const Point3> rest,
-                        std::span<const Point3> displacements,
-                        std::span<DeformationGradient> sums) {
-    const LengthUnit unit(rest);
-    forEachPlace(splines, rest, displacements, [&](Index point, const PatchValues& values) {
-        const Matrix3d inverse = inverseAtRest(values);
-        if (!inverse.allFinite()) return;
-        // Fᵀ − 1 = (T X)⁻¹ T (x − X)
-        Matrix3d added = inverse * values.bottomLeftCorner<3, 3>().transpose();
-        if (!splines.weights.empty()) {
-            // The displacement d is relative to the vertex of positionsOf().
-            const auto& patch = splines.patches[splines.places[point].patch];
-            const auto& [weight, slope] = splines.weights[point];
-            Vector3d d(displacements[patch[TricubicPatch::kCorner]].data());
-            for (Eigen::Index c = 0; c < 3; ++c) d[c] += unit.fromUnits(values(3 + c, 3));
-            added = weight * added + Vector3d(slope.data()) * d.transpose();
+    const CellMaps maps(gradients, rest, displacements);
+    const std::span<const CellPlaces::Place> places(cells.places);
+    parallelFor(std::ssize(places), 1024, [&](Offset first, Offset last) {
+        for (const CellPlaces::Place& place : places.subspan(first, last - first)) {
+            const auto weights = CellMaps::weightsAt(place);
+            const Matrix3d inverse = maps.inverse(place, weights);
+            if (inverse.allFinite())
+                addTransposed(inverse * maps.displaced(place, weights), sums[place.point]);
         }
-        for (Eigen::Index i = 0; i < 3; ++i)
-            for (Eigen::Index j = 0; j < 3; ++j)
-                sums[point][static_cast<std::size_t>(3 * i + j)] += added(j, i);
     });
+    forEachPlace(
+        splines, rest, displacements, [&](Index point, const PatchDerivatives& derivatives) {
+            const Matrix3d inverse = inverseAtRest(derivatives);
+            // Fᵀ − 1 = (T X)⁻¹ T (x − X)
+            if (inverse.allFinite())
+                addTransposed(inverse * derivatives.bottomRows<3>().transpose(), sums[point]);
+        });
 }
 
-GradientTables gradientTables(const Gradients& gradients, std::span<const Point3> rest) {
+GradientTables gradientTables(const Gradients& gradients, std::span<const Point3> rest,
+                              Index pointCount) {
     const SplinePlaces& splines = gradients.splines;
-    if (splines.places.empty()) return gradients.tables;
+    const auto rows =
+        stencils::multiply(rowsOverVertices(gradients, rest, pointCount), gradients.vertices);
     const std::vector<Point3> none(rest.size());
     const double perLength = LengthUnit(rest).toUnits(1.0);  // Derivatives are in units.
     std::vector<Matrix3d> inverses(splines.places.size());
-    forEachPlace(splines, rest, none, [&](Index point, const PatchValues& values) {
-        inverses[point] = perLength * inverseAtRest(values);
+    forEachPlace(splines, rest, none, [&](Index point, const PatchDerivatives& derivatives) {
+        inverses[point] = perLength * inverseAtRest(derivatives);
     });
     std::vector<TricubicPatch> patches(splines.patches.begin(), splines.patches.end());
     GradientTables result;
     for (std::size_t axis = 0; axis < 3; ++axis)
         result[axis] = stencils::buildTable(
-            gradients.rowCount(), gradients.columnCount(),
+            pointCount, gradients.columnCount(),
             [&](Index point, stencils::RowAccumulator& accumulator) {
-                const SplinePlaces::Place& place = splines.places[point];
-                if (place.patch == kMaxIndex) {
-                    const auto columns = gradients.tables[axis].columns(point);
-                    const auto weights = gradients.tables[axis].weights(point);
-                    for (std::size_t k = 0; k < columns.size(); ++k)
-                        accumulator.add(columns[k], weights[k]);
-                    return;
-                }
-                if (!inverses[point].allFinite()) return;
-                const PointWeight follows =
-                    splines.weights.empty() ? PointWeight{} : splines.weights[point];
-                const auto add = [&](const std::array<int, 3>& orders, double factor) {
-                    const auto along = patches[place.patch].axisWeights(Vector3d(place.uvw.data()),
-                                                                        splines.spacing, orders);
-                    std::array<Index, 64> vertices;
-                    std::array<double, 64> weights;
-                    patches[place.patch].writeRow(along, vertices.data(), weights.data());
-                    const Index length = TricubicPatch::rowLength(along);
-                    for (Index k = 0; k < length; ++k)
-                        accumulator.add(vertices[k], factor * weights[k]);
-                };
-                for (std::size_t by = 0; by < 3; ++by) {
-                    std::array<int, 3> orders = {};
-                    orders[by] = 1;
-                    add(orders, follows.value * inverses[point](static_cast<Eigen::Index>(axis),
-                                                                static_cast<Eigen::Index>(by)));
+                const Index row = 3 * point + static_cast<Index>(axis);
+                for (std::size_t k = 0; k < rows.columns(row).size(); ++k)
+                    accumulator.add(rows.columns(row)[k], rows.weights(row)[k]);
+                const bool hasPlace =
+                    !splines.places.empty() && splines.places[point].patch != kMaxIndex;
+                if (hasPlace && inverses[point].allFinite()) {
+                    const SplinePlaces::Place& place = splines.places[point];
+                    const TricubicPatch& patch = patches[place.patch];
+                    for (std::size_t by = 0; by < 3; ++by) {
+                        const double factor = inverses[point](static_cast<Eigen::Index>(axis),
+                                                              static_cast<Eigen::Index>(by));
+                        std::array<int, 3> orders = {};
+                        orders[by] = 1;
+                        const auto along =
+                            patch.axisWeights(Vector3d(place.uvw.data()), splines.spacing, orders);
+                        std::array<Index, 64> vertices;
+                        std::array<double, 64> weights;
+                        patch.writeRow(along, vertices.data(), weights.data());
+                        const Index length = TricubicPatch::rowLength(along);
+                        for (Index k = 0; k < length; ++k)
+                            accumulator.add(vertices[k], factor * weights[k]);
+                    }
                 }
                 accumulator.makeSumZero();
-                if (follows.slope[axis] != 0) add({}, follows.slope[axis]);
             });
     return result;
 }
 
-GradientTables gradientsOf(const stencils::StencilTable<double>& directions,
-                           std::span<const Point3> rest, double scale) {
+namespace {
+
+/// Returns the numbers of the rows of points.
+std::vector<Index> tripled(std::span<const Index> points) {
+    std::vector<Index> rows;
+    rows.reserve(3 * points.size());
+    for (const Index point : points)
+        for (Index axis = 0; axis < 3; ++axis) rows.push_back(3 * point + axis);
+    return rows;
+}
+
+/// Sorts the points with rows.
+void sortPoints(Gradients& gradients) {
+    std::vector<Index>& points = gradients.points;
+    if (std::ranges::is_sorted(points)) return;
+    std::vector<Index> order(points.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return points[a] < points[b]; });
+    gradients.rows = stencils::selectRows(gradients.rows, tripled(order));
+    std::sort(points.begin(), points.end());
+}
+
+void sortPlaces(CellPlaces& cells) {
+    const auto isBefore = [](const auto& a, const auto& b) { return a.point < b.point; };
+    if (!std::is_sorted(cells.places.begin(), cells.places.end(), isBefore))
+        std::sort(cells.places.begin(), cells.places.end(), isBefore);
+}
+
+/// Rows of several tables, one table after the other.
+class StackedRows {
+public:
+    Offset rowCount() const { return std::ssize(offsets_) - 1; }
+
+    /// \param shift is added to the columns
+    void append(const stencils::StencilTable<double>& table, Index shift) {
+        const Offset before = offsets_.back();
+        for (Index row = 0; row < table.rowCount(); ++row)
+            offsets_.push_back(before + table.offsets()[row + 1]);
+        for (const Index column : table.columns()) columns_.push_back(column + shift);
+        weights_.insert(weights_.end(), table.weights().begin(), table.weights().end());
+    }
+
+    stencils::StencilTable<double> take(Index columnCount) {
+        return {stencils::Trusted{}, columnCount, std::move(offsets_), std::move(columns_),
+                std::move(weights_)};
+    }
+
+private:
+    Array<Offset> offsets_ = {0};
+    Array<Index> columns_;
+    Array<double> weights_;
+};
+
+}  // namespace
+
+stencils::StencilTable<double> gradientRows(const stencils::StencilTable<double>& directions,
+                                            std::span<const Point3> rest, double scale) {
     const Index pointCount = directions.rowCount() / 3;
     std::vector<Matrix3d> inverses(pointCount);
     parallelFor(pointCount, 1024, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i)
             inverses[i] = scale * inverseAtRest(directions, static_cast<Index>(3 * i), rest);
     });
-    GradientTables gradients;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        gradients[axis] = stencils::buildTable(
-            pointCount, directions.columnCount(),
-            [&](Index point, stencils::RowAccumulator& accumulator) {
-                const Matrix3d& inverse = inverses[point];
-                if (!inverse.allFinite()) return;
-                for (Index row = 0; row < 3; ++row) {
-                    const double factor = inverse(static_cast<Eigen::Index>(axis), row);
-                    const auto columns = directions.columns(3 * point + row);
-                    const auto weights = directions.weights(3 * point + row);
-                    for (std::size_t k = 0; k < columns.size(); ++k)
-                        accumulator.add(columns[k], factor * weights[k]);
-                }
-                accumulator.makeSumZero();
-            });
+    return stencils::buildTable(directions.rowCount(), directions.columnCount(),
+                                [&](Index row, stencils::RowAccumulator& accumulator) {
+                                    const Index point = row / 3;
+                                    const Matrix3d& inverse = inverses[point];
+                                    if (!inverse.allFinite()) return;
+                                    for (Index by = 0; by < 3; ++by) {
+                                        const double factor = inverse(row % 3, by);
+                                        const auto columns = directions.columns(3 * point + by);
+                                        const auto weights = directions.weights(3 * point + by);
+                                        for (std::size_t k = 0; k < columns.size(); ++k)
+                                            accumulator.add(columns[k], factor * weights[k]);
+                                    }
+                                    accumulator.makeSumZero();
+                                });
+}
+
+Gradients gradientsOfRows(const stencils::StencilTable<double>& rows) {
+    const Index columnCount = rows.columnCount();
+    Gradients gradients{stencils::buildTable(
+        columnCount, columnCount,
+        [](Index row, stencils::RowAccumulator& accumulator) { accumulator.add(row, 1); })};
+    for (Index point = 0; 3 * point < rows.rowCount(); ++point)
+        if (rows.offsets()[3 * point] != rows.offsets()[3 * point + 3])
+            gradients.points.push_back(point);
+    gradients.rows = stencils::selectRows(rows, tripled(gradients.points));
     return gradients;
+}
+
+Gradients withoutPoints(Gradients gradients, std::span<const Index> points) {
+    if (points.empty()) return gradients;
+    const auto isOne = [&](Index point) { return std::ranges::binary_search(points, point); };
+    auto& [vertices, own, rows, cells, splines] = gradients;
+    std::vector<Index> left, numbers;
+    for (std::size_t i = 0; i < own.size(); ++i)
+        if (!isOne(own[i])) {
+            left.push_back(static_cast<Index>(i));
+            numbers.push_back(own[i]);
+        }
+    if (left.size() < own.size()) {
+        rows = stencils::selectRows(rows, tripled(left));
+        own = std::move(numbers);
+    }
+    std::erase_if(cells.places, [&](const auto& place) { return isOne(place.point); });
+    if (!splines.places.empty())
+        for (const Index point : points) splines.places[point] = {};
+    return gradients;
+}
+
+Gradients renumbered(Gradients gradients, std::span<const Index> numbers) {
+    auto& [vertices, points, rows, cells, splines] = gradients;
+    for (Index& point : points) point = numbers[point];
+    sortPoints(gradients);
+    for (CellPlaces::Place& place : cells.places) place.point = numbers[place.point];
+    sortPlaces(cells);
+    return gradients;
+}
+
+Gradients merged(std::vector<Gradients>& parts, Index columnCount) {
+    Offset vertexCount = 0;
+    for (const Gradients& part : parts) vertexCount += part.vertices.rowCount();
+    if (vertexCount > kMaxIndex)
+        throw Error("the gradients would have " + std::to_string(vertexCount) +
+                    " vertices, more than an index can count; bind fewer points at once");
+    Gradients all;
+    StackedRows vertices, rows;
+    for (Gradients& part : parts) {
+        const auto vertexShift = static_cast<Index>(vertices.rowCount());
+        const auto cellShift = static_cast<Index>(all.cells.cells.size());
+        vertices.append(part.vertices, 0);
+        rows.append(part.rows, vertexShift);
+        all.points.insert(all.points.end(), part.points.begin(), part.points.end());
+        for (CellPlaces::Cell cell : part.cells.cells) {
+            for (Index& vertex : cell) vertex += vertexShift;
+            all.cells.cells.push_back(cell);
+        }
+        for (CellPlaces::Place place : part.cells.places) {
+            place.cell += cellShift;
+            all.cells.places.push_back(place);
+        }
+        part = {};
+    }
+    all.rows = rows.take(static_cast<Index>(vertices.rowCount()));
+    all.vertices = vertices.take(columnCount);
+    sortPoints(all);
+    sortPlaces(all.cells);
+    return all;
 }
 
 }  // namespace espalier::embed

@@ -15,15 +15,26 @@ namespace espalier::embed {
 
 /// Three tables that give the deformation gradient F = ∂x'/∂X at each point: table j times the
 /// displacements of a pose from the rest is column j of F − 1. Rows sum to 0, or, for a point with
-/// a PointWeight, to the slope of its weight by coordinate j.
+/// a weight (bind::PointWeights), to the slope of its weight by coordinate j.
 using GradientTables = std::array<stencils::StencilTable<double>, 3>;
 
-/// How far a point follows the lattice, and how this changes from point to point
-/// (bind::PointWeights).
-struct PointWeight {
-    double value = 1;   ///< 0 to 1
-    Point3 slope = {};  ///< by the coordinates of the point at rest
-    friend bool operator==(const PointWeight&, const PointWeight&) = default;
+/// Places of points in hexahedra of a level. There the map is trilinear, and F follows from the
+/// corners. A place takes 32 bytes; the rows take 300, or 3,000 over the base.
+struct CellPlaces {
+    /// The corners in the order of far::hexahedronVertices(): rows of Gradients::vertices.
+    using Cell = std::array<Index, 8>;
+
+    struct Place {
+        Index point = 0;
+        Index cell = 0;
+        std::array<double, 3> uvw = {};
+        friend bool operator==(const Place&, const Place&) = default;
+    };
+
+    std::vector<Cell> cells = {};
+    std::vector<Place> places = {};  ///< ascending by point
+
+    friend bool operator==(const CellPlaces&, const CellPlaces&) = default;
 };
 
 /// Places of points in regular cells of a lattice. There the map is a product of splines, and the
@@ -41,8 +52,7 @@ struct SplinePlaces {
 
     double spacing = 0;  ///< 2⁻ⁿ for level n; 0 for the limit
     std::vector<Patch> patches = {};
-    std::vector<Place> places = {};         ///< one per point, or none at all
-    std::vector<PointWeight> weights = {};  ///< one per place; or none, and all points follow fully
+    std::vector<Place> places = {};  ///< one per point, or none at all
 
     friend bool operator==(const SplinePlaces&, const SplinePlaces&) = default;
 };
@@ -59,45 +69,45 @@ struct SplinePlaces {
 /// as thick, to 1e-11. Transform normals by the cofactor
 /// matrix of F, tangents by F.
 struct Gradients {
-    GradientTables tables;  ///< points × base vertices; a row is empty if the point has a place
+    /// Rows of vertices of a level over the base; or the identity, if the rows of the points are
+    /// over the base.
+    stencils::StencilTable<double> vertices;
+
+    /// The points with rows of their own, ascending, and the rows, three for each, over `vertices`:
+    /// row 3i + j times the displacements of the vertices is column j of F − 1 of points[i]. Rows
+    /// sum to 0.
+    std::vector<Index> points = {};
+    stencils::StencilTable<double> rows = {};
+
+    CellPlaces cells = {};
     SplinePlaces splines = {};
 
-    Index rowCount() const { return tables[0].rowCount(); }
-    Index columnCount() const { return tables[0].columnCount(); }
+    Index columnCount() const { return vertices.columnCount(); }
 
     /// Returns how many points have the identity in every pose.
-    ESPALIER_API Index identityCount() const;
+    /// \param pointCount number of all points
+    ESPALIER_API Index identityCount(Index pointCount) const;
 
-    /// \throws Error unless the tables have one shape, each place is in a patch that exists and
-    ///         has finite coordinates, each patch has the 8 vertices of its cell, of the base, and
-    ///         weights are 0 to 1 with finite slopes
-    ESPALIER_API void check() const;
+    /// \throws Error unless the tables fit together, no point has gradients twice or is beyond the
+    ///         number of points, and each place is in a cell or patch that exists, with finite
+    ///         coordinates, and each of these has vertices that exist
+    ESPALIER_API void check(Index pointCount) const;
 
     friend bool operator==(const Gradients&, const Gradients&) = default;
 };
 
-/// Adds F − 1 of the points that have a place to `sums`, for one pose.
+/// Adds F − 1 of all points for one pose.
 /// \param rest, displacements one per base vertex: the lattice at rest, and p' − p
 /// \param sums one per point
-/// \cost 0.5 µs for each point on two cores
-ESPALIER_API void addSplineGradients(const SplinePlaces& splines, std::span<const Point3> rest,
-                                     std::span<const Point3> displacements,
-                                     std::span<DeformationGradient> sums);
+/// \cost 0.5 µs for each point in a regular cell and 0.2 µs for each other one, on two cores
+ESPALIER_API void addGradients(const Gradients& gradients, std::span<const Point3> rest,
+                               std::span<const Point3> displacements,
+                               std::span<DeformationGradient> sums);
 
-/// Returns the tables with a row for each point, also for those that have a place.
+/// Returns the gradients as tables over the base, with a row for each point.
 /// \param rest the lattice at rest, one position per base vertex
-/// \cost O(entries), in parallel
-ESPALIER_API GradientTables gradientTables(const Gradients& gradients,
-                                           std::span<const Point3> rest);
-
-/// Returns the tables of F from three directions at each point. F maps the directions T X of the
-/// rest X to the directions T x of the pose x: Fᵀ = (T X)⁻¹ T x. Rows are empty where T X spans no
-/// volume.
-/// \param directions T: three rows for each point, over the base; they sum to 0
-/// \param rest X
-/// \param scale factor for the gradients by X
-/// \cost O(entries), in parallel
-ESPALIER_API GradientTables gradientsOf(const stencils::StencilTable<double>& directions,
-                                        std::span<const Point3> rest, double scale);
+/// \cost O(entries of the result), in parallel
+ESPALIER_API GradientTables gradientTables(const Gradients& gradients, std::span<const Point3> rest,
+                                           Index pointCount);
 
 }  // namespace espalier::embed

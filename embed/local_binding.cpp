@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/bind_groups.h>
+#include <espalier/embed/gradient_rows.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/embed/regular_binding.h>
+#include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
@@ -14,6 +17,7 @@
 #include <random>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 
 #include "level_search.h"
@@ -47,23 +51,80 @@ Table rowsIn(const stencils::Levels& levels, const Embedding& embedding) {
         return buildFactoredTable(levels, embedding);
 }
 
-/// Returns the gradients of points with a row in D, over the base of the level tables.
-/// \param tables R_1 to R_n, where the embedding is in level n
-/// \param table D, or W
-/// \param rest the base, in units
-GradientTables gradientTablesIn(const far::CellComplex& level,
-                                std::span<const stencils::StencilTable<double>> tables,
-                                const Embedding& embedding,
-                                const stencils::StencilTable<double>& table,
-                                std::span<const Point3> rest, const LengthUnit& unit) {
-    std::vector<stencils::StencilTable<double>> rows;
-    for (const auto& each : tables)
-        rows.push_back(stencils::buildTable(0, each.columnCount(), [](Index, auto&) {}));
-    rows.push_back(buildDirectionTable(level, embedding));
-    const auto directions = std::move(
-        stencils::composeDerivatives(tables, std::move(rows), stencils::RowMeaning::Spans).back());
-    GradientTables gradients = gradientsOf(directions, rest, unit.toUnits(1.0));
-    for (auto& gradient : gradients) gradient = emptyRows(std::move(gradient), table.emptyRows());
+/// A level in which points were placed.
+struct PlacedIn {
+    const far::CellComplex& complex;
+    std::span<const Point3> positions;                       ///< of the vertices, in units
+    std::span<const stencils::StencilTable<double>> tables;  ///< R_1 to R_n for level n
+    std::span<const Point3> rest;                            ///< the base, in units
+};
+
+/// Returns the places of points in hexahedra that are not flat, with vertices of the level as the
+/// corners of cells.
+CellPlaces cellPlacesIn(const PlacedIn& level, const Embedding& embedding) {
+    CellPlaces cells;
+    std::unordered_map<Index, Index> numbers;  // of the cells; -1 for other cells
+    for (std::size_t i = 0; i < embedding.points.size(); ++i) {
+        const auto& place = embedding.points[i].place;
+        if (!place) continue;
+        const auto [found, isNew] = numbers.try_emplace(place->cell.value, -1);
+        if (isNew)
+            if (const auto corners = far::hexahedronVertices(level.complex, place->cell)) {
+                found->second = static_cast<Index>(cells.cells.size());
+                cells.cells.push_back(*corners);
+            }
+        if (found->second >= 0)
+            cells.places.push_back({static_cast<Index>(i), found->second, place->uvw});
+    }
+    return cells;
+}
+
+/// Returns the gradients of points.
+/// \param stencilsFor returns the rows of S_n for some vertices of the level
+template <class StencilsFor>
+Gradients gradientsIn(const PlacedIn& level, const Embedding& embedding, const LengthUnit& unit,
+                      StencilsFor stencilsFor) {
+    // Differences of the vertices of deeper levels would round by more than 2⁶ units in the last
+    // place of a displacement; and long rows of S are not made (needWholeLevel()). If the points
+    // have several vertices each, rows over the base take less memory than the vertices.
+    constexpr std::size_t kMaxLevel = 6;
+    constexpr Offset kMostVertices = 4;
+    const double perLength = unit.toUnits(1.0);
+    const auto rowsOf = [&](const Embedding& points) {
+        return buildDirectionTable(level.complex, points);
+    };
+    const bool isDeep = level.tables.size() > kMaxLevel ||
+                        stencils::compositionOf(level.tables) == stencils::Composition::FromRows;
+    CellPlaces cells;
+    if (!isDeep) cells = cellPlacesIn(level, embedding);
+    if (isDeep || 8 * std::ssize(cells.cells) > kMostVertices * std::ssize(embedding.points)) {
+        std::vector<stencils::StencilTable<double>> rows;
+        for (const auto& each : level.tables)
+            rows.push_back(stencils::buildTable(0, each.columnCount(), [](Index, auto&) {}));
+        rows.push_back(rowsOf(embedding));
+        const auto directions = std::move(
+            stencils::composeDerivatives(level.tables, std::move(rows), stencils::RowMeaning::Spans)
+                .back());
+        return gradientsOfRows(gradientRows(directions, level.rest, perLength));
+    }
+    Embedding others = embedding;  // The points in cells of other types.
+    for (const CellPlaces::Place& place : cells.places) others.points[place.point].place.reset();
+    Gradients gradients = gradientsOfRows(gradientRows(rowsOf(others), level.positions, perLength));
+    std::vector<Index> used(gradients.rows.columns().begin(), gradients.rows.columns().end());
+    for (const CellPlaces::Cell& cell : cells.cells)
+        used.insert(used.end(), cell.begin(), cell.end());
+    sortUnique(used);
+    gradients.vertices = stencilsFor(used);
+    for (CellPlaces::Cell& cell : cells.cells)
+        for (Index& vertex : cell) vertex = indexIn(used, vertex);
+    Array<Index> columns(gradients.rows.columns().begin(), gradients.rows.columns().end());
+    for (Index& column : columns) column = indexIn(used, column);
+    const auto& rows = gradients.rows;
+    gradients.rows = {stencils::Trusted{}, static_cast<Index>(used.size()),
+                      Array<Offset>(rows.offsets().begin(), rows.offsets().end()),
+                      std::move(columns),
+                      Array<double>(rows.weights().begin(), rows.weights().end())};
+    gradients.cells = std::move(cells);
     return gradients;
 }
 
@@ -81,9 +142,13 @@ std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<con
             const stencils::Levels& levels = *located.levels;
             part.table = rowsIn<Table>(levels, located.embedding);
             if (unitOfGradients != nullptr)
-                part.gradients = gradientTablesIn(levels.finestLevel().complex, levels.tables(),
-                                                  located.embedding, pointRows(part.table),
-                                                  levels.positions(0), *unitOfGradients);
+                part.gradients = withoutPoints(
+                    gradientsIn(
+                        {levels.finestLevel().complex, levels.finestPositions(), levels.tables(),
+                         levels.positions(0)},
+                        located.embedding, *unitOfGradients,
+                        [&](std::span<const Index> vertices) { return levels.stencils(vertices); }),
+                    pointRows(part.table).emptyRows());
             part.largestResidual = located.embedding.largestResidual(pointRows(part.table));
         }
         part.baseVertices = std::move(located.baseVertices);
@@ -156,7 +221,7 @@ struct PointsInLevel {
     double largestResidual;
     stencils::FactoredTable<double> factors;
     stencils::RowOrder byBaseCell;
-    GradientTables gradients;  ///< 0 × 0 if they were not requested
+    Gradients gradients;  ///< empty if they were not requested
     std::vector<CarriedPoint> carried;
 };
 
@@ -168,9 +233,10 @@ PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const P
                                  const LengthUnit& unit) {
     const int level = options.level;
     refiner.refineUniform(level);
+    const far::CellComplex& complex = refiner.level(level).complex;
+    const std::vector<Point3> positions = stencils::refinePositions(refiner, level, rest);
     const auto embed = [&] {
-        const far::CellComplex& complex = refiner.level(level).complex;
-        const PointLocator locator(complex, stencils::refinePositions(refiner, level, rest),
+        const PointLocator locator(complex, positions,
                                    CellSolver::scaleOf(rest, options.embedding.tolerance));
         const bool seekNearest = options.embedding.outside == OutsidePolicy::Nearest;
         return locatePoints<CellPlace>(
@@ -185,10 +251,15 @@ PointsInLevel locateInWholeLevel(far::TopologyRefiner refiner, std::span<const P
                           orderByBaseCell(embedding, origins.of(3), origins.count()),
                           {},
                           {}};
-    if (options.gradients)
-        located.gradients = gradientTablesIn(refiner.level(level).complex,
-                                             stencils::buildLevelTables(refiner, level), embedding,
-                                             located.factors.points, rest, unit);
+    if (options.gradients) {
+        const auto tables = stencils::buildLevelTables(refiner, level);
+        located.gradients =
+            withoutPoints(gradientsIn({complex, positions, tables, rest}, embedding, unit,
+                                      [&](std::span<const Index> vertices) {
+                                          return stencils::buildStencils(refiner, level, vertices);
+                                      }),
+                          located.factors.points.emptyRows());
+    }
     located.largestResidual = embedding.largestResidual(located.factors.points);
     located.statuses.reserve(points.size());
     for (const LocatedPoint& point : embedding.points) located.statuses.push_back(point.status);
@@ -232,14 +303,7 @@ BoundRows<Table> bindToWholeLevel(const far::TopologyRefiner& base, const Length
     model.largestResidual = unit.fromUnits(located.largestResidual);
     for (const CarriedPoint& each : located.carried)
         model.carried.push_back({order[each.point], unit.fromUnits(each.away)});
-    if (options.gradients) {
-        model.gradients.emplace();
-        const std::vector<Index> rowOf = rowsOfPoints(order);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            model.gradients->tables[axis] =
-                stencils::selectRows<double>(located.gradients[axis], rowOf);
-        located.gradients = {};
-    }
+    if (options.gradients) model.gradients = renumbered(std::move(located.gradients), order);
     orderRows(std::move(located.factors), located.byBaseCell, order, model.table);
     completeStatuses(points, options.embedding.outside, model);
     return model;

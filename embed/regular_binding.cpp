@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
 #include <espalier/embed/bind_groups.h>
+#include <espalier/embed/gradient_rows.h>
 #include <espalier/embed/regular_binding.h>
 #include <espalier/stencils/table_builder.h>
 
@@ -79,23 +80,6 @@ stencils::StencilTable<double> rowsOf(const RegularPlaces& places, double spacin
             std::move(weights)};
 }
 
-/// Makes a table from the rows of the points that have no place; the other rows are empty.
-stencils::StencilTable<double> rowsOfOthers(const RegularPlaces& places, Index columnCount,
-                                            const stencils::StencilTable<double>& others) {
-    Array<Offset> offsets = {0};
-    offsets.reserve(places.places.size() + 1);
-    Index other = 0;
-    for (const RegularPlaces::Place& place : places.places) {
-        const bool isEmpty = place.length > 0 || others.rowCount() == 0;
-        offsets.push_back(offsets.back() + (isEmpty ? 0 : std::ssize(others.columns(other++))));
-    }
-    const auto columns = others.columns();
-    const auto weights = others.weights();
-    return {stencils::Trusted{}, columnCount, std::move(offsets),
-            Array<Index>(columns.begin(), columns.end()),
-            Array<double>(weights.begin(), weights.end())};
-}
-
 SplinePlaces splinesOf(const RegularPlaces& places, double spacing) {
     SplinePlaces splines{spacing};
     for (const TricubicPatch& patch : places.patches) splines.patches.push_back(patch.vertices());
@@ -118,8 +102,8 @@ BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit
     if (placed == 0) return bindOthers(points, options);
     BoundRows<> model, others;
     model.statuses.assign(points.size(), PointStatus::Inside);
+    std::vector<Index> numbers;  // The points that have no place.
     if (placed < std::ssize(points)) {
-        std::vector<Index> numbers;
         for (std::size_t i = 0; i < points.size(); ++i)
             if (places.places[i].length == 0) numbers.push_back(static_cast<Index>(i));
         // The numbers of points in an error would be their numbers among the others.
@@ -136,11 +120,11 @@ BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
     model.table = rowsOf(places, search.spacing(), base.count(0), others.table);
     if (options.gradients) {
-        const GradientTables none;
-        const auto& ofOthers = others.gradients ? others.gradients->tables : none;
-        model.gradients.emplace();
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            model.gradients->tables[axis] = rowsOfOthers(places, base.count(0), ofOthers[axis]);
+        if (others.gradients)
+            model.gradients = renumbered(std::move(*others.gradients), numbers);
+        else
+            model.gradients =
+                gradientsOfRows(stencils::buildTable(0, base.count(0), [](Index, auto&) {}));
         model.gradients->splines = splinesOf(places, search.spacing());
     }
     completeStatuses(points, outside, model);

@@ -3,6 +3,7 @@
 #include <espalier/base/memory.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/box_least_squares.h>
+#include <espalier/embed/gradient_rows.h>
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/rounded_product.h>
@@ -261,7 +262,7 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
     return table;
 }
 
-GradientTables buildGradientTables(const TensorLattice& lattice, const TensorEmbedding& embedding) {
+Gradients buildGradients(const TensorLattice& lattice, const TensorEmbedding& embedding) {
     checkVertexCount(embedding.vertexCount, lattice.complex().count(0));
     const auto directions = stencils::buildTable(
         static_cast<Index>(3 * embedding.points.size()), lattice.complex().count(0),
@@ -273,7 +274,8 @@ GradientTables buildGradientTables(const TensorLattice& lattice, const TensorEmb
             accumulator.makeSumZero();
         });
     const LengthUnit unit(lattice.rest());
-    return gradientsOf(directions, unit.toUnits(lattice.rest()), unit.toUnits(1.0));
+    return gradientsOfRows(
+        gradientRows(directions, unit.toUnits(lattice.rest()), unit.toUnits(1.0)));
 }
 
 BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
@@ -283,9 +285,8 @@ BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> poi
     BoundRows<> result;
     result.table = buildDeformationTable(lattice, embedding);
     if (options.gradients) {
-        result.gradients = Gradients{buildGradientTables(lattice, embedding)};
-        for (auto& table : result.gradients->tables)
-            table = emptyRows(std::move(table), result.table.emptyRows());
+        result.gradients =
+            withoutPoints(buildGradients(lattice, embedding), result.table.emptyRows());
     }
     result.largestResidual = embedding.largestResidual(result.table);
     addCarried(embedding.points, result.carried);

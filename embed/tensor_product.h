@@ -126,11 +126,11 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLa
 /// Returns the gradients of D, by the derivatives of the basis at the places.
 /// \throws Error if the embedding is in a lattice with another number of vertices
 /// \cost O(entries), in parallel; three times the memory of D
-ESPALIER_API GradientTables buildGradientTables(const TensorLattice& lattice,
-                                                const TensorEmbedding& embedding);
+ESPALIER_API Gradients buildGradients(const TensorLattice& lattice,
+                                      const TensorEmbedding& embedding);
 
 /// Binds points to a box lattice with Bézier or B-spline weights: embedPoints(),
-/// buildDeformationTable() and, on request, buildGradientTables().
+/// buildDeformationTable() and, on request, buildGradients().
 /// \param options the level has no meaning here
 /// \throws Error under OutsidePolicy::Error if a point is not inside (names the first one);
 ///         ArgumentError if the tolerance is out of range

@@ -30,9 +30,25 @@ struct Header {
     double largestResidual = 0;
     std::int64_t rows = 0, columns = 0, entries = 0, faces = 0, corners = 0, nameBytes = 0,
                  modelBytes = 0;
-    std::array<std::int64_t, 3> gradientEntries = {};
-    std::int64_t patches = 0, places = 0, weights = 0;
+    // Of the gradients.
+    std::int64_t vertices = 0, vertexEntries = 0, points = 0, pointEntries = 0, cells = 0,
+                 cellPlaces = 0, patches = 0, places = 0, weights = 0;
 };
+
+/// Calls f with each size of the gradients, in the order of the file.
+/// \tparam AnyHeader Header, const or not
+template <class AnyHeader, class F>
+void forEachGradientSize(AnyHeader& header, F f) {
+    f(header.vertices);
+    f(header.vertexEntries);
+    f(header.points);
+    f(header.pointEntries);
+    f(header.cells);
+    f(header.cellPlaces);
+    f(header.patches);
+    f(header.places);
+    f(header.weights);
+}
 
 template <class Number>
 Array<Number> readNumbers(ByteInput& in, std::int64_t count) {
@@ -72,25 +88,31 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
         room -= static_cast<std::uint64_t>(count) * size;
         return true;
     };
-    const auto takeTable = [&](std::int64_t entries) {
-        return take(1, 8) && take(header.rows, 8) && take(entries, sizeof(double) + sizeof(Index));
+    const auto takeTable = [&](std::int64_t rows, std::int64_t entries) {
+        return take(1, 8) && take(rows, 8) && take(entries, sizeof(double) + sizeof(Index));
     };
-    for (const std::int64_t entries : header.gradientEntries)
-        if (header.hasGradients ? !takeTable(entries) : entries != 0) return false;
-    if (header.hasGradients ? !take(1, 8)
-                            : header.patches != 0 || header.places != 0 || header.weights != 0)
-        return false;
+    if (header.hasGradients) {
+        if (!take(1, 8) || !takeTable(header.vertices, header.vertexEntries) ||
+            !take(header.points, 4 + 2 * 8) || !takeTable(header.points, header.pointEntries) ||
+            !take(header.cells, sizeof(embed::CellPlaces::Cell)) ||
+            !take(header.cellPlaces, 3 * 8 + 2 * 4))
+            return false;
+    } else {
+        bool areThere = false;
+        forEachGradientSize(header, [&](std::int64_t size) { areThere = areThere || size != 0; });
+        if (areThere) return false;
+    }
     if (!take(header.patches, sizeof(embed::SplinePlaces::Patch)) ||
         !take(header.places, 3 * 8 + 4) || !take(header.weights, 4 * 8))
         return false;
-    return takeTable(header.entries) && take(header.rows, sizeof(Point3) + 1) &&
+    return takeTable(header.rows, header.entries) && take(header.rows, sizeof(Point3) + 1) &&
            take(header.columns, sizeof(Point3)) && take(header.faces, 8) &&
            take(header.corners, 4) && take(header.nameBytes, 1) && take(header.modelBytes, 1) &&
            room == sizeof(std::uint32_t);
 }
 
 Header readHeader(ByteInput& in) {
-    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 13 * 8;
+    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 16 * 8;
     if (in.left() < kBindingMagic.size() || in.bytes(kBindingMagic.size()) != kBindingMagic)
         throw CodingError("is not a bound model");
     if (in.left() < 4) throw CodingError("is truncated");
@@ -107,12 +129,10 @@ Header readHeader(ByteInput& in) {
     header.hasGradients = flag == 1;
     header.topologyHash = in.number<std::uint64_t>();
     header.largestResidual = in.number<double>();
-    for (std::int64_t* size :
-         {&header.rows, &header.columns, &header.entries, &header.faces, &header.corners,
-          &header.nameBytes, &header.modelBytes, &header.gradientEntries[0],
-          &header.gradientEntries[1], &header.gradientEntries[2], &header.patches, &header.places,
-          &header.weights})
+    for (std::int64_t* size : {&header.rows, &header.columns, &header.entries, &header.faces,
+                               &header.corners, &header.nameBytes, &header.modelBytes})
         *size = in.number<std::int64_t>();
+    forEachGradientSize(header, [&](std::int64_t& size) { size = in.number<std::int64_t>(); });
     if (!fileSizeMatches(header, in.left()))
         throw CodingError("is truncated or corrupted: its size is not what its header says");
     return header;
@@ -120,16 +140,31 @@ Header readHeader(ByteInput& in) {
 
 /// Reads a table.
 /// \throws CodingError if its arrays are not a table
-StencilTable<double> readTable(ByteInput& in, const Header& header, std::int64_t entries) {
-    auto offsets = readNumbers<Offset>(in, header.rows + 1);
+StencilTable<double> readTable(ByteInput& in, std::int64_t rows, std::int64_t columnCount,
+                               std::int64_t entries) {
+    auto offsets = readNumbers<Offset>(in, rows + 1);
     auto weights = readWeights(in, entries);
     auto columns = readNumbers<Index>(in, entries);
     try {
-        return StencilTable<double>(static_cast<Index>(header.columns), std::move(offsets),
+        return StencilTable<double>(static_cast<Index>(columnCount), std::move(offsets),
                                     std::move(columns), std::move(weights));
     } catch (const Error& error) {
         throw CodingError(error.what());
     }
+}
+
+embed::CellPlaces readCells(ByteInput& in, const Header& header) {
+    embed::CellPlaces cells;
+    cells.cells.resize(header.cells);
+    for (auto& cell : cells.cells)
+        for (Index& vertex : cell) vertex = in.number<Index>();
+    cells.places.resize(header.cellPlaces);
+    for (auto& [point, cell, uvw] : cells.places) {
+        point = in.number<Index>();
+        cell = in.number<Index>();
+        for (double& coordinate : uvw) coordinate = in.number<double>();
+    }
+    return cells;
 }
 
 embed::SplinePlaces readSplines(ByteInput& in, const Header& header) {
@@ -141,12 +176,16 @@ embed::SplinePlaces readSplines(ByteInput& in, const Header& header) {
     for (auto& place : splines.places)
         for (double& coordinate : place.uvw) coordinate = in.number<double>();
     for (auto& place : splines.places) place.patch = in.number<Index>();
-    splines.weights.resize(header.weights);
-    for (auto& [value, slope] : splines.weights) {
+    return splines;
+}
+
+std::vector<bind::PointWeight> readPointWeights(ByteInput& in, std::int64_t count) {
+    std::vector<bind::PointWeight> weights(count);
+    for (auto& [value, slope] : weights) {
         value = in.number<double>();
         for (double& coordinate : slope) coordinate = in.number<double>();
     }
-    return splines;
+    return weights;
 }
 
 /// Reads the faces of the lattice.
@@ -184,12 +223,24 @@ void write(ByteOutput& out, const StencilTable<double>& table) {
     out.numbers(table.columns());
 }
 
+void write(ByteOutput& out, const embed::CellPlaces& cells) {
+    for (const auto& cell : cells.cells) out.numbers(std::span<const Index>(cell));
+    for (const auto& [point, cell, uvw] : cells.places) {
+        out.number(point);
+        out.number(cell);
+        out.numbers(std::span<const double>(uvw));
+    }
+}
+
 void write(ByteOutput& out, const embed::SplinePlaces& splines) {
     out.number(splines.spacing);
     for (const auto& patch : splines.patches) out.numbers(std::span<const Index>(patch));
     for (const auto& place : splines.places) out.numbers(std::span<const double>(place.uvw));
     for (const auto& place : splines.places) out.number(place.patch);
-    for (const auto& [value, slope] : splines.weights) {
+}
+
+void write(ByteOutput& out, const std::vector<bind::PointWeight>& weights) {
+    for (const auto& [value, slope] : weights) {
         out.number(value);
         out.numbers(std::span<const double>(slope));
     }
@@ -214,17 +265,17 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     bind::Binding& binding = model.binding;
     binding.topologyHash = header.topologyHash;
     binding.largestResidual = header.largestResidual;
-    binding.table = readTable(in, header, header.entries);
+    binding.table = readTable(in, header.rows, header.columns, header.entries);
     if (header.hasGradients) {
         binding.gradients.emplace();
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            binding.gradients->tables[axis] = readTable(in, header, header.gradientEntries[axis]);
-        binding.gradients->splines = readSplines(in, header);
-        try {
-            binding.gradients->check();
-        } catch (const Error& error) {
-            throw CodingError(concat("is damaged: ", error.what()));
-        }
+        auto& [vertices, points, rows, cells, splines] = *binding.gradients;
+        vertices = readTable(in, header.vertices, header.columns, header.vertexEntries);
+        const auto numbers = readNumbers<Index>(in, header.points);
+        points.assign(numbers.begin(), numbers.end());
+        rows = readTable(in, 3 * header.points, header.vertices, header.pointEntries);
+        cells = readCells(in, header);
+        splines = readSplines(in, header);
+        binding.weights = readPointWeights(in, header.weights);
     }
     binding.points = readPoints(in, header.rows, "point");
     binding.rest = readPoints(in, header.columns, "vertex of the lattice at rest");
@@ -233,6 +284,11 @@ BoundModel decodeBoundModel(std::string_view bytes) {
             throw CodingError(concat("has the status ", int{status}, " for point ",
                                      binding.statuses.size(), "; expected 0 to 3"));
         binding.statuses.push_back(static_cast<embed::PointStatus>(status));
+    }
+    try {
+        binding.checkParts();
+    } catch (const Error& error) {
+        throw CodingError(concat("is damaged: ", error.what()));
     }
     model.faces = readLatticeFaces(in, header);
     model.modelName = in.bytes(header.nameBytes);
@@ -251,50 +307,61 @@ std::string objOf(std::span<const Point3> points) {
     return std::move(stream).str();
 }
 
+/// Writes the bytes of the file.
+void encode(std::ostream& stream, const BoundModel& model) {
+    const bind::Binding& binding = model.binding;
+    const embed::Gradients none;
+    const embed::Gradients& gradients = binding.gradients ? *binding.gradients : none;
+    ChecksummedOutput out(stream, std::endian::little);
+    out.bytes(kBindingMagic);
+    out.number(kBindingVersion);
+    out.number(std::uint32_t{binding.gradients.has_value()});
+    out.number(binding.topologyHash);
+    out.number(binding.largestResidual);
+    for (const std::int64_t size :
+         {std::int64_t{binding.table.rowCount()}, std::int64_t{binding.table.columnCount()},
+          std::int64_t{binding.table.entryCount()}, std::int64_t{std::ssize(model.faces.ends)},
+          std::int64_t{std::ssize(model.faces.corners)}, std::int64_t{std::ssize(model.modelName)},
+          std::int64_t{std::ssize(model.modelBytes)}, std::int64_t{gradients.vertices.rowCount()},
+          gradients.vertices.entryCount(), std::int64_t{std::ssize(gradients.points)},
+          gradients.rows.entryCount(), std::int64_t{std::ssize(gradients.cells.cells)},
+          std::int64_t{std::ssize(gradients.cells.places)},
+          std::int64_t{std::ssize(gradients.splines.patches)},
+          std::int64_t{std::ssize(gradients.splines.places)},
+          std::int64_t{std::ssize(binding.weights)}})
+        out.number(size);
+    write(out, binding.table);
+    if (binding.gradients) {
+        write(out, gradients.vertices);
+        out.numbers(std::span<const Index>(gradients.points));
+        write(out, gradients.rows);
+        write(out, gradients.cells);
+        write(out, gradients.splines);
+        write(out, binding.weights);
+    }
+    write(out, binding.points);
+    write(out, binding.rest);
+    for (const embed::PointStatus status : binding.statuses)
+        out.number(static_cast<std::uint8_t>(status));
+    for (const std::size_t end : model.faces.ends) out.number(static_cast<std::int64_t>(end));
+    out.numbers(std::span<const Index>(model.faces.corners));
+    out.bytes(model.modelName);
+    out.bytes(model.modelBytes);
+    out.number(out.checksum());
+}
+
 }  // namespace
 
 void writeBoundModel(const std::filesystem::path& path, const BoundModel& model) {
     checkBoundModel(model);
-    const bind::Binding& binding = model.binding;
-    std::array<Offset, 3> gradientEntries = {};
-    const embed::SplinePlaces noSplines;
-    const auto& splines = binding.gradients ? binding.gradients->splines : noSplines;
-    if (binding.gradients)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            gradientEntries[axis] = binding.gradients->tables[axis].entryCount();
-    writeFile(path, [&](std::ostream& stream) {
-        ChecksummedOutput out(stream, std::endian::little);
-        out.bytes(kBindingMagic);
-        out.number(kBindingVersion);
-        out.number(std::uint32_t{binding.gradients.has_value()});
-        out.number(binding.topologyHash);
-        out.number(binding.largestResidual);
-        for (const std::int64_t size :
-             {std::int64_t{binding.table.rowCount()}, std::int64_t{binding.table.columnCount()},
-              std::int64_t{binding.table.entryCount()}, std::int64_t{std::ssize(model.faces.ends)},
-              std::int64_t{std::ssize(model.faces.corners)},
-              std::int64_t{std::ssize(model.modelName)},
-              std::int64_t{std::ssize(model.modelBytes)}})
-            out.number(size);
-        for (const std::int64_t entries : gradientEntries) out.number(entries);
-        out.number(std::int64_t{std::ssize(splines.patches)});
-        out.number(std::int64_t{std::ssize(splines.places)});
-        out.number(std::int64_t{std::ssize(splines.weights)});
-        write(out, binding.table);
-        if (binding.gradients) {
-            for (const StencilTable<double>& table : binding.gradients->tables) write(out, table);
-            write(out, splines);
-        }
-        write(out, binding.points);
-        write(out, binding.rest);
-        for (const embed::PointStatus status : binding.statuses)
-            out.number(static_cast<std::uint8_t>(status));
-        for (const std::size_t end : model.faces.ends) out.number(static_cast<std::int64_t>(end));
-        out.numbers(std::span<const Index>(model.faces.corners));
-        out.bytes(model.modelName);
-        out.bytes(model.modelBytes);
-        out.number(out.checksum());
-    });
+    writeFile(path, [&](std::ostream& stream) { encode(stream, model); });
+}
+
+std::string boundModelBytes(const BoundModel& model) {
+    checkBoundModel(model);
+    std::ostringstream stream;
+    encode(stream, model);
+    return std::move(stream).str();
 }
 
 BoundModel readBoundModel(const std::filesystem::path& path) {

@@ -41,19 +41,23 @@ struct BoundModel {
 ///     f64       largest residual
 ///     i64 × 7   rows, columns, entries, faces of the lattice, corners of all faces, bytes of the
 ///               model's name, bytes of the model
-///     i64 × 6   entries of the gradients by x, y and z, patches, places, weights of places; 0
-///               without gradients
+///     i64 × 9   of the gradients: vertices, their entries, points with rows, their entries,
+///               cells, places in cells, patches, places in patches, weights; 0 without
 ///     the table:
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
 ///       i32     columns
 ///     with gradients (embed::Gradients):
-///       three more tables: the gradients by x, y and z
+///       a table of the vertices over the columns
+///       i32      the points with rows
+///       a table of three rows for each of these points, over the vertices
+///       i32 × 8  vertices of each cell
+///       i32 × 2, f64 × 3   point, cell, u, v and w of each place in a cell
 ///       f64      spacing
 ///       i32 × 64 vertices of each patch; 2³¹ − 1 where a layer is missing
 ///       f64 × 3  u, v and w of each place
 ///       i32      patch of each place; 2³¹ − 1 for a point without a place
-///       f64 × 4  weight of each place, and its slope by x, y and z; none if all are 1
+///       f64 × 4  weight of each point, and its slope by x, y and z; none if all are 1
 ///     f64 × 3   the points at rest, one per row
 ///     f64 × 3   the lattice at rest, one position per column
 ///     u8        status of each point (embed::PointStatus)
@@ -66,6 +70,10 @@ struct BoundModel {
 ///
 /// \throws Error as checkBoundModel(); FileError if the file cannot be written
 ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model);
+
+/// Returns the bytes of this file.
+/// \throws Error as checkBoundModel()
+ESPALIER_API std::string boundModelBytes(const BoundModel& model);
 
 /// Reads a bound model. The sizes that the file claims are checked before memory is allocated for
 /// them.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/embed/bind_groups.h>
+#include <espalier/embed/gradient_rows.h>
 #include <espalier/embed/regular_binding.h>
 #include <espalier/embed/row_bound.h>
 #include <espalier/limit/limit_binding.h>
@@ -157,9 +158,9 @@ private:
             part.table = embed::emptyRows(std::move(tables[level]), unbounded);
             if (gradients_) {
                 part.gradients =
-                    embed::gradientsOf(directions[level], levels.positions(0), perLength_);
-                for (auto& gradient : part.gradients)
-                    gradient = embed::emptyRows(std::move(gradient), unbounded);
+                    embed::withoutPoints(embed::gradientsOfRows(embed::gradientRows(
+                                             directions[level], levels.positions(0), perLength_)),
+                                         unbounded);
             }
             for (std::size_t i = 0; i < places[level].size(); ++i)
                 if (!part.table.columns(static_cast<Index>(i)).empty())

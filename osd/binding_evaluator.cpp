@@ -49,12 +49,20 @@ std::vector<DeformationGradient> evaluateGradients(const bind::Binding& binding,
         throw Error("the binding has no gradients: bind the points with BindOptions::gradients");
     const std::vector<Point3> moved = displacements(binding, pose);
     std::vector<DeformationGradient> result(binding.points.size(), {1, 0, 0, 0, 1, 0, 0, 0, 1});
-    for (std::size_t j = 0; j < 3; ++j) {
-        const std::vector<Point3> column = product(binding.gradients->tables[j], moved);
-        for (std::size_t point = 0; point < result.size(); ++point)
-            for (std::size_t i = 0; i < 3; ++i) result[point][3 * i + j] += column[point][i];
+    embed::addGradients(*binding.gradients, binding.rest, moved, result);
+    if (binding.weights.empty()) return result;
+    const std::vector<Point3> displaced = product(binding.table, moved);
+    for (std::size_t point = 0; point < result.size(); ++point) {
+        // F = 1 + w (F₁ − 1) + d ∇wᵀ, where D gives w d.
+        const auto& [weight, slope] = binding.weights[point];
+        if (!(weight > 0)) continue;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) {
+                double& f = result[point][3 * i + j];
+                const double one = i == j;
+                f = one + weight * (f - one) + displaced[point][i] / weight * slope[j];
+            }
     }
-    embed::addSplineGradients(binding.gradients->splines, binding.rest, moved, result);
     return result;
 }
 

@@ -24,8 +24,8 @@ namespace espalier::osd {
 ESPALIER_API std::vector<Point3> evaluateBinding(const bind::Binding& binding,
                                                  std::span<const Point3> pose);
 
-/// Returns the deformation gradient of each point for a pose of the lattice: 1 + G · (p' − p),
-/// where p is the lattice at rest. A point that no moved vertex influences has exactly the
+/// Returns the deformation gradient of each point for a pose of the lattice, with the weights of
+/// the points (bind::PointWeights). A point that no moved vertex influences has exactly the
 /// identity.
 ///
 /// \param pose positions of the base vertices

@@ -229,102 +229,16 @@ std::shared_ptr<Table> tableOfState(const py::tuple& state) {
     });
 }
 
-namespace {
-
-template <class T>
-py::array copyOf(const std::vector<T>& values) {
-    return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
-}
-
-py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound) {
-    if (!bound->binding().gradients) return py::none();
-    embed::Gradients& gradients = *bound->bound.binding.gradients;
-    const auto stateOf = [&](std::size_t axis) {
-        return stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients.tables[axis])));
-    };
-    const auto& [spacing, patches, places, weights] = gradients.splines;
-    std::vector<double> coordinates;
-    std::vector<Index> patchOf;
-    for (const auto& place : places) {
-        coordinates.insert(coordinates.end(), place.uvw.begin(), place.uvw.end());
-        patchOf.push_back(place.patch);
-    }
-    std::vector<Index> vertices;
-    for (const auto& patch : patches) vertices.insert(vertices.end(), patch.begin(), patch.end());
-    std::vector<double> weightsAndSlopes;
-    for (const auto& [value, slope] : weights) {
-        weightsAndSlopes.push_back(value);
-        weightsAndSlopes.insert(weightsAndSlopes.end(), slope.begin(), slope.end());
-    }
-    return py::make_tuple(stateOf(0), stateOf(1), stateOf(2), spacing, copyOf(vertices),
-                          copyOf(coordinates), copyOf(patchOf), copyOf(weightsAndSlopes));
-}
-
-std::optional<embed::Gradients> gradientsOfState(const py::handle& state) {
-    if (state.is_none()) return std::nullopt;
-    const auto parts = state.cast<py::tuple>();
-    requireState(parts.size() == 8);
-    embed::Gradients gradients;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        gradients.tables[axis] = std::move(*tableOfState(parts[axis]));
-    auto& [spacing, patches, places, weights] = gradients.splines;
-    spacing = parts[3].cast<double>();
-    const auto vertices = numbersOf<std::vector<Index>>(parts[4]);
-    requireState(vertices.size() % 64 == 0);
-    patches.resize(vertices.size() / 64);
-    for (std::size_t i = 0; i < vertices.size(); ++i) patches[i / 64][i % 64] = vertices[i];
-    const auto coordinates = numbersOf<std::vector<double>>(parts[5]);
-    const auto patchOf = numbersOf<std::vector<Index>>(parts[6]);
-    requireState(coordinates.size() == 3 * patchOf.size());
-    places.resize(patchOf.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-        places[i] = {{coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]},
-                     patchOf[i]};
-    const auto weightsAndSlopes = numbersOf<std::vector<double>>(parts[7]);
-    requireState(weightsAndSlopes.size() % 4 == 0);
-    weights.resize(weightsAndSlopes.size() / 4);
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const double* const numbers = &weightsAndSlopes[4 * i];
-        weights[i] = {numbers[0], {numbers[1], numbers[2], numbers[3]}};
-    }
-    return gradients;
-}
-
-}  // namespace
-
 py::tuple stateOfBinding(const py::object& self) {
-    const Shared<BoundPoints> shared = self.cast<Shared<BoundPoints>>();
-    const auto& bound = shared->bound;
-    const auto& binding = bound.binding;
-    return py::make_tuple(stateOfTable(py::cast(tableIn(shared))), binding.topologyHash,
-                          binding.largestResidual, viewOf(binding.points, self),
-                          viewOf(binding.rest, self), viewOf(bytesOf(binding.statuses), self),
-                          stateOfGradients(shared), py::bytes(bound.modelName),
-                          py::bytes(bound.modelBytes),
-                          viewOf(std::span<const std::size_t>(bound.faces.ends), self),
-                          viewOf(std::span<const Index>(bound.faces.corners), self));
+    const auto& bound = self.cast<const BoundPoints&>().bound;
+    return py::make_tuple(py::bytes(withoutGil([&] { return io::boundModelBytes(bound); })));
 }
 
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
-    requireState(state.size() == 11);
+    requireState(state.size() == 1);
+    const auto bytes = state[0].cast<std::string_view>();
     auto result = std::make_shared<BoundPoints>();
-    auto& binding = result->bound.binding;
-    binding.table = std::move(*tableOfState(state[0]));
-    binding.topologyHash = state[1].cast<std::uint64_t>();
-    binding.largestResidual = state[2].cast<double>();
-    binding.points = toPoints(state[3], "points", binding.table.rowCount());
-    binding.rest = toPoints(state[4], "rest", binding.table.columnCount());
-    for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[5])) {
-        requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotBound));
-        binding.statuses.push_back(static_cast<embed::PointStatus>(status));
-    }
-    binding.gradients = gradientsOfState(state[6]);
-    result->bound.modelName = state[7].cast<std::string>();
-    result->bound.modelBytes = state[8].cast<std::string>();
-    auto& faces = result->bound.faces;
-    faces.ends = numbersOf<std::vector<std::size_t>>(state[9]);
-    faces.corners = numbersOf<std::vector<Index>>(state[10]);
-    io::checkBoundModel(result->bound);
+    result->bound = withoutGil([&] { return io::readBoundModel("the state of a Binding", bytes); });
     return result;
 }
 

@@ -8,7 +8,8 @@
 
 #include "binding.h"
 
-// Pickling of immutable objects: as tuples of arrays, from which they are made again bit for bit.
+// Pickling of immutable objects: as tuples of arrays, and of a binding as the bytes of its file,
+// from which they are made again bit for bit.
 namespace espalier::python {
 
 /// Return the state of an object. Its arrays refer to the numbers of the object.

@@ -94,9 +94,11 @@ TEST(Gradients, AffinePosesAreExactForEachTarget) {
         EXPECT_EQ(osd::evaluateGradients(binding, lattice.positions),
                   std::vector(points.size(), identity))
             << name;
-        const auto tables = embed::gradientTables(*binding.gradients, lattice.positions);
+        const auto tables = gradientTables(binding);
         int moved = 0;
-        EXPECT_EQ(binding.gradients->identityCount(), std::ssize(tables[0].emptyRows())) << name;
+        EXPECT_EQ(binding.gradients->identityCount(Index(points.size())),
+                  std::ssize(tables[0].emptyRows()))
+            << name;
         for (std::size_t i = 0; i < points.size(); ++i) {
             // A row is also empty where the lattice at rest has no volume.
             const bool isMoved = !tables[0].columns(Index(i)).empty();
@@ -225,7 +227,7 @@ TEST(Gradients, TablesEqualTheFormula) {
                                         [](const auto& place) { return place.patch != kMaxIndex; }),
                   100);
         const auto pose = test::bent(lattice);
-        const auto tables = embed::gradientTables(gradients, lattice.positions);
+        const auto tables = gradientTables(binding);
         const auto expected = osd::evaluateGradients(binding, pose);
         std::array<std::vector<Point3>, 3> columns;
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -274,14 +276,20 @@ TEST(Gradients, ThatDoNotFitAreRefused) {
         EXPECT_REFUSED(Error, message, other.checkParts());
     };
     using embed::Gradients;
-    refuse("has gradients of 0 points", [](Gradients& g) { g.tables[0] = {}; });
-    refuse("different shapes", [](Gradients& g) { g.tables[1] = {}; });
+    refuse("has gradients of 0 vertices", [](Gradients& g) { g = {}; });
+    refuse("gradients of 1 points have 0 rows", [](Gradients& g) { g.points = {3}; });
     refuse("10 points have 9 places", [](Gradients& g) { g.splines.places.pop_back(); });
     refuse("point 3 is in patch", [](Gradients& g) { g.splines.places[3].patch = 1000; });
     refuse("point 3 is in patch -1", [](Gradients& g) { g.splines.places[3].patch = -1; });
-    refuse("point 4 in its patch is not finite",
+    refuse("point 4 in its cell is not finite",
            [](Gradients& g) { g.splines.places[4].uvw[1] = kNan; });
     refuse("a spacing of 2", [](Gradients& g) { g.splines.spacing = 2; });
+    refuse("gradients of the point 10; there are 10", [](Gradients& g) {
+        g.cells.places.push_back({10, 0, {}});
+    });
+    refuse("the point 3 has gradients twice", [](Gradients& g) {
+        g.cells.places = {{3, 0, {}}}, g.cells.cells = {{}};
+    });
     refuse("a patch has vertex 180 at its control point 21",
            [](Gradients& g) { g.splines.patches[0][21] = 180; });
 }

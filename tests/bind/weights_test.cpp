@@ -44,7 +44,7 @@ Binding boundTo(const Lattice& lattice, const std::vector<Point3>& points, const
 }
 
 /// A weight that is 0 in a third of the cube and 1 in another, and its slope.
-embed::PointWeight weightAt(const Point3& p) {
+PointWeight weightAt(const Point3& p) {
     const Vector3d axis = Vector3d(1, 2, -0.5).normalized();
     const double t = (axis.dot(vec(p)) - 0.3) / 0.4;
     if (t <= 0) return {0, {}};
@@ -137,7 +137,7 @@ TEST(Weights, GradientsAreTheDerivativeOfTheDeformation) {
         const auto pose = test::bent(lattice);
         const auto moved = osd::evaluateBinding(binding, pose);
         const auto gradients = osd::evaluateGradients(binding, pose);
-        const auto tables = embed::gradientTables(*binding.gradients, lattice.positions);
+        const auto tables = gradientTables(binding);
         std::vector<Point3> displacements = pose;
         for (std::size_t v = 0; v < pose.size(); ++v)
             for (std::size_t c = 0; c < 3; ++c) displacements[v][c] -= lattice.positions[v][c];

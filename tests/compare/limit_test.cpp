@@ -160,7 +160,8 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
     const TopologyRefiner base(lattice.complex, refiner.options());
     const auto bound = limit::bindLimit({base, lattice.positions}, points, {.gradients = true});
-    const auto tables = embed::gradientTables(*bound.gradients, lattice.positions);
+    const auto tables =
+        embed::gradientTables(*bound.gradients, lattice.positions, bound.table.rowCount());
     std::array<Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis) columns[axis] = times(tables[axis], pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {

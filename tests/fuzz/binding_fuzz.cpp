@@ -151,7 +151,8 @@ const Target kLimit("limit", [](std::string_view bytes) {
                    auto bound = limit::bindLimit(
                        {refiner, rest}, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
-                   for (const auto& table : embed::gradientTables(*bound.gradients, rest))
+                   for (const auto& table :
+                        embed::gradientTables(*bound.gradients, rest, Index(points.size())))
                        for (const double weight : table.weights())
                            require(std::isfinite(weight), "gradients are finite");
                    return bound;

@@ -32,15 +32,14 @@ BoundModel sample(bool hasGradients = false) {
         patch.fill(kMaxIndex);
         for (std::size_t corner = 0; corner < 8; ++corner)
             patch[21 + corner % 2 + 4 * (corner / 2 % 2) + 16 * (corner / 4)] = Index(corner % 4);
+        // Two vertices of a level; rows of the third point, and a place of the second in a cell.
         binding.gradients = embed::Gradients{
-            {stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2},
-                                            {-1. / 3, 1. / 3, 2, -2}),
-             stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
-             stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})},
-            {0.125,
-             {patch},
-             {{{0.5, 0.25, 1. / 3}, 0}, {}, {}},
-             {{0.75, {1e-300, -2, 1. / 3}}, {0, {}}, {1, {}}}}};
+            stencils::StencilTable<double>(4, {0, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
+            {2},
+            stencils::StencilTable<double>(2, {0, 0, 1, 2}, {1, 0}, {1e300, -1e300}),
+            {{{0, 1, 0, 1, 0, 1, 0, 1}}, {{1, 0, {0.125, 0.75, 1. / 7}}}},
+            {0.125, {patch}, {{{0.5, 0.25, 1. / 3}, 0}, {}, {}}}};
+        binding.weights = {{0.75, {1e-300, -2, 1. / 3}}, {0, {}}, {1, {}}};
     }
     model.faces = {{0, 1, 3, 3, 2, 1, 0}, {3, 7}};
     model.modelName = "bunny.obj";
@@ -65,7 +64,7 @@ std::string withChecksum(std::string bytes) {
 }
 
 // Places in the file of sample() without gradients.
-constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 13 * 8, kWeightsAt = kTableAt + 4 * 8,
+constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 16 * 8, kWeightsAt = kTableAt + 4 * 8,
                       kPointsAt = kWeightsAt + 3 * 8 + 3 * 4, kRestAt = kPointsAt + 3 * 24,
                       kStatusesAt = kRestAt + 4 * 24, kEndsAt = kStatusesAt + 3,
                       kCornersAt = kEndsAt + 2 * 8, kNameAt = kCornersAt + 7 * 4,
@@ -79,9 +78,9 @@ TEST(BindingFile, RoundTripIsExact) {
         const std::string bytes = readFile(folder / "a.espb");
         EXPECT_EQ(bytes[8], 7) << "the version";
         EXPECT_EQ(bytes[12], hasGradients);
-        // Three tables with 4 offsets each, and 6 entries; a spacing, a patch, three places
-        // with weights.
-        constexpr std::size_t kTables = 3 * 4 * 8 + 6 * (8 + 4),
+        // Tables with 3 and 4 offsets, 6 entries and a point; a cell and a place in it; a spacing,
+        // a patch, three places, and three weights.
+        constexpr std::size_t kTables = (3 + 4) * 8 + 6 * (8 + 4) + 4 + 8 * 4 + 2 * 4 + 3 * 8,
                               kSplines = 8 + 64 * 4 + 3 * (3 * 8 + 4 + 4 * 8);
         EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? kTables + kSplines : 0));
     }
@@ -94,10 +93,11 @@ TEST(BindingFile, PartsThatDoNotFitAreNotWritten) {
         change(model);
         EXPECT_REFUSED(Error, why, writeBoundModel(folder / "a.espb", model));
     };
-    expectRefused("of 3 points and 4 lattice vertices has gradients of 0 points and 0 vertices",
+    expectRefused("of 3 points and 4 lattice vertices has gradients of 0 vertices",
                   [](BoundModel& model) { *model.binding.gradients = {}; });
-    expectRefused("point 2 is in patch 1 of 1",
-                  [](BoundModel& model) { model.binding.gradients->splines.places[2].patch = 1; });
+    expectRefused("has 2 weights", [](BoundModel& model) { model.binding.weights.pop_back(); });
+    expectRefused("point 0 is in patch 1 of 1",
+                  [](BoundModel& model) { model.binding.gradients->splines.places[0].patch = 1; });
     expectRefused("has 3 vertices at rest",
                   [](BoundModel& model) { model.binding.rest.pop_back(); });
     expectRefused("has 2 points at rest",
@@ -201,7 +201,7 @@ TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreRefusedByName) {
 
 // A header that claims 10¹⁸ entries is refused before memory is allocated for them.
 TEST_P(DamagedBindingFile, HugeClaimedSizesAreRefused) {
-    for (std::size_t field = 0; field < 13; ++field) {
+    for (std::size_t field = 0; field < 16; ++field) {
         std::string damaged = bytes;
         damaged[kSizesAt + 8 * field + 7] = 0x0d;
         expectRefused(damaged, "its size is not what its header says");
@@ -233,7 +233,7 @@ TEST_P(DamagedBindingFile, NumbersThatAreNotFiniteAreRefused) {
     refused(kRestAt + more + 24,
             "has a position that is not finite: vertex of the lattice at rest 1");
     if (GetParam())
-        refused(kPointsAt + 4 * 8, "has a weight that is not finite: number 0 of its table");
+        refused(kPointsAt + 3 * 8, "has a weight that is not finite: number 0 of its table");
 }
 
 TEST(BindingFile, DamagedPlacesAreRefused) {
@@ -242,8 +242,8 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
     writeBoundModel(path, sample(true));
     const std::string bytes = readFile(path);
     // The weights end before the points; the places, the patches and the spacing are before them.
-    constexpr std::size_t kEnd = kPointsAt + 3 * 4 * 8 + 6 * (8 + 4) + 8 + 64 * 4 +
-                                 3 * (3 * 8 + 4 + 4 * 8),
+    constexpr std::size_t kEnd = kPointsAt + (3 + 4) * 8 + 6 * (8 + 4) + 4 + 8 * 4 + 2 * 4 + 3 * 8 +
+                                 8 + 64 * 4 + 3 * (3 * 8 + 4 + 4 * 8),
                           kWeights = kEnd - 3 * 4 * 8, kPatchOf = kWeights - 3 * 4,
                           kPlaces = kPatchOf - 3 * 24, kPatch = kPlaces - 64 * 4;
     const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
@@ -254,12 +254,16 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
                     AllOf(HasSubstr("is damaged"), HasSubstr(why)));
     };
     expectRefused(kPatchOf, std::int32_t{7}, "the gradient of point 0 is in patch 7 of 1");
-    expectRefused(kPlaces + 8, kNan, "the place of point 0 in its patch is not finite");
+    expectRefused(kPlaces + 8, kNan, "the place of point 0 in its cell is not finite");
     expectRefused(kPatch + 4 * 21, std::int32_t{4}, "has vertex 4 at its control point 21");
     expectRefused(kPatch, std::int32_t{0}, "has vertex 0 at its control point 0; expected none");
     expectRefused(kPatch - 8, -1.0, "a spacing of -1");
-    expectRefused(kWeights, 1.5, "the weight of point 0 is 1.5");
-    expectRefused(kWeights + 5 * 8, kNan, "the weight of point 1 is 0 with the slope nan 0 0");
+    expectRefused(kPatch - 16, kNan, "the place of point 1 in its cell is not finite");
+    expectRefused(kPatch - 36, std::int32_t{1}, "the gradient of point 1 is in cell 1 of 1");
+    expectRefused(kPatch - 40, std::int32_t{2}, "the point 2 has gradients twice");
+    expectRefused(kPatch - 44, std::int32_t{2}, "a cell of the gradients has vertex 2");
+    expectRefused(kWeights, 1.5, "the weight 1.5 with the slope");
+    expectRefused(kWeights + 5 * 8, kNan, "the weight 0 with the slope nan 0 0 at point 1");
 }
 
 INSTANTIATE_TEST_SUITE_P(BindingFile, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {

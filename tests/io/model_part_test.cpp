@@ -68,11 +68,12 @@ TEST(ObjAttributes, AreColorsIfEachPointHasOne) {
 // A face belongs to all groups of the last `g`, to the last object and to the last material.
 // Corners may count back; lines and point elements count too.
 TEST(ObjGroups, AreGroupsObjectsAndMaterials) {
-    const auto model = readModel("a.obj",
-                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no upper arm\ng skin left\n"
-                                 "usemtl red\nf 3/1 2/1/1 1//1\nv 0 0 1\ng left\nf -1 -2 -3\n"
-                                 "usemtl\no\nf 1 2 3\no hand\ng\nusemtl blue sky\nv 5 5 5\nv 6 6 6\nl 5 6\np 1\n"
-                                 "usemtl red\nf 4 5 6\n");
+    const auto model =
+        readModel("a.obj",
+                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no upper arm\ng skin left\n"
+                  "usemtl red\nf 3/1 2/1/1 1//1\nv 0 0 1\ng left\nf -1 -2 -3\n"
+                  "usemtl\no\nf 1 2 3\no hand\ng\nusemtl blue sky\nv 5 5 5\nv 6 6 6\nl 5 6\np 1\n"
+                  "usemtl red\nf 4 5 6\n");
     EXPECT_EQ(groupsOf(*model), (NameList{"skin: 0 1 2", "left: 0 1 2 3", "upper arm: 0 1 2 3",
                                           "red: 0 1 2 3 4 5", "hand: 0 3 4 5", "blue sky: 0 4 5"}));
     EXPECT_TRUE(model->attributes().empty());

@@ -145,7 +145,8 @@ TEST(LimitBinding, KeepsTheRestPose) {
         EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(points)) << name;
         const auto moved = times(result.table, lattice.positions);
         EXPECT_LT(largestDistance(moved, asMatrix(points)), 1e-11) << name;
-        const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
+        const auto tables =
+            embed::gradientTables(*result.gradients, lattice.positions, result.table.rowCount());
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto& rows = tables[axis];
             const auto column = times(rows, lattice.positions);
@@ -239,7 +240,8 @@ TEST(LimitBinding, GradientsAreTheDerivativeOfTheDeformation) {
         }
     const Bound result = bound(lattice, points, {.gradients = true});
     const auto moved = times(result.table, pose);
-    const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
+    const auto tables =
+        embed::gradientTables(*result.gradients, lattice.positions, result.table.rowCount());
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto column = times(tables[axis], pose);
         for (Eigen::Index i = 0; i < moved.rows(); i += 7) {

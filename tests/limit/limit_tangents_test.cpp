@@ -34,7 +34,8 @@ std::vector<Point3> limitsOfLevel(const Lattice& lattice, int level) {
 /// Returns F at point i in a pose.
 Matrix3d gradientAt(const Bound& result, Index i, const Lattice& lattice,
                     const std::vector<Point3>& pose) {
-    const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
+    const auto tables =
+        embed::gradientTables(*result.gradients, lattice.positions, result.table.rowCount());
     Matrix3d f;
     for (std::size_t axis = 0; axis < 3; ++axis)
         f.col(Eigen::Index(axis)) = times(tables[axis], pose).row(i).transpose();
@@ -59,7 +60,8 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
         for (const double tolerance : {1e-2, 1e-6, 1e-8, 1e-9, 1e-12, 1e-14}) {
             const Bound result = bindLimit({base, lattice.positions}, points,
                                            {.tolerance = tolerance, .gradients = true});
-            const auto tables = embed::gradientTables(*result.gradients, lattice.positions);
+            const auto tables = embed::gradientTables(*result.gradients, lattice.positions,
+                                                      result.table.rowCount());
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const auto& rows = tables[axis];
                 const auto column = times(rows, pose);

@@ -32,14 +32,17 @@ TEST(Binding, MovesPointsInsideAndKeepsPointsOutside) {
 // without weights has the identity.
 TEST(Binding, GradientsOfAnEdge) {
     using stencils::StencilTable;
-    const StencilTable<double> along(2, {0, 2, 2}, {0, 1}, {-1, 1}), none(2, {0, 0, 0}, {}, {});
+    const StencilTable<double> along(2, {0, 2, 2}, {0, 1}, {-1, 1});
     const std::vector<Point3> rest = {{5, 0, 0}, {6, 0, 0}}, pose = {{5, 0, 0}, {7, 3, 0}};
     bind::Binding binding{along};
     binding.points.resize(2);
     binding.statuses.resize(2);
     binding.rest = rest;
     EXPECT_REFUSED(Error, "has no gradients", evaluateGradients(binding, pose));
-    binding.gradients = embed::Gradients{{along, none, none}};
+    // Rows of the first point: the derivatives by y and z are 0.
+    const StencilTable<double> rows(2, {0, 2, 2, 2}, {0, 1}, {-1, 1});
+    const StencilTable<double> vertices(2, {0, 1, 2}, {0, 1}, {1, 1});
+    binding.gradients = embed::Gradients{vertices, {0}, rows};
     const auto gradients = evaluateGradients(binding, pose);
     const std::vector<DeformationGradient> expected = {{2, 0, 0, 3, 1, 0, 0, 0, 1},
                                                        {1, 0, 0, 0, 1, 0, 0, 0, 1}};

@@ -217,8 +217,8 @@ TYPED_TEST(SplineRows, LeaveOtherRowsAsTheyAre) {
     const TopologyRefiner base(box.complex, {.marks = box.marks});
     const auto bound =
         limit::bindLimit({base, box.positions}, pointsInCells({3, 3, 3}, 500), {.gradients = true});
-    const auto gradients =
-        stencils::convertTable<Real>(embed::gradientTables(*bound.gradients, box.positions)[0]);
+    const auto gradients = stencils::convertTable<Real>(
+        embed::gradientTables(*bound.gradients, box.positions, bound.table.rowCount())[0]);
     for (const StencilTable<Real>* table : {&cylinder, &gradients}) {
         const HostDevice<Real> device(*table, true, true), before(*table, true);
         EXPECT_EQ(device.arrays().parametricRowCount, 0);

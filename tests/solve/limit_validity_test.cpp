@@ -87,7 +87,8 @@ TEST(LimitValidity, AgreesWithSampledGradients) {
         const auto points = pointsIn(refined, kIsSlow ? 20 : 100, 3);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const auto bound = limit::bindLimit({base, lattice.positions}, points, options);
-        const auto tables = embed::gradientTables(*bound.gradients, lattice.positions);
+        const auto tables =
+            embed::gradientTables(*bound.gradients, lattice.positions, bound.table.rowCount());
         /// Returns the smallest determinant of the points in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;

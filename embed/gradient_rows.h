@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/embed/gradients.h>
+
+#include <span>
+#include <vector>
+
+// Makes and combines Gradients.
+namespace espalier::embed {
+
+/// Returns rows of F − 1 from three directions at each point: three rows for each point, over the
+/// same vertices. F maps the directions T X of the rest X to the directions T x of the pose x:
+/// Fᵀ = (T X)⁻¹ T x. Rows are empty where T X spans no volume.
+/// \param directions T: three rows for each point; they sum to 0
+/// \param rest X, one per column
+/// \param scale factor for the gradients by X
+/// \cost O(entries), in parallel
+ESPALIER_API stencils::StencilTable<double> gradientRows(
+    const stencils::StencilTable<double>& directions, std::span<const Point3> rest, double scale);
+
+/// Returns the gradients of points that have these rows.
+/// \param rows three rows for each point, over the base; all three are empty for points without
+ESPALIER_API Gradients gradientsOfRows(const stencils::StencilTable<double>& rows);
+
+/// Returns the gradients without those of some points.
+/// \param points ascending
+ESPALIER_API Gradients withoutPoints(Gradients gradients, std::span<const Index> points);
+
+/// Returns the gradients with other numbers of the points: point i becomes numbers[i]. The places
+/// in splines stay as they are.
+ESPALIER_API Gradients renumbered(Gradients gradients, std::span<const Index> numbers);
+
+/// Puts the gradients of several parts together, and empties the parts. Their vertices stay
+/// vertices of their own. The parts have no points in common, and no places in splines.
+/// \param columnCount number of base vertices
+/// \throws Error if there are too many vertices
+ESPALIER_API Gradients merged(std::vector<Gradients>& parts, Index columnCount);
+
+}  // namespace espalier::embed
