@@ -6,11 +6,16 @@
 #include <espalier/base/point.h>
 #include <espalier/embed/gradients.h>
 
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 
 // Makes and combines Gradients.
 namespace espalier::embed {
+
+/// Returns true if directions, as rows, span so little volume that F would have less than six right
+/// digits.
+ESPALIER_API bool areFlat(const Eigen::Matrix3d& directions);
 
 /// Returns rows of F − 1 from three directions at each point: three rows for each point, over the
 /// same vertices. F maps the directions T X of the rest X to the directions T x of the pose x:

@@ -252,6 +252,10 @@ stencils::StencilTable<double> rowsOverVertices(const Gradients& gradients,
 
 }  // namespace
 
+bool areFlat(const Matrix3d& directions) {
+    return !inverseOf(directions, directions.rowwise().norm()).allFinite();
+}
+
 Index Gradients::identityCount(Index pointCount) const {
     const auto ofSplines = std::ranges::count_if(
         splines.places, [](const auto& place) { return place.patch != kMaxIndex; });

@@ -6,6 +6,7 @@
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/embed/regular_binding.h>
+#include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
@@ -73,7 +74,12 @@ CellPlaces cellPlacesIn(const PlacedIn& level, const Embedding& embedding) {
                 found->second = static_cast<Index>(cells.cells.size());
                 cells.cells.push_back(*corners);
             }
-        if (found->second >= 0)
+        if (found->second < 0) continue;
+        Trilinear::Corners corners;
+        for (std::size_t k = 0; k < 8; ++k)
+            corners[k] = Eigen::Vector3d(level.positions[cells.cells[found->second][k]].data());
+        const Eigen::Vector3d uvw(place->uvw.data());
+        if (!areFlat(Trilinear(corners).jacobian(uvw).transpose()))
             cells.places.push_back({static_cast<Index>(i), found->second, place->uvw});
     }
     return cells;
@@ -107,7 +113,7 @@ Gradients gradientsIn(const PlacedIn& level, const Embedding& embedding, const L
                 .back());
         return gradientsOfRows(gradientRows(directions, level.rest, perLength));
     }
-    Embedding others = embedding;  // The points in cells of other types.
+    Embedding others = embedding;  // The points in cells of other types, and in flat ones.
     for (const CellPlaces::Place& place : cells.places) others.points[place.point].place.reset();
     Gradients gradients = gradientsOfRows(gradientRows(rowsOf(others), level.positions, perLength));
     std::vector<Index> used(gradients.rows.columns().begin(), gradients.rows.columns().end());

@@ -9,6 +9,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -62,6 +63,17 @@ py::array carriedBy(const ArrayLike& gradients, const ArrayLike& directions, con
     return result;
 }
 
+/// Returns a warning that directions stay where points have moved; or nothing.
+std::string keptDirections(const ModelFile& file, const std::vector<Point3>& points) {
+    const std::size_t count = file.model->directions().count();
+    if (count == 0 || std::ranges::equal(points, file.model->positions())) return {};
+    return concat(
+        file.name, ": ", count,
+        count == 1 ? " normal, tangent or splat stays" : " normals, tangents and splats stay",
+        " as in the file, though points have moved: pass "
+        "gradients=binding.gradients(pose), or gradients=False to leave them");
+}
+
 }  // namespace
 
 void addModel(py::module_& module) {
@@ -108,12 +120,16 @@ byte for byte, unless it is written in another format. Made by read_model().
         .def(
             "write",
             [](const ModelFile& self, const std::filesystem::path& path, const ArrayLike& positions,
-               const std::optional<ArrayLike>& gradients) {
+               const py::object& gradients) {
                 const auto points =
                     toPoints(positions, "positions", self.model->positions().size());
                 warn(withoutGil([&] { return self.model->checkTarget(path); }));
-                if (!gradients) return withoutGil([&] { self.model->write(path, points); });
-                const auto atPoints = toGradients(*gradients, points.size());
+                const bool areKept =
+                    py::isinstance<py::bool_>(gradients) && !gradients.cast<bool>();
+                if (gradients.is_none()) warn(keptDirections(self, points));
+                if (gradients.is_none() || areKept)
+                    return withoutGil([&] { self.model->write(path, points); });
+                const auto atPoints = toGradients(gradients, points.size());
                 withoutGil([&] { self.model->write(path, points, atPoints); });
             },
             "path"_a, "positions"_a, "gradients"_a = py::none(), R"(
@@ -121,8 +137,8 @@ Writes the model with these points, array (N, 3). The extension of the path name
 model's own format, everything but the points is kept. A file in another model format gets the points,
 the faces and the normals, and a UserWarning names the data that are not written.
 
-gradients : array (N, 3, 3), by which normals, tangents and splats turn: Binding.gradients(). Without it they
-            stay as they are
+gradients : array (N, 3, 3), by which normals, tangents and splats turn: Binding.gradients(). With False they stay as
+            they are. Without gradients they stay, too, and a UserWarning counts them if points have moved
 )")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")

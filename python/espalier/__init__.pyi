@@ -173,7 +173,7 @@ class Model:
     @property
     def name(self) -> str: ...
     def write(
-        self, path: _Path, positions: ArrayLike, gradients: ArrayLike | None = None
+        self, path: _Path, positions: ArrayLike, gradients: ArrayLike | Literal[False] | None = None
     ) -> None: ...
 
 class PointStatus(enum.IntEnum):

@@ -83,6 +83,18 @@ class Deform(CliTest):
         self.run_program("apply", "m.espb", "--to", "pose.vtk", "-o", "applied.obj")
         self.assertEqual(self.bytes("applied.obj"), self.bytes("deformed.obj"))
 
+    def test_normals_where_the_lattice_is_flat_are_counted(self):
+        # A box without height: points on it move, but no gradient follows from it.
+        self.run_program("shape", "box", "--cells", 1, 1, 2, "-o", "high.ovm")
+        self.run_program("pose", "high.ovm", "--scale", 1, 1, 0, "-o", "flat.ovm")
+        self.run_program("pose", "flat.ovm", "--move", 1, 0, 0, "-o", "moved.ovm")
+        self.put("points.ply", "ply\nformat ascii 1.0\nelement vertex 2\n" +
+                 "".join(f"property double {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz")) +
+                 "end_header\n0.5 0.5 0.5 0 0 1\n0.4 0.3 0.5 0 0 1\n")
+        result = self.run_program("deform", "points.ply", "--rest", "flat.ovm", "--to", "moved.ovm", "-n", 2,
+                                  "-o", "out.ply")
+        self.assertIn("2 normals turn with the model; those of 2 points where the lattice at rest is flat stay\n", result.stdout)
+
     def test_several_poses_are_numbered(self):
         for pattern, names in [("out.obj", ["out.0000.obj", "out.0001.obj"]),
                                ("p%02d.obj", ["p00.obj", "p01.obj"])]:

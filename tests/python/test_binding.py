@@ -181,6 +181,20 @@ def test_a_model_with_normals_keeps_its_gradients(tmp_path, rest, points):
             assert copy.read_bytes() == first.read_bytes()
 
 
+def test_directions_that_stay_are_told(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n")
+    model = espalier.read_model(tmp_path / "a.obj")
+    moved = model.positions + [0, 0, 1]
+    with pytest.warns(UserWarning, match="a.obj: 1 normal, tangent or splat stays as in the file"):
+        model.write(tmp_path / "b.obj", moved)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model.write(tmp_path / "c.obj", moved, gradients=False)
+        model.write(tmp_path / "d.obj", moved, np.tile(np.eye(3), (3, 1, 1)))
+        model.write(tmp_path / "e.obj", model.positions)
+    assert (tmp_path / "b.obj").read_text() == (tmp_path / "c.obj").read_text()
+
+
 def test_weights_multiply_displacements(tmp_path, rest, points, pose):
     weights = np.linspace(0, 1, len(points))
     full, binding = espalier.bind(rest, points), espalier.bind(rest, points, weights=weights)
