@@ -399,7 +399,7 @@ std::vector<Index> tripled(std::span<const Index> points) {
 /// Sorts the points with rows.
 void sortPoints(Gradients& gradients) {
     std::vector<Index>& points = gradients.points;
-    if (std::ranges::is_sorted(points)) return;
+    if (std::is_sorted(points.begin(), points.end())) return;
     std::vector<Index> order(points.size());
     std::iota(order.begin(), order.end(), Index{0});
     std::sort(order.begin(), order.end(), [&](Index a, Index b) { return points[a] < points[b]; });

@@ -34,7 +34,7 @@ export const kEmptyDocument: Document = {
   poses: [],
   time: 0,
   selection: [],
-  settings: { level: 3, limit: false, outside: "keep" },
+  settings: { level: 3, limit: false, outside: "keep", normals: "turn" },
   rules: { rules: "siggraph96", boundary: "sharp", sharpEdges: "single-cell" },
 };
 

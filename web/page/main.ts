@@ -246,6 +246,10 @@ setting("outside").addEventListener("change", ({ target }) => {
   const outside = (target as HTMLSelectElement).value as "keep" | "nearest";
   void editor.change({ settings: { ...editor.document.settings, outside } });
 });
+setting("normals").addEventListener("change", ({ target }) => {
+  const normals = (target as HTMLSelectElement).value as "turn" | "keep";
+  void editor.change({ settings: { ...editor.document.settings, normals } });
+});
 for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
   rule.addEventListener("change", () => {
     const rules = { ...editor.document.rules, [rule.dataset.rule!]: rule.value };
@@ -314,6 +318,8 @@ function refresh(): void {
 
   setting("level").value = work.settings.limit ? "limit" : String(work.settings.level);
   setting("outside").value = work.settings.outside;
+  setting("normals").value = work.settings.normals ?? "turn";
+  setting("normals").disabled = !editor.model?.hasDirections;
   for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
     rule.value = work.rules[rule.dataset.rule as keyof Rules];
   for (const button of findAll<HTMLButtonElement>("button[data-command]")) {

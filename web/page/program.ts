@@ -39,9 +39,11 @@ export function commandsOf(document: Document, pose: Pose, hasDirections: boolea
     );
   } else lines.push(`# ${fileName(pose)}: Take home, Pose .vtu`);
   if (model) {
-    const options = `--rest rest.vtu ${bindingOptions(document)}`;
+    const turns = hasDirections && document.settings.normals !== "keep";
+    const keep = hasDirections && !turns ? " --keep-normals" : "";
+    const options = `--rest rest.vtu ${bindingOptions(document)}${keep}`;
     // With gradients, points are placed more exactly: D is then the matrix of the deformed file.
-    const gradients = document.settings.limit && hasDirections ? " --gradients" : "";
+    const gradients = document.settings.limit && turns ? " --gradients" : "";
     const to = pose.name === "rest" ? "rest-as-pose.vtu" : word(fileName(pose));
     lines.push(
       `espalier deform ${word(model.name)} ${options} \\\n    --to ${to} -o ${word(deformedName(document))}`,

@@ -63,6 +63,8 @@ export interface BindSettings {
   /** binds to the limit instead of the level */
   readonly limit: boolean;
   readonly outside: "keep" | "nearest";
+  /** whether normals, tangents and splats turn with the model, or stay as in the file */
+  readonly normals: "turn" | "keep";
 }
 
 export interface BindResult {

@@ -233,15 +233,16 @@ function bind(settings: BindSettings): Uint32Array {
   const { file, points } = openModelNow();
   const { refiner, rest } = openLatticeNow();
   closeBinding();
+  const hasGradients = file.hasDirections() && settings.normals !== "keep";
   const binding = refiner.bind(rest, points, {
     level: settings.level,
     outside: settings.outside,
     limitTolerance: settings.limit ? 1e-6 : 0,
-    gradients: file.hasDirections(),
+    gradients: hasGradients,
   });
   bound = {
     binding,
-    hasGradients: file.hasDirections(),
+    hasGradients,
     table: binding.table(),
     deformer: binding.deformer(),
   };

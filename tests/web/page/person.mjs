@@ -37,6 +37,8 @@ export async function withPage(use, options) {
 
 /** Clicks the button of a command that takes a file home, and returns the file. */
 export async function download(page, command, name = undefined) {
+  // Chromium holds back the eleventh download after the last input of a person.
+  await page.keyboard.press("Shift");
   const [item] = await Promise.all([
     page.waitForEvent("download"),
     page.evaluate((each) => document.querySelector(`[data-command="${each}"]`).click(), command),

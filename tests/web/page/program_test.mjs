@@ -149,6 +149,14 @@ describe("against the program", () => {
       assert.match(await commandsShown(page), /--gradients -o D\.npz/);
       run("stencils", rest, "--points", "normals.obj", "--limit", "--gradients", "-o", file("expected.npz"));
       assertSameFiles(matrix, file("expected.npz"));
+      // Normals that stay.
+      await page.selectOption('[data-setting="normals"]', "keep");
+      await settled(page);
+      const kept = await download(page, "save model", "kept.obj");
+      assert.match(await commandsShown(page), /espalier deform .*--keep-normals/);
+      run("deform", "normals.obj", ...options, "--keep-normals", "--to", pose, "-o", file("kept-expected.obj"));
+      assertSameFiles(kept, file("kept-expected.obj"));
+      assert.ok(readFileSync(kept, "utf8").includes("vn 0 -1 0"));
     }));
 
   test("other formats are written as the program writes them", () =>
