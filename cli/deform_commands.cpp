@@ -232,7 +232,8 @@ std::string directionsReport(const io::Model& model, const bind::Binding& bindin
                                       count == 1 ? "point" : "points", where);
     };
     except(kept, "left in place");
-    except(binding.gradients->identityCount(binding.table.rowCount()) - kept, "where the lattice at rest is flat");
+    except(binding.gradients->identityCount(binding.table.rowCount()) - kept,
+           "where the lattice at rest is flat");
     if (counts.keptHarmonics > 0)
         exceptions += fmt::format("; harmonics f_rest stay, because there are {}, not 9, 24 or 45",
                                   counts.keptHarmonics);
