@@ -13,8 +13,14 @@
 // Makes and combines Gradients.
 namespace espalier::embed {
 
-/// Returns true if directions, as rows, span so little volume that F would have less than six right
-/// digits.
+/// Returns the inverse of T X; NaN where T X spans no volume, so that F would have less than six
+/// right digits.
+/// \param directions T X: the rows are the directions
+/// \param sizes for each row, the sum of the sizes of its terms
+ESPALIER_API Eigen::Matrix3d inverseOf(const Eigen::Matrix3d& directions,
+                                       const Eigen::Vector3d& sizes);
+
+/// Returns true if directions, as rows, span no volume in this sense.
 ESPALIER_API bool areFlat(const Eigen::Matrix3d& directions);
 
 /// Returns rows of F − 1 from three directions at each point: three rows for each point, over the

@@ -66,8 +66,7 @@ struct SplinePlaces {
 /// rest has no volume, have the identity.
 ///
 /// For an affine pose, F is the matrix of the pose to 1e-12; in a cell that is 10,000 times as long
-/// as thick, to 1e-11. Transform normals by the cofactor
-/// matrix of F, tangents by F.
+/// as thick, to 1e-11. Transform normals by the cofactor matrix of F, tangents by F.
 struct Gradients {
     /// Rows of vertices of a level over the base; or the identity, if the rows of the points are
     /// over the base.

@@ -85,6 +85,24 @@ CellPlaces cellPlacesIn(const PlacedIn& level, const Embedding& embedding) {
     return cells;
 }
 
+/// Renumbers the vertices of a level in gradients to those that are used. Returns these.
+std::vector<Index> compactVertices(Gradients& gradients) {
+    const auto& rows = gradients.rows;
+    std::vector<Index> used(rows.columns().begin(), rows.columns().end());
+    for (const CellPlaces::Cell& cell : gradients.cells.cells)
+        used.insert(used.end(), cell.begin(), cell.end());
+    sortUnique(used);
+    for (CellPlaces::Cell& cell : gradients.cells.cells)
+        for (Index& vertex : cell) vertex = indexIn(used, vertex);
+    Array<Index> columns(rows.columns().begin(), rows.columns().end());
+    for (Index& column : columns) column = indexIn(used, column);
+    gradients.rows = {stencils::Trusted{}, static_cast<Index>(used.size()),
+                      Array<Offset>(rows.offsets().begin(), rows.offsets().end()),
+                      std::move(columns),
+                      Array<double>(rows.weights().begin(), rows.weights().end())};
+    return used;
+}
+
 /// Returns the gradients of points.
 /// \param stencilsFor returns the rows of S_n for some vertices of the level
 template <class StencilsFor>
@@ -116,21 +134,9 @@ Gradients gradientsIn(const PlacedIn& level, const Embedding& embedding, const L
     Embedding others = embedding;  // The points in cells of other types, and in flat ones.
     for (const CellPlaces::Place& place : cells.places) others.points[place.point].place.reset();
     Gradients gradients = gradientsOfRows(gradientRows(rowsOf(others), level.positions, perLength));
-    std::vector<Index> used(gradients.rows.columns().begin(), gradients.rows.columns().end());
-    for (const CellPlaces::Cell& cell : cells.cells)
-        used.insert(used.end(), cell.begin(), cell.end());
-    sortUnique(used);
-    gradients.vertices = stencilsFor(used);
-    for (CellPlaces::Cell& cell : cells.cells)
-        for (Index& vertex : cell) vertex = indexIn(used, vertex);
-    Array<Index> columns(gradients.rows.columns().begin(), gradients.rows.columns().end());
-    for (Index& column : columns) column = indexIn(used, column);
-    const auto& rows = gradients.rows;
-    gradients.rows = {stencils::Trusted{}, static_cast<Index>(used.size()),
-                      Array<Offset>(rows.offsets().begin(), rows.offsets().end()),
-                      std::move(columns),
-                      Array<double>(rows.weights().begin(), rows.weights().end())};
     gradients.cells = std::move(cells);
+    const std::vector<Index> used = compactVertices(gradients);
+    gradients.vertices = stencilsFor(used);
     return gradients;
 }
 
