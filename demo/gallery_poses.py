@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A lattice around a model and poses of it, by `shape around` and `pose`; the operations of Barr 1984."""
 
+import numpy as np
+
 from figure import make_figure
 from gallery_parts import AMBER, Figure, Look, Mesh, extent, panels
 from geometry_files import LatticeFile
@@ -61,6 +63,33 @@ def draw_operations(program):
     return column(rows, gap=10)
 
 
+def plate(count=120):
+    """A square of quadrilaterals whose points have a weight: the red of a colour, which grows along x."""
+    along = np.linspace(-2, 2, count + 1)
+    x, y = (grid.ravel() for grid in np.meshgrid(along, along, indexing="ij"))
+    points = np.stack([x, y, 0 * x], 1)
+    at = np.arange((count + 1) ** 2).reshape(count + 1, count + 1)
+    quads = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], -1).reshape(-1, 4)
+    t = np.clip((x + 0.5) / 1, 0, 1)
+    return points, quads, t * t * (3 - 2 * t)
+
+
+def draw_parts(program):
+    points, quads, red = plate()
+    lines = ["v %.6g %.6g %.6g %.4g 0 0" % (*p, r) for p, r in zip(points, red, strict=True)]
+    lines += ["f %d %d %d %d" % tuple(quad) for quad in quads + 1]
+    program.note(f"plate.obj: {len(points)} points, written by the script")
+    program.file("plate.obj").write_text("\n".join(lines) + "\n")
+    program.run("shape box --cells 2 2 1 --min -0.8 -0.8 -0.5 --max 0.8 0.8 0.5 -o rest.vtu")
+    program.run("pose rest.vtu --move 0 0 0.9 --rotate z 50 -o posed.vtu")
+    posed = LatticeFile(program.file("posed.vtu"))
+    drawings, captions = [], ("the default", "--falloff 1", "--falloff 1 --weights red")
+    for i, options in enumerate(("--outside keep", *captions[1:])):
+        program.run(f"deform plate.obj --rest rest.vtu --to posed.vtu {options} -o plate-{i}.obj")
+        drawings.append(draw_model(Mesh.read(program.file(f"plate-{i}.obj")), posed, 0.012))
+    return panels(drawings, captions, Look((0.5, -1, 0.75), height=330, margin=0.02), gap=30)
+
+
 FIGURES = [
     Figure(
         "three-commands", "A model of your own in three commands",
@@ -74,4 +103,11 @@ FIGURES = [
         "A block in a lattice of 6 cells along its longest side, and its poses. Selections choose "
         "the vertices that move; a falloff lets the movement fade with the distance from them.",
         draw_operations),
+    Figure(
+        "parts", "A part of a model",
+        "A falloff and weights",
+        "A lattice around the middle of a plate is lifted and turned. Points outside the lattice stay, and the "
+        "faces at its edge are stretched. With a falloff they follow in part, and no edge shows. A weight at each point, here a "
+        "colour that grows from the left to the right, says how far it follows.",
+        draw_parts),
 ]
