@@ -203,8 +203,8 @@ Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> po
                    const Target& target, const BindOptions& options) {
     // Gradients have three rows for each point.
     if (options.gradients && std::ssize(points) > kMaxIndex / 3)
-        throw Error(concat("got ", points.size(), " points; the most with gradients is ",
-                           kMaxIndex / 3));
+        throw Error(
+            concat("got ", points.size(), " points; the most with gradients is ", kMaxIndex / 3));
     checkWeights(options.weights, points.size());
     const auto& values = options.weights.values;
     std::vector<Index> numbers;  // The points with a weight above 0.

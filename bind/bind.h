@@ -60,8 +60,8 @@ struct BindOptions {
     /// weight that falls from 1 at the lattice to 0 at this distance (falloffWeight()), in the
     /// units of the lattice. So the deformation has no edge at the boundary of the lattice. Keep
     /// it smaller than the gaps between parts of the lattice: in the middle of a gap the nearest
-    /// part changes. A point that is too far away to be carried stays in place, see
-    /// embed::kMaxRowSum.
+    /// part changes. A point whose unweighted row would exceed
+    /// embed::kMaxRowSum stays in place: a point beside a box more than 3.5 cells away.
     double falloff = 0;
 
     /// Called now and then with the number of points done, from any thread; may be empty.

@@ -1,57 +1,99 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/cancellable_sort.h>
 #include <espalier/base/error.h>
 #include <espalier/bind/point_weights.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace espalier::bind {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+namespace {
+
+/// Returns for each point the first one that has its position, its weight and its shape.
+std::vector<Index> firstOfAlike(std::span<const Point3> points, std::span<const double> weights,
+                                std::span<const Index> shapes) {
+    std::vector<Index> order(points.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    const auto key = [&](Index i) {
+        return std::tuple(points[i], weights[i], shapes.empty() ? 0 : shapes[i]);
+    };
+    stableSortCancellably(order.begin(), order.end(),
+                          [&](Index a, Index b) { return key(a) < key(b); });
+    std::vector<Index> first(points.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        first[order[i]] =
+            i > 0 && key(order[i - 1]) == key(order[i]) ? first[order[i - 1]] : order[i];
+    return first;
+}
+
+}  // namespace
 
 std::vector<Point3> slopesOnSurface(std::span<const Point3> points, std::span<const Index> corners,
                                     std::span<const std::size_t> ends,
-                                    std::span<const double> weights) {
+                                    std::span<const double> weights,
+                                    std::span<const Index> shapes) {
     if (weights.size() != points.size())
         throw Error(concat("got ", weights.size(), " weights for ", points.size(), " points"));
+    if (!shapes.empty() && shapes.size() != points.size())
+        throw Error(concat("got ", shapes.size(), " shapes for ", points.size(), " points"));
     for (const Index corner : corners)
         if (corner < 0 || corner >= std::ssize(points))
             throw Error(
                 concat("a face has the point ", corner, "; there are ", points.size(), " points"));
+    const std::vector<Index> first = firstOfAlike(points, weights, shapes);
     struct Sum {
-        Vector3d slope = Vector3d::Zero();  ///< of the triangles, each times its angle here
-        double angle = 0;
+        Matrix3d normals = Matrix3d::Zero();  ///< Σ n nᵀ over the faces, times their angles here
+        Matrix3d edges = Matrix3d::Zero();    ///< Σ e eᵀ over the edges e
+        Vector3d changes = Vector3d::Zero();  ///< Σ e Δw
     };
     std::vector<Sum> sums(points.size());
-    const auto addTriangle = [&](Index a, Index b, Index c) {
-        const Vector3d origin(points[a].data());
-        const Vector3d ab = Vector3d(points[b].data()) - origin;
-        const Vector3d ac = Vector3d(points[c].data()) - origin;
-        const Vector3d normal = ab.cross(ac);
-        const double area = normal.stableNorm();
-        if (!(area > 0)) return;
-        // The function that is 1 at b and 0 at a and c rises along ac × n / |n|², and likewise.
-        const Vector3d along = (weights[b] - weights[a]) * ac - (weights[c] - weights[a]) * ab;
-        const Vector3d slope = along.cross(normal / area) / area;
-        const auto add = [&](Index corner, const Vector3d& to, const Vector3d& from) {
-            const double angle = std::atan2(area, to.dot(from));
-            sums[corner].slope += angle * slope;
-            sums[corner].angle += angle;
-        };
-        add(a, ab, ac);
-        add(b, ac - ab, -ab);
-        add(c, -ac, ab - ac);
+    const auto addCorner = [&](Index before, Index at, Index after) {
+        const Vector3d place(points[at].data());
+        Sum& sum = sums[first[at]];
+        std::array<Vector3d, 2> along;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Index end = k == 0 ? after : before;
+            const Vector3d edge = Vector3d(points[end].data()) - place;
+            sum.edges += edge * edge.transpose();
+            sum.changes += (weights[end] - weights[at]) * edge;
+            along[k] = edge;
+        }
+        const Vector3d normal = along[0].cross(along[1]);
+        if (const double area = normal.stableNorm(); area > 0)
+            sum.normals += std::atan2(area, along[0].dot(along[1])) * (normal / area) *
+                           (normal / area).transpose();
     };
     std::size_t begin = 0;
     for (const std::size_t end : ends) {
-        for (std::size_t i = begin + 2; i < end; ++i)
-            addTriangle(corners[begin], corners[i - 1], corners[i]);
+        const std::size_t count = end - begin;
+        for (std::size_t i = 0; i < count && count > 2; ++i)
+            addCorner(corners[begin + (i + count - 1) % count], corners[begin + i],
+                      corners[begin + (i + 1) % count]);
         begin = end;
     }
     std::vector<Point3> slopes(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t c = 0; sums[i].angle > 0 && c < 3; ++c)
-            slopes[i][c] = sums[i].slope[static_cast<Eigen::Index>(c)] / sums[i].angle;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Sum& sum = sums[first[i]];
+        if (!(sum.normals.trace() > 0)) continue;
+        // The least squares in the plane across the normal, which is the direction that the normals
+        // of the faces have in common, whichever way they are wound.
+        const Eigen::SelfAdjointEigenSolver<Matrix3d> directions(sum.normals);
+        const Eigen::Matrix<double, 3, 2> plane = directions.eigenvectors().leftCols<2>();
+        const Eigen::Matrix2d edges = plane.transpose() * sum.edges * plane;
+        const Eigen::Vector2d slope =
+            edges.completeOrthogonalDecomposition().solve(plane.transpose() * sum.changes);
+        const Vector3d inSpace = plane * slope;
+        if (inSpace.allFinite()) slopes[i] = {inSpace[0], inSpace[1], inSpace[2]};
+    }
     return slopes;
 }
 

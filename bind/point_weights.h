@@ -31,23 +31,28 @@ struct PointWeights {
     friend bool operator==(const PointWeights&, const PointWeights&) = default;
 };
 
-/// Returns the slopes of weights along a surface: at each point, the mean over the triangles around
-/// it of the slope in the triangle, weighted by their angles at the point. Faces of more corners
-/// are fans from their first corner. Exact where the weight is a linear function of the place on a
-/// flat surface.
+/// Returns the slopes of weights along a surface: at each point, the slope in the tangent plane
+/// that fits the weights at the ends of its edges best (least squares; long edges count more, so
+/// that edges shorter than the rounding of the weights do no harm). The tangent plane is across the
+/// direction that the normals of the faces around the point have in common, weighted by their
+/// angles there, whichever way the faces are wound. Points of one shape with equal positions and
+/// weights, as at seams, are one point. Exact where the weight is a linear function of the place on
+/// a flat surface.
 ///
 /// A slope along a surface is all that the surface's normals and tangents need. A point in no face
 /// with an area has the slope 0.
 ///
 /// \param corners the points of all faces, and `ends` where the corners of each face end
 /// \param weights one per point
+/// \param shapes the shape of each point, such as a morph target; or empty, if all are of one
 /// \throws Error unless there is one weight per point, and the corners are points
-/// \cost O(corners)
-/// \cite Thürmer & Wüthrich 1998, for the weighting by angles
+/// \cost O(corners + points log points)
+/// \cite Thürmer & Wüthrich 1998, for the normals
 ESPALIER_API std::vector<Point3> slopesOnSurface(std::span<const Point3> points,
                                                  std::span<const Index> corners,
                                                  std::span<const std::size_t> ends,
-                                                 std::span<const double> weights);
+                                                 std::span<const double> weights,
+                                                 std::span<const Index> shapes = {});
 
 /// Returns the weight of a point outside a lattice that follows with a falloff, and its slope:
 /// 1 − r² (3 − 2r) for a distance of r · radius; 0 for r ≥ 1. The slope is 0 at both ends, so the

@@ -49,11 +49,10 @@ StencilTable<double> spread(const StencilTable<double>& table, std::span<const I
             Array<double>(table.weights().begin(), table.weights().end())};
 }
 
-/// The same for a list with an entry for each point; nothing for an empty list.
+/// The same for a list with an entry for each point.
 template <class T>
 std::vector<T> spread(const std::vector<T>& entries, std::span<const Index> numbers,
                       Index pointCount, const T& between) {
-    if (entries.empty()) return {};
     std::vector<T> all(pointCount, between);
     for (std::size_t i = 0; i < numbers.size(); ++i) all[numbers[i]] = entries[i];
     return all;
@@ -81,9 +80,10 @@ void addKeptPoints(std::span<const Index> numbers, Index pointCount, Binding& bi
     if (binding.gradients) {
         binding.gradients = embed::renumbered(std::move(*binding.gradients), numbers);
         auto& places = binding.gradients->splines.places;
-        places = spread(places, numbers, pointCount, {});
+        if (!places.empty()) places = spread(places, numbers, pointCount, {});
     }
-    binding.weights = spread(binding.weights, numbers, pointCount, PointWeight{0, {}});
+    if (!binding.weights.empty())
+        binding.weights = spread(binding.weights, numbers, pointCount, PointWeight{0, {}});
     binding.statuses = spread(binding.statuses, numbers, pointCount, embed::PointStatus::NotBound);
 }
 

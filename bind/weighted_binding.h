@@ -16,7 +16,7 @@ namespace espalier::bind {
 void applyWeights(std::vector<PointWeight> weights, Binding& binding);
 
 /// Adds points that stay in place, with the status NotBound.
-/// \param binding its points have weights (applyWeights())
+/// \param binding its points have weights (applyWeights()); there may be none
 /// \param numbers the numbers of its points among all, ascending
 void addKeptPoints(std::span<const Index> numbers, Index pointCount, Binding& binding);
 

@@ -521,7 +521,8 @@ enum {
     ESPALIER_POINT_OUTSIDE = 1,
     ESPALIER_POINT_NOT_CONVERGED = 2,  ///< the cell is degenerate, or a coordinate is not finite;
                                        ///< the point stays in place
-    ESPALIER_POINT_NOT_BOUND = 3       ///< the weight of the point is 0; it stays in place
+    ESPALIER_POINT_NOT_BOUND = 3       ///< the weight of the point is 0, or the point is
+                                       ///< beyond the falloff; it stays in place
 };
 
 /// Options of binding. Start from espalier_default_bind_options(), and change fields.

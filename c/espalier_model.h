@@ -61,7 +61,7 @@ ESPALIER_C_API espalier_status espalier_model_notes(const espalier_model* model,
 ESPALIER_C_API espalier_status espalier_model_attributes(const espalier_model* model,
                                                          int32_t* count, const char* const** names);
 
-/// Gives the names of the groups of points (io::Model::readGroups()): groups, objects and materials
+/// Gives the names of the groups of points (io::Model::groups()): groups, objects and materials
 /// of an .obj; meshes, nodes and materials of glTF. The names belong to the model.
 /// \retval ESPALIER_ERROR_FILE the file is malformed
 /// \cost one pass over the file on the first call

@@ -133,7 +133,7 @@ espalier_status espalier_model_groups(const espalier_model* model, int32_t* coun
                                       const char* const** names) {
     return c::guarded([&] {
         const auto& own = c::deref(model, "model");
-        c::give(own.groups.get([&] { return c::namesOf(own.model->readGroups()); }), count, names);
+        c::give(own.groups.get([&] { return c::namesOf(own.model->groups()); }), count, names);
     });
 }
 

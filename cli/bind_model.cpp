@@ -101,27 +101,23 @@ void checkBasis(const BindOptions& options) {
             throw CLI::ValidationError(option->get_name(), "works with --basis subdivision only");
 }
 
-void addPartOptions(CLI::App& command, BindOptions& options) {
+void addPartOptions(CLI::App& command, io::ModelPart& part, CommonOptions& options) {
     command
-        .add_option("--weights", options.part.weights,
+        .add_option("--weights", part.weights,
                     "Multiply the displacement of each point by a number of 0 to 1 that MODEL has "
                     "for it: a property of a PLY, an array of VTK's point data (NAME, or NAME:0 "
                     "for the first of several numbers), an attribute of glTF, or the red, green "
                     "or blue of an OBJ. espalier info lists them")
         ->type_name("NAME");
     command
-        .add_option("--only", options.part.groups,
+        .add_option("--only", part.groups,
                     "Move only the points of these parts of MODEL: groups, objects and materials "
                     "of an OBJ; meshes, nodes and materials of glTF. espalier info lists them")
         ->allow_extra_args(false)
         ->type_name("GROUP");
     command
-        .add_option_function<double>(
-            "--falloff",
-            [&options](double radius) {
-                options.falloff = radius;
-                options.common.embedding.outside = embed::OutsidePolicy::Nearest;
-            },
+        .add_option(
+            "--falloff", options.falloff,
             "Let points outside the lattice follow it with a weight that falls smoothly from 1 at "
             "the lattice to 0 at the distance R, in the units of the model")
         ->check(aboveZero())
@@ -140,7 +136,7 @@ bind::Binding bindPoints(const BindOptions& options, std::span<const Point3> poi
                                     {.embedding = options.common.embedding,
                                      .gradients = hasGradients,
                                      .weights = std::move(weights),
-                                     .falloff = options.falloff,
+                                     .falloff = options.common.falloff,
                                      .progress = progressOf(stages, points.size())});
         };
         // A basis has demands on the lattice: the errors name its file.
@@ -172,7 +168,7 @@ void warnOfPointsOutside(const bind::Binding& binding, const CommonOptions& opti
     const Offset outside = std::ranges::count_if(
         binding.table.emptyRows(), [&](Index point) { return binding.statuses[point] == Outside; });
     if (options.quiet || outside == 0) return;
-    if (options.embedding.outside == embed::OutsidePolicy::Nearest) {
+    if (options.falloff > 0 || options.embedding.outside == embed::OutsidePolicy::Nearest) {
         const bool isOne = outside == 1;
         printError(fmt::format("warning: {} of {} points outside the lattice {} too far away, or "
                                "beside a cell that is too flat, to move with the nearest cell: the "

@@ -26,7 +26,6 @@ struct BindOptions {
     int level = 3;
     bool limit = false;                       ///< bind to the limit volume instead of a level
     io::ModelPart part;                       ///< the part of the model that follows
-    double falloff = 0;                       ///< see bind::BindOptions::falloff
     std::vector<CLI::Option*> ofSubdivision;  ///< the options that need --basis subdivision
 };
 
@@ -40,7 +39,7 @@ void addBasisOptions(CLI::App& command, BindOptions& options);
 void addBindingOptions(CLI::App& command, BindOptions& options);
 
 /// Adds --weights, --only and --falloff to a command.
-void addPartOptions(CLI::App& command, BindOptions& options);
+void addPartOptions(CLI::App& command, io::ModelPart& part, CommonOptions& options);
 
 /// Refuses options that the chosen basis cannot use.
 /// \throws CLI::ValidationError

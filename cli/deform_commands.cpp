@@ -388,7 +388,7 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(deform, deformOptions);
     addPosesAndOutput(deform, deformOptions);
     addBindingOptions(deform, deformOptions);
-    addPartOptions(deform, deformOptions);
+    addPartOptions(deform, deformOptions.part, deformOptions.common);
     addKeepNormals(deform, deformOptions);
     addMeshOptions(deform, deformOptions.mesh);
     addRunAndReport(deform, deformOptions);
@@ -399,7 +399,7 @@ void addDeformCommands(CLI::App& program) {
     addModelAndRest(bind, bindOptions);
     addOutputOption(bind, bindOptions.output, "The bound model: .espb")->required();
     addBindingOptions(bind, bindOptions);
-    addPartOptions(bind, bindOptions);
+    addPartOptions(bind, bindOptions.part, bindOptions.common);
     addKeepNormals(bind, bindOptions);
     addRunAndReport(bind, bindOptions);
 

@@ -95,7 +95,8 @@ std::string namesText(const char* label, const std::vector<std::string>& names) 
     std::string text = fmt::format("{:<11}", label);
     for (std::size_t i = 0; i < std::min(names.size(), kMaxNames); ++i)
         text += (i == 0 ? " " : ", ") + printable(names[i]);
-    if (names.size() > kMaxNames) text += fmt::format(" and {} more", names.size() - kMaxNames);
+    if (names.size() > kMaxNames)
+        text += fmt::format(" and {} more, which --json lists", names.size() - kMaxNames);
     return text + "\n";
 }
 
@@ -124,7 +125,7 @@ nlohmann::json reportModel(const std::string& path, const io::Model& model) {
                              {"size", box.size()},
                              {"diagonal", box.diagonal()},
                              {"attributes", io::namesOf(model.attributes())},
-                             {"groups", io::namesOf(model.readGroups())},
+                             {"groups", io::namesOf(model.groups())},
                              {"notes", model.notes()},
                              {"precision", nameOf(model.storage())}};
     if (model.extension() == ".stl") {

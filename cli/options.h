@@ -62,6 +62,7 @@ struct CommonOptions {
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
     far::Rules rules = far::Rules::Siggraph96;
     embed::EmbeddingOptions embedding;
+    double falloff = 0;                    ///< see bind::BindOptions::falloff
     const CLI::Option* outside = nullptr;  ///< --outside, if the command has it
     bool quiet = false;
     bool strict = false;  ///< notes on models are errors

@@ -90,7 +90,7 @@ void printText(const RunReport& report) {
                                      report.binding.count(PointStatus::Outside),
                                      report.binding.count(PointStatus::NotConverged));
     if (const Index count = report.binding.count(PointStatus::NotBound); count > 0)
-        points += fmt::format(", {} with the weight 0", count);
+        points += fmt::format(", {} with the weight 0 or beyond the falloff", count);
     printLine("points", points);
     if (kept > 0)
         printLine("left in place",

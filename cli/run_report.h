@@ -30,7 +30,8 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 /// The report of commands that bind a model or apply a binding. In JSON:
 ///
 ///     points            {inside, outside, not_converged, not_bound}: numbers of points;
-///                       not_bound are those with the weight 0
+///                       not_bound are those with the weight 0 or
+///                       beyond the falloff
 ///     largest_residual  largest distance of a point from its place at rest
 ///     kept              number of points with empty rows, which no pose moves
 ///     directions        a sentence on normals, tangents and splats; null if the model has none

@@ -186,7 +186,7 @@ void addStencilsCommand(CLI::App& program) {
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
     addBasisOptions(command, options.bind);
     addEmbeddingOptions(command, options.common);
-    addPartOptions(command, options.bind);
+    addPartOptions(command, options.bind.part, options.common);
     command.add_flag(
         "--gradients", options.gradients,
         "Also write the gradients of D, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "

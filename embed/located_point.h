@@ -18,7 +18,8 @@ enum class PointStatus : std::uint8_t {
     Outside,       ///< outside the region that the cells fill
     NotConverged,  ///< no place reproduces the point: its cell is degenerate, or a coordinate is
                    ///< not finite
-    NotBound       ///< the weight of the point is 0 (bind::BindOptions)
+    NotBound       ///< the weight of the point is 0, or the point is beyond the falloff
+                   ///< (bind::BindOptions)
 };
 
 /// The result of locating a point in a lattice. Place is CellPlace or TensorPlace.

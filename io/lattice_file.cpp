@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/utf16.h"
+#include "files/other_content.h"
 #include "format.h"
 
 namespace espalier::io {
@@ -116,7 +116,7 @@ LatticeReader refinableReaderOf(const Path& path) {
 }
 
 Lattice readBytes(LatticeReader read, const Path& path, std::string_view bytes, ReadNotes* notes) {
-    return explainingUtf16(path, bytes, [&] { return read(path, bytes, notes); });
+    return explainingContent(path, bytes, [&] { return read(path, bytes, notes); });
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "files/utf16.h"
+#include "files/other_content.h"
 #include "format.h"
 #include "meshes/openfoam.h"
 #include "models/coordinates.h"
@@ -207,7 +207,7 @@ std::unique_ptr<Model> readModel(const std::filesystem::path& path) {
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes) {
     const Format& format = requireFormat(path);
-    return explainingUtf16(path, bytes, [&] {
+    return explainingContent(path, bytes, [&] {
         std::unique_ptr<Model> model = format.readModel(format, path, std::move(bytes));
         if (model->positions().empty()) throw FileError(path, "the model has no points");
         return model;

@@ -161,7 +161,10 @@ struct PointAttribute {
 /// Points of a model that belong together: the points of the faces in a group.
 struct PointGroup {
     std::string name;
-    std::vector<Index> points;  ///< ascending, each once
+
+    /// Reads the points, ascending. The model must still exist.
+    /// \throws FileError if the file is malformed
+    std::function<std::vector<Index>()> read;
 };
 
 class ModelConversion;
@@ -233,15 +236,26 @@ public:
     virtual ModelVolume readVolume() const { return {}; }
 
     /// Returns the numbers at the points that can be read: properties of a PLY, arrays of VTK's
-    /// point data, attributes of glTF, and the colours of an OBJ. Those that are stored as bytes or
-    /// fractions of colours are 0 to 1.
+    /// point data, attributes of glTF, and the colours of an OBJ. Colours in bytes are divided by
+    /// 255: red, green, blue and alpha of a PLY; arrays of 3 or 4 bytes for each point in VTK's
+    /// files; and normalized integers of glTF, as the file says.
     virtual std::vector<PointAttribute> attributes() const { return {}; }
 
-    /// Reads the groups, objects and materials of an OBJ, and the meshes, nodes and materials of
+    /// Returns the groups, objects and materials of an OBJ, and the meshes, nodes and materials of
     /// glTF, in the order of the file. Parts of one name are one group.
     /// \throws FileError as readSurface()
-    /// \cost one pass over the file
-    virtual std::vector<PointGroup> readGroups() const { return {}; }
+    /// \cost one pass over the file; and one for each group that is read
+    virtual std::vector<PointGroup> groups() const { return {}; }
+
+    /// Returns the faces along which weights of points have slopes: the faces of the surface and,
+    /// of glTF, also those of its morph targets.
+    ///
+    /// \param shapes gets the shape of each point: 0 for the surface, n for morph target n; or
+    /// stays
+    ///        empty, if there is one shape only
+    virtual ModelFaces facesOfShapes(std::vector<Index>& /*shapes*/) const {
+        return readSurface().faces;
+    }
 
     /// Returns notes on parts of the file that were skipped, or are kept without being understood;
     /// none for most files. Each note is a phrase with a number: "kept 3 lines whose first word no

@@ -56,10 +56,10 @@ bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& mod
                              " at point ", wrong - weights.values.begin(), "; weights are 0 to 1"));
     }
     if (!part.groups.empty()) {
-        const std::vector<PointGroup> groups = model.readGroups();
+        const std::vector<PointGroup> groups = model.groups();
         std::vector<bool> isIn(points.size());
         for (const std::string& name : part.groups)
-            for (const Index point : find(path, groups, name, "group").points) isIn[point] = true;
+            for (const Index point : find(path, groups, name, "group").read()) isIn[point] = true;
         for (std::size_t i = 0; i < points.size(); ++i)
             if (!isIn[i]) weights.values[i] = 0;
     }
@@ -67,11 +67,12 @@ bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& mod
 }
 
 bind::PointWeights withSlopes(const Model& model, std::vector<double> values) {
-    const ModelFaces faces = model.readSurface().faces;
+    std::vector<Index> shapes;
+    const ModelFaces faces = model.facesOfShapes(shapes);
     bind::PointWeights weights{std::move(values), {}};
     if (faces.count() > 0)
-        weights.slopes =
-            bind::slopesOnSurface(model.positions(), faces.corners, faces.ends, weights.values);
+        weights.slopes = bind::slopesOnSurface(model.positions(), faces.corners, faces.ends,
+                                               weights.values, shapes);
     return weights;
 }
 

@@ -17,7 +17,7 @@ struct ModelPart {
     /// multiplied; or empty.
     std::string weights = {};
 
-    /// Names of groups (Model::readGroups()): the points in none of them stay. Or none, and the
+    /// Names of groups (Model::groups()): the points in none of them stay. Or none, and the
     /// part is the whole model.
     std::vector<std::string> groups = {};
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "files/utf16.h"
+#include "files/other_content.h"
 #include "format.h"
 
 namespace espalier::io {
@@ -56,7 +56,7 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
 
 std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount,
                                 std::string_view bytes) {
-    return explainingUtf16(path, bytes, [&] { return readText(path, pointCount, bytes); });
+    return explainingContent(path, bytes, [&] { return readText(path, pointCount, bytes); });
 }
 
 const Format kTargetsFormat = {.extensions = {".txt"}, .isTargets = true};

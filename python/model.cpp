@@ -104,7 +104,7 @@ byte for byte, unless it is written in another format. Made by read_model().
         .def_property_readonly(
             "groups",
             [](const ModelFile& self) {
-                return io::namesOf(withoutGil([&] { return self.model->readGroups(); }));
+                return io::namesOf(withoutGil([&] { return self.model->groups(); }));
             },
             "Names of the groups, objects and materials of an OBJ, and of the meshes, nodes and "
             "materials of glTF: list of str, for bind().")

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -135,46 +136,57 @@ public:
 
     std::vector<PointAttribute> attributes() const override {
         return withJsonErrors(file_.path(), [&] {
-            std::vector<PointAttribute> attributes;
-            std::set<std::string> names;
+            // Primitives may have numbers of another kind: the largest number of components counts.
+            std::vector<std::pair<std::string, std::size_t>> all;
             forEachPrimitive([&](const Json& primitive, const auto&) {
                 for (const auto& [name, index] : primitive["attributes"].items()) {
                     if (name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
-                        name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
-                        !names.insert(name).second)
+                        name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
                         continue;
                     const std::size_t components =
                         accessorOf(file_, file_.needNumber(primitive["attributes"], name.c_str()))
                             .components;
-                    addAttributes(name, components, attributes, [this, name = name, components] {
-                        return attribute(name, components);
-                    });
+                    const auto known =
+                        std::ranges::find(all, name, &std::pair<std::string, std::size_t>::first);
+                    if (known == all.end())
+                        all.emplace_back(name, components);
+                    else
+                        known->second = std::max(known->second, components);
                 }
             });
+            std::vector<PointAttribute> attributes;
+            for (const auto& [name, components] : all)
+                for (std::size_t component = 0; component < components; ++component)
+                    attributes.push_back(
+                        {nameOfComponent(name, component, components),
+                         [this, name = name, component] { return attribute(name, component); }});
             return attributes;
         });
     }
 
-    std::vector<PointGroup> readGroups() const override {
+    std::vector<PointGroup> groups() const override {
         return withJsonErrors(file_.path(), [&] {
-            GroupBuilder groups;
-            for (const GltfDrawnMesh& drawn : scene_.meshes) {
-                std::vector<std::string> names = {
-                    GltfFile::text(file_.item("meshes", drawn.drawing.mesh), "name")};
-                for (const std::size_t node : drawn.drawing.nodes)
-                    names.push_back(GltfFile::text(file_.item("nodes", node), "name"));
-                forEachPrimitiveOf(drawn, [&](const Json& primitive, const auto& blocks) {
-                    std::vector<std::string> all = names;
-                    if (const auto material = file_.number(primitive, "material"))
-                        all.push_back(GltfFile::text(file_.item("materials", *material), "name"));
-                    for (const std::string& name : all)
-                        for (const GltfBlock* block : blocks)
-                            if (!name.empty())
-                                groups.add(name, static_cast<Index>(block->first),
-                                           static_cast<Index>(block->count));
-                });
-            }
-            return groups.finish();
+            GroupNames groups(
+                [this](const std::string& name) { return [this, name] { return group(name); }; });
+            forEachPrimitiveName(
+                [&](const std::string& name, const Json&, const auto&) { groups.add(name); });
+            return groups.take();
+        });
+    }
+
+    ModelFaces facesOfShapes(std::vector<Index>& shapes) const override {
+        shapes.assign(scene_.positions.size(), 0);
+        return withJsonErrors(file_.path(), [&] {
+            ModelFaces faces;
+            forEachPrimitive([&](const Json& primitive, const auto& blocks) {
+                for (std::size_t shape = 0; shape < blocks.size(); ++shape) {
+                    const GltfBlock& block = *blocks[shape];
+                    addFaces(primitive, block, faces);
+                    for (std::size_t i = 0; i < block.count; ++i)
+                        shapes[block.first + i] = static_cast<Index>(shape);
+                }
+            });
+            return faces;
         });
     }
 
@@ -225,23 +237,79 @@ private:
         for (const GltfDrawnMesh& drawn : scene_.meshes) forEachPrimitiveOf(drawn, f);
     }
 
-    /// Reads the numbers of an attribute: 0 where a primitive lacks it. Where primitives share
-    /// points, the largest number counts.
-    std::vector<double> attribute(const std::string& name, std::size_t components) const {
+    /// Calls f(name, primitive, blocks) for each name of each primitive: of its mesh, of the nodes
+    /// that draw it, and of its material.
+    template <class F>
+    void forEachPrimitiveName(F f) const {
+        for (const GltfDrawnMesh& drawn : scene_.meshes) {
+            std::vector<std::string> names = {
+                GltfFile::text(file_.item("meshes", drawn.drawing.mesh), "name")};
+            for (const std::size_t node : drawn.drawing.nodes)
+                names.push_back(GltfFile::text(file_.item("nodes", node), "name"));
+            forEachPrimitiveOf(drawn, [&](const Json& primitive, const auto& blocks) {
+                for (const std::string& name : names) f(name, primitive, blocks);
+                if (const auto material = file_.number(primitive, "material"))
+                    f(GltfFile::text(file_.item("materials", *material), "name"), primitive,
+                      blocks);
+            });
+        }
+    }
+
+    /// Returns the corners of a primitive.
+    std::vector<Index> cornersOf(const Json& primitive, const GltfBlock& block) const {
+        if (const auto indices = file_.number(primitive, "indices"))
+            return indicesOf(file_, *indices, block.count);
+        std::vector<Index> corners(block.count);
+        std::iota(corners.begin(), corners.end(), Index{0});
+        return corners;
+    }
+
+    /// Adds the triangles of a primitive as if its points were those of a block.
+    void addFaces(const Json& primitive, const GltfBlock& block, ModelFaces& faces) const;
+
+    /// Reads the points of the primitives with a name.
+    std::vector<Index> group(const std::string& wanted) const {
         return withJsonErrors(file_.path(), [&] {
-            std::vector<double> values(components * scene_.positions.size());
+            std::vector<bool> isIn(scene_.positions.size());
+            forEachPrimitiveName(
+                [&](const std::string& name, const Json& primitive, const auto& blocks) {
+                    checkCancelled();
+                    if (name != wanted) return;
+                    for (const Index corner : cornersOf(primitive, *blocks.front()))
+                        for (const GltfBlock* block : blocks) isIn[block->first + corner] = true;
+                });
+            return pointsIn(isIn);
+        });
+    }
+
+    /// Reads a component of an attribute: 0 where a primitive lacks the attribute, and where it
+    /// lacks the component, except that the alpha of a colour is then 1. Where primitives share
+    /// points, the largest number counts.
+    std::vector<double> attribute(const std::string& name, std::size_t component) const {
+        constexpr std::size_t kAlpha = 3;
+        const double missing = name.starts_with("COLOR_") && component == kAlpha ? 1 : 0;
+        return withJsonErrors(file_.path(), [&] {
+            std::vector<double> values(scene_.positions.size());
+            std::vector<bool> isKnown(values.size());
+            std::set<std::pair<std::size_t, const GltfBlock*>> done;
             forEachPrimitive([&](const Json& primitive, const auto& blocks) {
                 const auto index = file_.number(primitive["attributes"], name.c_str());
-                if (!index) return;
+                if (!index || !done.emplace(*index, blocks.front()).second) return;
+                checkCancelled();
+                const std::size_t components = accessorOf(file_, *index).components;
                 const std::vector<double> numbers = numbersOf(file_, *index);
                 for (const GltfBlock* block : blocks) {
                     if (numbers.size() != components * block->count)
                         file_.fail(concat("accessor ", *index, " has ", numbers.size(), " numbers ",
                                           inQuotes(name), "; expected ", components,
                                           " for each of ", block->count, " points"));
-                    for (std::size_t i = 0; i < numbers.size(); ++i) {
-                        double& value = values[components * block->first + i];
-                        value = std::max(value, numbers[i]);
+                    for (std::size_t i = 0; i < block->count; ++i) {
+                        const double number =
+                            component < components ? numbers[components * i + component] : missing;
+                        double& value = values[block->first + i];
+                        // A number that is not a number stays, to be refused.
+                        if (!isKnown[block->first + i] || !(number <= value)) value = number;
+                        isKnown[block->first + i] = true;
                     }
                 }
             });
@@ -324,6 +392,16 @@ void forEachTriangle(std::size_t mode, std::span<const Index> corners, F f) {
             f(corners[i], corners[i + 1], corners[0]);
 }
 
+void GltfModel::addFaces(const Json& primitive, const GltfBlock& block, ModelFaces& faces) const {
+    const std::size_t mode = file_.number(primitive, "mode").value_or(4);
+    if (mode < 4 || mode > 6) return;
+    forEachTriangle(mode, cornersOf(primitive, block), [&](Index a, Index b, Index c) {
+        for (const Index corner : {a, b, c})
+            faces.corners.push_back(static_cast<Index>(block.first) + corner);
+        faces.endFace();
+    });
+}
+
 ModelSurface GltfModel::surface() const {
     ModelSurface surface;
     bool haveNormals = true;
@@ -343,13 +421,7 @@ ModelSurface GltfModel::surface() const {
                 surface.dropsLoosePoints = true;
             }
             if (mode < 4 || mode > 6) continue;
-            std::vector<Index> corners;
-            if (const auto indices = file_.number(primitive, "indices")) {
-                corners = indicesOf(file_, *indices, block.count);
-            } else {
-                corners.resize(block.count);
-                for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<Index>(i);
-            }
+            const std::vector<Index> corners = cornersOf(primitive, block);
             const bool isMirrored = determinant(block.map(0).linear) < 0;
             const auto normals = drawn.normals[p];
             haveNormals = haveNormals && normals.has_value();

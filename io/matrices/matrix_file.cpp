@@ -6,7 +6,7 @@
 
 #include <type_traits>
 
-#include "../files/utf16.h"
+#include "../files/other_content.h"
 #include "../format.h"
 
 namespace espalier::io {
@@ -83,7 +83,7 @@ StencilTable<double> readMatrix(const Path& path) {
 }
 
 StencilTable<double> readMatrix(const Path& path, std::string_view bytes) {
-    return explainingUtf16(path, bytes, [&] { return readerOf(path)(path, bytes); });
+    return explainingContent(path, bytes, [&] { return readerOf(path)(path, bytes); });
 }
 
 template void writeMatrix(const std::filesystem::path&, const StencilTable<float>&,

@@ -57,8 +57,8 @@ public:
         return functions_.attributes ? functions_.attributes(view())
                                      : std::vector<PointAttribute>();
     }
-    std::vector<PointGroup> readGroups() const override {
-        return functions_.readGroups ? functions_.readGroups(view()) : std::vector<PointGroup>();
+    std::vector<PointGroup> groups() const override {
+        return functions_.groups ? functions_.groups(view()) : std::vector<PointGroup>();
     }
 
 private:

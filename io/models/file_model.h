@@ -90,9 +90,9 @@ struct FileModelFormat {
     /// Null if the format has no cells.
     ModelVolume (*readVolume)(const FileView& file) = nullptr;
 
-    /// Model::attributes() and Model::readGroups(); null if the format has none.
+    /// Model::attributes() and Model::groups(); null if the format has none.
     std::vector<PointAttribute> (*attributes)(const FileView& file) = nullptr;
-    std::vector<PointGroup> (*readGroups)(const FileView& file) = nullptr;
+    std::vector<PointGroup> (*groups)(const FileView& file) = nullptr;
 
     /// Throws unless the numbers may be written to `target`; null if any name will do.
     void (*checkTarget)(const FileView& file, const std::filesystem::path& target) = nullptr;

@@ -8,6 +8,7 @@
 #include <espalier/io/models/obj_mesh.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -517,58 +518,106 @@ void writeObj(std::ostream& out, const FileView& file, std::span<const Point3> m
             .write(out, file.numbers.points.changeTo(moved));
 }
 
-/// Returns the colours of the points, if all have one.
+/// Reads a colour channel of all points; nothing unless each point has three numbers after its
+/// coordinates.
+std::vector<double> readObjChannel(const FileView& file, std::size_t channel) {
+    std::vector<double> values;
+    bool haveColors = true;
+    forEachObjStatement(file.path, file.bytes, [&](ObjWords& words, std::size_t) {
+        if (!haveColors || words.next() != "v") return;
+        for (std::size_t axis = 0; axis < 3; ++axis) words.next();
+        std::array<std::string_view, 3> color;
+        for (std::string_view& word : color) word = words.next();
+        haveColors = !color[2].empty() && words.next().empty();
+        values.push_back(parseReal(color[channel], Precision::Double));
+    });
+    if (!haveColors) values.clear();
+    return values;
+}
+
 std::vector<PointAttribute> objAttributes(const FileView& file) {
     constexpr const char* kNames[] = {"red", "green", "blue"};
-    if (readObjSurface(file).colors.empty()) return {};
     std::vector<PointAttribute> attributes;
+    if (readObjChannel(file, 0).empty()) return attributes;
     for (std::size_t channel = 0; channel < 3; ++channel)
-        attributes.push_back({kNames[channel], [file, channel] {
-                                  std::vector<double> values;
-                                  for (const auto& color : readObjSurface(file).colors)
-                                      values.push_back(color[channel]);
-                                  return values;
-                              }});
+        attributes.push_back(
+            {kNames[channel], [file, channel] { return readObjChannel(file, channel); }});
     return attributes;
 }
 
-/// Reads the groups, objects and materials: the points of the faces, lines and point elements that
-/// follow their statement.
-std::vector<PointGroup> readObjGroups(const FileView& file) {
-    const std::size_t pointCount = file.numbers.points.values.size();
-    GroupBuilder groups;
-    CountsBefore before;
-    std::vector<std::string> ofGroups, ofObject, ofMaterial;
+/// Calls onNames(names) for each statement that begins a group, an object or a material, and
+/// onElement(words, countOfPoints) for each face, line and point element.
+template <class OnNames, class OnElement>
+void walkObjGroups(const FileView& file, OnNames onNames, OnElement onElement) {
+    std::size_t pointsBefore = 0;
+    std::array<std::vector<std::string>, 3> names;  // of the groups, the object, the material
     forEachObjStatement(file.path, file.bytes, [&](ObjWords& words, std::size_t) {
         const std::string_view keyword = words.next();
         if (keyword == "v") {
-            ++before.points;
+            ++pointsBefore;
         } else if (keyword == "g") {
-            ofGroups.clear();
+            names[0].clear();
             for (auto word = words.next(); !word.empty(); word = words.next())
-                ofGroups.emplace_back(word);
+                names[0].emplace_back(word);
+            onNames(names);
         } else if (keyword == "o") {
-            ofObject = {nameIn(words)};
+            names[1] = {nameIn(words)};
+            onNames(names);
         } else if (keyword == "usemtl") {
-            ofMaterial = {nameIn(words)};
+            names[2] = {nameIn(words)};
+            onNames(names);
         } else if (keyword == "f" || keyword == "fo" || keyword == "l" || keyword == "p") {
-            for (auto word = words.next(); !word.empty(); word = words.next()) {
-                const auto point =
-                    referenceOf(word.substr(0, word.find('/')), before.points, pointCount);
-                if (!point) continue;
-                for (const auto* names : {&ofGroups, &ofObject, &ofMaterial})
-                    for (const std::string& name : *names)
-                        if (!name.empty()) groups.add(name, static_cast<Index>(point->index));
-            }
+            onElement(words, pointsBefore);
         }
     });
-    return groups.finish();
+}
+
+/// Reads the points of the faces, lines and point elements of a group, an object or a material.
+std::vector<Index> readObjGroup(const FileView& file, const std::string& name) {
+    const std::size_t pointCount = file.numbers.points.values.size();
+    std::vector<bool> isIn(pointCount);
+    bool isCurrent = false;
+    walkObjGroups(
+        file,
+        [&](const auto& names) {
+            isCurrent = std::ranges::any_of(
+                names, [&](const auto& list) { return std::ranges::count(list, name) > 0; });
+        },
+        [&](ObjWords& words, std::size_t before) {
+            if (!isCurrent) return;
+            for (auto word = words.next(); !word.empty(); word = words.next())
+                if (const auto point =
+                        referenceOf(word.substr(0, word.find('/')), before, pointCount))
+                    isIn[point->index] = true;
+        });
+    return pointsIn(isIn);
+}
+
+/// Returns the groups, objects and materials that have elements.
+std::vector<PointGroup> objGroups(const FileView& file) {
+    GroupNames groups([file](const std::string& name) {
+        return [file, name] { return readObjGroup(file, name); };
+    });
+    std::array<std::vector<std::string>, 3> current;
+    bool areNew = false;
+    walkObjGroups(
+        file,
+        [&](const auto& names) {
+            current = names;
+            areNew = true;
+        },
+        [&](ObjWords&, std::size_t) {
+            if (!std::exchange(areNew, false)) return;
+            for (const auto& list : current)
+                for (const std::string& name : list) groups.add(name);
+        });
+    return groups.take();
 }
 
 constexpr FileModelFormat kObjModel = {.readNumbers = readObjNumbers,
                                        .readSurface = readObjSurface,
                                        .attributes = objAttributes,
-                                       .readGroups = readObjGroups,
+                                       .groups = objGroups,
                                        .write = writeObj};
 
 }  // namespace

@@ -244,7 +244,13 @@ private:
         for (std::size_t column = 0; column < element.properties.size(); ++column) {
             const PlyProperty& property = element.properties[column];
             if (column > 0) word = needWord(line, property);
-            if (isWanted(column)) addWanted(parseReal(word, Precision::Double));
+            if (isWanted(column)) {
+                double number = 0;
+                if (!parseNumber(word, number))
+                    lines_.fail(inQuotes(word) + " is not a number; expected the property " +
+                                inQuotes(property.name));
+                addWanted(number);
+            }
             if (property.lengthType)
                 readList(line, word, property);
             else if (const Slot* slot = slotOf(column))

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <espalier/base/error.h>
-#include <espalier/base/sort_unique.h>
 #include <espalier/io/model.h>
 
 #include <cstddef>
+#include <set>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -15,47 +14,61 @@
 
 namespace espalier::io {
 
-/// Adds an attribute for each component of an array: "name" of one, "name:0", "name:1" of several.
+/// Returns the name of a component of an array: "name" of the only one, "name:0", "name:1" of
+/// several.
+inline std::string nameOfComponent(const std::string& name, std::size_t component,
+                                   std::size_t components) {
+    return components == 1 ? name : concat(name, ":", component);
+}
+
+/// Adds an attribute for each component of an array.
+/// \param unit the number of the file that stands for 1
 /// \param read returns all numbers, one tuple per point
 template <class Read>
-void addAttributes(const std::string& name, std::size_t components,
+void addAttributes(const std::string& name, std::size_t components, double unit,
                    std::vector<PointAttribute>& attributes, Read read) {
     for (std::size_t component = 0; component < components; ++component)
         attributes.push_back(
-            {components == 1 ? name : concat(name, ":", component), [read, components, component] {
+            {nameOfComponent(name, component, components), [read, components, unit, component] {
                  std::vector<double> numbers = read();
-                 for (std::size_t i = 0; i < numbers.size() / components; ++i)
-                     numbers[i] = numbers[components * i + component];
-                 numbers.resize(numbers.size() / components);
+                 const std::size_t count = numbers.size() / components;
+                 for (std::size_t i = 0; i < count; ++i)
+                     numbers[i] = numbers[components * i + component] / unit;
+                 numbers.resize(count);
                  return numbers;
              }});
 }
 
-/// Collects groups of points, in the order of their names in the file.
-class GroupBuilder {
+/// Returns the unit of an array of VTK: 255 for colours in bytes.
+inline double unitOfVtkArray(bool areBytes, std::size_t components) {
+    return areBytes && (components == 3 || components == 4) ? 255 : 1;
+}
+
+/// Lists the names of groups, each once, in the order in which they are added.
+/// \tparam Read makes the function that reads the points of the group of a name
+template <class Read>
+class GroupNames {
 public:
-    void add(const std::string& name, Index point) { pointsOf(name).push_back(point); }
+    explicit GroupNames(Read read) : read_(std::move(read)) {}
 
-    /// Adds the points from `first` on.
-    void add(const std::string& name, Index first, Index count) {
-        auto& points = pointsOf(name);
-        for (Index i = 0; i < count; ++i) points.push_back(first + i);
+    void add(const std::string& name) {
+        if (!name.empty() && known_.insert(name).second) groups_.push_back({name, read_(name)});
     }
 
-    std::vector<PointGroup> finish() {
-        for (PointGroup& group : groups_) sortUnique(group.points);
-        return std::move(groups_);
-    }
+    std::vector<PointGroup> take() { return std::move(groups_); }
 
 private:
-    std::vector<Index>& pointsOf(const std::string& name) {
-        const auto [found, isNew] = numbers_.try_emplace(name, groups_.size());
-        if (isNew) groups_.push_back({name, {}});
-        return groups_[found->second].points;
-    }
-
+    Read read_;
     std::vector<PointGroup> groups_;
-    std::unordered_map<std::string, std::size_t> numbers_;
+    std::set<std::string> known_;
 };
+
+/// Returns the numbers of the points of a group, ascending.
+inline std::vector<Index> pointsIn(const std::vector<bool>& isIn) {
+    std::vector<Index> points;
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i]) points.push_back(static_cast<Index>(i));
+    return points;
+}
 
 }  // namespace espalier::io

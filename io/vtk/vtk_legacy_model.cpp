@@ -316,9 +316,11 @@ std::vector<PointAttribute> legacyAttributes(const FileView& file) {
     std::vector<PointAttribute> attributes;
     const auto arrays = LegacyArrayReader(file.path, file.bytes).read();
     for (std::size_t number = 0; number < arrays.size(); ++number)
-        addAttributes(arrays[number].name, arrays[number].components, attributes, [file, number] {
-            return LegacyArrayReader(file.path, file.bytes).read(number);
-        });
+        addAttributes(
+            arrays[number].name, arrays[number].components,
+            unitOfVtkArray(arrays[number].type == "unsigned_char", arrays[number].components),
+            attributes,
+            [file, number] { return LegacyArrayReader(file.path, file.bytes).read(number); });
     return attributes;
 }
 

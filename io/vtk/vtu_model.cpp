@@ -176,8 +176,9 @@ public:
             // The first piece with points has the arrays that all pieces have.
             for (const VtkDataArray& array : section->second.arrays)
                 if (array.type)
-                    addAttributes(array.name, array.components, attributes,
-                                  [this, first = &array] { return pointData(*first); });
+                    addAttributes(array.name, array.components,
+                                  unitOfVtkArray(array.type == NumberType::UInt8, array.components),
+                                  attributes, [this, first = &array] { return pointData(*first); });
             break;
         }
         return attributes;

@@ -262,8 +262,14 @@ TEST(Weights, OfZeroAllowPointsOutside) {
     options.weights.values = {0, 1, 0.5};
     EXPECT_REFUSED(Error, "point 2 at (0.5, 0.5, 3) is outside the lattice",
                    boundTo(lattice, points, Level{2}, options));
-    options.weights.values = {0, 0, 0};
-    EXPECT_EQ(boundTo(lattice, points, Level{2}, options).table.entryCount(), 0);
+    for (const Target& target : targets())
+        for (const bool gradients : {false, true}) {
+            const Binding none = boundTo(lattice, points, target,
+                                         {.gradients = gradients, .weights = {{0, 0, 0}, {}}});
+            none.checkParts();
+            EXPECT_EQ(none.statuses, std::vector(3, NotBound));
+            EXPECT_EQ(osd::evaluateBinding(none, test::bent(lattice)), points);
+        }
 }
 
 TEST(Weights, ThatAreWrongAreRefused) {
@@ -333,18 +339,45 @@ TEST(Slopes, AreTheOnesOfLinearWeights) {
     ASSERT_EQ(triangleEnds.size(), 20U);
     const auto onSphere = slopesOnSurface(points, triangles, triangleEnds, weightsOf(points));
     for (std::size_t i = 0; i < points.size(); ++i) {
-        // Each triangle has the slope along its own plane, so the mean has, of the part of the
-        // slope along the tangent plane of the vertex, one minus half the squared sine of the angle
-        // between the planes; and of the part across it the squared sine.
+        // The five edges are symmetric about the normal: their parts along it are equal, and their
+        // parts in the plane sum to 0, so that the slope across the plane has no effect.
         const Vector3d n = vec(points[i]).normalized();
-        const Vector3d inPlane = slope - slope.dot(n) * n;
-        // The normal of a triangle is the sum of its corners: the cosine of the angle is the
-        // inradius divided by the circumradius.
-        const double cosine = phi * phi / std::sqrt(3.0) / std::sqrt(phi * phi + 1);
-        const double sine2 = 1 - cosine * cosine;
-        const Vector3d expected = (1 - sine2 / 2) * inPlane + sine2 * slope.dot(n) * n;
+        const Vector3d expected = slope - slope.dot(n) * n;
         EXPECT_LT((vec(onSphere[i]) - expected).norm(), 1e-14) << i;  // The rounding of the sums.
     }
+}
+
+// A point that is doubled, as at a seam, has the slope of the whole surface. A point beside an
+// edge, whose weight is off by the step of a byte, changes no slope by more than the step makes of
+// the other edges.
+TEST(Slopes, AreEqualOnBothSidesOfASeamAndBoundedAtSlivers) {
+    // Three columns of two squares; the middle points are doubled in `split`.
+    std::vector<Point3> points;
+    std::vector<double> weights;
+    for (const double x : {0.0, 1.0, 2.0})
+        for (const double y : {0.0, 1.0}) {
+            points.push_back({x, y, 0});
+            weights.push_back(x * x / 4);
+        }
+    const std::vector<std::size_t> ends = {4, 8};
+    const auto welded =
+        slopesOnSurface(points, std::vector<Index>{0, 2, 3, 1, 2, 4, 5, 3}, ends, weights);
+    EXPECT_LT((vec(welded[2]) - Vector3d(0.5, 0, 0)).norm(), 1e-15);  // The rounding of sums.
+    for (const std::size_t i : {2, 3}) {
+        points.push_back(points[i]);
+        weights.push_back(weights[i]);
+    }
+    const auto split =
+        slopesOnSurface(points, std::vector<Index>{0, 2, 3, 1, 6, 4, 5, 7}, ends, weights);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(split[i], welded[i]) << i;
+    EXPECT_EQ(split[6], welded[2]);
+
+    const double near = 1e-9;
+    const std::vector<Point3> sliver = {{0, 0, 0}, {2, 0, 0}, {1, near, 0}, {1, 1, 0}};
+    const auto slopes = slopesOnSurface(sliver, std::vector<Index>{0, 1, 2, 0, 2, 3, 2, 1, 3},
+                                        std::vector<std::size_t>{3, 6, 9},
+                                        std::vector<double>{0.5, 0.5, 0.504, 0.5});
+    for (const Point3& each : slopes) EXPECT_LT(vec(each).norm(), 0.01);
 }
 
 TEST(Slopes, RefuseFacesAndWeightsThatDoNotFit) {

@@ -44,7 +44,7 @@ class Part(CliTest):
 
     def test_weights_multiply_the_displacement(self):
         report = self.deform("--weights", "bend").stdout
-        self.assertIn("126 with the weight 0\n", report)
+        self.assertIn("126 with the weight 0 or beyond the falloff\n", report)
         for before, after in zip(self.points, self.rows_of()):
             self.assertAlmostEqual(after[2] - 0.5, smooth(2 * before[0] - 0.5), delta=1e-12)
         self.deform("--weights", "red", "--quiet")
@@ -56,9 +56,9 @@ class Part(CliTest):
         for before, after in zip(self.points, self.rows_of()):
             x = 2 * before[0] - 0.5
             slope = 12 * x * (1 - x) if 0 < x < 1 else 0
-            # The slope of the weight is taken from the faces, whose side is 1/20; its third derivative is 96, so that
-            # the mean of the slopes beside a point is off by 96 / 20^2 / 6; at the ends, where the second derivative
-            # jumps by 24, by 24 / 20 / 4.
+            # The slope of the weight is taken from the ends of the edges, whose length is 1/20. Its third derivative is
+            # 96, so that it is off by 96 / 20^2 / 6; at the ends, where the second derivative jumps by 24, by
+            # 24 / 20 / 4.
             normal = [-slope / math.hypot(slope, 1), 0, 1 / math.hypot(slope, 1)]
             for c in range(3):
                 self.assertAlmostEqual(after[3 + c], normal[c], delta=0.31 if x in (0, 1) else 0.05)
@@ -78,6 +78,19 @@ class Part(CliTest):
             sums[int(row) - 1] += float(weight)
         for i, point in enumerate(self.points):
             self.assertAlmostEqual(sums[i], smooth(2 * point[0] - 0.5), delta=1e-12)
+
+    def test_a_part_without_points_is_the_model_at_rest(self):
+        self.put("none.obj", "v .1 .1 .5 0 0 0\nv .9 .1 .5 0 0 0\nv .9 .9 .5 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n")
+        for options in ((), ("--limit",), ("--basis", "bezier"), ("--falloff", 1), ("-n", 1)):
+            result = self.deform("--weights", "red", *options, model="none.obj", to="twisted.ovm", out="out.obj")
+            self.assertIn("3 with the weight 0", result.stdout)
+            self.assertEqual(self.text("out.obj"), self.text("none.obj"))
+        self.run_program("stencils", "box.ovm", "--points", "none.obj", "--weights", "red", "--gradients", "-o", "d.npz")
+
+    def test_stencils_warn_of_points_beyond_the_nearest_cell(self):
+        self.put("line.obj", "".join(f"v 0.5 0.5 {z}\n" for z in (0.5, 99)))
+        result = self.run_program("stencils", "box.ovm", "--points", "line.obj", "--falloff", 1000, "-o", "d.npz")
+        self.assertIn("too far away", result.stderr)
 
     def test_only_some_groups_move(self):
         self.put("two.obj", "v .1 .1 .5\nv .9 .1 .5\nv .9 .9 .5\nv .1 .9 7\no left arm\ng a\nusemtl red\nf 1 2 3\n"
@@ -101,7 +114,7 @@ class Part(CliTest):
         heights = [i / 100 for i in range(100, 200)]
         self.put("line.obj", "".join(f"v 0.5 0.5 {z}\n" for z in heights))
         result = self.deform("--falloff", 0.5, model="line.obj", out="out.obj")
-        self.assertIn("50 with the weight 0", result.stdout)
+        self.assertIn("50 with the weight 0 or beyond", result.stdout)
         self.assertEqual(result.stderr, "")
         for z, line in zip(heights, self.text("out.obj").splitlines()):
             self.assertAlmostEqual(float(line.split()[3]) - z, 1 - smooth((z - 1) / 0.5), delta=1e-12)

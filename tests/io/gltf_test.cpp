@@ -801,11 +801,67 @@ TEST(Gltf, AttributesAreNumbersOfThePoints) {
     EXPECT_EQ(numbersOf("a.gltf", *model, "COLOR_0:1"),
               (std::vector<double>{0.2, 2 / 255.0, 0, 0.2, 2 / 255.0, 0, 0, 0, 0}));
     std::map<std::string, std::vector<Index>> groups;
-    for (const PointGroup& group : model->readGroups()) groups[group.name] = group.points;
+    for (const PointGroup& group : model->groups()) groups[group.name] = group.read();
     const std::vector<Index> firstSix = {0, 1, 2, 3, 4, 5}, all = {0, 1, 2, 3, 4, 5, 6, 7, 8};
     EXPECT_EQ(groups,
               (std::map<std::string, std::vector<Index>>{
                   {"arm", firstSix}, {"skin", firstSix}, {"left", all}, {"hand", {6, 7, 8}}}));
+}
+
+// Two primitives share an accessor of points, as exporters write one primitive for each material.
+// Their colours have three and four components.
+TEST(Gltf, GroupsOfASharedAccessorAreTheCornersOfTheirFaces) {
+    auto sample = triangle();
+    json& first = sample.root["meshes"][0]["primitives"][0];
+    const auto points = sample.add(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+    first["attributes"] = {{"POSITION", points}};
+    json second = first;
+    first["indices"] = sample.add(std::vector<std::uint16_t>{0, 1, 2}, "SCALAR", 5123);
+    second["indices"] = sample.add(std::vector<std::uint16_t>{2, 1, 3}, "SCALAR", 5123);
+    first["attributes"]["COLOR_0"] = sample.add(std::vector<float>(12, 0.25F));
+    second["attributes"]["COLOR_0"] = sample.add(std::vector<float>(16, 0.5F), "VEC4");
+    first["material"] = 0;
+    second["material"] = 1;
+    sample.root["materials"] = {{{"name", "a"}}, {{"name", "b"}}};
+    sample.root["meshes"][0]["primitives"].push_back(second);
+    const auto model = readModel("a.gltf", sample.text());
+    std::map<std::string, std::vector<Index>> groups;
+    for (const PointGroup& group : model->groups()) groups[group.name] = group.read();
+    EXPECT_EQ(groups,
+              (std::map<std::string, std::vector<Index>>{{"a", {0, 1, 2}}, {"b", {1, 2, 3}}}));
+    EXPECT_EQ(namesOf(model->attributes()),
+              (std::vector<std::string>{"COLOR_0:0", "COLOR_0:1", "COLOR_0:2", "COLOR_0:3"}));
+    EXPECT_EQ(numbersOf("a.gltf", *model, "COLOR_0:0"), std::vector<double>(4, 0.5));
+    EXPECT_EQ(numbersOf("a.gltf", *model, "COLOR_0:3"), std::vector<double>(4, 1));
+}
+
+TEST(Gltf, NumbersThatAreNoWeightsAreRefused) {
+    for (const float wrong : {-0.5F, std::numeric_limits<float>::quiet_NaN(), 1.5F}) {
+        auto sample = triangle();
+        sample.root["meshes"][0]["primitives"][0]["attributes"]["_W"] =
+            sample.add(std::vector<float>{1, wrong, 0}, "SCALAR");
+        const auto model = readModel("a.gltf", sample.text());
+        EXPECT_REFUSED(FileError, "at point 1; weights are 0 to 1",
+                       weightsOf("a.gltf", *model, {"_W", {}}, false));
+    }
+}
+
+// A morph target has the faces of its mesh, and so slopes of its own.
+TEST(Gltf, WeightsHaveSlopesInMorphTargetsToo) {
+    auto sample = triangle();
+    json& primitive = sample.root["meshes"][0]["primitives"][0];
+    primitive["attributes"]["_W"] = sample.add(std::vector<float>{0.25F, 1, 0.25F}, "SCALAR");
+    // The target is twice as long along x.
+    primitive["targets"] =
+        json::array({{{"POSITION", sample.add(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 0, 0})}}});
+    const auto model = readModel("a.gltf", sample.text());
+    const auto slopes = weightsOf("a.gltf", *model, {"_W", {}}, true).slopes;
+    ASSERT_EQ(slopes.size(), 6U);
+    for (std::size_t i = 0; i < 6; ++i) {
+        EXPECT_NEAR(slopes[i][0], i < 3 ? 0.75 : 0.375, 1e-15) << i;
+        EXPECT_NEAR(slopes[i][1], 0, 1e-15) << i;
+    }
+    EXPECT_EQ(model->readSurface().faces.count(), 1U);
 }
 
 }  // namespace

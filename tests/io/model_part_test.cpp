@@ -13,9 +13,9 @@ using test::bytesOf;
 
 std::vector<std::string> groupsOf(const Model& model) {
     std::vector<std::string> texts;
-    for (const PointGroup& group : model.readGroups()) {
+    for (const PointGroup& group : model.groups()) {
         std::string text = group.name + ":";
-        for (const Index point : group.points) text += " " + std::to_string(point);
+        for (const Index point : group.read()) text += " " + std::to_string(point);
         texts.push_back(text);
     }
     return texts;
@@ -104,6 +104,13 @@ TEST(VtuAttributes, AreTheArraysOfPointData) {
     EXPECT_EQ(namesOf(model->attributes()), (NameList{"bend", "pair:0", "pair:1"}));
     EXPECT_EQ(numbersOf("a.vtu", *model, "bend"), (NumberList{0, 0.5, 1, 0.25}));
     EXPECT_EQ(numbersOf("a.vtu", *model, "pair:1"), (NumberList{2, 4, 6, 8}));
+    // Three bytes for each point are a colour.
+    const auto colors = readModel(
+        "a.vtu", file(vtuPiece("0 0 0 1 1 1",
+                               "<DataArray type='UInt8' Name='RGB' NumberOfComponents='3' "
+                               "format='ascii'>255 0 51 0 102 255</DataArray>")));
+    EXPECT_EQ(numbersOf("a.vtu", *colors, "RGB:0"), (NumberList{1, 0}));
+    EXPECT_EQ(numbersOf("a.vtu", *colors, "RGB:2"), (NumberList{0.2, 1}));
     const auto uneven = readModel(
         "a.vtu", file(vtuPiece("0 0 0 1 1 1", arrays("0 .5", "1 2 3 4")) +
                       vtuPiece("2 2 2 3 3 3",
@@ -119,12 +126,15 @@ TEST(VtkLegacyAttributes, AreTheArraysOfPointData) {
         "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 1 1\n"
         "FIELD before 1\nother 1 2 int\n1 2\nCELL_DATA 1\nSCALARS cells int\nLOOKUP_TABLE x\n1\n"
         "POINT_DATA 2\nSCALARS bend float 1\nLOOKUP_TABLE default\n0.5 1\n"
-        "FIELD more 2\npair 2 2 double\n.1 .2 .3 .4\nlast 1 2 unsigned_char\n0 1\n";
+        "FIELD more 3\npair 2 2 double\n.1 .2 .3 .4\nlast 1 2 unsigned_char\n0 1\n"
+        "rgba 4 2 unsigned_char\n255 0 0 51\n0 0 0 255\n";
     const auto model = readModel("a.vtk", text);
-    EXPECT_EQ(namesOf(model->attributes()), (NameList{"bend", "pair:0", "pair:1", "last"}));
+    EXPECT_EQ(namesOf(model->attributes()), (NameList{"bend", "pair:0", "pair:1", "last", "rgba:0",
+                                                      "rgba:1", "rgba:2", "rgba:3"}));
     EXPECT_EQ(numbersOf("a.vtk", *model, "bend"), (NumberList{0.5, 1}));
     EXPECT_EQ(numbersOf("a.vtk", *model, "pair:0"), (NumberList{0.1, 0.3}));
     EXPECT_EQ(numbersOf("a.vtk", *model, "last"), (NumberList{0, 1}));
+    EXPECT_EQ(numbersOf("a.vtk", *model, "rgba:3"), (NumberList{0.2, 1}));
 }
 
 // Four points of two triangles. The weights are the attribute, and 0 outside the groups.
@@ -135,16 +145,16 @@ TEST(ModelParts, AreAttributesTimesGroups) {
     EXPECT_EQ(weightsOf("a.obj", *model, {}, true), bind::PointWeights());
     EXPECT_EQ(weightsOf("a.obj", *model, {{}, {"b"}}, false).values, (NumberList{1, 0, 1, 1}));
     EXPECT_EQ(weightsOf("a.obj", *model, {{}, {"b", "a"}}, false).values, (NumberList{1, 1, 1, 1}));
-    const double fifth = 0.2F;  // Colours are floats.
     EXPECT_EQ(weightsOf("a.obj", *model, {"red", {}}, false).values,
-              (NumberList{1, 0.5, 0.25, fifth}));
+              (NumberList{1, 0.5, 0.25, 0.2}));
     const auto both = weightsOf("a.obj", *model, {"red", {"b"}}, true);
-    EXPECT_EQ(both.values, (NumberList{1, 0, 0.25, fifth}));
+    EXPECT_EQ(both.values, (NumberList{1, 0, 0.25, 0.2}));
     EXPECT_EQ(both.slopes,
               bind::slopesOnSurface(model->positions(), std::vector<Index>{0, 1, 2, 0, 2, 3},
                                     std::vector<std::size_t>{3, 6}, both.values));
     // In the triangle 1 2 3 the weight falls by 1 along x, and rises by 0.25 along y.
-    EXPECT_EQ(both.slopes[1], (Point3{-1, 0.25, 0}));
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(both.slopes[1][c], (Point3{-1, 0.25, 0})[c], 1e-15);  // The rounding of sums.
     const auto points = readModel("a.obj", "v 0 0 0 1 .5 0\n");
     EXPECT_TRUE(weightsOf("a.obj", *points, {"red", {}}, true).slopes.empty());
 }
@@ -155,7 +165,9 @@ TEST(ModelParts, ThatDoNotExistAreRefusedWithTheNames) {
     const auto refuse = [&](const std::string& message, const ModelPart& part, const Model& of) {
         EXPECT_REFUSED(FileError, message, weightsOf("a.obj", of, part, true));
     };
-    refuse("a.obj: has no attribute 'x' of points; there are none", {"x", {}}, *model);
+    refuse("a.obj: has no attribute 'x' of points; it has 'red', 'green', 'blue'", {"x", {}},
+           *model);
+    refuse("has 'green' = 1.5 at point 1; weights are 0 to 1", {"green", {}}, *model);
     refuse("a.obj: has no group 'c' of points; it has 'a', 'b'", {{}, {"a", "c"}}, *model);
     const auto ply =
         readModel("a.ply",
@@ -164,6 +176,11 @@ TEST(ModelParts, ThatDoNotExistAreRefusedWithTheNames) {
                   "v\nend_header\n0 0 0 1 nan\n1 1 1 1.5 0\n");
     refuse("has 'w' = 1.5 at point 1; weights are 0 to 1", {"w", {}}, *ply);
     refuse("has 'v' = nan at point 0; weights are 0 to 1", {"v", {}}, *ply);
+    const auto word =
+        readModel("b.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty "
+                  "float y\nproperty float z\nproperty float w\nend_header\n0 0 0 abc\n");
+    refuse("b.ply:9: 'abc' is not a number; expected the property 'w'", {"w", {}}, *word);
     refuse("has no attribute 'x' of points; it has 'w', 'v'", {"x", {}}, *ply);
     refuse("has no group 'g' of points; there are none", {{}, {"g"}}, *ply);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/utf16.h"
+#include "io/files/other_content.h"
 
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/matrices/matrix_file.h>
@@ -49,6 +49,19 @@ TEST(Utf16, OtherTextsAreNot) {
     EXPECT_FALSE(isUtf16(std::string(100, '\0')));
     EXPECT_FALSE(isUtf16("a text of thirty-two bytes or more"));
     EXPECT_REFUSED(FileError, "is not a keyword of OBJ files", readModel("a.obj", "\x7f"));
+}
+
+TEST(LfsPointers, AreNamedInErrors) {
+    const std::string pointer =
+        "version https://git-lfs.github.com/spec/v1\noid sha256:"
+        "4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\nsize 12345\n";
+    const std::string cause =
+        ": is a pointer to a file of Git LFS, which is not here: run 'git lfs pull'";
+    for (const std::string name : {"a.obj", "a.ply", "a.stl", "a.vtk", "a.vtu", "a.msh", "a.mesh",
+                                   "a.su2", "a.xyz", "a.glb", "a.gltf"})
+        EXPECT_REFUSED(FileError, name + cause, readModel(name, pointer));
+    for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
+        EXPECT_REFUSED(FileError, name + cause, readLattice(name, pointer));
 }
 
 }  // namespace
