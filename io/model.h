@@ -250,9 +250,8 @@ public:
     /// Returns the faces along which weights of points have slopes: the faces of the surface and,
     /// of glTF, also those of its morph targets.
     ///
-    /// \param shapes gets the shape of each point: 0 for the surface, n for morph target n; or
-    /// stays
-    ///        empty, if there is one shape only
+    /// \param shapes gets the shape of each point, 0 for the surface and n for morph target n; or
+    ///        stays empty, if there is one shape only
     virtual ModelFaces facesOfShapes(std::vector<Index>& /*shapes*/) const {
         return readSurface().faces;
     }
