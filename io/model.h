@@ -252,7 +252,7 @@ public:
     ///
     /// \param shapes gets the shape of each point, 0 for the surface and n for morph target n; or
     ///        stays empty, if there is one shape only
-    virtual ModelFaces facesOfShapes(std::vector<Index>& /*shapes*/) const {
+    virtual ModelFaces facesOfShapes([[maybe_unused]] std::vector<Index>& shapes) const {
         return readSurface().faces;
     }
 
