@@ -132,4 +132,27 @@ ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::s
     return point;
 }
 
+std::optional<ObjReference> referenceOf(std::string_view word, std::size_t before,
+                                        std::size_t total) {
+    std::int64_t number = 0;
+    if (!parseNumber(word, number)) return std::nullopt;
+    const std::int64_t index = number < 0 ? static_cast<std::int64_t>(before) + number : number - 1;
+    if (index < 0 || index >= static_cast<std::int64_t>(total)) return std::nullopt;
+    return ObjReference{number, static_cast<std::size_t>(index)};
+}
+
+std::optional<ObjCorner> cornerOf(std::string_view word) {
+    const std::size_t first = word.find('/');
+    if (first == std::string_view::npos) return std::nullopt;
+    const std::size_t second = word.find('/', first + 1);
+    if (second == std::string_view::npos) return std::nullopt;
+    return ObjCorner{word.substr(0, first), word.substr(second + 1)};
+}
+
+Point3 readObjNormal(ObjWords& words) {
+    Point3 normal{};
+    for (double& component : normal) component = parseReal(words.next(), Precision::Double);
+    return normal;
+}
+
 }  // namespace espalier::io

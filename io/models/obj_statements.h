@@ -6,7 +6,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -100,5 +102,36 @@ struct ObjPoint {
 /// \return coordinates that may be not finite
 /// \throws FileError if a word is not a number, or a coordinate is missing
 ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::size_t line);
+
+/// A number in a corner, and the point or normal that it names.
+struct ObjReference {
+    std::int64_t number;  ///< the number in the file; negative numbers count back
+    std::size_t index;    ///< number of the point or normal, from 0
+};
+
+/// Resolves a number in a corner.
+/// \param before number of points (or normals) before the statement
+/// \param total number of points (or normals) in the file
+/// \return nothing if the word is no number, or names no point (or normal) of the file
+std::optional<ObjReference> referenceOf(std::string_view word, std::size_t before,
+                                        std::size_t total);
+
+/// The numbers of a corner that names a normal.
+struct ObjCorner {
+    std::string_view point;
+    std::string_view normal;
+};
+
+/// Splits a corner such as "1//3" or "1/2/3". Returns nothing if it names no normal.
+std::optional<ObjCorner> cornerOf(std::string_view word);
+
+/// The numbers of points and normals that precede a statement.
+struct CountsBefore {
+    std::size_t points = 0;
+    std::size_t normals = 0;
+};
+
+/// Reads the words after a `vn`. A word that is no number is NaN.
+Point3 readObjNormal(ObjWords& words);
 
 }  // namespace espalier::io
