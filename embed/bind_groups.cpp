@@ -87,16 +87,10 @@ Gradients gatherGradients(std::vector<BoundPart<stencils::StencilTable<double>>>
     for (BoundPart<stencils::StencilTable<double>>& part : parts) {
         Gradients gradients = renumbered(std::move(part.gradients), part.points);
         part.gradients = {};
-        if (!part.baseVertices.empty()) {
-            const auto& vertices = gradients.vertices;
-            Array<Index> columns(vertices.columns().begin(), vertices.columns().end());
-            for (Index& column : columns) column = part.baseVertices[column];
-            gradients.vertices = {
-                stencils::Trusted{}, columnCount,
-                Array<Offset>(vertices.offsets().begin(), vertices.offsets().end()),
-                std::move(columns),
-                Array<double>(vertices.weights().begin(), vertices.weights().end())};
-        }
+        if (!part.baseVertices.empty())
+            gradients.vertices =
+                stencils::renumberColumns(gradients.vertices, columnCount,
+                                          [&](Index column) { return part.baseVertices[column]; });
         ofParts.push_back(std::move(gradients));
     }
     return merged(ofParts, columnCount);

@@ -94,12 +94,8 @@ std::vector<Index> compactVertices(Gradients& gradients) {
     sortUnique(used);
     for (CellPlaces::Cell& cell : gradients.cells.cells)
         for (Index& vertex : cell) vertex = indexIn(used, vertex);
-    Array<Index> columns(rows.columns().begin(), rows.columns().end());
-    for (Index& column : columns) column = indexIn(used, column);
-    gradients.rows = {stencils::Trusted{}, static_cast<Index>(used.size()),
-                      Array<Offset>(rows.offsets().begin(), rows.offsets().end()),
-                      std::move(columns),
-                      Array<double>(rows.weights().begin(), rows.weights().end())};
+    gradients.rows = stencils::renumberColumns(rows, static_cast<Index>(used.size()),
+                                               [&](Index vertex) { return indexIn(used, vertex); });
     return used;
 }
 

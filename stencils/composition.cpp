@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <numeric>
@@ -86,12 +87,7 @@ CompactTable compactColumns(StencilTable<double> table) {
         compact.table = std::move(table);
         return compact;
     }
-    Array<Index> columns(table.columns().size());
-    std::transform(table.columns().begin(), table.columns().end(), columns.begin(),
-                   [&](Index column) { return slot[column]; });
-    compact.table =
-        StencilTable<double>(Trusted{}, count, {table.offsets().begin(), table.offsets().end()},
-                             std::move(columns), {table.weights().begin(), table.weights().end()});
+    compact.table = renumberColumns(table, count, [&](Index column) { return slot[column]; });
     return compact;
 }
 

@@ -23,12 +23,8 @@ StencilTable<double> overColumns(const StencilTable<double>& table,
                                  std::span<const Index> columns) {
     Array<Index> slotOf(table.columnCount());
     for (std::size_t i = 0; i < columns.size(); ++i) slotOf[columns[i]] = static_cast<Index>(i);
-    Array<Index> slots(table.columns().size());
-    std::transform(table.columns().begin(), table.columns().end(), slots.begin(),
-                   [&](Index column) { return slotOf[column]; });
-    return StencilTable<double>(Trusted{}, static_cast<Index>(columns.size()),
-                                {table.offsets().begin(), table.offsets().end()}, std::move(slots),
-                                {table.weights().begin(), table.weights().end()});
+    return renumberColumns(table, static_cast<Index>(columns.size()),
+                           [&](Index column) { return slotOf[column]; });
 }
 
 std::vector<Index> columnsOf(const StencilTable<double>& table) {

@@ -159,6 +159,20 @@ StencilTable<double> buildTableInPlace(Index rowCount, Index columnCount, Fill f
                                 std::move(weights));
 }
 
+/// Returns a table with other numbers of the columns.
+/// \param numberOf numberOf(column) ascends with the column
+template <class NumberOf>
+StencilTable<double> renumberColumns(const StencilTable<double>& table, Index columnCount,
+                                     NumberOf numberOf) {
+    Array<Index> columns(table.columns().size());
+    std::transform(table.columns().begin(), table.columns().end(), columns.begin(), numberOf);
+    return {Trusted{},
+            columnCount,
+            {table.offsets().begin(), table.offsets().end()},
+            std::move(columns),
+            {table.weights().begin(), table.weights().end()}};
+}
+
 /// A row under construction. Weights may be added to columns in any order; the finished row is
 /// ascending. Weights of the same column are summed in the order of the calls.
 class RowAccumulator {
