@@ -24,15 +24,15 @@ struct Binder {
     const embed::RestLattice& lattice;
     std::span<const Point3> points;
     const BindOptions& options;
+    const embed::EmbeddingOptions& embedding;   ///< in place of options.embedding
     std::vector<embed::CarriedPoint>& carried;  ///< gets the points outside that have a place
 
     Binding operator()(const Level& target) const {
-        const embed::BindingOptions chosen = embedding(target.level);
-        Binding binding = made(embed::bindPoints(lattice, points, chosen));
+        Binding binding = made(embed::bindPoints(lattice, points, optionsAt(target.level)));
         if (!target.factors) return binding;
-        auto factors = embed::bindFactored(lattice, points,
-                                           {.level = target.level, .embedding = options.embedding})
-                           .table;
+        auto factors =
+            embed::bindFactored(lattice, points, {.level = target.level, .embedding = embedding})
+                .table;
         // The two searches may disagree at the tolerance. A point that stays in place by D does so
         // by the factors.
         factors.points = embed::emptyRows(std::move(factors.points), binding.table.emptyRows());
@@ -42,7 +42,7 @@ struct Binder {
 
     Binding operator()(const Limit& target) const {
         return made(limit::bindLimit(lattice, points,
-                                     {.embedding = options.embedding,
+                                     {.embedding = embedding,
                                       .tolerance = target.tolerance,
                                       .gradients = options.gradients,
                                       .progress = options.progress}));
@@ -55,12 +55,12 @@ struct Binder {
                 "the lattice has marks (sharpness of edges or vertices), which only subdivision "
                 "applies; bind with subdivision, or remove the marks");
         const embed::TensorLattice tensor(lattice.base.level(0).complex, lattice.positions, basis);
-        return made(embed::bindPoints(tensor, points, embedding()));
+        return made(embed::bindPoints(tensor, points, optionsAt(1)));
     }
 
 private:
-    embed::BindingOptions embedding(int level = 1) const {
-        return {level, options.embedding, options.gradients, options.progress};
+    embed::BindingOptions optionsAt(int level) const {
+        return {level, embedding, options.gradients, options.progress};
     }
 
     Binding made(embed::BoundRows<> bound) const {
@@ -164,6 +164,7 @@ void Binding::checkParts() const {
         gradients->check(rows);
     }
     if (!weights.empty() && std::ssize(weights) != rows) refuse(concat(weights.size(), " weights"));
+    if (!weights.empty() && !gradients) refuse("weights of gradients, and no gradients");
     for (std::size_t i = 0; i < weights.size(); ++i) {
         const auto& [value, slope] = weights[i];
         if (!(value >= 0 && value <= 1) ||
@@ -211,16 +212,15 @@ Binding bindPoints(const embed::RestLattice& lattice, std::span<const Point3> po
     for (std::size_t i = 0; i < points.size(); ++i)
         if (values.empty() || values[i] > 0) numbers.push_back(static_cast<Index>(i));
     const bool areAllBound = numbers.size() == points.size();
-    BindOptions own = options;
-    own.embedding = embeddingOf(options);
+    embed::EmbeddingOptions embedding = embeddingOf(options);
     // The numbers of points in an error would be their numbers among those that are bound.
-    const bool refusesOutside = own.embedding.outside == embed::OutsidePolicy::Error;
-    if (!areAllBound && refusesOutside) own.embedding.outside = embed::OutsidePolicy::Keep;
+    const bool refusesOutside = embedding.outside == embed::OutsidePolicy::Error;
+    if (!areAllBound && refusesOutside) embedding.outside = embed::OutsidePolicy::Keep;
     std::vector<Point3> chosen;
     if (!areAllBound) chosen = embed::chosenPoints(points, numbers);
     std::vector<embed::CarriedPoint> carried;
     const std::span<const Point3> sought = areAllBound ? points : std::span<const Point3>(chosen);
-    Binding binding = std::visit(Binder{lattice, sought, own, carried}, target);
+    Binding binding = std::visit(Binder{lattice, sought, options, embedding, carried}, target);
     if (!values.empty() || options.falloff > 0) {
         auto weights = weightsOf(options.weights, numbers);
         if (options.falloff > 0)

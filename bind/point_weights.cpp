@@ -43,6 +43,9 @@ std::vector<Point3> slopesOnSurface(std::span<const Point3> points, std::span<co
                                     std::span<const Index> shapes) {
     if (weights.size() != points.size())
         throw Error(concat("got ", weights.size(), " weights for ", points.size(), " points"));
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        if (!std::isfinite(weights[i]))
+            throw Error(concat("the weight of point ", i, " is not finite"));
     if (!shapes.empty() && shapes.size() != points.size())
         throw Error(concat("got ", shapes.size(), " shapes for ", points.size(), " points"));
     for (const Index corner : corners)
@@ -84,8 +87,8 @@ std::vector<Point3> slopesOnSurface(std::span<const Point3> points, std::span<co
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Sum& sum = sums[first[i]];
         if (!(sum.normals.trace() > 0)) continue;
-        // The least squares in the plane across the normal, which is the direction that the normals
-        // of the faces have in common, whichever way they are wound.
+        // The plane is perpendicular to the mean direction of the normals of the faces. Since Σ n
+        // nᵀ has no signs, faces may be clockwise or anticlockwise.
         const Eigen::SelfAdjointEigenSolver<Matrix3d> directions(sum.normals);
         const Eigen::Matrix<double, 3, 2> plane = directions.eigenvectors().leftCols<2>();
         const Eigen::Matrix2d edges = plane.transpose() * sum.edges * plane;

@@ -56,13 +56,13 @@ ESPALIER_C_API espalier_status espalier_model_notes(const espalier_model* model,
                                                     const char** notes);
 
 /// Gives the names of the numbers at the points that can be weights (io::Model::attributes()):
-/// properties of a .ply, "NAME:0" for the first of several numbers. The names belong to the model.
+/// properties of a .ply, "NAME:0" for the first of several numbers. The model owns the names.
 /// \retval ESPALIER_ERROR_FILE the file is malformed
 ESPALIER_C_API espalier_status espalier_model_attributes(const espalier_model* model,
                                                          int32_t* count, const char* const** names);
 
-/// Gives the names of the groups of points (io::Model::groups()): groups, objects and materials
-/// of an .obj; meshes, nodes and materials of glTF. The names belong to the model.
+/// Gives the names of the groups of points (io::Model::groups()). An .obj has groups, objects and
+/// materials; glTF has meshes, nodes and materials. The model owns the names.
 /// \retval ESPALIER_ERROR_FILE the file is malformed
 /// \cost one pass over the file on the first call
 ESPALIER_C_API espalier_status espalier_model_groups(const espalier_model* model, int32_t* count,
@@ -72,12 +72,12 @@ ESPALIER_C_API espalier_status espalier_model_groups(const espalier_model* model
 /// espalier_bind_options.weights.
 ///
 /// \param attribute the name of an attribute of 0 to 1; or null, and the weights are 1
-/// \param groups names of groups: the points in none of them get the weight 0. With a group_count
-///        of 0 no point does
+/// \param group_count 0 for the whole model
+/// \param groups names of groups. A point that is in none of them gets the weight 0
 /// \param point_count number of points of the model
 /// \param weights receives point_count numbers
-/// \retval ESPALIER_ERROR_FILE the model has no attribute or group of a name (the message lists
-///         those that it has), or a number of the attribute is not 0 to 1
+/// \retval ESPALIER_ERROR_FILE the model has no attribute or group of a name (the message lists the
+///         names that it has), or a number of the attribute is below 0 or above 1
 /// \cost some passes over the file
 ESPALIER_C_API espalier_status espalier_model_weights(const espalier_model* model,
                                                       const char* attribute, int32_t group_count,
@@ -85,12 +85,13 @@ ESPALIER_C_API espalier_status espalier_model_weights(const espalier_model* mode
                                                       int32_t point_count, double* weights);
 
 /// Computes the slopes of weights along the faces of the model, for
-/// espalier_bind_options.weight_slopes: at each point the mean of the triangles around it
-/// (bind/point_weights.h). They are 0 for points in no face.
+/// espalier_bind_options.weight_slopes: at each point the slope in the tangent plane that fits the
+/// weights at the ends of its edges best (bind/point_weights.h). They are 0 for points in no face.
 ///
 /// \param point_count number of points of the model
 /// \param weights point_count numbers
 /// \param slopes receives 3 · point_count numbers
+/// \retval ESPALIER_ERROR_INPUT the model has faces, and a weight is not finite
 ESPALIER_C_API espalier_status espalier_model_weight_slopes(const espalier_model* model,
                                                             int32_t point_count,
                                                             const double* weights, double* slopes);

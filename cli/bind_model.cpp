@@ -153,12 +153,9 @@ bind::Binding bindModel(const BindOptions& options, const io::Model& model, cons
         weights = stages.run("weighting", [&] {
             return io::weightsOf(options.model, model, options.part, hasGradients);
         });
-    const bool lacksSlopes = hasGradients && !weights.values.empty() && weights.slopes.empty();
-    if (lacksSlopes && !options.common.quiet)
-        printError(fmt::format("note: {} has no faces, so the normals, tangents and splats of its "
-                               "{} points turn as if the weights around each point were the same",
-                               printable(options.model), model.positions().size())
-                       .c_str());
+    if (hasGradients && !options.common.quiet)
+        if (const std::string note = io::noteOnSlopes(options.model, model, weights); !note.empty())
+            printError(("note: " + note).c_str());
     return bindPoints(options, model.positions(), lattice, stages, hasGradients,
                       std::move(weights));
 }

@@ -30,7 +30,7 @@ struct Header {
     double largestResidual = 0;
     std::int64_t rows = 0, columns = 0, entries = 0, faces = 0, corners = 0, nameBytes = 0,
                  modelBytes = 0;
-    // Of the gradients.
+    // The sizes of the gradients.
     std::int64_t vertices = 0, vertexEntries = 0, points = 0, pointEntries = 0, cells = 0,
                  cellPlaces = 0, patches = 0, places = 0, weights = 0;
 };

@@ -247,8 +247,8 @@ public:
     /// \cost one pass over the file; and one for each group that is read
     virtual std::vector<PointGroup> groups() const { return {}; }
 
-    /// Returns the faces along which weights of points have slopes: the faces of the surface and,
-    /// of glTF, also those of its morph targets.
+    /// Returns the faces along which weights of points have slopes: the faces of the surface. In
+    /// glTF each morph target has the same faces again, with its own points.
     ///
     /// \param shapes gets the shape of each point, 0 for the surface and n for morph target n; or
     ///        stays empty, if there is one shape only

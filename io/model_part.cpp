@@ -44,17 +44,20 @@ bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& mod
     bind::PointWeights weights;
     if (part.isWhole()) return weights;
     const auto points = model.positions();
-    if (part.weights.empty()) {
-        weights.values.assign(points.size(), 1);
-    } else {
-        weights.values = numbersOf(path, model, part.weights);
-        const auto wrong = std::ranges::find_if(
-            weights.values, [](double value) { return !(value >= 0 && value <= 1); });
-        if (wrong != weights.values.end())
-            throw FileError(
-                path, concat("has ", inQuotes(part.weights), " = ", formatNumber(*wrong),
-                             " at point ", wrong - weights.values.begin(), "; weights are 0 to 1"));
-    }
+    weights.values.assign(points.size(), 1);
+    const auto multiply = [&](const std::vector<double>& factors, const std::string& name) {
+        if (factors.size() != points.size())
+            throw Error(concat("got ", factors.size(), " weights for ", points.size(), " points"));
+        for (std::size_t i = 0; i < factors.size(); ++i) {
+            if (!(factors[i] >= 0 && factors[i] <= 1))
+                throw FileError(path, concat("has ", name, " = ", formatNumber(factors[i]),
+                                             " at point ", i, "; weights are 0 to 1"));
+            weights.values[i] *= factors[i];
+        }
+    };
+    if (!part.weights.empty())
+        multiply(numbersOf(path, model, part.weights), inQuotes(part.weights));
+    if (!part.factors.empty()) multiply(part.factors, "a weight");
     if (!part.groups.empty()) {
         const std::vector<PointGroup> groups = model.groups();
         std::vector<bool> isIn(points.size());
@@ -64,6 +67,14 @@ bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& mod
             if (!isIn[i]) weights.values[i] = 0;
     }
     return needSlopes ? withSlopes(model, std::move(weights.values)) : weights;
+}
+
+std::string noteOnSlopes(const std::filesystem::path& path, const Model& model,
+                         const bind::PointWeights& weights) {
+    if (!model.hasDirections() || weights.values.empty() || !weights.slopes.empty()) return {};
+    return concat(shownPath(path), " has no faces, so the normals, tangents and splats of its ",
+                  model.positions().size(),
+                  " points turn as if the weights around each point were the same");
 }
 
 bind::PointWeights withSlopes(const Model& model, std::vector<double> values) {

@@ -21,7 +21,10 @@ struct ModelPart {
     /// part is the whole model.
     std::vector<std::string> groups = {};
 
-    bool isWhole() const { return weights.empty() && groups.empty(); }
+    /// Further weights, one per point, by which those of the attribute are multiplied; or none.
+    std::vector<double> factors = {};
+
+    bool isWhole() const { return weights.empty() && groups.empty() && factors.empty(); }
 };
 
 /// Returns the names of attributes or groups.
@@ -34,7 +37,7 @@ std::vector<std::string> namesOf(const Items& items) {
 
 /// Reads an attribute of a model.
 /// \param path for messages
-/// \throws FileError if the model has no attribute of this name (lists those that it has)
+/// \throws FileError if the model has no attribute of this name (the message lists its names)
 ESPALIER_API std::vector<double> numbersOf(const std::filesystem::path& path, const Model& model,
                                            const std::string& name);
 
@@ -42,11 +45,19 @@ ESPALIER_API std::vector<double> numbersOf(const std::filesystem::path& path, co
 /// points in no group of the part. Nothing if the part is the whole model.
 ///
 /// \param needSlopes makes the slopes, too, which normals need (withSlopes())
-/// \throws FileError if the model has no attribute or group of a name (lists those that it has), or
-///         a number of the attribute is not 0 to 1 (names the first such point); as readSurface()
+/// \throws FileError if the model has no attribute or group of a name (the message lists its
+///         names), or a weight is below 0 or above 1 (the message names the first such point); as
+///         readSurface()
 /// \cost some passes over the file
 ESPALIER_API bind::PointWeights weightsOf(const std::filesystem::path& path, const Model& model,
                                           const ModelPart& part, bool needSlopes);
+
+/// Returns a note for the user if directions of a model turn without the slopes of their weights,
+/// since the model has no faces; otherwise nothing.
+/// \param path for the note
+/// \param weights with slopes, if the model has faces (weightsOf() with needSlopes)
+ESPALIER_API std::string noteOnSlopes(const std::filesystem::path& path, const Model& model,
+                                      const bind::PointWeights& weights);
 
 /// Returns weights with their slopes along the faces of the model; without, if it has no faces.
 /// \param values one weight per point

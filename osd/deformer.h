@@ -37,7 +37,8 @@ public:
     ///
     /// \throws Error as bind::Binding::checkParts()
     /// \cost O(entries + rows log rows). The compiled form takes a tenth to two thirds of the bytes
-    ///       of D. The deformer also stores x, 3 numbers per point, and p, 3 per vertex
+    ///       of D. The deformer also stores 3 numbers for each point at rest (x), and 3 for each
+    ///       vertex at rest (p)
     explicit Deformer(const bind::Binding& binding);
 
     Index pointCount() const;

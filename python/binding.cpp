@@ -40,20 +40,14 @@ std::vector<double> toWeights(const ArrayLike& object, std::size_t count) {
 bind::PointWeights weightsOf(const ModelFile& file, const py::object& weights,
                              const std::vector<std::string>& only, bool needSlopes) {
     io::ModelPart part{{}, only};
-    std::vector<double> given;
     if (py::isinstance<py::str>(weights))
         part.weights = weights.cast<std::string>();
     else if (!weights.is_none())
-        given = toWeights(weights, file.model->positions().size());
-    return withoutGil([&] {
-        auto values = io::weightsOf(file.name, *file.model, part, false).values;
-        if (values.empty())
-            values = given;
-        else
-            for (std::size_t i = 0; i < given.size(); ++i) values[i] *= given[i];
-        if (values.empty() || !needSlopes) return bind::PointWeights{std::move(values), {}};
-        return io::withSlopes(*file.model, std::move(values));
-    });
+        part.factors = toWeights(weights, file.model->positions().size());
+    auto result =
+        withoutGil([&] { return io::weightsOf(file.name, *file.model, part, needSlopes); });
+    if (needSlopes) warn(io::noteOnSlopes(file.name, *file.model, result));
+    return result;
 }
 
 BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,

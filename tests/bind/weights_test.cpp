@@ -241,6 +241,15 @@ TEST(Falloff, MeetsTheLatticeAndTheRestSmoothly) {
     }
 }
 
+TEST(Weights, OfABindingNeedItsGradients) {
+    const std::vector<Point3> points = pointsInBox(10, 0.1, 0.9);
+    Binding binding = boundTo(evenCube(), points, Level{2},
+                              {.gradients = true, .weights = {std::vector<double>(10, 0.5), {}}});
+    binding.checkParts();
+    binding.gradients.reset();
+    EXPECT_REFUSED(Error, "weights of gradients, and no gradients", binding.checkParts());
+}
+
 TEST(Weights, DoNotDependOnThreads) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const auto points = pointsInBox(500, -1, 1);
@@ -388,6 +397,10 @@ TEST(Slopes, RefuseFacesAndWeightsThatDoNotFit) {
                    slopesOnSurface(points, corners, ends, std::vector<double>(3)));
     EXPECT_REFUSED(Error, "got 2 weights for 3 points",
                    slopesOnSurface(points, {}, {}, std::vector<double>(2)));
+    EXPECT_REFUSED(Error, "the weight of point 1 is not finite",
+                   slopesOnSurface(points, {}, {}, std::vector<double>{0, kNan, 0}));
+    EXPECT_REFUSED(Error, "got 1 shapes for 3 points",
+                   slopesOnSurface(points, {}, {}, std::vector<double>(3), std::vector<Index>{0}));
 }
 
 }  // namespace

@@ -228,11 +228,12 @@ static void test_bindings(void) {
     FINITE(weights[1], "the weight of point 1 is ", BIND);
     FINITE(slopes[3], "the slope of the weight of point 1 is not finite", BIND);
     bind.weights = bind.weight_slopes = NULL;
-    /* Slopes of weights that are not finite are not finite: binding refuses them, as above. */
-    static const char two[] = "v 0 0 0\nv 1 0 0\n";
+    double of_three[3] = {1, 0.5, 0.25}, slopes_of_three[9];
+    static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     espalier_model* model = NULL;
-    OK(espalier_model_read_bytes("two.obj", sizeof two - 1, two, &model));
-    OK(espalier_model_weight_slopes(model, 2, weights, slopes));
+    OK(espalier_model_read_bytes("triangle.obj", sizeof triangle - 1, triangle, &model));
+    FINITE(of_three[1], "the weight of point 1 is not finite",
+           espalier_model_weight_slopes(model, 3, of_three, slopes_of_three));
     espalier_model_destroy(model);
     FINITE(bind.tolerance, "tolerance: expected",
            espalier_binding_create_tensor(lattice, 0, 2, points, &bind, &binding));

@@ -58,6 +58,23 @@ void requireConverted(const io::Model& model, const io::ModelSurface& surface,
     require(copy.faces.count() <= surface.faces.count(), "no face is added");
 }
 
+/// Requires that each attribute has a number for each point, and that groups have points that
+/// exist. Few of them: the header of a small file may claim thousands of columns.
+void requireParts(const std::string& name, const io::Model& model) {
+    constexpr std::size_t kMost = 4;
+    const std::size_t pointCount = model.positions().size();
+    const auto attributes = readResult(name, [&] { return model.attributes(); });
+    for (std::size_t i = 0; attributes && i < std::min(attributes->size(), kMost); ++i)
+        if (const auto numbers = readResult(name, [&] { return (*attributes)[i].read(); }))
+            require(numbers->size() == pointCount, "an attribute has a number for each point");
+    const auto groups = readResult(name, [&] { return model.groups(); });
+    for (std::size_t i = 0; groups && i < std::min(groups->size(), kMost); ++i)
+        if (const auto points = readResult(name, [&] { return (*groups)[i].read(); }))
+            for (const Index point : *points)
+                require(point >= 0 && static_cast<std::size_t>(point) < pointCount,
+                        "the points of a group exist");
+}
+
 /// Requires that a model is refused, or is written unchanged if no point moves and all gradients
 /// are the identity, and otherwise with all its points at their new positions.
 /// \param name file name, whose extension gives the format
@@ -101,6 +118,7 @@ void runModel(const std::string& name, std::string_view bytes) {
     requireMoved(writtenWith(model, moved));
     requireMoved(writtenWith(model, moved, gradientsFrom(bytes, moved.size())));
 
+    requireParts(name, model);
     const auto surface = readResult(name, [&] { return model.readSurface(); });
     if (!surface) return;
     for (const Index corner : surface->faces.corners)
@@ -132,6 +150,7 @@ void runGltf(std::string_view bytes) {
     if (once)
         require(io::readModel("b.glb", *once)->positions().size() == moved.size(),
                 "a moved model has all its points");
+    requireParts(name, model);
     const auto surface = readResult(name, [&] { return model.readSurface(); });
     if (!surface) return;
     for (const Index corner : surface->faces.corners)
