@@ -77,11 +77,8 @@ void addKeptPoints(std::span<const Index> numbers, Index pointCount, Binding& bi
     binding.table = spread(binding.table, numbers, pointCount);
     if (binding.factors)
         binding.factors->points = spread(binding.factors->points, numbers, pointCount);
-    if (binding.gradients) {
+    if (binding.gradients)
         binding.gradients = embed::renumbered(std::move(*binding.gradients), numbers);
-        auto& places = binding.gradients->splines.places;
-        if (!places.empty()) places = spread(places, numbers, pointCount, {});
-    }
     if (!binding.weights.empty())
         binding.weights = spread(binding.weights, numbers, pointCount, PointWeight{0, {}});
     binding.statuses = spread(binding.statuses, numbers, pointCount, embed::PointStatus::NotBound);

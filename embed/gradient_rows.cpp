@@ -59,10 +59,31 @@ void sortPoints(Gradients& gradients) {
     std::sort(points.begin(), points.end());
 }
 
-void sortPlaces(CellPlaces& cells) {
-    const auto isBefore = [](const auto& a, const auto& b) { return a.point < b.point; };
-    if (!std::is_sorted(cells.places.begin(), cells.places.end(), isBefore))
-        std::sort(cells.places.begin(), cells.places.end(), isBefore);
+/// Sorts places by their points.
+/// \tparam Place CellPlaces::Place or SplinePlaces::Place
+template <class Place>
+void sortPlaces(std::vector<Place>& places) {
+    const auto isBefore = [](const Place& a, const Place& b) { return a.point < b.point; };
+    if (!std::is_sorted(places.begin(), places.end(), isBefore))
+        std::sort(places.begin(), places.end(), isBefore);
+}
+
+/// Appends cells and the places in them, or patches and the places in them.
+/// \param shift is added to the numbers of vertices
+/// \param numberOf returns the number in a place of its cell or patch
+template <class Shape, class Place, class NumberOf>
+void appendPlaces(const std::vector<Shape>& shapes, const std::vector<Place>& places, Index shift,
+                  NumberOf numberOf, std::vector<Shape>& allShapes, std::vector<Place>& allPlaces) {
+    const auto before = static_cast<Index>(allShapes.size());
+    for (Shape shape : shapes) {
+        for (Index& vertex : shape)
+            if (vertex != kMaxIndex) vertex += shift;
+        allShapes.push_back(shape);
+    }
+    for (Place place : places) {
+        numberOf(place) += before;
+        allPlaces.push_back(place);
+    }
 }
 
 /// Rows of several tables, one table after the other.
@@ -131,11 +152,14 @@ stencils::StencilTable<double> gradientRows(const stencils::StencilTable<double>
                                 });
 }
 
-Gradients gradientsOfRows(const stencils::StencilTable<double>& rows) {
-    const Index columnCount = rows.columnCount();
-    Gradients gradients{stencils::buildTable(
+stencils::StencilTable<double> baseVertexRows(Index columnCount) {
+    return stencils::buildTable(
         columnCount, columnCount,
-        [](Index row, stencils::RowAccumulator& accumulator) { accumulator.add(row, 1); })};
+        [](Index row, stencils::RowAccumulator& accumulator) { accumulator.add(row, 1); });
+}
+
+Gradients gradientsOfRows(const stencils::StencilTable<double>& rows) {
+    Gradients gradients{baseVertexRows(rows.columnCount())};
     for (Index point = 0; 3 * point < rows.rowCount(); ++point)
         if (rows.offsets()[3 * point] != rows.offsets()[3 * point + 3])
             gradients.points.push_back(point);
@@ -157,9 +181,9 @@ Gradients withoutPoints(Gradients gradients, std::span<const Index> points) {
         rows = stencils::selectRows(rows, tripled(left));
         own = std::move(numbers);
     }
-    std::erase_if(cells.places, [&](const auto& place) { return isOne(place.point); });
-    if (!splines.places.empty())
-        for (const Index point : points) splines.places[point] = {};
+    const auto isGone = [&](const auto& place) { return isOne(place.point); };
+    std::erase_if(cells.places, isGone);
+    std::erase_if(splines.places, isGone);
     return gradients;
 }
 
@@ -167,8 +191,12 @@ Gradients renumbered(Gradients gradients, std::span<const Index> numbers) {
     auto& [vertices, points, rows, cells, splines] = gradients;
     for (Index& point : points) point = numbers[point];
     sortPoints(gradients);
-    for (CellPlaces::Place& place : cells.places) place.point = numbers[place.point];
-    sortPlaces(cells);
+    const auto renumber = [&](auto& places) {
+        for (auto& place : places) place.point = numbers[place.point];
+        sortPlaces(places);
+    };
+    renumber(cells.places);
+    renumber(splines.places);
     return gradients;
 }
 
@@ -182,24 +210,25 @@ Gradients merged(std::vector<Gradients>& parts, Index columnCount) {
     StackedRows vertices, rows;
     for (Gradients& part : parts) {
         const auto vertexShift = static_cast<Index>(vertices.rowCount());
-        const auto cellShift = static_cast<Index>(all.cells.cells.size());
         vertices.append(part.vertices, 0);
         rows.append(part.rows, vertexShift);
         all.points.insert(all.points.end(), part.points.begin(), part.points.end());
-        for (CellPlaces::Cell cell : part.cells.cells) {
-            for (Index& vertex : cell) vertex += vertexShift;
-            all.cells.cells.push_back(cell);
-        }
-        for (CellPlaces::Place place : part.cells.places) {
-            place.cell += cellShift;
-            all.cells.places.push_back(place);
-        }
+        appendPlaces(
+            part.cells.cells, part.cells.places, vertexShift,
+            [](CellPlaces::Place& place) -> Index& { return place.cell; }, all.cells.cells,
+            all.cells.places);
+        appendPlaces(
+            part.splines.patches, part.splines.places, vertexShift,
+            [](SplinePlaces::Place& place) -> Index& { return place.patch; }, all.splines.patches,
+            all.splines.places);
+        if (!part.splines.places.empty()) all.splines.spacing = part.splines.spacing;
         part = {};
     }
     all.rows = rows.take(static_cast<Index>(vertices.rowCount()));
     all.vertices = vertices.take(columnCount);
     sortPoints(all);
-    sortPlaces(all.cells);
+    sortPlaces(all.cells.places);
+    sortPlaces(all.splines.places);
     return all;
 }
 

@@ -33,6 +33,9 @@ ESPALIER_API bool areFlat(const Eigen::Matrix3d& directions);
 ESPALIER_API stencils::StencilTable<double> gradientRows(
     const stencils::StencilTable<double>& directions, std::span<const Point3> rest, double scale);
 
+/// Returns the identity: the rows of the base vertices over the base.
+ESPALIER_API stencils::StencilTable<double> baseVertexRows(Index columnCount);
+
 /// Returns the gradients of points that have these rows.
 /// \param rows three rows for each point, over the base; all three are empty for points without
 ESPALIER_API Gradients gradientsOfRows(const stencils::StencilTable<double>& rows);
@@ -41,12 +44,12 @@ ESPALIER_API Gradients gradientsOfRows(const stencils::StencilTable<double>& row
 /// \param points ascending
 ESPALIER_API Gradients withoutPoints(Gradients gradients, std::span<const Index> points);
 
-/// Returns the gradients with other numbers of the points: point i becomes numbers[i]. The places
-/// in splines stay as they are.
+/// Returns the gradients with other numbers of the points: point i becomes numbers[i].
 ESPALIER_API Gradients renumbered(Gradients gradients, std::span<const Index> numbers);
 
 /// Puts the gradients of several parts together, and empties the parts. Their vertices stay
-/// vertices of their own. The parts have no points in common, and no places in splines.
+/// vertices of their own. The parts have no points in common, and parts with places in splines have
+/// the same spacing.
 /// \param columnCount number of base vertices
 /// \throws Error if there are too many vertices
 ESPALIER_API Gradients merged(std::vector<Gradients>& parts, Index columnCount);

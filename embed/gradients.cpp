@@ -22,13 +22,40 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// The vertices of a patch in two sets of positions, as columns: at rest, and their displacements.
-/// Both relative to one vertex, so that differences of large coordinates do not round, and in
-/// units, so that products do not underflow.
+/// Returns (T X)⁻¹ for the derivatives at rest, as rows; NaN where they span no volume.
+Matrix3d inverseAtRest(const Matrix3d& atRest) {
+    return inverseOf(atRest, atRest.rowwise().norm());
+}
+
+/// The vertices of the gradients at rest, and their displacements in a pose, in units. Both are
+/// relative to one vertex of the lattice, so that differences of large coordinates do not round.
+/// (The rows of the vertices sum to 1.)
+struct MovedVertices {
+    std::vector<Point3> rest, displaced;
+
+    /// Empty if no place needs the vertices.
+    /// \param displacements of the base; empty if only the rest is needed
+    MovedVertices(const Gradients& gradients, std::span<const Point3> ofBase,
+                  std::span<const Point3> displacements) {
+        if (gradients.cells.places.empty() && gradients.splines.places.empty()) return;
+        const LengthUnit unit(ofBase);
+        const auto ofVertices = [&](std::span<const Point3> of) {
+            std::vector<Point3> relative(of.size());
+            for (std::size_t v = 0; v < of.size(); ++v)
+                for (std::size_t c = 0; c < 3; ++c)
+                    relative[v][c] = unit.toUnits(of[v][c] - of.front()[c]);
+            return stencils::applyLevelTable(gradients.vertices, relative);
+        };
+        rest = ofVertices(ofBase);
+        displaced =
+            displacements.empty() ? std::vector<Point3>(rest.size()) : ofVertices(displacements);
+    }
+};
+
+/// The vertices of a patch as columns: at rest, and their displacements.
 using PatchPositions = Eigen::Matrix<double, 6, 64>;
 
-PatchPositions positionsOf(const SplinePlaces::Patch& patch, const LengthUnit& unit,
-                           std::span<const Point3> rest, std::span<const Point3> displacements) {
+PatchPositions positionsOf(const SplinePlaces::Patch& patch, const MovedVertices& vertices) {
     const Index origin = patch[TricubicPatch::kCorner];
     PatchPositions result = PatchPositions::Zero();  // Vertices that do not exist have no weight.
     for (Eigen::Index k = 0; k < 64; ++k) {
@@ -36,8 +63,8 @@ PatchPositions positionsOf(const SplinePlaces::Patch& patch, const LengthUnit& u
         if (vertex == kMaxIndex) continue;
         for (std::size_t c = 0; c < 3; ++c) {
             const auto row = static_cast<Eigen::Index>(c);
-            result(row, k) = unit.toUnits(rest[vertex][c] - rest[origin][c]);
-            result(row + 3, k) = unit.toUnits(displacements[vertex][c] - displacements[origin][c]);
+            result(row, k) = vertices.rest[vertex][c] - vertices.rest[origin][c];
+            result(row + 3, k) = vertices.displaced[vertex][c] - vertices.displaced[origin][c];
         }
     }
     return result;
@@ -70,108 +97,58 @@ PatchDerivatives derivativesAt(const PatchPositions& positions, const PlaceWeigh
     return result;
 }
 
-/// The points that have a place, patch by patch.
-struct PointsOfPatches {
+/// The numbers of the places in splines, patch by patch.
+struct PlacesOfPatches {
     std::vector<Offset> offsets;
-    std::vector<Index> points;
+    std::vector<Index> places;
 
-    explicit PointsOfPatches(const SplinePlaces& splines) : offsets(splines.patches.size() + 1) {
-        for (const auto& place : splines.places)
-            if (place.patch != kMaxIndex) ++offsets[place.patch + 1];
+    explicit PlacesOfPatches(const SplinePlaces& splines)
+        : offsets(splines.patches.size() + 1), places(splines.places.size()) {
+        for (const auto& place : splines.places) ++offsets[place.patch + 1];
         std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-        points.resize(offsets.back());
         std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
         for (std::size_t i = 0; i < splines.places.size(); ++i)
-            if (const Index patch = splines.places[i].patch; patch != kMaxIndex)
-                points[next[patch]++] = static_cast<Index>(i);
+            places[next[splines.places[i].patch]++] = static_cast<Index>(i);
     }
 };
 
-/// Calls use(point, derivatives) for each point that has a place, from several threads.
+/// Calls use(i, derivatives) for each place i in splines, from several threads.
 template <class Use>
-void forEachPlace(const SplinePlaces& splines, std::span<const Point3> rest,
-                  std::span<const Point3> displacements, Use use) {
-    const PointsOfPatches of(splines);
-    const LengthUnit unit(rest);
+void forEachPlace(const SplinePlaces& splines, const MovedVertices& vertices, Use use) {
+    const PlacesOfPatches of(splines);
     const std::array<int, 3> values = {0, 0, 0};
     parallelFor(std::ssize(splines.patches), 16, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
             const TricubicPatch patch(splines.patches[p]);
-            const PatchPositions positions =
-                positionsOf(splines.patches[p], unit, rest, displacements);
-            for (Offset i = of.offsets[p]; i < of.offsets[p + 1]; ++i) {
-                const Index point = of.points[i];
-                const Vector3d uvw(splines.places[point].uvw.data());
+            const PatchPositions positions = positionsOf(splines.patches[p], vertices);
+            for (Offset k = of.offsets[p]; k < of.offsets[p + 1]; ++k) {
+                const Index i = of.places[k];
+                const Vector3d uvw(splines.places[i].uvw.data());
                 const PlaceWeights weights{patch.axisWeights(uvw, splines.spacing, values),
                                            patch.axisWeights(uvw, splines.spacing, {1, 1, 1})};
-                use(point, derivativesAt(positions, weights));
+                use(i, derivativesAt(positions, weights));
             }
         }
     });
 }
 
-/// Returns the inverse of the derivatives at rest; NaN where they span no volume.
-Matrix3d inverseAtRest(const PatchDerivatives& derivatives) {
-    const Matrix3d atRest = derivatives.topRows<3>().transpose();
-    return inverseOf(atRest, atRest.rowwise().norm());
+/// Returns the weights of the corners in the derivatives by u, v and w.
+std::array<Trilinear::Weights, 3> weightsAt(const CellPlaces::Place& place) {
+    return Trilinear::weightDerivatives(Vector3d(place.uvw.data()));
 }
 
-/// The inverses and derivatives of the maps of cells at the places of points, for one pose.
-class CellMaps {
-public:
-    /// \param displacements may be empty, if only inverses are needed
-    CellMaps(const Gradients& gradients, std::span<const Point3> rest,
-             std::span<const Point3> displacements)
-        : cells_(gradients.cells) {
-        if (cells_.places.empty()) return;
-        const LengthUnit unit(rest);
-        // Rows sum to 1, so that the origin may be a vertex of the lattice: differences of large
-        // coordinates do not round then.
-        const auto ofVertices = [&](std::span<const Point3> of) {
-            std::vector<Point3> relative(of.size());
-            for (std::size_t v = 0; v < of.size(); ++v)
-                for (std::size_t c = 0; c < 3; ++c)
-                    relative[v][c] = unit.toUnits(of[v][c] - of.front()[c]);
-            return stencils::applyLevelTable(gradients.vertices, relative);
-        };
-        rest_ = ofVertices(rest);
-        if (!displacements.empty()) displaced_ = ofVertices(displacements);
+/// Returns the derivatives of the map of a cell, as rows.
+Matrix3d derivativesOf(const CellPlaces::Cell& cell,
+                       const std::array<Trilinear::Weights, 3>& weights,
+                       const std::vector<Point3>& positions) {
+    Matrix3d result = Matrix3d::Zero();
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const Eigen::RowVector3d at(positions[cell[corner]].data());
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            result.row(static_cast<Eigen::Index>(axis)) += weights[axis][corner] * at;
     }
-
-    /// Returns the weights of the corners in the derivatives by u, v and w.
-    static std::array<Trilinear::Weights, 3> weightsAt(const CellPlaces::Place& place) {
-        return Trilinear::weightDerivatives(Vector3d(place.uvw.data()));
-    }
-
-    /// Returns the inverse of the derivatives at rest, which are rows; NaN if the cell is flat.
-    Matrix3d inverse(const CellPlaces::Place& place,
-                     const std::array<Trilinear::Weights, 3>& weights) const {
-        const Matrix3d atRest = derivatives(place, weights, rest_);
-        return inverseOf(atRest, atRest.rowwise().norm());
-    }
-
-    /// Returns the derivatives of the displacements, as rows.
-    Matrix3d displaced(const CellPlaces::Place& place,
-                       const std::array<Trilinear::Weights, 3>& weights) const {
-        return derivatives(place, weights, displaced_);
-    }
-
-private:
-    Matrix3d derivatives(const CellPlaces::Place& place,
-                         const std::array<Trilinear::Weights, 3>& weights,
-                         const std::vector<Point3>& positions) const {
-        Matrix3d result = Matrix3d::Zero();
-        for (std::size_t corner = 0; corner < 8; ++corner) {
-            const Eigen::RowVector3d at(positions[cells_.cells[place.cell][corner]].data());
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                result.row(static_cast<Eigen::Index>(axis)) += weights[axis][corner] * at;
-        }
-        return result;
-    }
-
-    const CellPlaces& cells_;
-    std::vector<Point3> rest_, displaced_;  ///< of the vertices, in units
-};
+    return result;
+}
 
 /// Adds a matrix, given as its transpose.
 void addTransposed(const Matrix3d& added, DeformationGradient& sum) {
@@ -180,48 +157,98 @@ void addTransposed(const Matrix3d& added, DeformationGradient& sum) {
             sum[static_cast<std::size_t>(3 * i + j)] += added(j, i);
 }
 
-/// Returns rows for the points with rows, and for those in cells: three for each of all points.
-stencils::StencilTable<double> rowsOverVertices(const Gradients& gradients,
-                                                std::span<const Point3> rest, Index pointCount) {
-    const auto& [vertices, points, rows, cells, splines] = gradients;
-    constexpr Index kNone = -1;
-    std::vector<Index> rowOf(pointCount, kNone), placeOf(pointCount, kNone);
-    for (std::size_t i = 0; i < points.size(); ++i) rowOf[points[i]] = static_cast<Index>(i);
-    for (std::size_t i = 0; i < cells.places.size(); ++i)
-        placeOf[cells.places[i].point] = static_cast<Index>(i);
-    const double perLength = LengthUnit(rest).toUnits(1.0);  // Derivatives are in units.
-    const CellMaps maps(gradients, rest, {});
-    const auto& ofPoints = rows;  // clang 14 captures no structured binding
-    const auto& ofCells = cells;
-    return stencils::buildTable(
-        3 * pointCount, vertices.rowCount(), [&](Index row, stencils::RowAccumulator& accumulator) {
-            const Index point = row / 3;
-            if (rowOf[point] != kNone) {
-                const Index own = 3 * rowOf[point] + row % 3;
-                for (std::size_t k = 0; k < ofPoints.columns(own).size(); ++k)
-                    accumulator.add(ofPoints.columns(own)[k], ofPoints.weights(own)[k]);
-            }
-            if (placeOf[point] == kNone) return;
-            const CellPlaces::Place& place = ofCells.places[placeOf[point]];
-            const auto weights = CellMaps::weightsAt(place);
-            const Matrix3d inverse = perLength * maps.inverse(place, weights);
-            if (!inverse.allFinite()) return;
-            for (std::size_t by = 0; by < 3; ++by)
-                for (std::size_t corner = 0; corner < 8; ++corner)
-                    accumulator.add(
-                        ofCells.cells[place.cell][corner],
-                        inverse(row % 3, static_cast<Eigen::Index>(by)) * weights[by][corner]);
-            accumulator.makeSumZero();
+/// Builds rows of F − 1 over the vertices, three for each point.
+class RowsOverVertices {
+public:
+    RowsOverVertices(const Gradients& gradients, std::span<const Point3> rest, Index pointCount)
+        : gradients_(gradients),
+          patches_(gradients.splines.patches.begin(), gradients.splines.patches.end()),
+          inverses_(gradients.splines.places.size()),
+          vertices_(gradients, rest, {}),
+          perLength_(LengthUnit(rest).toUnits(1.0)),
+          rowOf_(pointCount, kNone),
+          cellPlaceOf_(pointCount, kNone),
+          splinePlaceOf_(pointCount, kNone) {
+        const auto number = [](const auto& items, std::vector<Index>& numbers, auto pointOf) {
+            for (std::size_t i = 0; i < items.size(); ++i)
+                numbers[pointOf(items[i])] = static_cast<Index>(i);
+        };
+        const auto pointOfPlace = [](const auto& place) { return place.point; };
+        number(gradients.points, rowOf_, [](Index point) { return point; });
+        number(gradients.cells.places, cellPlaceOf_, pointOfPlace);
+        number(gradients.splines.places, splinePlaceOf_, pointOfPlace);
+        forEachPlace(gradients.splines, vertices_, [&](Index i, const PatchDerivatives& at) {
+            inverses_[i] = inverseAtRest(at.topRows<3>().transpose());
         });
-}
+    }
+
+    stencils::StencilTable<double> build() const {
+        return stencils::buildTable(
+            3 * static_cast<Index>(rowOf_.size()), gradients_.vertices.rowCount(),
+            [&](Index row, stencils::RowAccumulator& accumulator) {
+                const Index point = row / 3, axis = row % 3;
+                if (rowOf_[point] != kNone) addRow(3 * rowOf_[point] + axis, accumulator);
+                if (cellPlaceOf_[point] != kNone)
+                    add(gradients_.cells.places[cellPlaceOf_[point]], axis, accumulator);
+                if (const Index i = splinePlaceOf_[point]; i != kNone)
+                    add(gradients_.splines.places[i], inverses_[i], axis, accumulator);
+                accumulator.makeSumZero();
+            });
+    }
+
+private:
+    static constexpr Index kNone = -1;
+
+    void addRow(Index row, stencils::RowAccumulator& accumulator) const {
+        const auto& rows = gradients_.rows;
+        for (std::size_t k = 0; k < rows.columns(row).size(); ++k)
+            accumulator.add(rows.columns(row)[k], rows.weights(row)[k]);
+    }
+
+    void add(const CellPlaces::Place& place, Index axis,
+             stencils::RowAccumulator& accumulator) const {
+        const CellPlaces::Cell& cell = gradients_.cells.cells[place.cell];
+        const auto weights = weightsAt(place);
+        const Matrix3d inverse = inverseAtRest(derivativesOf(cell, weights, vertices_.rest));
+        if (!inverse.allFinite()) return;
+        for (std::size_t by = 0; by < 3; ++by)
+            for (std::size_t corner = 0; corner < 8; ++corner)
+                accumulator.add(cell[corner], perLength_ *
+                                                  inverse(axis, static_cast<Eigen::Index>(by)) *
+                                                  weights[by][corner]);
+    }
+
+    void add(const SplinePlaces::Place& place, const Matrix3d& inverse, Index axis,
+             stencils::RowAccumulator& accumulator) const {
+        if (!inverse.allFinite()) return;
+        const TricubicPatch& patch = patches_[place.patch];
+        for (std::size_t by = 0; by < 3; ++by) {
+            const double factor = perLength_ * inverse(axis, static_cast<Eigen::Index>(by));
+            std::array<int, 3> orders = {};
+            orders[by] = 1;
+            const auto along =
+                patch.axisWeights(Vector3d(place.uvw.data()), gradients_.splines.spacing, orders);
+            std::array<Index, 64> vertices;
+            std::array<double, 64> weights;
+            patch.writeRow(along, vertices.data(), weights.data());
+            const Index length = TricubicPatch::rowLength(along);
+            for (Index k = 0; k < length; ++k) accumulator.add(vertices[k], factor * weights[k]);
+        }
+    }
+
+    const Gradients& gradients_;
+    std::vector<TricubicPatch> patches_;
+    std::vector<Matrix3d> inverses_;  ///< one per place in splines
+    MovedVertices vertices_;
+    double perLength_;                                        ///< derivatives are in units
+    std::vector<Index> rowOf_, cellPlaceOf_, splinePlaceOf_;  ///< of points; or kNone
+};
 
 }  // namespace
 
 Index Gradients::identityCount(Index pointCount) const {
-    const auto ofSplines = std::ranges::count_if(
-        splines.places, [](const auto& place) { return place.patch != kMaxIndex; });
     return static_cast<Index>(pointCount - std::ssize(points) - std::ssize(cells.places) -
-                              ofSplines);
+                              std::ssize(splines.places));
 }
 
 void Gradients::check(Index pointCount) const {
@@ -258,18 +285,14 @@ void Gradients::check(Index pointCount) const {
     const auto& [spacing, patches, places] = splines;
     if (!(spacing >= 0 && spacing <= 1))
         throw Error(concat("a spacing of ", spacing, " in the gradients; expected 0 to 1"));
-    if (!places.empty() && std::ssize(places) != pointCount)
-        throw Error(concat("gradients of ", pointCount, " points have ", places.size(), " places"));
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const auto& [uvw, patch] = places[i];
-        if (patch == kMaxIndex) continue;
-        take(static_cast<Index>(i));
+    for (const auto& [point, patch, uvw] : places) {
+        take(point);
+        checkUvw(point, uvw);
         if (patch < 0 || patch >= std::ssize(patches))
-            throw Error(concat("the gradient of point ", i, " is in patch ", patch, " of ",
+            throw Error(concat("the gradient of point ", point, " is in patch ", patch, " of ",
                                patches.size()));
-        checkUvw(static_cast<Index>(i), uvw);
     }
-    for (const auto& patch : patches) TricubicPatch::checkVertices(patch, columnCount());
+    for (const auto& patch : patches) TricubicPatch::checkVertices(patch, vertices.rowCount());
 }
 
 void addGradients(const Gradients& gradients, std::span<const Point3> rest,
@@ -282,37 +305,33 @@ void addGradients(const Gradients& gradients, std::span<const Point3> rest,
             for (std::size_t i = 0; i < 3; ++i)
                 sums[points[row / 3]][3 * i + row % 3] += columns[row][i];
     }
-    const CellMaps maps(gradients, rest, displacements);
-    const std::span<const CellPlaces::Place> places(cells.places);
-    parallelFor(std::ssize(places), 1024, [&](Offset first, Offset last) {
-        for (const CellPlaces::Place& place : places.subspan(first, last - first)) {
-            const auto weights = CellMaps::weightsAt(place);
-            const Matrix3d inverse = maps.inverse(place, weights);
-            if (inverse.allFinite())
-                addTransposed(inverse * maps.displaced(place, weights), sums[place.point]);
+    const MovedVertices moved(gradients, rest, displacements);
+    // Fᵀ − 1 = (T X)⁻¹ T (x − X)
+    const auto addAt = [&](Index point, const Matrix3d& atRest, const Matrix3d& displaced) {
+        const Matrix3d inverse = inverseAtRest(atRest);
+        if (inverse.allFinite()) addTransposed(inverse * displaced, sums[point]);
+    };
+    const auto& ofCells = cells;  // clang 14 captures no structured binding
+    parallelFor(std::ssize(cells.places), 1024, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const CellPlaces::Place& place = ofCells.places[i];
+            const CellPlaces::Cell& cell = ofCells.cells[place.cell];
+            const auto weights = weightsAt(place);
+            addAt(place.point, derivativesOf(cell, weights, moved.rest),
+                  derivativesOf(cell, weights, moved.displaced));
         }
     });
-    forEachPlace(
-        splines, rest, displacements, [&](Index point, const PatchDerivatives& derivatives) {
-            const Matrix3d inverse = inverseAtRest(derivatives);
-            // Fᵀ − 1 = (T X)⁻¹ T (x − X)
-            if (inverse.allFinite())
-                addTransposed(inverse * derivatives.bottomRows<3>().transpose(), sums[point]);
-        });
+    const auto& ofSplines = splines;
+    forEachPlace(splines, moved, [&](Index i, const PatchDerivatives& derivatives) {
+        addAt(ofSplines.places[i].point, derivatives.topRows<3>().transpose(),
+              derivatives.bottomRows<3>().transpose());
+    });
 }
 
 GradientTables gradientTables(const Gradients& gradients, std::span<const Point3> rest,
                               Index pointCount) {
-    const SplinePlaces& splines = gradients.splines;
-    const auto rows =
-        stencils::multiply(rowsOverVertices(gradients, rest, pointCount), gradients.vertices);
-    const std::vector<Point3> none(rest.size());
-    const double perLength = LengthUnit(rest).toUnits(1.0);  // Derivatives are in units.
-    std::vector<Matrix3d> inverses(splines.places.size());
-    forEachPlace(splines, rest, none, [&](Index point, const PatchDerivatives& derivatives) {
-        inverses[point] = perLength * inverseAtRest(derivatives);
-    });
-    std::vector<TricubicPatch> patches(splines.patches.begin(), splines.patches.end());
+    const auto rows = stencils::multiply(RowsOverVertices(gradients, rest, pointCount).build(),
+                                         gradients.vertices);
     GradientTables result;
     for (std::size_t axis = 0; axis < 3; ++axis)
         result[axis] = stencils::buildTable(
@@ -321,26 +340,6 @@ GradientTables gradientTables(const Gradients& gradients, std::span<const Point3
                 const Index row = 3 * point + static_cast<Index>(axis);
                 for (std::size_t k = 0; k < rows.columns(row).size(); ++k)
                     accumulator.add(rows.columns(row)[k], rows.weights(row)[k]);
-                const bool hasPlace =
-                    !splines.places.empty() && splines.places[point].patch != kMaxIndex;
-                if (hasPlace && inverses[point].allFinite()) {
-                    const SplinePlaces::Place& place = splines.places[point];
-                    const TricubicPatch& patch = patches[place.patch];
-                    for (std::size_t by = 0; by < 3; ++by) {
-                        const double factor = inverses[point](static_cast<Eigen::Index>(axis),
-                                                              static_cast<Eigen::Index>(by));
-                        std::array<int, 3> orders = {};
-                        orders[by] = 1;
-                        const auto along =
-                            patch.axisWeights(Vector3d(place.uvw.data()), splines.spacing, orders);
-                        std::array<Index, 64> vertices;
-                        std::array<double, 64> weights;
-                        patch.writeRow(along, vertices.data(), weights.data());
-                        const Index length = TricubicPatch::rowLength(along);
-                        for (Index k = 0; k < length; ++k)
-                            accumulator.add(vertices[k], factor * weights[k]);
-                    }
-                }
                 accumulator.makeSumZero();
             });
     return result;

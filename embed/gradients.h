@@ -37,22 +37,25 @@ struct CellPlaces {
     friend bool operator==(const CellPlaces&, const CellPlaces&) = default;
 };
 
-/// Places of points in regular cells of a lattice. There the map is a product of splines, and the
-/// rows of F follow from the place by a formula. A place takes 32 bytes; the rows take 2,300.
+/// Places of points in regular cells of the base or, in the limit, of a level. There the map is a
+/// product of splines, and F follows from the vertices around the cell. A place takes 32 bytes; the
+/// rows take 2,300.
 struct SplinePlaces {
-    /// The vertices around a regular cell: vertex i + 4j + 16k is i − 1 cells along u, j − 1 along
-    /// v and k − 1 along w away from corner 0 of the cell. kMaxIndex where a boundary has no layer.
+    /// The vertices around a regular cell, rows of Gradients::vertices: vertex i + 4j + 16k is
+    /// i − 1 cells along u, j − 1 along v and k − 1 along w away from corner 0 of the cell.
+    /// kMaxIndex where a boundary has no layer.
     using Patch = std::array<Index, 64>;
 
     struct Place {
+        Index point = 0;
+        Index patch = 0;
         std::array<double, 3> uvw = {};  ///< in the axes of the patch, 0 to 1
-        Index patch = kMaxIndex;         ///< kMaxIndex: the point has no such place
         friend bool operator==(const Place&, const Place&) = default;
     };
 
-    double spacing = 0;  ///< 2⁻ⁿ for level n; 0 for the limit
+    double spacing = 0;  ///< 2⁻ⁿ in regular cells of the base, for level n; 0 in the limit
     std::vector<Patch> patches = {};
-    std::vector<Place> places = {};  ///< one per point, or none at all
+    std::vector<Place> places = {};  ///< ascending by point
 
     friend bool operator==(const SplinePlaces&, const SplinePlaces&) = default;
 };
@@ -68,8 +71,8 @@ struct SplinePlaces {
 /// For an affine pose, F is the matrix of the pose to 1e-12; in a cell that is 10,000 times as long
 /// as thick, to 1e-11. Transform normals by the cofactor matrix of F, tangents by F.
 struct Gradients {
-    /// Rows of vertices of a level over the base; or the identity, if the rows of the points are
-    /// over the base.
+    /// Rows over the base of the vertices that the points below name: base vertices, and vertices
+    /// of levels.
     stencils::StencilTable<double> vertices;
 
     /// The points with rows of their own, ascending, and the rows, three for each, over `vertices`:

@@ -80,12 +80,16 @@ stencils::StencilTable<double> rowsOf(const RegularPlaces& places, double spacin
             std::move(weights)};
 }
 
-SplinePlaces splinesOf(const RegularPlaces& places, double spacing) {
-    SplinePlaces splines{spacing};
+/// Returns the gradients of the points that have a place.
+Gradients gradientsOf(const RegularPlaces& places, double spacing, Index columnCount) {
+    Gradients gradients{baseVertexRows(columnCount)};
+    SplinePlaces& splines = gradients.splines;
+    splines.spacing = spacing;
     for (const TricubicPatch& patch : places.patches) splines.patches.push_back(patch.vertices());
-    for (const RegularPlaces::Place& place : places.places)
-        splines.places.push_back({place.uvw, place.length > 0 ? place.patch : kMaxIndex});
-    return splines;
+    for (std::size_t i = 0; i < places.places.size(); ++i)
+        if (const auto& place = places.places[i]; place.length > 0)
+            splines.places.push_back({static_cast<Index>(i), place.patch, place.uvw});
+    return gradients;
 }
 
 }  // namespace
@@ -120,12 +124,10 @@ BoundRows<> bindRegularFirst(const RegularSearch& search, const LengthUnit& unit
         std::max(unit.fromUnits(places.largestResidual), others.largestResidual);
     model.table = rowsOf(places, search.spacing(), base.count(0), others.table);
     if (options.gradients) {
-        if (others.gradients)
-            model.gradients = renumbered(std::move(*others.gradients), numbers);
-        else
-            model.gradients =
-                gradientsOfRows(stencils::buildTable(0, base.count(0), [](Index, auto&) {}));
-        model.gradients->splines = splinesOf(places, search.spacing());
+        std::vector<Gradients> parts;
+        parts.push_back(gradientsOf(places, search.spacing(), base.count(0)));
+        if (others.gradients) parts.push_back(renumbered(std::move(*others.gradients), numbers));
+        model.gradients = merged(parts, base.count(0));
     }
     completeStatuses(points, outside, model);
     return model;

@@ -19,7 +19,7 @@ namespace espalier::io {
 namespace {
 
 constexpr std::string_view kBindingMagic = "ESPALIER";
-constexpr std::uint32_t kBindingVersion = 7;
+constexpr std::uint32_t kBindingVersion = 8;
 
 using stencils::StencilTable;
 
@@ -103,7 +103,7 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
         if (areThere) return false;
     }
     if (!take(header.patches, sizeof(embed::SplinePlaces::Patch)) ||
-        !take(header.places, 3 * 8 + 4) || !take(header.weights, 4 * 8))
+        !take(header.places, 3 * 8 + 2 * 4) || !take(header.weights, 4 * 8))
         return false;
     return takeTable(header.rows, header.entries) && take(header.rows, sizeof(Point3) + 1) &&
            take(header.columns, sizeof(Point3)) && take(header.faces, 8) &&
@@ -173,9 +173,11 @@ embed::SplinePlaces readSplines(ByteInput& in, const Header& header) {
     for (auto& patch : splines.patches)
         for (Index& vertex : patch) vertex = in.number<Index>();
     splines.places.resize(header.places);
-    for (auto& place : splines.places)
-        for (double& coordinate : place.uvw) coordinate = in.number<double>();
-    for (auto& place : splines.places) place.patch = in.number<Index>();
+    for (auto& [point, patch, uvw] : splines.places) {
+        point = in.number<Index>();
+        patch = in.number<Index>();
+        for (double& coordinate : uvw) coordinate = in.number<double>();
+    }
     return splines;
 }
 
@@ -235,8 +237,11 @@ void write(ByteOutput& out, const embed::CellPlaces& cells) {
 void write(ByteOutput& out, const embed::SplinePlaces& splines) {
     out.number(splines.spacing);
     for (const auto& patch : splines.patches) out.numbers(std::span<const Index>(patch));
-    for (const auto& place : splines.places) out.numbers(std::span<const double>(place.uvw));
-    for (const auto& place : splines.places) out.number(place.patch);
+    for (const auto& [point, patch, uvw] : splines.places) {
+        out.number(point);
+        out.number(patch);
+        out.numbers(std::span<const double>(uvw));
+    }
 }
 
 void write(ByteOutput& out, const std::vector<bind::PointWeight>& weights) {

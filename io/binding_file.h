@@ -35,7 +35,7 @@ struct BoundModel {
 /// Writes a bound model (.espb). The file is little-endian throughout and holds:
 ///
 ///     8 bytes   "ESPALIER"
-///     u32       version of the format: 7
+///     u32       version of the format: 8
 ///     u32       1 with gradients, 0 without
 ///     u64       hash of the lattice topology (far::topologyHash)
 ///     f64       largest residual
@@ -55,8 +55,7 @@ struct BoundModel {
 ///       i32 × 2, f64 × 3   point, cell, u, v and w of each place in a cell
 ///       f64      spacing
 ///       i32 × 64 vertices of each patch; 2³¹ − 1 where a layer is missing
-///       f64 × 3  u, v and w of each place
-///       i32      patch of each place; 2³¹ − 1 for a point without a place
+///       i32 × 2, f64 × 3   point, patch, u, v and w of each place in a patch
 ///       f64 × 4  weight of each point, and its slope by x, y and z; none if all are 1
 ///     f64 × 3   the points at rest, one per row
 ///     f64 × 3   the lattice at rest, one position per column

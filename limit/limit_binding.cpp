@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/embed/gradient_rows.h>
 #include <espalier/embed/regular_binding.h>
@@ -138,30 +139,24 @@ private:
             places[located.place->level].push_back(*located.place);
             residuals[located.place->level].push_back(located.residual);
         }
-        std::vector<stencils::StencilTable<double>> rows, directions;
-        for (std::size_t level = 0; level < ofLevels.size(); ++level) {
-            const PlaceRows weights(levels, static_cast<int>(level), places[level]);
-            rows.push_back(
-                rowsOf(weights, places[level].size(),
-                       levels.refiner().level(static_cast<int>(level)).complex.count(0)));
-            if (gradients_) directions.push_back(weights.tangents());
+        std::vector<PlaceRows> weights;
+        std::vector<stencils::StencilTable<double>> rows;
+        for (int level = 0; level <= levels.finest(); ++level) {
+            weights.emplace_back(levels, level, places[level]);
+            rows.push_back(rowsOf(weights.back(), places[level].size(),
+                                  levels.refiner().level(level).complex.count(0)));
         }
         auto tables = stencils::composeRows(levels.tables(), std::move(rows),
                                             stencils::compositionOf(levels.tables()));
-        if (gradients_)
-            directions = stencils::composeDerivatives(levels.tables(), std::move(directions),
-                                                      stencils::RowMeaning::Spans);
+        std::vector<embed::Gradients> gradients;
+        if (gradients_) gradients = gradientsOf(levels, places, weights);
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
             if (places[level].empty()) continue;
             Part& part = ofLevels[level];
             const std::vector<Index> unbounded = embed::unboundedRows(tables[level]);
             part.table = embed::emptyRows(std::move(tables[level]), unbounded);
-            if (gradients_) {
-                part.gradients =
-                    embed::withoutPoints(embed::gradientsOfRows(embed::gradientRows(
-                                             directions[level], levels.positions(0), perLength_)),
-                                         unbounded);
-            }
+            if (gradients_)
+                part.gradients = embed::withoutPoints(std::move(gradients[level]), unbounded);
             for (std::size_t i = 0; i < places[level].size(); ++i)
                 if (!part.table.columns(static_cast<Index>(i)).empty())
                     part.largestResidual = std::max(part.largestResidual, residuals[level][i]);
@@ -169,6 +164,82 @@ private:
             parts.push_back(std::move(part));
         }
         if (!without.points.empty()) parts.push_back(std::move(without));
+    }
+
+    /// Returns the gradients of the places of each level.
+    std::vector<embed::Gradients> gradientsOf(const stencils::Levels& levels,
+                                              std::span<const std::vector<LimitPlace>> places,
+                                              std::span<const PlaceRows> weights) const {
+        std::vector<embed::SplinePlaces> splines;
+        std::vector<stencils::StencilTable<double>> vertices, directions;
+        std::vector<std::vector<Index>> others;  // The places that get rows of their own.
+        for (int level = 0; level <= levels.finest(); ++level) {
+            const Index vertexCount = levels.refiner().level(level).complex.count(0);
+            std::vector<Index> used;
+            splines.push_back(splinesOf(levels, weights[level], places[level].size(), used));
+            vertices.push_back(
+                stencils::buildTable(static_cast<Index>(used.size()), vertexCount,
+                                     [&](Index row, stencils::RowAccumulator& accumulator) {
+                                         accumulator.add(used[row], 1);
+                                     }));
+            others.emplace_back();
+            std::vector<LimitPlace> otherPlaces;
+            auto next = splines.back().places.begin();
+            for (Index i = 0; i < std::ssize(places[level]); ++i) {
+                if (next != splines.back().places.end() && next->point == i) {
+                    ++next;
+                    continue;
+                }
+                others.back().push_back(i);
+                otherPlaces.push_back(places[level][i]);
+            }
+            directions.push_back(PlaceRows(levels, level, otherPlaces).tangents());
+        }
+        vertices = stencils::composeRows(levels.tables(), std::move(vertices),
+                                         stencils::compositionOf(levels.tables()));
+        directions = stencils::composeDerivatives(levels.tables(), std::move(directions),
+                                                  stencils::RowMeaning::Spans);
+        std::vector<embed::Gradients> result;
+        for (std::size_t level = 0; level < splines.size(); ++level) {
+            std::vector<embed::Gradients> parts;
+            parts.push_back({std::move(vertices[level])});
+            parts.back().splines = std::move(splines[level]);
+            if (!others[level].empty())
+                parts.push_back(
+                    embed::renumbered(embed::gradientsOfRows(embed::gradientRows(
+                                          directions[level], levels.positions(0), perLength_)),
+                                      others[level]));
+            result.push_back(embed::merged(parts, levels.refiner().level(0).complex.count(0)));
+        }
+        return result;
+    }
+
+    /// Returns the places in regular cells of a level that get no rows of their own: none, unless
+    /// the places share the vertices of their cells.
+    /// \param used the vertices of the patches, ascending: what the patches refer to
+    static embed::SplinePlaces splinesOf(const stencils::Levels& levels, const PlaceRows& weights,
+                                         std::size_t placeCount, std::vector<Index>& used) {
+        // Rows take less memory than the vertices if there are more vertices than rows; long rows
+        // of vertices are not made; and on deep levels the differences of vertices round by more
+        // than 2⁶ units in the last place of a displacement.
+        constexpr std::size_t kMaxVertices = 2;
+        constexpr int kMaxLevel = 6;
+        if (weights.level() > kMaxLevel ||
+            stencils::compositionOf(levels.tables()) == stencils::Composition::FromRows)
+            return {};
+        embed::SplinePlaces splines = weights.splinePlaces();
+        for (const auto& patch : splines.patches)
+            for (const Index vertex : patch)
+                if (vertex != kMaxIndex) used.push_back(vertex);
+        sortUnique(used);
+        if (used.size() > kMaxVertices * placeCount) {
+            used.clear();
+            return {};
+        }
+        for (auto& patch : splines.patches)
+            for (Index& vertex : patch)
+                if (vertex != kMaxIndex) vertex = indexIn(used, vertex);
+        return splines;
     }
 
     double perLength_;  ///< number of units in a length of 1

@@ -4,6 +4,7 @@
 #include <espalier/base/argument_error.h>
 #include <espalier/base/number_text.h>
 #include <espalier/base/sort_unique.h>
+#include <espalier/embed/patch_solver.h>
 #include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
@@ -203,6 +204,25 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
             for (std::size_t k = 0; k < atCorners.columns(source).size(); ++k)
                 accumulator.add(atCorners.columns(source)[k], atCorners.weights(source)[k]);
         });
+}
+
+embed::SplinePlaces PlaceRows::splinePlaces() const {
+    // Dividing by the determinant of unit directions costs at most three digits.
+    constexpr double kAlmostFlat = 1e-3;
+    embed::SplinePlaces splines;
+    std::vector<embed::TricubicMap> maps;
+    for (const embed::TricubicPatch& patch : patches_) {
+        splines.patches.push_back(patch.vertices());
+        maps.emplace_back(patch.controlPoints(levels_.positions(levelNumber_)));
+    }
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+        if (patchOf_[i] == kMaxIndex) continue;
+        const auto& uvw = std::get<FramePlace>(places_[i].where).uvw;
+        const auto derivatives = maps[patchOf_[i]].tangent(Eigen::Vector3d(uvw.data())).jacobian;
+        if (std::abs(derivatives.colwise().normalized().determinant()) > kAlmostFlat)
+            splines.places.push_back({static_cast<Index>(i), patchOf_[i], uvw});
+    }
+    return splines;
 }
 
 /// Returns the vertex with the largest weight in a place, among the vertices that have a limit.

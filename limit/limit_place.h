@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/embed/cell_place.h>
+#include <espalier/embed/gradients.h>
 #include <espalier/embed/tricubic_patch.h>
 #include <espalier/stencils/levels.h>
 #include <espalier/stencils/stencil_table.h>
@@ -81,6 +82,8 @@ public:
     /// \cost the cost of the limits of vertices at irregular features
     PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places);
 
+    int level() const { return levelNumber_; }
+
     /// Returns a derivative at place i. An offset of the place continues the position along the
     /// tangent; it does not change derivatives. On an edge, the first derivatives are the
     /// directions of the edge's rows. Second derivatives exist for a FramePlace only. In a blend,
@@ -92,6 +95,10 @@ public:
     /// which the edges of the cell leave the vertex that has the largest weight (see
     /// buildTangentTable()).
     stencils::StencilTable<double> tangents() const;
+
+    /// Returns the places in regular cells, with patches over the vertices of the level. Leaves out
+    /// places at which the derivatives almost lie in a plane, where rows are more accurate.
+    embed::SplinePlaces splinePlaces() const;
 
 private:
     CellCorner nearestCorner(std::size_t i) const;

@@ -215,17 +215,42 @@ TEST(Gradients, AreTheDerivativeOfTheDeformation) {
     }
 }
 
+// Points that share regular cells of levels have places in patches; each point alone has rows.
+TEST(Gradients, PatchesOfLevelsEqualRows) {
+    const Lattice lattice = shapes::cylinder({.sectors = 5, .layers = 2});  // no cell is regular
+    const auto points = scattered(lattice, 4000, 0);
+    BindOptions options = kCarried;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        options.weights.values.push_back(i % 3 == 0 ? 0 : i % 3 == 1 ? 0.5 : 1);
+    const Binding binding = withGradients(lattice, points, Limit{}, options);
+    EXPECT_GE(binding.gradients->splines.places.size(), 1000u);
+    EXPECT_FALSE(binding.gradients->points.empty());
+    const auto pose = test::bent(lattice);
+    const auto gradients = osd::evaluateGradients(binding, pose);
+    for (std::size_t i = 0; i < points.size(); i += 101) {
+        options.weights.values = {binding.weights[i].value};
+        const Binding alone = withGradients(lattice, {&points[i], 1}, Limit{}, options);
+        EXPECT_TRUE(alone.gradients->splines.places.empty());
+        // Both places are rounded to 1e-12 of the lattice, and F changes by about 10 for a unit of
+        // length.
+        EXPECT_LT(
+            (matrixOf(gradients[i]) - matrixOf(osd::evaluateGradients(alone, pose)[0])).norm(),
+            1e-10)
+            << i;
+    }
+}
+
 // The tables for solvers hold the same gradients as the formula in regular cells.
 TEST(Gradients, TablesEqualTheFormula) {
-    for (const Target& target : {Target(Level{2}), Target(Limit{})}) {
-        const Lattice lattice = evenBox();
-        const auto points = scattered(lattice, 300, 0.1);
+    const Lattice prism = shapes::cylinder({.sectors = 5});
+    for (const auto& [lattice, target, count] :
+         {std::tuple(evenBox(), Target(Level{2}), 300), std::tuple(evenBox(), Target(Limit{}), 300),
+          std::tuple(prism, Target(Limit{}), 4000)}) {
+        const auto points = scattered(lattice, std::size_t(count), 0.1);
         const Binding binding = withGradients(lattice, points, target);
         const embed::Gradients& gradients = *binding.gradients;
-        // All points in this box but those outside are in regular cells.
-        EXPECT_GE(std::ranges::count_if(gradients.splines.places,
-                                        [](const auto& place) { return place.patch != kMaxIndex; }),
-                  100);
+        // All points in the box but those outside are in regular cells.
+        EXPECT_GE(gradients.splines.places.size(), 100u);
         const auto pose = test::bent(lattice);
         const auto tables = gradientTables(binding);
         const auto expected = osd::evaluateGradients(binding, pose);
@@ -278,7 +303,8 @@ TEST(Gradients, ThatDoNotFitAreRefused) {
     using embed::Gradients;
     refuse("has gradients of 0 vertices", [](Gradients& g) { g = {}; });
     refuse("gradients of 1 points have 0 rows", [](Gradients& g) { g.points = {3}; });
-    refuse("10 points have 9 places", [](Gradients& g) { g.splines.places.pop_back(); });
+    refuse("gradients of the point -1; there are 10",
+           [](Gradients& g) { g.splines.places[2].point = -1; });
     refuse("point 3 is in patch", [](Gradients& g) { g.splines.places[3].patch = 1000; });
     refuse("point 3 is in patch -1", [](Gradients& g) { g.splines.places[3].patch = -1; });
     refuse("point 4 in its cell is not finite",
