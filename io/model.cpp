@@ -95,6 +95,12 @@ void ModelSurface::addOther(const std::string& kind, const std::string& name) {
     if (!name.empty() && known_.emplace(kind, name).second) other->names.push_back(name);
 }
 
+void ModelSurface::removeOther(const std::string& name) {
+    std::erase_if(others, [&](OtherData& other) {
+        return std::erase(other.names, name) > 0 && other.names.empty();
+    });
+}
+
 void ModelSurface::replaceFaces(
     const std::function<std::vector<std::vector<std::size_t>>(std::size_t face)>& replace) {
     ModelFaces newFaces;

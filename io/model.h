@@ -130,6 +130,9 @@ struct ModelSurface {
     /// name of it is listed once. \cost O(kinds + log names)
     void addOther(const std::string& kind, const std::string& name = {});
 
+    /// Removes a name of a part from all kinds of data, and kinds that have no other part.
+    void removeOther(const std::string& name);
+
 private:
     std::set<std::pair<std::string, std::string>> known_;  ///< kinds and names in `others`
 };
@@ -150,12 +153,18 @@ struct DirectionCounts {
 
 /// Numbers of a file, one per point, that may say how far each point follows a lattice.
 struct PointAttribute {
+    /// What the format says that the numbers are.
+    enum class Kind { Numbers, Color, TextureCoordinate };
+
     /// As the file has it; for one number of several, with its number behind a colon: "COLOR_0:3".
     std::string name;
 
     /// Reads the numbers, one per point. The model must still exist.
     /// \throws FileError if they are malformed
     std::function<std::vector<double>()> read;
+
+    Kind kind = Kind::Numbers;
+    std::size_t component = 0;  ///< of a colour: red, green, blue, opacity; or u and v of a texture
 };
 
 /// Points of a model that belong together: the points of the faces in a group.

@@ -106,8 +106,12 @@ void GltfFile::readBinary() {
         if (size > bytes_.size() - at)
             fail(concat("the file ends; a chunk at byte ", at, " claims ", size, " bytes, got ",
                         bytes_.size() - at));
-        if (type == kJsonChunk && !json) json.emplace(at, size);
-        if (type == kBinaryChunk && !binary) binary.emplace(at, size);
+        if (type == kJsonChunk && !json)
+            json.emplace(at, size);
+        else if (type == kBinaryChunk && !binary)
+            binary.emplace(at, size);
+        else
+            otherChunks_ += bytes_.substr(at - kChunkHeaderSize, kChunkHeaderSize + size);
         at += size;
     }
     if (!json) fail("has no chunk of JSON");
@@ -318,11 +322,13 @@ std::string textOf(const Json& json, int indent) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string binaryGltf(const std::filesystem::path& path, std::string json, std::string_view data) {
+std::string binaryGltf(const std::filesystem::path& path, std::string json, std::string_view data,
+                       std::string_view otherChunks) {
     json.append((4 - json.size() % 4) % 4, ' ');
     const std::size_t padding = (4 - data.size() % 4) % 4;
     const std::size_t size = kGltfHeaderSize + kChunkHeaderSize + json.size() +
-                             (data.empty() ? 0 : kChunkHeaderSize + data.size() + padding);
+                             (data.empty() ? 0 : kChunkHeaderSize + data.size() + padding) +
+                             otherChunks.size();
     if (size > std::numeric_limits<std::uint32_t>::max())
         throw FileError(path, concat("cannot be written: a .glb would have ", size,
                                      " bytes, and at most 4294967295 are possible; name the output "
@@ -339,11 +345,13 @@ std::string binaryGltf(const std::filesystem::path& path, std::string json, std:
     word(json.size());
     word(kJsonChunk);
     bytes += json;
-    if (data.empty()) return bytes;
-    word(data.size() + padding);
-    word(kBinaryChunk);
-    bytes += data;
-    bytes.append(padding, '\0');
+    if (!data.empty()) {
+        word(data.size() + padding);
+        word(kBinaryChunk);
+        bytes += data;
+        bytes.append(padding, '\0');
+    }
+    bytes += otherChunks;
     return bytes;
 }
 
@@ -437,8 +445,9 @@ void GltfEdit::write(const std::filesystem::path& path) {
         return writeFile(path, [&](std::ostream& out) { out << file_.bytes(); });
     if (isBinary) {
         const std::string data = binary();
-        return writeFile(path,
-                         [&](std::ostream& out) { out << binaryGltf(path, textOf(json_), data); });
+        return writeFile(path, [&](std::ostream& out) {
+            out << binaryGltf(path, textOf(json_), data, file_.otherChunks());
+        });
     }
     std::vector<FileToWrite> files;
     std::size_t number = 0;

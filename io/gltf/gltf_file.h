@@ -42,6 +42,10 @@ public:
 
     const Json& json() const { return json_; }
 
+    /// The chunks of a .glb that are neither JSON nor buffer, with their headers. A .gltf has no
+    /// place for them.
+    const std::string& otherChunks() const { return otherChunks_; }
+
     /// A list at the top of the JSON, such as "nodes"; empty if there is none.
     const Json& list(const char* name) const;
 
@@ -96,6 +100,7 @@ private:
 
     std::filesystem::path path_;
     std::string bytes_;
+    std::string otherChunks_;
     bool isBinary_ = false;
     Json json_;
     std::vector<Buffer> buffers_;
@@ -172,7 +177,9 @@ private:
 
 /// Returns the bytes of a binary glTF file (.glb).
 /// \param path for messages
+/// \param otherChunks whole chunks, with their headers
 /// \throws FileError if it would have 4 GiB or more
-std::string binaryGltf(const std::filesystem::path& path, std::string json, std::string_view data);
+std::string binaryGltf(const std::filesystem::path& path, std::string json, std::string_view data,
+                       std::string_view otherChunks = {});
 
 }  // namespace espalier::io

@@ -179,6 +179,12 @@ std::vector<float> normalsAt(const std::vector<Vertex>& vertices, std::span<cons
     return floats;
 }
 
+/// Returns a number as a float; 0 if it is not finite, which glTF forbids.
+float finite(double number) {
+    const auto value = static_cast<float>(number);
+    return std::isfinite(value) ? value : 0.0f;
+}
+
 /// Returns the intensity of light that an sRGB value from 0 to 1 stands for (IEC 61966-2-1).
 float linearOf(float value) {
     const double v = value;
@@ -222,8 +228,8 @@ Json addPrimitives(GltfBuilder& builder, const SurfaceView& surface, const Verti
         std::vector<float> textures;
         for (const Vertex& vertex : vertices) {
             const auto& [u, v] = appearance->textures[vertex.texture];
-            textures.push_back(static_cast<float>(u));
-            textures.push_back(static_cast<float>(1 - v));  // glTF counts v downwards
+            textures.push_back(finite(u));
+            textures.push_back(finite(1 - v));  // glTF counts v downwards
         }
         attributes["TEXCOORD_0"] = builder.add(std::span<const float>(textures), 2, kArrayBuffer);
     }

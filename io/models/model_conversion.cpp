@@ -72,7 +72,13 @@ ModelConversion::ModelConversion(const Model& model, const Format& format,
     for (Point3& normal : surface_.normals)
         if (!std::ranges::all_of(normal, [](double x) { return std::isfinite(x); }))
             normal = {0, 0, 0};
-    if (!format.holdsAppearance) dropAppearance();
+    if (format.holdsAppearance) {
+        const auto attributes = model.attributes();
+        if (surface_.colors.empty()) readColors(attributes);
+        if (surface_.textureCorners.empty()) readTextures(attributes);
+    } else {
+        dropAppearance();
+    }
     if (surface_.dropsLoosePoints) dropRepeatedPoints();
     if (format.normals == Format::Normals::Points) moveNormalsToPoints();
     if (format.normals == Format::Normals::Corners) moveNormalsToCorners();
@@ -140,6 +146,54 @@ void ModelConversion::splitIntoTriangles() {
     if (splitCount > 0)
         changes_.push_back(concat(counted(splitCount, "face is", "faces are"), " split into ",
                                   partCount, " triangles"));
+}
+
+namespace {
+
+/// Returns the attribute with a component of a colour or of texture coordinates; null if there is
+/// none.
+const PointAttribute* findComponent(const std::vector<PointAttribute>& attributes,
+                                    PointAttribute::Kind kind, std::size_t component) {
+    const auto found = std::ranges::find_if(attributes, [&](const PointAttribute& attribute) {
+        return attribute.kind == kind && attribute.component == component;
+    });
+    return found == attributes.end() ? nullptr : &*found;
+}
+
+/// Removes an attribute from the data that are not written.
+void removeFromOthers(const PointAttribute& attribute, ModelSurface& surface) {
+    surface.removeOther(attribute.name);
+    surface.removeOther(attribute.name.substr(0, attribute.name.rfind(':')));  // an array
+}
+
+}  // namespace
+
+/// Takes the colours of the points from attributes, if there are red, green and blue.
+void ModelConversion::readColors(const std::vector<PointAttribute>& attributes) {
+    std::vector<std::array<float, 4>> colors(model_.positions().size(), {0, 0, 0, 1});
+    for (std::size_t component = 0; component < 4; ++component) {
+        const auto* attribute = findComponent(attributes, PointAttribute::Kind::Color, component);
+        if (!attribute && component == 3) break;
+        if (!attribute) return;
+        const std::vector<double> values = attribute->read();
+        for (std::size_t i = 0; i < colors.size(); ++i)
+            if (!std::isnan(values[i]))
+                colors[i][component] = static_cast<float>(std::clamp(values[i], 0.0, 1.0));
+        removeFromOthers(*attribute, surface_);
+    }
+    surface_.colors = std::move(colors);
+}
+
+/// Takes the texture coordinates of the points from attributes, if there are u and v.
+void ModelConversion::readTextures(const std::vector<PointAttribute>& attributes) {
+    const auto* u = findComponent(attributes, PointAttribute::Kind::TextureCoordinate, 0);
+    const auto* v = findComponent(attributes, PointAttribute::Kind::TextureCoordinate, 1);
+    if (!u || !v || surface_.faces.count() == 0) return;
+    const std::vector<double> us = u->read(), vs = v->read();
+    surface_.textures.clear();
+    for (std::size_t i = 0; i < us.size(); ++i) surface_.textures.push_back({us[i], vs[i]});
+    surface_.textureCorners = surface_.faces.corners;
+    for (const PointAttribute* attribute : {u, v}) removeFromOthers(*attribute, surface_);
 }
 
 /// Names texture coordinates, colours and materials, and drops them, if the format lacks them.

@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -62,6 +64,11 @@ bool isCornerList(const PlyProperty& property) {
            (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
+/// Returns true if a list of an element of faces has the texture coordinates of their corners.
+bool isTextureList(const PlyProperty& property) {
+    return property.lengthType && !isInteger(property.type) && property.name == "texcoord";
+}
+
 /// A property of the vertices, and its numbers.
 struct PlyColumn {
     std::size_t column;
@@ -74,14 +81,14 @@ class RowReader {
 
 public:
     /// \param path, bytes, header must outlive the reader
-    /// \param faces receives the faces; may be null
+    /// \param surface receives the faces with their texture coordinates; may be null
     /// \param wanted receives a property of the points; may be null
     RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
-              ModelFaces* faces, PlyColumn* wanted)
+              ModelSurface* surface, PlyColumn* wanted)
         : path_(path),
           bytes_(bytes),
           header_(header),
-          faces_(faces),
+          surface_(surface),
           wanted_(wanted),
           slots_(header.vertices().properties.size()) {
         numbers_.directions.resize(header.directions.size());
@@ -113,9 +120,11 @@ public:
             for (row_ = 0; row_ < element.count; ++row_) {
                 checkCancelledEvery(row_, 12);
                 readRow(element);
+                if (isFace_ && !isStrip_ && surface_) endFaceRow();
             }
         }
         checkEnd();
+        if (surface_ && !haveTextures_) surface_->textureCorners.clear();
         return std::move(numbers_);
     }
 
@@ -164,8 +173,15 @@ protected:
 
     /// Returns true if a list of the current element has the corners of a face that is wanted.
     bool isFaceList(const PlyProperty& property) const {
-        return faces_ && isFace_ && isCornerList(property);
+        return surface_ && isFace_ && isCornerList(property);
     }
+
+    /// Returns true if a list of the current element has texture coordinates that are wanted.
+    bool areTextures(const PlyProperty& property) const {
+        return surface_ && isFace_ && isTextureList(property);
+    }
+
+    void addTexture(double value) { textureRow_.push_back(value); }
 
     /// Returns true if a corner of a face names a point, and adds it then; or if it ends a strip.
     bool addCorner(std::int64_t point) {
@@ -175,13 +191,13 @@ protected:
         }
         if (point < 0 || static_cast<std::uint64_t>(point) >= header_.vertices().count)
             return false;
-        (isStrip_ ? strip_ : faces_->corners).push_back(static_cast<Index>(point));
+        (isStrip_ ? strip_ : surface_->faces.corners).push_back(static_cast<Index>(point));
         return true;
     }
 
     void endFace() {
-        if (!isStrip_) return faces_->endFace();
-        faces_->addStrip(strip_);
+        if (!isStrip_) return surface_->faces.endFace();
+        surface_->faces.addStrip(strip_);
         strip_.clear();
     }
 
@@ -206,21 +222,41 @@ private:
         for (std::size_t axis = 0; axis < 3; ++axis) slots_[columns[axis]] = {&vectors, axis};
     }
 
+    /// Gives the corners of the row the texture coordinates of the row: u and v for each. Without
+    /// coordinates for a corner there are none for any corner.
+    void endFaceRow() {
+        const std::size_t corners = surface_->faces.corners.size();
+        auto& textures = surface_->textures;
+        for (std::size_t i = 0; i + 1 < textureRow_.size(); i += 2) {
+            const std::array<double, 2> pair = {textureRow_[i], textureRow_[i + 1]};
+            const auto [known, isNew] =
+                textureOf_.try_emplace(std::bit_cast<std::array<std::uint64_t, 2>>(pair),
+                                       static_cast<Index>(textures.size()));
+            if (isNew) textures.push_back(pair);
+            surface_->textureCorners.push_back(known->second);
+        }
+        haveTextures_ = haveTextures_ && surface_->textureCorners.size() == corners;
+        textureRow_.clear();
+    }
+
     FileNumbers numbers_;
-    ModelFaces* faces_;
+    ModelSurface* surface_;
     PlyColumn* wanted_;
     std::vector<Slot> slots_;  ///< one for each column of the vertices
     bool isVertex_ = false;
     bool isFace_ = false;
     bool isStrip_ = false;
     std::vector<Index> strip_;  ///< the points of the current strip
+    bool haveTextures_ = true;  ///< all corners so far have texture coordinates
+    std::map<std::array<std::uint64_t, 2>, Index> textureOf_;  ///< by the bits of u and v
+    std::vector<double> textureRow_;  ///< the texture coordinates of the current row
 };
 
 class AsciiRows final : public RowReader {
 public:
     AsciiRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
-              ModelFaces* faces, PlyColumn* wanted)
-        : RowReader(path, bytes, header, faces, wanted),
+              ModelSurface* surface, PlyColumn* wanted)
+        : RowReader(path, bytes, header, surface, wanted),
           lines_(path, bytes.substr(header.size), header.lineCount + 1) {}
 
 private:
@@ -293,6 +329,11 @@ private:
         const bool isFace = isFaceList(property);
         for (; left > 0; --left) {
             const std::string_view word = needWord(line, property);
+            if (double number = 0; areTextures(property)) {
+                if (!parseNumber(word, number))
+                    lines_.fail(inQuotes(word) + " is not a texture coordinate");
+                addTexture(number);
+            }
             std::int64_t point = 0;
             if (isFace && (!parseNumber(word, point) || !addCorner(point)))
                 lines_.fail("a face has the corner " + inQuotes(word) +
@@ -307,8 +348,8 @@ private:
 class BinaryRows final : public RowReader {
 public:
     BinaryRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header,
-               ModelFaces* faces, PlyColumn* wanted)
-        : RowReader(path, bytes, header, faces, wanted),
+               ModelSurface* surface, PlyColumn* wanted)
+        : RowReader(path, bytes, header, surface, wanted),
           at_(header.size),
           order_(header.byteOrder()) {}
 
@@ -370,6 +411,9 @@ private:
                         "; expected 0 or more"));
         const std::size_t size = byteSize(property.type);
         const std::size_t begin = take(static_cast<std::uint64_t>(length), size, property);
+        if (areTextures(property))
+            for (std::size_t offset = begin; offset < at_; offset += size)
+                addTexture(load(offset, property.type));
         if (!isFaceList(property)) return;
         for (std::size_t offset = begin; offset < at_; offset += size) {
             const std::int64_t point = loadInteger(bytes_.data() + offset, property.type, order_);
@@ -400,16 +444,16 @@ private:
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \param faces receives the faces; may be null
+/// \param surface receives the faces with their texture coordinates; may be null
 /// \param wanted receives a property of the points; may be null
 /// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
 ///         than the header claims, if a row is malformed, or if a position is not finite
 FileNumbers readPlyRows(const std::filesystem::path& path, std::string_view bytes,
-                        const PlyHeader& header, ModelFaces* faces = nullptr,
+                        const PlyHeader& header, ModelSurface* surface = nullptr,
                         PlyColumn* wanted = nullptr) {
     if (header.format == PlyFormat::Ascii)
-        return AsciiRows(path, bytes, header, faces, wanted).read();
-    return BinaryRows(path, bytes, header, faces, wanted).read();
+        return AsciiRows(path, bytes, header, surface, wanted).read();
+    return BinaryRows(path, bytes, header, surface, wanted).read();
 }
 
 bool isZero(const FileVectors& vectors) {
@@ -446,7 +490,34 @@ std::vector<double> readPlyProperty(const FileView& file, std::size_t column) {
     return std::move(numbers.values);
 }
 
-/// Names the data of an element that are neither points, faces nor normals.
+/// What a property of the points is by its name.
+struct PropertyMeaning {
+    std::string_view name;
+    PointAttribute::Kind kind;
+    std::size_t component;
+};
+
+/// Returns what a property is; Kind::Numbers for all that are neither colours nor coordinates.
+PropertyMeaning meaningOf(const PlyProperty& property) {
+    static constexpr PropertyMeaning kMeanings[] = {
+        {"red", PointAttribute::Kind::Color, 0},
+        {"green", PointAttribute::Kind::Color, 1},
+        {"blue", PointAttribute::Kind::Color, 2},
+        {"alpha", PointAttribute::Kind::Color, 3},
+        {"s", PointAttribute::Kind::TextureCoordinate, 0},
+        {"t", PointAttribute::Kind::TextureCoordinate, 1},
+        {"u", PointAttribute::Kind::TextureCoordinate, 0},
+        {"v", PointAttribute::Kind::TextureCoordinate, 1},
+        {"texture_u", PointAttribute::Kind::TextureCoordinate, 0},
+        {"texture_v", PointAttribute::Kind::TextureCoordinate, 1}};
+    const auto found = std::ranges::find(kMeanings, property.name, &PropertyMeaning::name);
+    if (found == std::end(kMeanings) || property.lengthType ||
+        (isInteger(property.type) && !isColorByte(property)))
+        return {property.name, PointAttribute::Kind::Numbers, 0};
+    return *found;
+}
+
+/// Names the data of an element that are neither points, faces, texture coordinates nor normals.
 /// \param used numbers of the properties of vertices that are points, normals or splats
 void nameOtherData(const PlyHeader& header, const PlyElement& element,
                    const std::vector<std::size_t>& used, ModelSurface& surface) {
@@ -459,7 +530,8 @@ void nameOtherData(const PlyHeader& header, const PlyElement& element,
             if (&element == &header.vertices()) {
                 if (std::ranges::count(used, column) == 0)
                     surface.addOther("properties of points", property.name);
-            } else if (!isCornerList(property)) {
+            } else if (!isCornerList(property) &&
+                       !(isTextureList(property) && !surface.textureCorners.empty())) {
                 surface.addOther("properties of faces", property.name);
             }
         }
@@ -468,7 +540,7 @@ void nameOtherData(const PlyHeader& header, const PlyElement& element,
 ModelSurface readPlySurface(const FileView& file) {
     const PlyHeader header = parsePlyHeader(file.path, file.bytes);
     ModelSurface surface;
-    readPlyRows(file.path, file.bytes, header, &surface.faces);
+    readPlyRows(file.path, file.bytes, header, &surface);
     std::vector<std::size_t> used(header.axes.begin(), header.axes.end());
     surface.normals = normalsOf(file.numbers);
     for (const PlyDirection& direction : header.directions)
@@ -488,8 +560,10 @@ std::vector<PointAttribute> plyAttributes(const FileView& file) {
     std::vector<PointAttribute> attributes;
     for (std::size_t column = 0; column < properties.size(); ++column) {
         if (properties[column].lengthType || std::ranges::count(header.axes, column) > 0) continue;
-        attributes.push_back(
-            {properties[column].name, [file, column] { return readPlyProperty(file, column); }});
+        const PropertyMeaning meaning = meaningOf(properties[column]);
+        attributes.push_back({properties[column].name,
+                              [file, column] { return readPlyProperty(file, column); },
+                              meaning.kind, meaning.component});
     }
     return attributes;
 }

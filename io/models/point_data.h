@@ -4,6 +4,7 @@
 #include <espalier/base/error.h>
 #include <espalier/io/model.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <set>
 #include <string>
@@ -26,22 +27,33 @@ inline std::string nameOfComponent(const std::string& name, std::size_t componen
 /// \param read returns all numbers, one tuple per point
 template <class Read>
 void addAttributes(const std::string& name, std::size_t components, double unit,
-                   std::vector<PointAttribute>& attributes, Read read) {
+                   PointAttribute::Kind kind, std::vector<PointAttribute>& attributes, Read read) {
     for (std::size_t component = 0; component < components; ++component)
-        attributes.push_back(
-            {nameOfComponent(name, component, components), [read, components, unit, component] {
-                 std::vector<double> numbers = read();
-                 const std::size_t count = numbers.size() / components;
-                 for (std::size_t i = 0; i < count; ++i)
-                     numbers[i] = numbers[components * i + component] / unit;
-                 numbers.resize(count);
-                 return numbers;
-             }});
+        attributes.push_back({nameOfComponent(name, component, components),
+                              [read, components, unit, component] {
+                                  std::vector<double> numbers = read();
+                                  const std::size_t count = numbers.size() / components;
+                                  for (std::size_t i = 0; i < count; ++i)
+                                      numbers[i] = numbers[components * i + component] / unit;
+                                  numbers.resize(count);
+                                  return numbers;
+                              },
+                              kind, component});
 }
 
-/// Returns the unit of an array of VTK: 255 for colours in bytes.
-inline double unitOfVtkArray(bool areBytes, std::size_t components) {
-    return areBytes && (components == 3 || components == 4) ? 255 : 1;
+/// Adds an attribute for each component of an array of VTK. The first array of 3 or 4 bytes for
+/// each point has the colours; such bytes are divided by 255.
+/// \param kind what the file says that the array is
+template <class Read>
+void addVtkAttributes(const std::string& name, std::size_t components, bool areBytes,
+                      PointAttribute::Kind kind, std::vector<PointAttribute>& attributes,
+                      Read read) {
+    const bool areColorBytes = areBytes && (components == 3 || components == 4);
+    if (areColorBytes) kind = PointAttribute::Kind::Color;
+    const bool isFirst =
+        std::ranges::find(attributes, kind, &PointAttribute::kind) == attributes.end();
+    addAttributes(name, components, areColorBytes ? 255 : 1,
+                  isFirst ? kind : PointAttribute::Kind::Numbers, attributes, read);
 }
 
 /// Lists the names of groups, each once, in the order in which they are added.

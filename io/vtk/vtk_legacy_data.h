@@ -224,10 +224,8 @@ public:
     /// Goes on to the first byte of binary numbers.
     void beginBinary() { text_.restOfLine(); }
 
-    /// Skips colours: unsigned bytes if binary, else fractions.
-    void skipColours(std::size_t count) {
-        numbers<double>(isBinary_ ? "unsigned_char" : "float", count, "a colour");
-    }
+    /// Returns the type of the numbers of colours: bytes if binary, else fractions.
+    const char* typeOfColours() const { return isBinary_ ? "unsigned_char" : "float"; }
 
     /// Skips METADATA after its keyword, up to the empty line at its end.
     void skipMetadata() {

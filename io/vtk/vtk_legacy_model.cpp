@@ -41,9 +41,9 @@ std::optional<Precision> realPrecisionOf(const std::string& type) {
 /// Returns the function that carries an array; null if the array does not hold directions.
 Carry legacyCarry(const LegacyArray& array) {
     if (array.owner != LegacyArray::Owner::Points || array.components != 3 ||
-        !realPrecisionOf(array.type))
+        !realPrecisionOf(array.type) || array.kind == LegacyArray::Kind::Colors)
         return nullptr;
-    if (array.isNormals || array.name == "Normals") return carryNormal;
+    if (array.kind == LegacyArray::Kind::Normals || array.name == "Normals") return carryNormal;
     return array.name == "Tangents" ? carryTangent : nullptr;
 }
 
@@ -312,14 +312,24 @@ ModelVolume readLegacyVolume(const FileView& file) {
     return withPathInErrors(file.path, [&] { return volume.finish(file.numbers.points.values); });
 }
 
+PointAttribute::Kind kindOf(const LegacyArray& array) {
+    switch (array.kind) {
+        case LegacyArray::Kind::TextureCoordinates:
+            return PointAttribute::Kind::TextureCoordinate;
+        case LegacyArray::Kind::Colors:
+            return PointAttribute::Kind::Color;
+        default:
+            return PointAttribute::Kind::Numbers;
+    }
+}
+
 std::vector<PointAttribute> legacyAttributes(const FileView& file) {
     std::vector<PointAttribute> attributes;
     const auto arrays = LegacyArrayReader(file.path, file.bytes).read();
     for (std::size_t number = 0; number < arrays.size(); ++number)
-        addAttributes(
-            arrays[number].name, arrays[number].components,
-            unitOfVtkArray(arrays[number].type == "unsigned_char", arrays[number].components),
-            attributes,
+        addVtkAttributes(
+            arrays[number].name, arrays[number].components, arrays[number].type == "unsigned_char",
+            kindOf(arrays[number]), attributes,
             [file, number] { return LegacyArrayReader(file.path, file.bytes).read(number); });
     return attributes;
 }

@@ -23,7 +23,8 @@ struct LegacyArray {
     enum class Owner { DataSet, Points, Cells };
 
     Owner owner = Owner::DataSet;
-    bool isNormals = false;  ///< has the keyword NORMALS
+    /// What its keyword says; Numbers for all other keywords.
+    enum class Kind { Numbers, Normals, TextureCoordinates, Colors } kind = Kind::Numbers;
     std::string name;
     std::string type;  ///< the type in lower case: "float"
     std::size_t components = 1;
@@ -54,7 +55,7 @@ inline LegacyCells cellsOfGrid(const Extent& extent) {
 }
 
 /// Goes through the parts of a legacy VTK file, in their order. Derived classes read or skip the
-/// numbers of each part. Skips METADATA, colours, ids, edge flags and lookup tables.
+/// numbers of each part. Skips METADATA, ids, edge flags and lookup tables.
 class LegacyParts {
 public:
     LegacyParts(const LegacyParts&) = delete;
@@ -92,7 +93,7 @@ private:
     virtual void beginData(LegacyArray::Owner owner, std::size_t tuples) = 0;
     /// Reads the numbers of an array.
     virtual void readArray(const LegacyArray& array) = 0;
-    /// Called for colours, ids and edge flags, whose numbers are skipped.
+    /// Called for ids and edge flags, whose numbers are skipped.
     virtual void skippedArray(const LegacyArray&) {}
 
     void readPart(const std::string& keyword) {
@@ -120,7 +121,7 @@ private:
         } else if (keyword == "field") {
             data_.readField([&](const std::string& name, const std::string& type,
                                 std::size_t components, std::size_t tuples) {
-                readArray({owner_, false, name, type, components, tuples});
+                readArray({owner_, LegacyArray::Kind::Numbers, name, type, components, tuples});
             });
         } else if (owner_ != LegacyArray::Owner::DataSet) {
             readAttribute(keyword);
@@ -151,16 +152,23 @@ private:
         const auto known = std::ranges::find(kComponents, keyword,
                                              &std::pair<std::string_view, std::size_t>::first);
         if (known == std::end(kComponents)) failAt(keyword);
-        LegacyArray array{owner_, keyword == "normals", data_.name(),
-                          "",     known->second,        tupleCount_};
-        if (keyword == "color_scalars" || keyword.ends_with("_ids") || keyword == "edge_flags")
-            skippedArray(array);
-        if (keyword == "color_scalars")
-            return data_.skipColours(
-                saturatingProduct(text().count("the number of values", 1), tupleCount_));
+        const LegacyArray::Kind kind = keyword == "normals" ? LegacyArray::Kind::Normals
+                                       : keyword == "texture_coordinates"
+                                           ? LegacyArray::Kind::TextureCoordinates
+                                       : keyword == "color_scalars" ? LegacyArray::Kind::Colors
+                                                                    : LegacyArray::Kind::Numbers;
+        LegacyArray array{owner_, kind, data_.name(), "", known->second, tupleCount_};
+        if (keyword.ends_with("_ids") || keyword == "edge_flags") skippedArray(array);
+        if (kind == LegacyArray::Kind::Colors) {
+            array.components = text().count("the number of values", 1);
+            array.type = data_.typeOfColours();
+            return readArray(array);
+        }
         if (keyword == "lookup_table")
-            return data_.skipColours(
-                saturatingProduct(text().count("the number of colours", 1), array.components));
+            return data_.skipValues(
+                data_.typeOfColours(),
+                saturatingProduct(text().count("the number of colours", 1), array.components),
+                "a colour");
         if (keyword == "texture_coordinates")
             array.components = text().count("the number of coordinates", 1);
         array.type = data_.keyword("a type");

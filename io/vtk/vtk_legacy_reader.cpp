@@ -75,6 +75,8 @@ private:
     void readArray(const LegacyArray& array) override {
         const std::size_t line = text().line();
         const std::optional<NumberType> number = numberOfLegacyName(array.type);
+        if (array.owner == Owner::Cells || array.kind == LegacyArray::Kind::Colors)
+            return data().skipValues(array.type, array.size(), "a number");
         if (array.owner == Owner::Points && number && isInteger(*number) &&
             array.name != kVertexSharpness) {
             auto integers = data().numbers<std::int64_t>(array.type, array.size(), "an integer");
@@ -85,8 +87,6 @@ private:
                                              integerTypeOf(*number), std::move(integers)});
             return;
         }
-        if (array.owner == Owner::Cells)
-            return data().skipValues(array.type, array.size(), "a number");
         auto values = data().values(array.type, array.size(), "a number");
         if (!values) return;
         if (array.owner == Owner::DataSet) {

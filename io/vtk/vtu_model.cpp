@@ -72,16 +72,20 @@ std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, NumberT
                                     file.coding(), indentOf(file.bytes(), array.begin));
 }
 
+/// Returns true for an array of this name, and for the active array of this kind.
+/// \param kind attribute of PointData: "Normals"
+bool is(const VtkSection& pointData, const VtkDataArray& array, const std::string& kind) {
+    const auto active = pointData.active.find(kind);
+    return array.name == kind || (active != pointData.active.end() && array.name == active->second);
+}
+
 /// Returns the function that carries an array of PointData; null if the array does not hold
 /// directions.
 Carry carryOf(const VtkSection& pointData, const VtkDataArray& array) {
     if (array.components != 3 || !array.type || isInteger(*array.type)) return nullptr;
-    const auto is = [&](const std::string& kind) {
-        const auto active = pointData.active.find(kind);
-        return array.name == kind ||
-               (active != pointData.active.end() && array.name == active->second);
-    };
-    return is("Normals") ? carryNormal : is("Tangents") ? carryTangent : nullptr;
+    return is(pointData, array, "Normals")    ? carryNormal
+           : is(pointData, array, "Tangents") ? carryTangent
+                                              : nullptr;
 }
 
 std::vector<Point3> copyOf(std::span<const Point3> points) {
@@ -176,9 +180,12 @@ public:
             // The first piece with points has the arrays that all pieces have.
             for (const VtkDataArray& array : section->second.arrays)
                 if (array.type)
-                    addAttributes(array.name, array.components,
-                                  unitOfVtkArray(array.type == NumberType::UInt8, array.components),
-                                  attributes, [this, first = &array] { return pointData(*first); });
+                    addVtkAttributes(array.name, array.components, array.type == NumberType::UInt8,
+                                     is(section->second, array, "TCoords")
+                                         ? PointAttribute::Kind::TextureCoordinate
+                                         : PointAttribute::Kind::Numbers,
+                                     attributes,
+                                     [this, first = &array] { return pointData(*first); });
             break;
         }
         return attributes;

@@ -27,11 +27,11 @@ BoundModel sample(bool hasGradients = false) {
                         embed::PointStatus::NotConverged};
     binding.largestResidual = 1e-15;
     if (hasGradients) {
-        // A cell of the four vertices, without layers around it.
+        // A cell of the two vertices, without layers around it.
         embed::SplinePlaces::Patch patch;
         patch.fill(kMaxIndex);
         for (std::size_t corner = 0; corner < 8; ++corner)
-            patch[21 + corner % 2 + 4 * (corner / 2 % 2) + 16 * (corner / 4)] = Index(corner % 4);
+            patch[21 + corner % 2 + 4 * (corner / 2 % 2) + 16 * (corner / 4)] = Index(corner % 2);
         // Two vertices of a level; rows of the third point, and a place of the second in a cell.
         binding.gradients = embed::Gradients{
             stencils::StencilTable<double>(4, {0, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
@@ -76,12 +76,12 @@ TEST(BindingFile, RoundTripIsExact) {
         writeBoundModel(folder / "a.espb", sample(hasGradients));
         expectEqual(readBoundModel(folder / "a.espb"), sample(hasGradients));
         const std::string bytes = readFile(folder / "a.espb");
-        EXPECT_EQ(bytes[8], 7) << "the version";
+        EXPECT_EQ(bytes[8], 8) << "the version";
         EXPECT_EQ(bytes[12], hasGradients);
         // Tables with 3 and 4 offsets, 6 entries and a point; a cell and a place in it; a spacing,
-        // a patch, three places, and three weights.
+        // a patch, a place, and three weights.
         constexpr std::size_t kTables = (3 + 4) * 8 + 6 * (8 + 4) + 4 + 8 * 4 + 2 * 4 + 3 * 8,
-                              kSplines = 8 + 64 * 4 + 3 * (3 * 8 + 4 + 4 * 8);
+                              kSplines = 8 + 64 * 4 + 2 * 4 + 3 * 8 + 3 * 4 * 8;
         EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? kTables + kSplines : 0));
     }
 }
@@ -241,11 +241,11 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
     const auto path = folder / "p.espb";
     writeBoundModel(path, sample(true));
     const std::string bytes = readFile(path);
-    // The weights end before the points; the places, the patches and the spacing are before them.
+    // The weights end before the points; the place, the patch and the spacing are before them.
     constexpr std::size_t kEnd = kPointsAt + (3 + 4) * 8 + 6 * (8 + 4) + 4 + 8 * 4 + 2 * 4 + 3 * 8 +
-                                 8 + 64 * 4 + 3 * (3 * 8 + 4 + 4 * 8),
-                          kWeights = kEnd - 3 * 4 * 8, kPatchOf = kWeights - 3 * 4,
-                          kPlaces = kPatchOf - 3 * 24, kPatch = kPlaces - 64 * 4;
+                                 8 + 64 * 4 + 2 * 4 + 3 * 8 + 3 * 4 * 8,
+                          kWeights = kEnd - 3 * 4 * 8, kPlace = kWeights - 2 * 4 - 3 * 8,
+                          kPatch = kPlace - 64 * 4;
     const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
         std::string damaged = bytes;
         storeNumber(damaged.data() + at, number, std::endian::little);
@@ -253,8 +253,8 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
         EXPECT_THAT(messageOf<FileError>([&] { readBoundModel(path); }),
                     AllOf(HasSubstr("is damaged"), HasSubstr(why)));
     };
-    expectRefused(kPatchOf, std::int32_t{7}, "the gradient of point 0 is in patch 7 of 1");
-    expectRefused(kPlaces + 8, kNan, "the place of point 0 in its cell is not finite");
+    expectRefused(kPlace + 4, std::int32_t{7}, "the gradient of point 0 is in patch 7 of 1");
+    expectRefused(kPlace + 16, kNan, "the place of point 0 in its cell is not finite");
     expectRefused(kPatch + 4 * 21, std::int32_t{4}, "has vertex 4 at its control point 21");
     expectRefused(kPatch, std::int32_t{0}, "has vertex 0 at its control point 0; expected none");
     expectRefused(kPatch - 8, -1.0, "a spacing of -1");

@@ -749,6 +749,99 @@ TEST(Gltf, ANewFileHasNormalsTexturesColorsAndMaterials) {
     EXPECT_EQ(turned.floats(turned.attribute("NORMAL"))[0], (std::vector<float>{1, 0, 0}));
 }
 
+// Colours in bytes are sRGB: 255 is 1, and 51 is 0.2, which is 0.0331 of the light. Texture
+// coordinates count v downwards in glTF.
+TEST(Gltf, ANewFileHasColorsAndTexturesOfPlyAndVtk) {
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+        "float z\nproperty uchar green\nproperty uchar red\nproperty uchar blue\nproperty uchar "
+        "alpha\nproperty float s\nproperty float t\nproperty int mark\nelement face 1\nproperty "
+        "list "
+        "uchar int vertex_indices\nend_header\n0 0 0 0 255 0 255 0 0 7\n1 0 0 255 0 0 51 1 0 7\n"
+        "0 1 0 51 51 51 0 0 0.25 7\n3 0 1 2\n";
+    const std::string legacy =
+        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1 0 0 0 1 "
+        "0\n"
+        "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nSCALARS mark int\nLOOKUP_TABLE default\n7 7 7\n"
+        "COLOR_SCALARS rgba 4\n1 0 0 1 0 1 0 0.2 0.2 0.2 0.2 0\n"
+        "TEXTURE_COORDINATES st 2 float\n0 0 1 0 0 0.25\n";
+    const std::string xml =
+        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">"
+        "<PointData TCoords=\"st\"><DataArray type=\"UInt8\" Name=\"rgba\" "
+        "NumberOfComponents=\"4\" "
+        "format=\"ascii\">255 0 0 255 0 255 0 51 51 51 51 0</DataArray>"
+        "<DataArray type=\"Float32\" Name=\"st\" NumberOfComponents=\"2\" format=\"ascii\">"
+        "0 0 1 0 0 0.25</DataArray><DataArray type=\"Int32\" Name=\"mark\" format=\"ascii\">7 7 7"
+        "</DataArray></PointData><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+        "format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points><Polys>"
+        "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>"
+        "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys>"
+        "</Piece></PolyData></VTKFile>";
+    for (const auto& [name, bytes] :
+         {std::pair{"a.ply", ply}, std::pair{"a.vtk", legacy}, std::pair{"a.vtp", xml}}) {
+        const auto model = readModel(name, bytes);
+        // The other array is all that the new file lacks.
+        const TemporaryFolder folder;
+        const std::string line = model->checkTarget(folder / "a.glb");
+        EXPECT_THAT(line, testing::HasSubstr("'mark'")) << name;
+        EXPECT_THAT(line, testing::Not(testing::ContainsRegex("red|rgba|'s'|st'"))) << name;
+        const ParsedGltf made(writtenAs(*model, "a.glb", model->positions()));
+        const FloatRows colors = made.floats(made.attribute("COLOR_0"));
+        const FloatRows expected = {{1, 0, 0, 1}, {0, 1, 0, 0.2f}, {0.0331f, 0.0331f, 0.0331f, 0}};
+        ASSERT_EQ(colors.size(), 3u) << name;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t c = 0; c < 4; ++c)
+                EXPECT_NEAR(colors[i][c], expected[i][c], 1e-5) << name;  // the digits above
+        EXPECT_EQ(made.floats(made.attribute("TEXCOORD_0")), (FloatRows{{0, 1}, {1, 1}, {0, 0.75}}))
+            << name;
+        // A format without appearance says that they are missing.
+        EXPECT_THAT(model->checkTarget(folder / "a.obj"),
+                    testing::ContainsRegex(name == std::string("a.ply") ? "'red'.*'s'" : "'rgba'"))
+            << name;
+    }
+}
+
+// MeshLab writes the texture coordinates of the corners of a face as a list of the face.
+TEST(Gltf, ANewFileHasTexturesOfTheCornersOfAPly) {
+    const auto bytes = [](const std::string& second) {
+        return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 2\nproperty list uchar int vertex_indices\nproperty "
+               "list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+               "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 " +
+               second + "\n";
+    };
+    const TemporaryFolder folder;
+    const auto model = readModel("a.ply", bytes("6 0.5 0 1 1 0 1"));
+    EXPECT_THAT(model->checkTarget(folder / "a.glb"),
+                testing::Not(testing::HasSubstr("not written")));
+    const ParsedGltf made(writtenAs(*model, "a.glb", model->positions()));
+    // Corner 0 has two pairs of coordinates, and so point 0 becomes two vertices.
+    EXPECT_EQ(made.floats(made.attribute("POSITION")).size(), 5u);
+    EXPECT_EQ(made.floats(made.attribute("TEXCOORD_0"))[4], (std::vector<float>{0, 0}));
+    // Without coordinates for one corner there are none.
+    const auto part = readModel("a.ply", bytes("0"));
+    EXPECT_THAT(part->checkTarget(folder / "a.glb"), testing::HasSubstr("faces 'texcoord'"));
+    const ParsedGltf without(writtenAs(*part, "a.glb", part->positions()));
+    EXPECT_FALSE(without.root["meshes"][0]["primitives"][0]["attributes"].contains("TEXCOORD_0"));
+    EXPECT_REFUSED(FileError, "'foo' is not a texture coordinate",
+                   readModel("a.ply", bytes("6 0 0 0 0 0 foo"))->checkTarget(folder / "a.glb"));
+}
+
+// Chunks of further kinds stay behind the chunks that the specification names.
+TEST(Gltf, OtherChunksOfABinaryFileStay) {
+    std::string bytes = triangle().binary();
+    const std::string chunk = std::string("\4\0\0\0", 4) + "ABCDwxyz";
+    bytes += chunk;
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    std::memcpy(bytes.data() + 8, &size, sizeof size);
+    const auto model = readModel("a.glb", bytes);
+    EXPECT_EQ(writtenAs(*model, "a.glb", model->positions()), bytes);
+    const std::string moved = writtenAs(*model, "a.glb", movedBy(model->positions(), {1, 0, 0}));
+    EXPECT_TRUE(moved.ends_with(chunk));
+    EXPECT_NE(moved, bytes);
+    EXPECT_EQ(readModel("b.glb", moved)->positions()[0], (Point3{1, 0, 0}));
+}
+
 TEST(Gltf, ANewFileOfPointsAloneHasPoints) {
     const auto model = readModel("a.obj", "v 0 0 0\nv 1 2 3\n");
     const std::string bytes = writtenAs(*model, "a.glb", model->positions());
