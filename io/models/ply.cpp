@@ -43,7 +43,7 @@
 // lines between and after rows are kept and ignored. In binary one line end may follow the rows.
 //
 // Lines of the header whose first word is not in the description of the format are kept, and a note
-// counts them.
+// counts them. So are further words in ASCII rows of elements other than `vertex`.
 //
 // Refused: x, y or z of an integer type, which could not hold a deformed position.
 
@@ -151,6 +151,10 @@ protected:
     const Slot* slotOf(std::size_t column) const {
         return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
     }
+
+    bool isVertex() const { return isVertex_; }
+
+    void addNote(std::string note) { numbers_.notes.push_back(std::move(note)); }
 
     /// Returns true if a column of the current element is wanted.
     bool isWanted(std::size_t column) const {
@@ -292,12 +296,19 @@ private:
             else if (const Slot* slot = slotOf(column))
                 set(*slot, parse(*slot, word), word.data() - bytes_.data());
         }
-        if (const std::string_view more = takeWord(line); !more.empty())
+        const std::string_view more = takeWord(line);
+        if (more.empty()) return;
+        // Old versions of MeshLab write the colours of corners, which their header does not have.
+        if (isVertex())
             lines_.fail("expected the end of a row of the element " + inQuotes(element.name) +
                         ", got " + inQuotes(more));
+        longRows_.add(more, lines_.line());
     }
 
     void checkEnd() override {
+        if (!longRows_.empty())
+            addNote("kept " +
+                    longRows_.phrase("with more words than the header has properties for"));
         while (lines_.remaining() > 0) {
             std::string_view line = lines_.restOfLine();
             if (const std::string_view word = takeWord(line); !word.empty())
@@ -343,6 +354,7 @@ private:
     }
 
     TextReader lines_;
+    OddLines longRows_;
 };
 
 class BinaryRows final : public RowReader {

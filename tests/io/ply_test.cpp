@@ -190,6 +190,22 @@ TEST(Ply, StripsOfTrianglesAreFaces) {
                    readModel("a.ply", replaced(text, "tristrips", "face"))->readSurface());
 }
 
+/// Old versions of MeshLab write the colours of corners without naming them in the header.
+TEST(Ply, KeepsFurtherWordsOfFaces) {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 1 1 1 1 1 1 1 1 1\n";
+    const auto model = readModel("a.ply", text);
+    EXPECT_THAT(model->notes(), ElementsAre("kept 1 line with more words than the header has "
+                                            "properties for ('9' in line 13)"));
+    EXPECT_EQ(model->readSurface().faces.count(), 1u);
+    EXPECT_EQ(written(*model, model->positions()), text);
+    // A row of points with further words would be a row of another table.
+    EXPECT_REFUSED(FileError, "expected the end of a row of the element 'vertex', got '7'",
+                   readModel("a.ply", replaced(text, "1 0 0\n", "1 0 0 7\n")));
+}
+
 /// The stamp of an exporter is no comment, and yet no reason to refuse the file.
 TEST(Ply, KeepsHeaderLinesThatItDoesNotKnow) {
     const std::string head = "ply\nformat ascii 1.0\n";
