@@ -101,10 +101,29 @@ std::string cornersOf(const draco::Mesh& mesh, NumberType type) {
     });
 }
 
+/// Sets the bounds of an accessor that has bounds. Compression has changed its numbers.
+void setBounds(Json& json, const GltfAccessor& accessor, const std::string& data) {
+    if ((!json.contains("min") && !json.contains("max")) || data.empty()) return;
+    visitStored(accessor.type, [&](auto zero) {
+        using Stored = decltype(zero);
+        const auto* values = reinterpret_cast<const Stored*>(data.data());
+        std::vector<Stored> low(values, values + accessor.components), high = low;
+        for (std::size_t i = 0; i < data.size() / sizeof(Stored); ++i) {
+            Stored& least = low[i % accessor.components];
+            Stored& most = high[i % accessor.components];
+            least = std::min(least, values[i]);
+            most = std::max(most, values[i]);
+        }
+        json["min"] = low;
+        json["max"] = high;
+    });
+}
+
 /// Adds the data of an accessor of this primitive.
 /// \param count number of elements that were decoded
 void setData(const GltfFile& file, Json& json, std::size_t accessor, std::size_t count,
              const std::string& data, Decoded& decoded) {
+    setBounds(json["accessors"][accessor], accessorOf(file, accessor), data);
     Json& made = json["accessors"][accessor];
     if (made["count"] != count)
         file.fail(concat("accessor ", accessor, " claims ", made["count"].dump(), " elements, and ",

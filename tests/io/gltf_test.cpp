@@ -647,6 +647,15 @@ TEST(Gltf, ReadsMeshesCompressedByDraco) {
         {"nodes", {{{"mesh", 0}}}}};
     expectTetrahedron(root.dump());
     if (IsSkipped()) return;
+    // The bounds of a file are those before compression, which changes numbers and indices.
+    json other = root;
+    other["accessors"][0]["max"] = {2, 1, 1};
+    other["accessors"][1]["min"] = {0};
+    other["accessors"][1]["max"] = {7};
+    const auto model = readModel("a.gltf", other.dump());
+    const ParsedGltf plain(writtenAs(*model, "b.glb", model->positions()));
+    EXPECT_EQ(plain.root["accessors"][0]["max"], (json{1.0, 1.0, 1.0}));
+    EXPECT_EQ(plain.root["accessors"][1]["max"], (json{3}));
     json damaged = root;
     damaged["accessors"][0]["count"] = 5;
     EXPECT_REFUSED(FileError, "accessor 0 claims 5 elements", readModel("a.gltf", damaged.dump()));
