@@ -170,7 +170,7 @@ Gradients gradientsOfRows(const stencils::StencilTable<double>& rows) {
 Gradients withoutPoints(Gradients gradients, std::span<const Index> points) {
     if (points.empty()) return gradients;
     const auto isOne = [&](Index point) { return std::ranges::binary_search(points, point); };
-    auto& [vertices, own, rows, cells, splines] = gradients;
+    auto& [vertices, own, rows, cells, splines, basis] = gradients;
     std::vector<Index> left, numbers;
     for (std::size_t i = 0; i < own.size(); ++i)
         if (!isOne(own[i])) {
@@ -184,11 +184,12 @@ Gradients withoutPoints(Gradients gradients, std::span<const Index> points) {
     const auto isGone = [&](const auto& place) { return isOne(place.point); };
     std::erase_if(cells.places, isGone);
     std::erase_if(splines.places, isGone);
+    std::erase_if(basis.places, isGone);
     return gradients;
 }
 
 Gradients renumbered(Gradients gradients, std::span<const Index> numbers) {
-    auto& [vertices, points, rows, cells, splines] = gradients;
+    auto& [vertices, points, rows, cells, splines, basis] = gradients;
     for (Index& point : points) point = numbers[point];
     sortPoints(gradients);
     const auto renumber = [&](auto& places) {
@@ -197,6 +198,7 @@ Gradients renumbered(Gradients gradients, std::span<const Index> numbers) {
     };
     renumber(cells.places);
     renumber(splines.places);
+    renumber(basis.places);
     return gradients;
 }
 

@@ -48,8 +48,8 @@ ESPALIER_API Gradients withoutPoints(Gradients gradients, std::span<const Index>
 ESPALIER_API Gradients renumbered(Gradients gradients, std::span<const Index> numbers);
 
 /// Puts the gradients of several parts together, and empties the parts. Their vertices stay
-/// vertices of their own. The parts have no points in common, and parts with places in splines have
-/// the same spacing.
+/// vertices of their own. The parts have no points in common and no places in a basis, and parts
+/// with places in splines have the same spacing.
 /// \param columnCount number of base vertices
 /// \throws Error if there are too many vertices
 ESPALIER_API Gradients merged(std::vector<Gradients>& parts, Index columnCount);

@@ -37,7 +37,9 @@ struct MovedVertices {
     /// \param displacements of the base; empty if only the rest is needed
     MovedVertices(const Gradients& gradients, std::span<const Point3> ofBase,
                   std::span<const Point3> displacements) {
-        if (gradients.cells.places.empty() && gradients.splines.places.empty()) return;
+        if (gradients.cells.places.empty() && gradients.splines.places.empty() &&
+            gradients.basis.places.empty())
+            return;
         const LengthUnit unit(ofBase);
         const auto ofVertices = [&](std::span<const Point3> of) {
             std::vector<Point3> relative(of.size());
@@ -150,6 +152,54 @@ Matrix3d derivativesOf(const CellPlaces::Cell& cell,
     return result;
 }
 
+/// The basis functions of the three axes at one place.
+using GridFunctions = std::array<AxisFunctions, 3>;
+
+void setFunctions(const BasisPlaces& basis, const BasisPlaces::Place& place,
+                  GridFunctions& functions) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        axisFunctions(basis.basis, basis.cells[axis], place.at[axis], functions[axis]);
+}
+
+/// Calls use(vertex, y, z) for each line of vertices along the first axis: its first vertex, and
+/// the numbers of the functions of the other axes.
+template <class Use>
+void forEachLine(const BasisPlaces& basis, const GridFunctions& functions, Use use) {
+    const auto& [x, y, z] = functions;
+    for (std::size_t k = 0; k < z.values.size(); ++k)
+        for (std::size_t j = 0; j < y.values.size(); ++j) {
+            const Index row = y.first + static_cast<Index>(j);
+            const Index layer = z.first + static_cast<Index>(k);
+            use(x.first + (basis.cells[0] + 1) * (row + (basis.cells[1] + 1) * layer), j, k);
+        }
+}
+
+/// Returns the derivatives of the map of a basis, as rows.
+Matrix3d derivativesOf(const BasisPlaces& basis, const GridFunctions& functions,
+                       const std::vector<Point3>& positions) {
+    const AxisFunctions &x = functions[0], &y = functions[1], &z = functions[2];
+    Matrix3d result = Matrix3d::Zero();
+    forEachLine(basis, functions, [&](Index vertex, std::size_t j, std::size_t k) {
+        Eigen::RowVector3d slope = Eigen::RowVector3d::Zero(), value = slope;
+        for (std::size_t i = 0; i < x.values.size(); ++i) {
+            const Eigen::RowVector3d at(positions[vertex + static_cast<Index>(i)].data());
+            slope += x.derivatives[i] * at;
+            value += x.values[i] * at;
+        }
+        result.row(0) += y.values[j] * z.values[k] * slope;
+        result.row(1) += y.derivatives[j] * z.values[k] * value;
+        result.row(2) += y.values[j] * z.derivatives[k] * value;
+    });
+    return result;
+}
+
+/// Returns (T X)⁻¹, which is the same for all places: at rest, the map of a basis is affine.
+Matrix3d inverseAtRest(const BasisPlaces& basis, const MovedVertices& vertices) {
+    GridFunctions functions;
+    setFunctions(basis, basis.places.front(), functions);
+    return inverseAtRest(derivativesOf(basis, functions, vertices.rest));
+}
+
 /// Adds a matrix, given as its transpose.
 void addTransposed(const Matrix3d& added, DeformationGradient& sum) {
     for (Eigen::Index i = 0; i < 3; ++i)
@@ -166,38 +216,55 @@ public:
           inverses_(gradients.splines.places.size()),
           vertices_(gradients, rest, {}),
           perLength_(LengthUnit(rest).toUnits(1.0)),
-          rowOf_(pointCount, kNone),
-          cellPlaceOf_(pointCount, kNone),
-          splinePlaceOf_(pointCount, kNone) {
-        const auto number = [](const auto& items, std::vector<Index>& numbers, auto pointOf) {
-            for (std::size_t i = 0; i < items.size(); ++i)
-                numbers[pointOf(items[i])] = static_cast<Index>(i);
+          sources_(pointCount) {
+        for (std::size_t i = 0; i < gradients.points.size(); ++i)
+            sources_[gradients.points[i]] = {Source::Row, static_cast<Index>(i)};
+        const auto add = [&](const auto& places, Source::Kind kind) {
+            for (std::size_t i = 0; i < places.size(); ++i)
+                sources_[places[i].point] = {kind, static_cast<Index>(i)};
         };
-        const auto pointOfPlace = [](const auto& place) { return place.point; };
-        number(gradients.points, rowOf_, [](Index point) { return point; });
-        number(gradients.cells.places, cellPlaceOf_, pointOfPlace);
-        number(gradients.splines.places, splinePlaceOf_, pointOfPlace);
+        add(gradients.cells.places, Source::Cell);
+        add(gradients.splines.places, Source::Spline);
+        add(gradients.basis.places, Source::Basis);
         forEachPlace(gradients.splines, vertices_, [&](Index i, const PatchDerivatives& at) {
             inverses_[i] = inverseAtRest(at.topRows<3>().transpose());
         });
+        if (!gradients.basis.places.empty())
+            inverseOfBasis_ = inverseAtRest(gradients.basis, vertices_);
     }
 
     stencils::StencilTable<double> build() const {
         return stencils::buildTable(
-            3 * static_cast<Index>(rowOf_.size()), gradients_.vertices.rowCount(),
+            3 * static_cast<Index>(sources_.size()), gradients_.vertices.rowCount(),
             [&](Index row, stencils::RowAccumulator& accumulator) {
-                const Index point = row / 3, axis = row % 3;
-                if (rowOf_[point] != kNone) addRow(3 * rowOf_[point] + axis, accumulator);
-                if (cellPlaceOf_[point] != kNone)
-                    add(gradients_.cells.places[cellPlaceOf_[point]], axis, accumulator);
-                if (const Index i = splinePlaceOf_[point]; i != kNone)
-                    add(gradients_.splines.places[i], inverses_[i], axis, accumulator);
+                const auto& [kind, i] = sources_[row / 3];
+                const Index axis = row % 3;
+                switch (kind) {
+                    case Source::None:
+                        return;
+                    case Source::Row:
+                        addRow(3 * i + axis, accumulator);
+                        break;
+                    case Source::Cell:
+                        add(gradients_.cells.places[i], axis, accumulator);
+                        break;
+                    case Source::Spline:
+                        add(gradients_.splines.places[i], inverses_[i], axis, accumulator);
+                        break;
+                    case Source::Basis:
+                        add(gradients_.basis.places[i], axis, accumulator);
+                        break;
+                }
                 accumulator.makeSumZero();
             });
     }
 
 private:
-    static constexpr Index kNone = -1;
+    /// Where the gradient of a point comes from: its number in the list of this kind.
+    struct Source {
+        enum Kind { None, Row, Cell, Spline, Basis } kind = None;
+        Index number = 0;
+    };
 
     void addRow(Index row, stencils::RowAccumulator& accumulator) const {
         const auto& rows = gradients_.rows;
@@ -236,20 +303,58 @@ private:
         }
     }
 
+    void add(const BasisPlaces::Place& place, Index axis,
+             stencils::RowAccumulator& accumulator) const {
+        GridFunctions functions;
+        setFunctions(gradients_.basis, place, functions);
+        const AxisFunctions &x = functions[0], &y = functions[1], &z = functions[2];
+        const Eigen::RowVector3d factors = perLength_ * inverseOfBasis_.row(axis);
+        forEachLine(gradients_.basis, functions, [&](Index vertex, std::size_t j, std::size_t k) {
+            const double slope = factors[0] * y.values[j] * z.values[k];
+            const double value = factors[1] * y.derivatives[j] * z.values[k] +
+                                 factors[2] * y.values[j] * z.derivatives[k];
+            for (std::size_t i = 0; i < x.values.size(); ++i)
+                accumulator.add(vertex + static_cast<Index>(i),
+                                slope * x.derivatives[i] + value * x.values[i]);
+        });
+    }
+
     const Gradients& gradients_;
     std::vector<TricubicPatch> patches_;
     std::vector<Matrix3d> inverses_;  ///< one per place in splines
     MovedVertices vertices_;
-    double perLength_;                                        ///< derivatives are in units
-    std::vector<Index> rowOf_, cellPlaceOf_, splinePlaceOf_;  ///< of points; or kNone
+    double perLength_;  ///< derivatives are in units
+    Matrix3d inverseOfBasis_ = Matrix3d::Zero();
+    std::vector<Source> sources_;  ///< one per point
 };
 
 }  // namespace
 
 Index Gradients::identityCount(Index pointCount) const {
     return static_cast<Index>(pointCount - std::ssize(points) - std::ssize(cells.places) -
-                              std::ssize(splines.places));
+                              std::ssize(splines.places) - std::ssize(basis.places));
 }
+
+namespace {
+
+/// \throws Error unless the places are in the lattice, and the lattice has the vertices
+void checkBasis(const BasisPlaces& basis, Index vertexCount) {
+    const auto& [kind, cells, places] = basis;
+    if (places.empty()) return;
+    double expected = 1;
+    for (const Index along : cells) expected *= along + 1.0;
+    if (expected != vertexCount || std::ranges::min(cells) < (kind == Basis::Bezier ? 1 : 3))
+        throw Error(concat("gradients in a lattice of ", cells[0], " × ", cells[1], " × ", cells[2],
+                           " cells have ", vertexCount, " vertices"));
+    for (const auto& [point, at] : places)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (const auto [low, high] = axisRange(kind, cells[axis]);
+                !(at[axis] >= low && at[axis] <= high))
+                throw Error(concat("the place of point ", point, " in the lattice is ", at[axis],
+                                   " along axis ", axis, "; expected ", low, " to ", high));
+}
+
+}  // namespace
 
 void Gradients::check(Index pointCount) const {
     if (rows.rowCount() != 3 * std::ssize(points) ||
@@ -293,11 +398,13 @@ void Gradients::check(Index pointCount) const {
                                patches.size()));
     }
     for (const auto& patch : patches) TricubicPatch::checkVertices(patch, vertices.rowCount());
+    checkBasis(basis, vertices.rowCount());
+    for (const auto& place : basis.places) take(place.point);
 }
 
 void addGradients(const Gradients& gradients, std::span<const Point3> rest,
                   std::span<const Point3> displacements, std::span<DeformationGradient> sums) {
-    const auto& [vertices, points, rows, cells, splines] = gradients;
+    const auto& [vertices, points, rows, cells, splines, basis] = gradients;
     if (!points.empty()) {
         const auto columns =
             stencils::applyLevelTable(rows, stencils::applyLevelTable(vertices, displacements));
@@ -325,6 +432,19 @@ void addGradients(const Gradients& gradients, std::span<const Point3> rest,
     forEachPlace(splines, moved, [&](Index i, const PatchDerivatives& derivatives) {
         addAt(ofSplines.places[i].point, derivatives.topRows<3>().transpose(),
               derivatives.bottomRows<3>().transpose());
+    });
+    if (basis.places.empty()) return;
+    const auto& ofBasis = basis;
+    const Matrix3d inverse = inverseAtRest(basis, moved);
+    if (!inverse.allFinite()) return;
+    parallelFor(std::ssize(basis.places), 1024, [&](Offset first, Offset last) {
+        GridFunctions functions;
+        for (const BasisPlaces::Place& place :
+             std::span(ofBasis.places).subspan(first, last - first)) {
+            setFunctions(ofBasis, place, functions);
+            addTransposed(inverse * derivativesOf(ofBasis, functions, moved.displaced),
+                          sums[place.point]);
+        }
     });
 }
 

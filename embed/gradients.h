@@ -5,6 +5,7 @@
 #include <espalier/base/deformation_gradient.h>
 #include <espalier/base/index.h>
 #include <espalier/base/point.h>
+#include <espalier/embed/basis_functions.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -60,6 +61,27 @@ struct SplinePlaces {
     friend bool operator==(const SplinePlaces&, const SplinePlaces&) = default;
 };
 
+/// Places of points in a lattice with a Bézier or B-spline basis. F follows from the vertices of
+/// the lattice, by the derivatives of the basis. A place takes 32 bytes; the rows take 2,300, or
+/// with a Bézier basis 36 for each vertex.
+struct BasisPlaces {
+    struct Place {
+        Index point = 0;
+        std::array<double, 3> at = {};  ///< in cells, within axisRange() of each axis
+        friend bool operator==(const Place&, const Place&) = default;
+    };
+
+    Basis basis = Basis::Bezier;
+
+    /// Number of cells along each axis. Row i + (cells[0] + 1) (j + (cells[1] + 1) k) of
+    /// Gradients::vertices is the vertex i cells along the first axis, j along the second and k
+    /// along the third.
+    std::array<Index, 3> cells = {};
+    std::vector<Place> places = {};  ///< ascending by point
+
+    friend bool operator==(const BasisPlaces&, const BasisPlaces&) = default;
+};
+
 /// How the deformation gradient at each point follows from a pose.
 ///
 /// In a level, F is the derivative of the trilinear map of the cell that contains the point; on a
@@ -83,6 +105,7 @@ struct Gradients {
 
     CellPlaces cells = {};
     SplinePlaces splines = {};
+    BasisPlaces basis = {};
 
     Index columnCount() const { return vertices.columnCount(); }
 

@@ -204,23 +204,6 @@ void TensorLattice::setWeights(const TensorPlace& place, Row& row) const {
                   [](const VertexWeight& a, const VertexWeight& b) { return a.vertex < b.vertex; });
 }
 
-std::vector<VertexWeight> TensorLattice::directionWeights(const TensorPlace& place,
-                                                          std::size_t axis) const {
-    std::array<AxisFunctions, 3> axes;
-    for (std::size_t a = 0; a < 3; ++a) axisFunctions(basis_, grid_.cells[a], place.at[a], axes[a]);
-    axes[axis].values = axes[axis].derivatives;
-    const auto& [x, y, z] = axes;
-    std::vector<VertexWeight> result;
-    for (std::size_t k = 0; k < z.values.size(); ++k)
-        for (std::size_t j = 0; j < y.values.size(); ++j)
-            for (std::size_t i = 0; i < x.values.size(); ++i)
-                result.push_back({grid_.vertexAt({x.first + static_cast<Index>(i),
-                                                  y.first + static_cast<Index>(j),
-                                                  z.first + static_cast<Index>(k)}),
-                                  x.values[i] * y.values[j] * z.values[k]});
-    return result;
-}
-
 TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3> points,
                             const EmbeddingOptions& options,
                             const std::function<void(Offset)>& progress) {
@@ -264,18 +247,19 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
 
 Gradients buildGradients(const TensorLattice& lattice, const TensorEmbedding& embedding) {
     checkVertexCount(embedding.vertexCount, lattice.complex().count(0));
-    const auto directions = stencils::buildTable(
-        static_cast<Index>(3 * embedding.points.size()), lattice.complex().count(0),
-        [&](Index row, stencils::RowAccumulator& accumulator) {
-            const auto& place = embedding.points[row / 3].place;
-            if (!place) return;
-            for (const auto& [vertex, weight] : lattice.directionWeights(*place, row % 3))
-                accumulator.add(vertex, weight);
-            accumulator.makeSumZero();
-        });
-    const LengthUnit unit(lattice.rest());
-    return gradientsOfRows(
-        gradientRows(directions, unit.toUnits(lattice.rest()), unit.toUnits(1.0)));
+    const far::BoxGrid& grid = lattice.grid();
+    const Index vertexCount = lattice.complex().count(0);
+    Gradients gradients{stencils::buildTable(vertexCount, vertexCount,
+                                             [&](Index row, stencils::RowAccumulator& accumulator) {
+                                                 accumulator.add(grid.vertices[row], 1);
+                                             })};
+    BasisPlaces& basis = gradients.basis;
+    basis.basis = lattice.basis();
+    basis.cells = grid.cells;
+    for (std::size_t i = 0; i < embedding.points.size(); ++i)
+        if (const auto& place = embedding.points[i].place)
+            basis.places.push_back({static_cast<Index>(i), place->at});
+    return gradients;
 }
 
 BoundRows<> bindPoints(const TensorLattice& lattice, std::span<const Point3> points,

@@ -49,6 +49,8 @@ public:
     TensorLattice(const far::CellComplex& complex, std::span<const Point3> rest, Basis basis);
 
     const far::CellComplex& complex() const { return complex_; }
+    Basis basis() const { return basis_; }
+    const far::BoxGrid& grid() const { return grid_; }
 
     /// Memory for the weights of one place after another.
     struct Row {
@@ -72,10 +74,6 @@ public:
     /// zeros: at most 64 (B-spline) or one for every vertex (Bézier). They sum to 1, and are
     /// between 0 and 1 if the offset is 0.
     std::vector<VertexWeight> weights(const TensorPlace& place) const;
-
-    /// Returns the derivatives of these weights by coordinate `axis` of the place, with offset 0.
-    /// They sum to 0.
-    std::vector<VertexWeight> directionWeights(const TensorPlace& place, std::size_t axis) const;
 
     std::span<const Point3> rest() const { return rest_; }
 
@@ -125,7 +123,7 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLa
 
 /// Returns the gradients of D, by the derivatives of the basis at the places.
 /// \throws Error if the embedding is in a lattice with another number of vertices
-/// \cost O(entries), in parallel; three times the memory of D
+/// \cost O(points + vertices)
 ESPALIER_API Gradients buildGradients(const TensorLattice& lattice,
                                       const TensorEmbedding& embedding);
 

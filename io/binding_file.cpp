@@ -32,7 +32,7 @@ struct Header {
                  modelBytes = 0;
     // The sizes of the gradients.
     std::int64_t vertices = 0, vertexEntries = 0, points = 0, pointEntries = 0, cells = 0,
-                 cellPlaces = 0, patches = 0, places = 0, weights = 0;
+                 cellPlaces = 0, patches = 0, places = 0, basisPlaces = 0, weights = 0;
 };
 
 /// Calls f with each size of the gradients, in the order of the file.
@@ -47,6 +47,7 @@ void forEachGradientSize(AnyHeader& header, F f) {
     f(header.cellPlaces);
     f(header.patches);
     f(header.places);
+    f(header.basisPlaces);
     f(header.weights);
 }
 
@@ -92,7 +93,7 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
         return take(1, 8) && take(rows, 8) && take(entries, sizeof(double) + sizeof(Index));
     };
     if (header.hasGradients) {
-        if (!take(1, 8) || !takeTable(header.vertices, header.vertexEntries) ||
+        if (!take(1, 8 + 4 * 4) || !takeTable(header.vertices, header.vertexEntries) ||
             !take(header.points, 4 + 2 * 8) || !takeTable(header.points, header.pointEntries) ||
             !take(header.cells, sizeof(embed::CellPlaces::Cell)) ||
             !take(header.cellPlaces, 3 * 8 + 2 * 4))
@@ -103,7 +104,8 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
         if (areThere) return false;
     }
     if (!take(header.patches, sizeof(embed::SplinePlaces::Patch)) ||
-        !take(header.places, 3 * 8 + 2 * 4) || !take(header.weights, 4 * 8))
+        !take(header.places, 3 * 8 + 2 * 4) || !take(header.basisPlaces, 3 * 8 + 4) ||
+        !take(header.weights, 4 * 8))
         return false;
     return takeTable(header.rows, header.entries) && take(header.rows, sizeof(Point3) + 1) &&
            take(header.columns, sizeof(Point3)) && take(header.faces, 8) &&
@@ -112,7 +114,7 @@ bool fileSizeMatches(const Header& header, std::size_t left) {
 }
 
 Header readHeader(ByteInput& in) {
-    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 16 * 8;
+    constexpr std::size_t kAfterVersion = 4 + 8 + 8 + 17 * 8;
     if (in.left() < kBindingMagic.size() || in.bytes(kBindingMagic.size()) != kBindingMagic)
         throw CodingError("is not a bound model");
     if (in.left() < 4) throw CodingError("is truncated");
@@ -181,6 +183,23 @@ embed::SplinePlaces readSplines(ByteInput& in, const Header& header) {
     return splines;
 }
 
+/// Reads the places in a basis.
+/// \throws CodingError for an unknown basis
+embed::BasisPlaces readBasis(ByteInput& in, const Header& header) {
+    embed::BasisPlaces basis;
+    const auto kind = in.number<Index>();
+    if (kind != Index(embed::Basis::Bezier) && kind != Index(embed::Basis::BSpline))
+        throw CodingError(concat("has the basis ", kind, "; expected 0 or 1"));
+    basis.basis = static_cast<embed::Basis>(kind);
+    for (Index& along : basis.cells) along = in.number<Index>();
+    basis.places.resize(header.basisPlaces);
+    for (auto& [point, at] : basis.places) {
+        point = in.number<Index>();
+        for (double& coordinate : at) coordinate = in.number<double>();
+    }
+    return basis;
+}
+
 std::vector<bind::PointWeight> readPointWeights(ByteInput& in, std::int64_t count) {
     std::vector<bind::PointWeight> weights(count);
     for (auto& [value, slope] : weights) {
@@ -244,6 +263,15 @@ void write(ByteOutput& out, const embed::SplinePlaces& splines) {
     }
 }
 
+void write(ByteOutput& out, const embed::BasisPlaces& basis) {
+    out.number(static_cast<Index>(basis.basis));
+    out.numbers(std::span<const Index>(basis.cells));
+    for (const auto& [point, at] : basis.places) {
+        out.number(point);
+        out.numbers(std::span<const double>(at));
+    }
+}
+
 void write(ByteOutput& out, const std::vector<bind::PointWeight>& weights) {
     for (const auto& [value, slope] : weights) {
         out.number(value);
@@ -273,13 +301,14 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     binding.table = readTable(in, header.rows, header.columns, header.entries);
     if (header.hasGradients) {
         binding.gradients.emplace();
-        auto& [vertices, points, rows, cells, splines] = *binding.gradients;
+        auto& [vertices, points, rows, cells, splines, basis] = *binding.gradients;
         vertices = readTable(in, header.vertices, header.columns, header.vertexEntries);
         const auto numbers = readNumbers<Index>(in, header.points);
         points.assign(numbers.begin(), numbers.end());
         rows = readTable(in, 3 * header.points, header.vertices, header.pointEntries);
         cells = readCells(in, header);
         splines = readSplines(in, header);
+        basis = readBasis(in, header);
         binding.weights = readPointWeights(in, header.weights);
     }
     binding.points = readPoints(in, header.rows, "point");
@@ -333,6 +362,7 @@ void encode(std::ostream& stream, const BoundModel& model) {
           std::int64_t{std::ssize(gradients.cells.places)},
           std::int64_t{std::ssize(gradients.splines.patches)},
           std::int64_t{std::ssize(gradients.splines.places)},
+          std::int64_t{std::ssize(gradients.basis.places)},
           std::int64_t{std::ssize(binding.weights)}})
         out.number(size);
     write(out, binding.table);
@@ -342,6 +372,7 @@ void encode(std::ostream& stream, const BoundModel& model) {
         write(out, gradients.rows);
         write(out, gradients.cells);
         write(out, gradients.splines);
+        write(out, gradients.basis);
         write(out, binding.weights);
     }
     write(out, binding.points);

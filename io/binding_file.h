@@ -41,8 +41,9 @@ struct BoundModel {
 ///     f64       largest residual
 ///     i64 × 7   rows, columns, entries, faces of the lattice, corners of all faces, bytes of the
 ///               model's name, bytes of the model
-///     i64 × 9   of the gradients: vertices, their entries, points with rows, their entries,
-///               cells, places in cells, patches, places in patches, weights; 0 without
+///     i64 × 10  of the gradients: vertices, their entries, points with rows, their entries,
+///               cells, places in cells, patches, places in patches, places in a basis,
+///               weights; 0 without
 ///     the table:
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
@@ -56,6 +57,8 @@ struct BoundModel {
 ///       f64      spacing
 ///       i32 × 64 vertices of each patch; 2³¹ − 1 where a layer is missing
 ///       i32 × 2, f64 × 3   point, patch, u, v and w of each place in a patch
+///       i32 × 4  basis (0 Bézier, 1 B-spline), and cells along x, y and z
+///       i32, f64 × 3       point, and place in a basis along x, y and z
 ///       f64 × 4  weight of each point, and its slope by x, y and z; none if all are 1
 ///     f64 × 3   the points at rest, one per row
 ///     f64 × 3   the lattice at rest, one position per column

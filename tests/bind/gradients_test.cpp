@@ -318,6 +318,19 @@ TEST(Gradients, ThatDoNotFitAreRefused) {
     });
     refuse("a patch has vertex 180 at its control point 21",
            [](Gradients& g) { g.splines.patches[0][21] = 180; });
+    // The box has 5 × 6 × 5 vertices.
+    refuse("in a lattice of 4 × 4 × 4 cells have 150 vertices", [](Gradients& g) {
+        g = {g.vertices};
+        g.basis = {embed::Basis::Bezier, {4, 4, 4}, {{0, {}}}};
+    });
+    refuse("in the lattice is 0.5 along axis 2; expected 1 to 3", [](Gradients& g) {
+        g = {g.vertices};
+        g.basis = {embed::Basis::BSpline, {4, 5, 4}, {{0, {1, 4, 0.5}}}};
+    });
+    refuse("gradients of the point 10; there are 10", [](Gradients& g) {
+        g = {g.vertices};
+        g.basis = {embed::Basis::Bezier, {4, 5, 4}, {{10, {}}}};
+    });
 }
 
 }  // namespace

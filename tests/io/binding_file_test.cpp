@@ -64,7 +64,7 @@ std::string withChecksum(std::string bytes) {
 }
 
 // Places in the file of sample() without gradients.
-constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 16 * 8, kWeightsAt = kTableAt + 4 * 8,
+constexpr std::size_t kSizesAt = 32, kTableAt = kSizesAt + 17 * 8, kWeightsAt = kTableAt + 4 * 8,
                       kPointsAt = kWeightsAt + 3 * 8 + 3 * 4, kRestAt = kPointsAt + 3 * 24,
                       kStatusesAt = kRestAt + 4 * 24, kEndsAt = kStatusesAt + 3,
                       kCornersAt = kEndsAt + 2 * 8, kNameAt = kCornersAt + 7 * 4,
@@ -79,9 +79,9 @@ TEST(BindingFile, RoundTripIsExact) {
         EXPECT_EQ(bytes[8], 8) << "the version";
         EXPECT_EQ(bytes[12], hasGradients);
         // Tables with 3 and 4 offsets, 6 entries and a point; a cell and a place in it; a spacing,
-        // a patch, a place, and three weights.
+        // a patch, a place, a basis, and three weights.
         constexpr std::size_t kTables = (3 + 4) * 8 + 6 * (8 + 4) + 4 + 8 * 4 + 2 * 4 + 3 * 8,
-                              kSplines = 8 + 64 * 4 + 2 * 4 + 3 * 8 + 3 * 4 * 8;
+                              kSplines = 8 + 64 * 4 + 2 * 4 + 3 * 8 + 4 * 4 + 3 * 4 * 8;
         EXPECT_EQ(bytes.size(), kFileSize + (hasGradients ? kTables + kSplines : 0));
     }
 }
@@ -243,8 +243,8 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
     const std::string bytes = readFile(path);
     // The weights end before the points; the place, the patch and the spacing are before them.
     constexpr std::size_t kEnd = kPointsAt + (3 + 4) * 8 + 6 * (8 + 4) + 4 + 8 * 4 + 2 * 4 + 3 * 8 +
-                                 8 + 64 * 4 + 2 * 4 + 3 * 8 + 3 * 4 * 8,
-                          kWeights = kEnd - 3 * 4 * 8, kPlace = kWeights - 2 * 4 - 3 * 8,
+                                 8 + 64 * 4 + 2 * 4 + 3 * 8 + 4 * 4 + 3 * 4 * 8,
+                          kWeights = kEnd - 3 * 4 * 8, kPlace = kWeights - 4 * 4 - 2 * 4 - 3 * 8,
                           kPatch = kPlace - 64 * 4;
     const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
         std::string damaged = bytes;
@@ -269,6 +269,38 @@ TEST(BindingFile, DamagedPlacesAreRefused) {
 INSTANTIATE_TEST_SUITE_P(BindingFile, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {
     return test.param ? "WithGradients" : "WithoutGradients";
 });
+
+// A cube with a Bézier basis, and a point in it.
+TEST(BindingFile, PlacesInABasisAreKept) {
+    BoundModel model;
+    bind::Binding& binding = model.binding;
+    const stencils::StencilTable<double> corners(
+        8, {0, 1, 2, 3, 4, 5, 6, 7, 8}, {7, 6, 5, 4, 3, 2, 1, 0}, {1, 1, 1, 1, 1, 1, 1, 1});
+    binding.table = stencils::StencilTable<double>(8, {0, 1}, {0}, {1});
+    binding.points = {{0.5, 0.5, 0.5}};
+    for (const double z : {0.0, 1.0})
+        for (const double y : {0.0, 1.0})
+            for (const double x : {0.0, 1.0}) binding.rest.push_back({x, y, z});
+    binding.statuses = {embed::PointStatus::Inside};
+    binding.gradients = embed::Gradients{corners, {}, {8, {0}, {}, {}}};
+    binding.gradients->basis = {embed::Basis::Bezier, {1, 1, 1}, {{0, {0.25, 0.5, 1. / 3}}}};
+    const TemporaryFolder folder;
+    writeBoundModel(folder / "b.espb", model);
+    expectEqual(readBoundModel(folder / "b.espb"), model);
+    const std::string bytes = readFile(folder / "b.espb");
+    const auto expectRefused = [&](std::size_t at, auto number, const std::string& why) {
+        std::string damaged = bytes;
+        storeNumber(damaged.data() + at, number, std::endian::little);
+        std::ofstream(folder / "b.espb", std::ios::binary) << withChecksum(damaged);
+        EXPECT_REFUSED(FileError, why, readBoundModel(folder / "b.espb"));
+    };
+    // At the end are the place, the point and the vertices at rest, the status, and the checksum.
+    const std::size_t at = bytes.size() - 4 - 1 - 9 * 24 - 24;
+    expectRefused(at, 1.5, "in the lattice is 1.5 along axis 0; expected 0 to 1");
+    expectRefused(at - 4, std::int32_t{1}, "gradients of the point 1; there are 1");
+    expectRefused(at - 8, std::int32_t{2}, "in a lattice of 1 × 1 × 2 cells have 8 vertices");
+    expectRefused(at - 20, std::int32_t{2}, "has the basis 2; expected 0 or 1");
+}
 
 TEST(BindingFile, DamagedFacesAndStatusesAreRefused) {
     const TemporaryFolder folder;
