@@ -11,18 +11,18 @@ bl_info = {
     "category": "Rigging",
 }
 
-from . import binding, operators, panel, settings  # noqa: E402
+from . import following, operators, panel, settings  # noqa: E402
 
 
 def register():
     settings.register()
     operators.register()
     panel.register()
-    binding.register()
+    following.register()
 
 
 def unregister():
-    binding.unregister()
+    following.unregister()
     panel.unregister()
     operators.unregister()
     settings.unregister()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Objects that follow a lattice.
 
-A bound object has a shape key of the add-on, named "Espalier" if that is free, whose points are computed
-whenever the lattice moves: by a handler, in the viewport and in renders. Points x of the object become x + D
-(q' - q): q are the vertices of the lattice in the coordinates of the object when it was bound, and q' they
-are now. So the object follows if the lattice moves against it, and stays as it is if both move together.
+A bound object has a shape key of the add-on, named "Espalier" if that is free, whose points following.py computes
+whenever the lattice moves. Points x of the object become x + D (q' - q): q are the vertices of the lattice in the
+coordinates of the object when it was bound, and q' are the same vertices now. So the object follows if the lattice
+moves against it, and stays as it is if both move together.
 
 q and the settings are saved in the .blend file. D is computed again when the file is opened and the lattice
 moves for the first time: the same lattice and points give the same D, bit for bit. The file also has hashes of
@@ -15,9 +15,8 @@ import hashlib
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 
-from . import engine, lattice_object
+from . import engine, lattice_object, shape_keys
 from .lattice_object import LatticeError
 
 KEY = "Espalier"
@@ -51,20 +50,34 @@ class Bound:
         """Returns the points for a pose of the lattice in the coordinates of the object: array (N, 3)."""
         return self.binding.deform(pose, self.moved)
 
+    def count_outside(self):
+        return int((np.asarray(self.binding.statuses) != 0).sum())
+
 
 _bound = {}  # by the name of the object; bound_of() checks that it is still the binding of this object
-_is_updating = False
 problems = {}  # name of an object: why it does not follow its lattice
 
 
 def is_bound(object):
-    return (object is not None and object.type == "MESH" and object.espalier.lattice is not None
-            and REST in object)
+    """Returns True for a bound object, also if its lattice was deleted."""
+    return object is not None and object.type == "MESH" and REST in object
 
 
 def bound_objects(scene=None, lattice=None):
     objects = scene.objects if scene is not None else bpy.data.objects
     return [o for o in objects if is_bound(o) and lattice in (None, o.espalier.lattice)]
+
+
+def check_lattice(object):
+    """Raises a LatticeError if a bound object has no lattice any more. Blender keeps an object that is deleted from all
+    scenes while another object refers to it."""
+    lattice = object.espalier.lattice
+    if lattice is None or not lattice.users_scene:
+        raise LatticeError(f"{object.name}: its lattice{' ' + lattice.name if lattice else ''} was deleted; unbind the "
+                           "object, or bind it to another lattice")
+    if not lattice_object.is_lattice(lattice):
+        raise LatticeError(f"{object.name}: {lattice.name} is no lattice any more; unbind the object, or bind it to "
+                           "another lattice")
 
 
 def mesh_points(object):
@@ -82,7 +95,7 @@ def points_text(points):
 
 def check_unchanged(object):
     """Raises a LatticeError if the points at rest, the cells or the creases are not the same as at binding."""
-    before = object.get(POINTS, "no").split()[0]
+    before = object[POINTS].split()[0]
     found = _bound.get(object.name_full)
     count = len(object.data.vertices)
     lattice = object.espalier.lattice
@@ -139,16 +152,9 @@ def give_own_mesh(object):
     if others:
         object.data = object.data.copy()
         if object.data.shape_keys:
-            give_own_action(object.data.shape_keys)
+            shape_keys.give_own_action(object.data.shape_keys)
         forget(object)
     return others
-
-
-def give_own_action(keys):
-    """Gives shape keys a copy of their animation if other shape keys have the same animation."""
-    data = keys.animation_data
-    if data and data.action and data.action.users - data.action.use_fake_user > 1:
-        data.action = data.action.copy()
 
 
 def source_of(object):
@@ -160,6 +166,8 @@ def source_of(object):
 
 def bound_of(object):
     """Returns the Bound of an object, which is made if there is none."""
+    if object.espalier.lattice is None:
+        check_lattice(object)
     check_not_shared(object)
     check_unchanged(object)
     found = _bound.get(object.name_full)
@@ -173,15 +181,40 @@ def forget(object):
     problems.pop(object.name_full, None)
 
 
+def forget_all():
+    _bound.clear()
+    problems.clear()
+
+
+def read_keys_again():
+    """Lets the shape keys be read before they are next written."""
+    for bound in _bound.values():
+        bound.written = None
+
+
+def pose_of(object, depsgraph):
+    """Returns the positions of the lattice of a bound object now, in the coordinates of the object: array (V, 3)."""
+    lattice = object.espalier.lattice
+    return in_object(object, lattice, lattice_object.posed_positions(lattice, depsgraph), depsgraph)
+
+
+def posed_points(object, depsgraph):
+    """Returns the points of a bound object after its lattice: array (N, 3)."""
+    bound, pose = bound_of(object), pose_of(object, depsgraph)
+    if len(pose) != len(bound.rest):
+        raise LatticeError(f"{object.name}: {object.espalier.lattice.name} has {len(pose)} vertices; it had "
+                           f"{len(bound.rest)} when the object was bound: rebind")
+    return bound.deform(pose)
+
+
 def bind(object, lattice, depsgraph):
     """Binds an object, whose mesh no other object has, to a lattice as it is now. Returns the Bound."""
     check_not_shared(object)
     if object.mode == "EDIT" or lattice.mode == "EDIT":
         raise LatticeError("leave edit mode before binding")
-    forget(object)
-    unbind(object)
     lattice_object.sync(lattice)
     pose = lattice_object.posed_positions(lattice, depsgraph)
+    unbind(object)
     object.espalier.lattice = lattice
     object[REST] = in_object(object, lattice, pose, depsgraph).ravel().tolist()
     object[POINTS] = points_text(rest_points(object))
@@ -189,9 +222,7 @@ def bind(object, lattice, depsgraph):
     try:
         bound = bound_of(object)
     except Exception:
-        object.espalier.lattice = None
-        for name in (REST, POINTS, TOPOLOGY):
-            del object[name]
+        clear_properties(object)
         raise
     if object.data.shape_keys is None:
         object.shape_key_add(name="Basis", from_mix=False)
@@ -203,14 +234,10 @@ def bind(object, lattice, depsgraph):
     return bound
 
 
-def key_names(object):
-    return object.data.shape_keys.key_blocks.keys() if object.data.shape_keys else []
-
-
 def following_key(object):
     """Returns the shape key that follows the lattice; None if there is none."""
     name = object.espalier.key
-    return object.data.shape_keys.key_blocks[name] if name and name in key_names(object) else None
+    return object.data.shape_keys.key_blocks[name] if name and name in shape_keys.names(object) else None
 
 
 def set_masks(object):
@@ -218,34 +245,11 @@ def set_masks(object):
     by them, so that painting shows at once."""
     settings = object.espalier
     keys = {settings.key, *(each.name for each in settings.baked_keys)}
-    for name in keys & set(key_names(object)):
+    for name in keys & set(shape_keys.names(object)):
         object.data.shape_keys.key_blocks[name].vertex_group = settings.vertex_group
     modifier = object.modifiers.get(settings.cache_modifier) if settings.cache_modifier else None
     if modifier is not None:
         modifier.vertex_group = settings.vertex_group
-
-
-def key_curves(keys, name):
-    """Returns the animation curves of a shape key."""
-    data = keys.animation_data
-    if not data or not data.action:
-        return []
-    path = f'key_blocks["{bpy.utils.escape_identifier(name)}"].'
-    return [curve for curve in data.action.fcurves if curve.data_path.startswith(path)]
-
-
-def remove_key(object, name):
-    """Removes a shape key and its animation. Does nothing if it is gone."""
-    if name not in key_names(object):
-        return
-    keys = object.data.shape_keys
-    give_own_action(keys)
-    for curve in key_curves(keys, name):
-        keys.animation_data.action.fcurves.remove(curve)
-    data = keys.animation_data
-    if data and data.action and not data.action.fcurves and not data.drivers and not data.nla_tracks:
-        keys.animation_data_clear()
-    object.shape_key_remove(keys.key_blocks[name])
 
 
 def remove_baked(object):
@@ -255,7 +259,7 @@ def remove_baked(object):
     if not settings.baked_keys and not settings.cache_modifier:
         return
     for name in [each.name for each in settings.baked_keys]:
-        remove_key(object, name)
+        shape_keys.remove(object, name)
     settings.baked_keys.clear()
     modifier = object.modifiers.get(settings.cache_modifier) if settings.cache_modifier else None
     if modifier is not None:
@@ -275,53 +279,23 @@ def unbind(object):
     settings = object.espalier
     remove_baked(object)
     if settings.key:
-        remove_key(object, settings.key)
+        shape_keys.remove(object, settings.key)
         settings.key = ""
-    if settings.has_made_basis and len(key_names(object)) == 1:
+    if settings.has_made_basis and len(shape_keys.names(object)) == 1:
         object.shape_key_remove(object.data.shape_keys.key_blocks[0])
     settings.has_made_basis = False
     group = object.vertex_groups.get(OUTSIDE_GROUP)
     if group is not None:
         object.vertex_groups.remove(group)
+    clear_properties(object)
+
+
+def clear_properties(object):
+    """Removes the properties that make an object a bound one."""
     object.espalier.lattice = None
     for name in (REST, POINTS, TOPOLOGY):
         if name in object:
             del object[name]
-
-
-def update(object, depsgraph):
-    """Moves the points of a bound object after its lattice. Returns True if they moved."""
-    if not object.espalier.is_live:
-        return False
-    lattice = object.espalier.lattice
-    key = following_key(object)
-    try:
-        if key is None:
-            raise LatticeError(f"{object.name}: its shape key {object.espalier.key or KEY} is gone; rebind")
-        group = object.espalier.vertex_group
-        if group and group not in object.vertex_groups:
-            raise LatticeError(f"{object.name}: it has no vertex group {group}, so all points follow fully; choose "
-                               "another group, or none")
-        pose = lattice_object.posed_positions(lattice, depsgraph)
-        bound = bound_of(object)
-        if len(pose) != len(bound.rest):
-            raise LatticeError(f"{object.name}: {lattice.name} has {len(pose)} vertices; it had "
-                               f"{len(bound.rest)} when the object was bound: rebind")
-        points = bound.deform(in_object(object, lattice, pose, depsgraph))
-    except (LatticeError, ImportError, ValueError) as error:
-        problems[object.name_full] = str(error)
-        return False
-    problems.pop(object.name_full, None)
-    new = points.astype(np.float32).ravel()
-    if bound.written is None:
-        bound.written = np.empty_like(new)
-        key.data.foreach_get("co", bound.written)
-    if np.array_equal(bound.written, new):
-        return False
-    key.data.foreach_set("co", new)
-    bound.written = new
-    object.data.update_tag()
-    return True
 
 
 def mark_outside(object):
@@ -344,62 +318,3 @@ def folded_cells(lattice, rest, level, espalier, pose):
     at_rest = lattice_object.lattice_of(lattice, espalier, rest)
     check = espalier.ValidityCheck(at_rest, level)
     return sorted({check.base_cell(int(cell)) for cell in check.check(pose).inverted})
-
-
-def update_all(scene, depsgraph, only=None):
-    """Updates the bound objects of a scene: all, or those of some lattices."""
-    global _is_updating
-    if _is_updating:
-        return
-    _is_updating = True
-    try:
-        for object in bound_objects(scene):
-            if only is None or object.espalier.lattice.name_full in only or object.name_full in only:
-                update(object, depsgraph)
-    finally:
-        _is_updating = False
-
-
-@persistent
-def on_frame(scene, depsgraph=None):
-    update_all(scene, depsgraph or bpy.context.evaluated_depsgraph_get())
-
-
-@persistent
-def on_depsgraph(scene, depsgraph):
-    if _is_updating:
-        return
-    changed = {u.id.original.name_full for u in depsgraph.updates
-               if isinstance(u.id, bpy.types.Object) and (u.is_updated_geometry or u.is_updated_transform)}
-    if changed:
-        update_all(scene, depsgraph, changed)
-
-
-@persistent
-def on_load(_=None):
-    _bound.clear()
-    problems.clear()
-
-
-@persistent
-def on_undo(_=None):
-    """Undo may have changed the shape keys."""
-    for bound in _bound.values():
-        bound.written = None
-
-
-HANDLERS = {"frame_change_post": on_frame, "depsgraph_update_post": on_depsgraph, "load_post": on_load,
-            "undo_post": on_undo, "redo_post": on_undo}
-
-
-def register():
-    for name, handler in HANDLERS.items():
-        getattr(bpy.app.handlers, name).append(handler)
-
-
-def unregister():
-    for name, handler in HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, name)
-        if handler in handlers:
-            handlers.remove(handler)
-    on_load()

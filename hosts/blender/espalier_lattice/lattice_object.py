@@ -21,8 +21,34 @@ class LatticeError(Exception):
     """A lattice object cannot be used. The message says why, and what to do."""
 
 
+class NotEvaluated(LatticeError):
+    """The depsgraph does not contain the lattice."""
+
+
 def is_lattice(object):
     return object is not None and object.type == "MESH" and CELLS in object.data
+
+
+def check_local(object):
+    """Raises a LatticeError if an object or its mesh is linked from a library, because Blender does not let such data
+    be changed."""
+    for each in (object, object.data):
+        if each is not None and each.library is not None:
+            raise LatticeError(f"{each.name} is linked from {each.library.filepath}, so that it cannot be changed; choose "
+                               "Object, Relations, Make Local, All first")
+
+
+def attribute_of(mesh, name, type, domain):
+    """Returns the attribute of a mesh with a name, a type and a domain, which is made if there is none."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type != type or attribute.domain != domain):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    attribute = attribute or mesh.attributes.new(name, type, domain)
+    if attribute is None:  # Blender prints why.
+        raise LatticeError(f"{mesh.name}: Blender cannot make the attribute {name}; rename what has this name, such as "
+                           "a vertex group")
+    return attribute
 
 
 def vertex_ids(mesh):
@@ -38,7 +64,7 @@ def vertex_ids(mesh):
 
 def set_vertex_ids(mesh, ids):
     """Gives the vertices of a mesh their ids: V numbers above 0, all different."""
-    attribute = mesh.attributes.get(IDS) or mesh.attributes.new(IDS, "INT", "POINT")
+    attribute = attribute_of(mesh, IDS, "INT", "POINT")
     attribute.data.foreach_set("value", np.asarray(ids, dtype=np.int32))
 
 
@@ -65,7 +91,7 @@ def set_creases(mesh, values):
     if bpy.app.version < (4, 0, 0):
         mesh.edges.foreach_set("crease", values)
         return
-    attribute = mesh.attributes.get("crease_edge") or mesh.attributes.new("crease_edge", "FLOAT", "EDGE")
+    attribute = attribute_of(mesh, "crease_edge", "FLOAT", "EDGE")
     attribute.data.foreach_set("value", values)
 
 
@@ -98,27 +124,49 @@ def mesh_of(lattice, name):
 
 
 def object_of(lattice, name, collection):
-    """Makes a lattice object: its edges are drawn, and it is not rendered."""
+    """Makes a lattice object."""
     object = bpy.data.objects.new(name, mesh_of(lattice, name))
+    draw_edges(object)
+    collection.objects.link(object)
+    return object
+
+
+def draw_edges(object):
+    """Lets the viewport draw the edges of a lattice, and renders nothing of it."""
     object.display_type = "WIRE"
     object.show_all_edges = True
     object.hide_render = True
-    collection.objects.link(object)
-    return object
+
+
+def make_lattice(object, cells, espalier):
+    """Makes a mesh object a lattice. cells: loops of vertices. Raises a LatticeError, and leaves the object as it was, if
+    they make no lattice."""
+    mesh = object.data
+    set_vertex_ids(mesh, list(range(1, len(mesh.vertices) + 1)))
+    mesh[CELLS] = topology.pack([[[v + 1 for v in loop] for loop in cell] for cell in cells])
+    try:
+        lattice_of(object, espalier)
+    except LatticeError:
+        del mesh[CELLS]
+        mesh.attributes.remove(mesh.attributes[IDS])
+        raise
+    draw_edges(object)
 
 
 def sync(object):
     """Brings the cells up to date with the edited mesh. Adds faces that extruding has removed. Returns the
     topology.Sync. The object must not be in edit mode."""
     mesh = object.data
-    cells = topology.unpack(mesh[CELLS])
-    result = topology.Sync(cells, vertex_ids(mesh), [list(p.vertices) for p in mesh.polygons],
+    packed, ids = list(mesh[CELLS]), vertex_ids(mesh)
+    result = topology.Sync(topology.unpack(packed), ids, [list(p.vertices) for p in mesh.polygons],
                            [tuple(e.vertices) for e in mesh.edges])
     if result.new_faces:
         _add_faces(mesh, result.new_faces)
-    set_vertex_ids(mesh, result.ids)
-    mesh[CELLS] = topology.pack([[[result.ids[v] for v in loop] for loop in cell]
-                                 for cell in result.cells])
+    if result.ids != ids:
+        set_vertex_ids(mesh, result.ids)
+    now = topology.pack([[[result.ids[v] for v in loop] for loop in cell] for cell in result.cells])
+    if now != packed:
+        mesh[CELLS] = now
     return result
 
 
@@ -194,14 +242,17 @@ def topology_change(object, before):
 
 def posed_positions(object, depsgraph):
     """Returns the positions of a lattice with all its shape keys, modifiers and edits: array (V, 3), in its
-    own coordinates. Raises a LatticeError if a modifier changes the number of vertices."""
+    own coordinates. Raises a LatticeError if a modifier changes the number of vertices, and NotEvaluated if
+    the depsgraph does not evaluate the lattice."""
     if object.mode == "EDIT":
         import bmesh
         editable = bmesh.from_edit_mesh(object.data)
         positions = np.array([v.co for v in editable.verts], dtype=np.float64).reshape(-1, 3)
     else:
-        mesh = object.evaluated_get(depsgraph).data
-        positions = base_positions(mesh)
+        evaluated = object.evaluated_get(depsgraph)
+        if not evaluated.is_evaluated:
+            raise NotEvaluated(f"{object.name} is not in this view layer; put it into a collection of the view layer")
+        positions = base_positions(evaluated.data)
     if len(positions) != len(object.data.vertices) and object.mode != "EDIT":
         raise LatticeError(f"{object.name}: its modifiers change the number of vertices; remove modifiers "
                            "such as Subdivision Surface from the lattice")

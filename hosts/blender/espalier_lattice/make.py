@@ -88,3 +88,30 @@ def fitted(espalier, lattice, points, margin):
         if (statuses == int(espalier.PointStatus.INSIDE)).all():
             return moved
     return sizes[0]
+
+
+def closed_parts(mesh):
+    """Returns the faces of each part of a mesh that is joined by edges, if each edge is in two faces."""
+    parents = list(range(len(mesh.polygons)))
+
+    def root(face):
+        while parents[face] != face:
+            parents[face] = parents[parents[face]]
+            face = parents[face]
+        return face
+
+    faces_of = {}
+    for polygon in mesh.polygons:
+        for key in polygon.edge_keys:
+            faces_of.setdefault(key, []).append(polygon.index)
+    closed = True
+    for faces in faces_of.values():
+        closed = closed and len(faces) == 2
+        for face in faces[1:]:
+            parents[root(face)] = root(faces[0])
+    if not closed:
+        return []
+    parts = {}
+    for polygon in mesh.polygons:
+        parts.setdefault(root(polygon.index), []).append(list(polygon.vertices))
+    return list(parts.values())

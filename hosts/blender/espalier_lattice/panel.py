@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import binding, lattice_object, make
+from . import binding, following, lattice_object, make, operators
 
 
 class AddMenu(bpy.types.Menu):
@@ -27,28 +27,21 @@ class LatticePanel(bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         object = context.active_object
+        kind = "other"
         if lattice_object.is_lattice(object):
-            self.draw_lattice(layout, object)
+            kind = "lattice"
+            layout.label(text=f"{object.name}: {object.data[lattice_object.CELLS][0]} cells")
         elif binding.is_bound(object):
-            self.draw_bound(layout, object)
+            kind = "bound"
+            self.draw_settings(layout, object)
         else:
             layout.menu(AddMenu.bl_idname, text="Add Lattice Around Selection")
-            layout.operator("espalier.make_lattice")
-            layout.operator("espalier.import_lattice")
+        for group in operators.BUTTONS[kind]:
+            column = layout.column(align=True)
+            for each in group:
+                column.operator(each.bl_idname)
 
-    def draw_lattice(self, layout, object):
-        layout.label(text=f"{object.name}: {object.data[lattice_object.CELLS][0]} cells")
-        column = layout.column(align=True)
-        column.operator("espalier.bind")
-        column.operator("espalier.rebind")
-        column.operator("espalier.unbind")
-        column = layout.column(align=True)
-        column.operator("espalier.update_cells")
-        column.operator("espalier.extrude_cell")
-        column.operator("espalier.mark_folded")
-        layout.operator("espalier.export_lattice")
-
-    def draw_bound(self, layout, object):
+    def draw_settings(self, layout, object):
         settings = object.espalier
         layout.prop(settings, "lattice")
         row = layout.row()
@@ -62,21 +55,13 @@ class LatticePanel(bpy.types.Panel):
         layout.prop_search(settings, "vertex_group", object, "vertex_groups")
         layout.prop(settings, "rules")
         layout.prop(settings, "is_live")
-        problem = binding.problems.get(object.name_full)
+        problem = following.problem_of(object)
         if problem:
             box = layout.box()
             box.alert = True
             lines = box.column(align=True)
             for i, line in enumerate(textwrap.wrap(problem, 22)):
                 lines.label(text=line, icon="BLANK1" if i else "ERROR")
-        column = layout.column(align=True)
-        column.operator("espalier.rebind")
-        column.operator("espalier.unbind")
-        column.operator("espalier.mark_outside")
-        column = layout.column(align=True)
-        column.operator("espalier.bake_shape_keys")
-        column.operator("espalier.bake_point_cache")
-        column.operator("espalier.follow_again")
 
 
 def draw_add(self, context):

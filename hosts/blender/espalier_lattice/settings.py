@@ -8,10 +8,10 @@ from . import lattice_object
 
 def _rebind_is_needed(self, context):
     """Settings that change the binding hold from the next update on."""
-    from . import binding
+    from . import binding, following
     object = self.id_data
     if binding.is_bound(object):
-        binding.update(object, context.evaluated_depsgraph_get())
+        following.update(object, context.evaluated_depsgraph_get())
 
 
 def _mask_is_needed(self, context):

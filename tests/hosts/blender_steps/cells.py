@@ -13,7 +13,7 @@ def edit():
     """Cells survive editing; what cannot be kept is told."""
     enable()
     clear()
-    from espalier_lattice import binding, engine, lattice_object
+    from espalier_lattice import binding, engine, following, lattice_object
     espalier = engine.load()
     model = sphere("model", 3)
     lattice = add_lattice(model, kind="BOX", cells=2)
@@ -37,7 +37,7 @@ def edit():
     refined = lattice_object.lattice_of(lattice, espalier)
     check(refined.counts[3] == 12 and refined.counts[0] == 36, f"extruded: {refined.counts}")
     check(len(lattice.data.polygons) == refined.counts[2], "all faces, also those that Blender removed")
-    check("rebind" in binding.problems.get("model", "") or not binding.update(
+    check("rebind" in binding.problems.get("model", "") or not following.update(
         model, bpy.context.evaluated_depsgraph_get()), "the binding is refused")
     check("rebind" in binding.problems["model"], binding.problems)
     select(model)
@@ -92,7 +92,7 @@ def marks():
     """Points outside, and folded cells."""
     enable()
     clear()
-    from espalier_lattice import binding, operators
+    from espalier_lattice import binding, op_cells
     inside = sphere("inside", 3)
     lattice = add_lattice(inside, kind="BOX", cells=2)
     half = sphere("half", 3, location=(1.0, 0, 0))
@@ -109,14 +109,14 @@ def marks():
     # The middle vertex goes through a corner of one cell.
     select(lattice)
     check(bpy.ops.espalier.mark_folded() == {"FINISHED"}, "mark_folded")
-    check(lattice.vertex_groups.get(operators.FOLDED) is None, "nothing is folded")
+    check(lattice.vertex_groups.get(op_cells.FOLDED_GROUP) is None, "nothing is folded")
     middle = min(lattice.data.vertices, key=lambda v: v.co.length)
     middle.co = (3, 3, 3)
     lattice.data.update()
     bpy.context.view_layer.update()
     check(bpy.ops.espalier.mark_folded(level=2) == {"FINISHED"}, "mark_folded")
-    check(lattice.vertex_groups.get(operators.FOLDED) is not None, "a cell is folded")
-    colors = {tuple(round(c, 2) for c in each.color) for each in lattice.data.attributes[operators.FOLDED].data}
+    check(lattice.vertex_groups.get(op_cells.FOLDED_GROUP) is not None, "a cell is folded")
+    colors = {tuple(round(c, 2) for c in each.color) for each in lattice.data.attributes[op_cells.FOLDED_COLOR].data}
     check((1.0, 0.1, 0.05, 1.0) in colors, colors)
 
 
@@ -124,7 +124,7 @@ def cage():
     """A cage follows the evaluated faces of the selected objects, in the coordinates of the world."""
     enable()
     clear()
-    from espalier_lattice import binding, engine, lattice_object
+    from espalier_lattice import binding, engine, following, lattice_object
     espalier = engine.load()
 
     def parts(lattice):
@@ -165,7 +165,7 @@ def cage():
     points = evaluated(narrow) @ world[:3, :3].T + world[:3, 3]
     check(len(points) > 100, "subdivided")
     other = sphere("other", 3, location=(-5, 2, 1))
-    lattice = check_cage(add_lattice(narrow, other, kind="CAGE", vertices=150, margin=0.02), 150, 2)
+    lattice = check_cage(add_lattice(narrow, other, kind="CAGE", vertices=150, cage_margin=0.02), 150, 2)
     check(not np.asarray(espalier.bind(lattice, points, 3).statuses).any(), "the subdivided points are inside")
     volume = 4 / 3 * math.pi * 1 + abs(np.linalg.det(world[:3, :3])) * 8
     box = np.prod(lattice.positions.max(axis=0) - lattice.positions.min(axis=0))

@@ -267,7 +267,7 @@ def changed():
     """Changes of the object or the lattice after binding are told; Rebind takes them."""
     enable()
     clear()
-    from espalier_lattice import binding, lattice_object
+    from espalier_lattice import binding, following, lattice_object
 
     def edit_mesh(object, change):
         import bmesh
@@ -284,7 +284,7 @@ def changed():
         move_lattice(lattice, lambda co: (co[0], co[1], co[2] + 0.05))
         check(expected in binding.problems.get("model", ""), (expected, binding.problems))
         check("rebind" in binding.problems["model"], binding.problems)
-        binding.on_load()  # Opening the file again changes nothing of it.
+        following.on_load()  # Opening the file again changes nothing of it.
         move_lattice(lattice, lambda co: (co[0], co[1], co[2] - 0.05))
         check(expected in binding.problems.get("model", ""), (expected, binding.problems))
         select(model)
