@@ -21,6 +21,8 @@ from program import CliTest  # noqa: E402
 
 STEPS = TOP / "tests/hosts/blender_addon_steps.py"
 BUILD = ""  # the folder with the Python module
+# Runs a program with a window, on a screen in memory.
+DISPLAY = ("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 -noreset") if shutil.which("xvfb-run") else ()
 PICTURES = os.environ.get("ESPALIER_PICTURES")  # where to keep the rendered pictures
 
 
@@ -35,19 +37,25 @@ class BlenderAddOn(CliTest):
                        stdout=subprocess.DEVNULL)
         cls.is_installed = False
 
-    def blender(self, step, *arguments, timeout=600):
+    def run_blender(self, *arguments, before=(), timeout=600):
+        """Runs Blender with the settings of the test, in which the add-on is enabled. Returns what Blender printed."""
+        if not BlenderAddOn.is_installed:
+            BlenderAddOn.is_installed = True
+            self.blender("install", self.zip)
         environment = {**os.environ, "BLENDER_USER_SCRIPTS": self.scripts.name + "/scripts",
                        "BLENDER_USER_CONFIG": self.scripts.name + "/config"}
-        if not BlenderAddOn.is_installed and step != "install":
-            self.blender("install", self.zip)
-            BlenderAddOn.is_installed = True
-        result = subprocess.run(
-            ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", STEPS, "--",
-             step, self.path, *map(str, arguments)],
-            cwd=self.path, capture_output=True, text=True, timeout=timeout, env=environment)
+        result = subprocess.run([*before, "blender", *map(str, arguments)], cwd=self.path, capture_output=True,
+                                text=True, timeout=timeout, env=environment)
         self.assertEqual(result.returncode, 0, result.stdout[-3000:] + result.stderr[-3000:])
-        self.assertIn("step passed: " + step, result.stdout)
         return result.stdout
+
+    def blender(self, step, *arguments, before=(), window=False):
+        """Runs a step of blender_steps/ in Blender with its factory settings."""
+        printed = self.run_blender(*(() if window else ("--background",)), "--factory-startup",
+                                   "--python-exit-code", 1, "--python", STEPS, "--", step, self.path, *arguments,
+                                   before=before)
+        self.assertIn("step passed: " + step, printed)
+        return printed
 
     def test_the_mesh_equals_the_result_of_the_program(self):
         import numpy as np
@@ -110,6 +118,28 @@ class BlenderAddOn(CliTest):
         self.assertGreaterEqual(report["points"], 100000)
         print(f"{report['points']} points: {report['frames_per_second']:.1f} frames a second, "
               f"{report['frames_per_cpu_second']:.1f} frames a second of processor time", file=sys.stderr)
+
+    def test_renders_by_cycles_show_the_viewport(self):
+        self.blender("rendered", "CYCLES")
+        self.blender("motion_blur")
+
+    @unittest.skipUnless(DISPLAY, "xvfb-run is not installed")
+    def test_renders_by_eevee_show_the_viewport(self):
+        self.blender("rendered", "BLENDER_EEVEE", before=DISPLAY)
+
+    def test_files_of_this_and_of_earlier_versions_are_rendered(self):
+        self.blender("save_scene")
+        for name in ("new", "old"):
+            self.run_blender("--background", self.path / f"{name}.blend", "-o", f"//{name}", "-F", "PNG", "-a")
+            for frame in (24, 1):
+                self.run_blender("--background", self.path / f"{name}.blend", "-o", f"//{name}-f", "-F", "PNG", "-f", frame)
+        self.blender("compare_pictures", "new", "new-f", "old", "old-f")
+
+    @unittest.skipUnless(DISPLAY, "xvfb-run is not installed")
+    def test_a_window_renders_the_same(self):
+        for engine in ("CYCLES", "BLENDER_EEVEE"):
+            self.blender("render_in_window", engine, before=DISPLAY, window=True)
+            self.assertEqual(self.text("window.txt"), "passed", engine)
 
     def test_pictures_are_rendered(self):
         self.blender("render")

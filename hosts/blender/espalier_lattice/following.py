@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import binding
+from . import binding, evaluation
 from .lattice_object import LatticeError, NotEvaluated
 
 _is_updating = False
@@ -61,6 +61,8 @@ def update_all(scene, depsgraph, only=None):
     _is_updating = True
     try:
         bound = binding.bound_objects(scene)
+        if depsgraph.mode == "VIEWPORT":  # A render runs in another thread, where no object may be added.
+            evaluation.keep(scene, bound)
         for object in bound:
             lattice = object.espalier.lattice
             if only is None or object.name_full in only or (lattice is not None and lattice.name_full in only):
@@ -87,6 +89,8 @@ def on_depsgraph(scene, depsgraph):
 @persistent
 def on_load(_=None, __=None):
     binding.forget_all()
+    for scene in bpy.data.scenes:
+        evaluation.keep(scene)
 
 
 @persistent

@@ -132,7 +132,7 @@ def object_of(lattice, name, collection):
 
 
 def draw_edges(object):
-    """Lets the viewport draw the edges of a lattice, and renders nothing of it."""
+    """Lets the viewport draw the edges of a lattice, and renders nothing of it; see evaluation.py."""
     object.display_type = "WIRE"
     object.show_all_edges = True
     object.hide_render = True

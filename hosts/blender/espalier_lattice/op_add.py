@@ -4,7 +4,7 @@
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import binding, engine, lattice_object, make
+from . import binding, engine, evaluation, lattice_object, make
 from .lattice_object import LatticeError
 from .op_base import EspalierOperator, active_lattice, report_bound, select_only, selected_meshes
 
@@ -55,6 +55,7 @@ class AddLattice(EspalierOperator, bpy.types.Operator):
         context.view_layer.update()
         depsgraph = context.evaluated_depsgraph_get()
         bounds = [binding.bind(object, added, depsgraph) for object in bound]
+        evaluation.keep(context.scene)
         select_only(context, added)
         report_bound(self, bounds, f"{added.name}: {len(lattice.cells)} cells, {len(bound)} objects bound")
 

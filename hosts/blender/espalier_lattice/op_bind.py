@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import binding, following, lattice_object
+from . import binding, evaluation, following, lattice_object
 from .lattice_object import LatticeError
 from .op_base import EspalierOperator, bound_selection, report_bound, selected_meshes
 
@@ -24,6 +24,7 @@ class Bind(EspalierOperator, bpy.types.Operator):
         self.give_own_meshes(objects)
         depsgraph = context.evaluated_depsgraph_get()
         bounds = [binding.bind(object, lattice, depsgraph) for object in objects]
+        evaluation.keep(context.scene)
         report_bound(self, bounds, f"{len(objects)} objects bound to {lattice.name}")
 
 
@@ -40,6 +41,7 @@ class Rebind(EspalierOperator, bpy.types.Operator):
         self.give_own_meshes(objects)
         bounds = [binding.bind(object, object.espalier.lattice, context.evaluated_depsgraph_get())
                   for object in objects]
+        evaluation.keep(context.scene)
         report_bound(self, bounds, f"{len(objects)} objects bound again")
 
 
@@ -54,6 +56,7 @@ class Unbind(EspalierOperator, bpy.types.Operator):
         self.give_own_meshes(objects)
         for object in objects:
             binding.unbind(object)
+        evaluation.keep(context.scene)
         self.report({"INFO"}, f"{len(objects)} objects unbound")
 
 

@@ -246,12 +246,6 @@ def render():
         polygon.use_smooth = True
     lattice = add_lattice(model, kind="BOX", cells=3)
     animate(lattice)
-    wire = lattice.copy()
-    wire.data = lattice.data
-    bpy.context.collection.objects.link(wire)
-    wire.hide_render = False
-    modifier = wire.modifiers.new("wire", "WIREFRAME")
-    modifier.thickness = 0.015
     material = bpy.data.materials.new("clay")
     material.use_nodes = True
     material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.8, 0.35, 0.12, 1)
