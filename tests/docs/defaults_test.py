@@ -32,6 +32,11 @@ IN_PYTHON = {"refine": ("__init__.pyi", r"class Refiner:\s+def __init__"), "bind
 # Python's default of these is None, which stands for the default of the library.
 NONE_IN_PYTHON = {"boundary", "creasing", "triangles", "cells", "gradients"}
 
+# The properties of the Blender add-on that stand for options.
+IN_BLENDER = {"op_add.py": {"margin": ("around", "margin"), "cage_margin": ("cage", "margin"),
+                            "vertices": ("cage", "vertices"), "cells": ("around", "cells_along_longest")},
+              "settings.py": {"level": ("bind", "level")}}
+
 
 def read(path):
     return (ROOT / path).read_text()
@@ -125,6 +130,15 @@ class Defaults(unittest.TestCase):
                     self.assertIn(key, NONE_IN_PYTHON, name)
                 else:
                     self.assertEqual(value_of(got[key]), self.fields[name][key], f"{name}.{key}")
+
+    def test_properties_of_blender(self):
+        """The properties of the add-on that stand for options of the library."""
+        for file, properties in IN_BLENDER.items():
+            text = read("hosts/blender/espalier_lattice/" + file)
+            for key, (name, field) in properties.items():
+                arguments = re.search(rf"^    {key}: bpy.props.\w+\((.*?)\n    \w", text, re.S | re.M).group(1)
+                got = value_of(re.search(r"default=([^,)]+)", arguments).group(1))
+                self.assertEqual(got, self.fields[name][field], f"{file}: {key}")
 
     def test_comments_of_npm(self):
         """A comment "default 200" belongs to the field after it, of an interface with the options of C's name."""

@@ -18,12 +18,12 @@ class AddLattice(EspalierOperator, bpy.types.Operator):
     bl_label = "Espalier Lattice"
 
     kind: bpy.props.EnumProperty(name="Kind", items=make.KINDS, default="BOX")
-    cells: bpy.props.IntProperty(name="Cells", min=1, max=64, default=3,
+    # tests/docs/defaults_test.py compares these defaults with the defaults of the library.
+    cells: bpy.props.IntProperty(name="Cells", min=1, max=64, default=4,
                                  description="Cells along the longest side of a box")
     vertices: bpy.props.IntProperty(name="Vertices", min=8, max=100000, soft_max=2000, default=200,
                                     description="About the number of vertices of a cage; with more of them, it "
                                                 "follows the objects more closely")
-    # A test compares the defaults of both margins with the defaults of the library.
     margin: bpy.props.FloatProperty(name="Margin", min=0, max=2, default=0.05,
                                     description="Distance from the objects to the sides of the lattice, as a "
                                                 "fraction of their size")

@@ -175,6 +175,15 @@ def cage():
                  for p in lattice.positions[lattice.hexahedra])
     check(filled < 0.5 * box, (filled, box))
 
+    # Without options, boxes and cages are the library's.
+    clear()
+    model = sphere("model", 3)
+    points = evaluated(model).astype(np.float64)
+    triangles = [tuple(p.vertices) for p in model.data.polygons]
+    for kind, expected in (("CAGE", espalier.shapes.cage(points, triangles)), ("BOX", espalier.shapes.around(points))):
+        got = lattice_object.lattice_of(add_lattice(model, kind=kind), espalier)
+        check(got.counts == expected.counts and np.abs(got.positions - expected.positions).max() < 1e-6, kind)
+
     # Points without faces have no cage.
     clear()
     mesh = bpy.data.meshes.new("points")
