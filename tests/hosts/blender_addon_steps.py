@@ -9,9 +9,9 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from blender_steps import cells, files, following, rendering  # noqa: E402
+from blender_steps import cells, files, following, pressing, rendering  # noqa: E402
 from blender_steps.common import ARGUMENTS  # noqa: E402
 
-steps = {**vars(cells), **vars(files), **vars(following), **vars(rendering)}
+steps = {**vars(cells), **vars(files), **vars(following), **vars(pressing), **vars(rendering)}
 steps[ARGUMENTS[0]]()
 print("step passed:", ARGUMENTS[0])

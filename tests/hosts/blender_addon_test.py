@@ -44,9 +44,9 @@ class BlenderAddOn(CliTest):
             self.blender("install", self.zip)
         environment = {**os.environ, "BLENDER_USER_SCRIPTS": self.scripts.name + "/scripts",
                        "BLENDER_USER_CONFIG": self.scripts.name + "/config"}
-        result = subprocess.run([*before, "blender", *map(str, arguments)], cwd=self.path, capture_output=True,
-                                text=True, timeout=timeout, env=environment)
-        self.assertEqual(result.returncode, 0, result.stdout[-3000:] + result.stderr[-3000:])
+        result = subprocess.run([*before, "blender", *map(str, arguments)], cwd=self.path, text=True, timeout=timeout,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
+        self.assertEqual(result.returncode, 0, result.stdout[-6000:])
         return result.stdout
 
     def blender(self, step, *arguments, before=(), window=False):
@@ -55,6 +55,7 @@ class BlenderAddOn(CliTest):
                                    "--python-exit-code", 1, "--python", STEPS, "--", step, self.path, *arguments,
                                    before=before)
         self.assertIn("step passed: " + step, printed)
+        self.assertNotIn("Traceback", printed)  # of a handler, which does not end Blender
         return printed
 
     def test_the_mesh_equals_the_result_of_the_program(self):
@@ -94,6 +95,13 @@ class BlenderAddOn(CliTest):
 
     def test_points_outside_and_folded_cells_are_marked(self):
         self.blender("marks")
+
+    def test_folded_cells_come_first(self):
+        self.blender("folded_first")
+
+    def test_all_buttons_in_all_states(self):
+        self.blender("press_all")
+        self.blender("press_at_random")
 
     def test_objects_that_share_a_mesh_get_their_own(self):
         self.blender("linked")

@@ -124,9 +124,11 @@ def rest_points(object):
 
 def in_object(object, lattice, positions, depsgraph):
     """Converts positions from the coordinates of the lattice to those of the object."""
-    matrix = (object.evaluated_get(depsgraph).matrix_world.inverted()
-              @ lattice.evaluated_get(depsgraph).matrix_world)
-    matrix = np.array(matrix)
+    own = object.evaluated_get(depsgraph).matrix_world
+    inverse = own.inverted(None)
+    if inverse is None:
+        raise LatticeError(f"{object.name}: a scale of the object is 0, so that it is flat; give it another scale")
+    matrix = np.array(inverse @ lattice.evaluated_get(depsgraph).matrix_world)
     return positions @ matrix[:3, :3].T + matrix[:3, 3]
 
 
@@ -166,7 +168,7 @@ def source_of(object):
 
 def bound_of(object):
     """Returns the Bound of an object, which is made if there is none."""
-    if object.espalier.lattice is None:
+    if not lattice_object.is_lattice(object.espalier.lattice):
         check_lattice(object)
     check_not_shared(object)
     check_unchanged(object)

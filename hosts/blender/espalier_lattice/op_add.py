@@ -54,7 +54,13 @@ class AddLattice(EspalierOperator, bpy.types.Operator):
         self.give_own_meshes(bound)
         context.view_layer.update()
         depsgraph = context.evaluated_depsgraph_get()
-        bounds = [binding.bind(object, added, depsgraph) for object in bound]
+        try:
+            bounds = [binding.bind(object, added, depsgraph) for object in bound]
+        except Exception:
+            for object in binding.bound_objects(lattice=added):
+                binding.unbind(object)
+            bpy.data.meshes.remove(added.data)  # and the object with it
+            raise
         evaluation.keep(context.scene)
         select_only(context, added)
         report_bound(self, bounds, f"{added.name}: {len(lattice.cells)} cells, {len(bound)} objects bound")
@@ -92,6 +98,8 @@ class ImportLattice(EspalierOperator, ImportHelper, bpy.types.Operator):
 
     def run(self, context):
         espalier = engine.load()
+        if not self.filepath:
+            raise LatticeError("choose a file with a lattice")
         lattice = espalier.read(self.filepath)
         name = bpy.path.display_name_from_filepath(self.filepath)
         select_only(context, lattice_object.object_of(lattice, name, context.collection))

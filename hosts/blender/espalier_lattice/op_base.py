@@ -22,7 +22,8 @@ class EspalierOperator:
             with object_mode(context):
                 self.run(context)
         except EXPECTED as error:
-            self.report({"ERROR"}, str(error))
+            is_of_file = isinstance(error, OSError) and error.filename
+            self.report({"ERROR"}, f"{error.filename}: {error.strerror}" if is_of_file else str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 
