@@ -179,6 +179,25 @@ class BlenderAddOn(CliTest):
         self.put("faces.json", json.dumps(faces))
         self.blender("caches")
 
+    def test_the_order_of_vertices_after_the_importers_of_obj(self):
+        """The other importer is in tests/cli/blender_test.py."""
+        self.run_program("shape", "star", "-o", "rest.ovm")
+        self.run_program("refine", "rest.ovm", "-n", 0, "-o", "editor.obj")
+
+        def faces_of(name):
+            return [[int(word.split("/")[0]) - 1 for word in line.split()[1:]]
+                    for line in self.text(name).splitlines() if line.startswith("f ")]
+
+        self.blender("legacy_obj")
+        points, faces = self.read_points("editor.obj"), faces_of("editor.obj")
+        order = list(dict.fromkeys(vertex for face in faces for vertex in face))
+        self.assertNotEqual(order, sorted(order))
+        # Blender writes six decimals.
+        self.assert_close(self.read_points("kept.obj"), points, 1e-6)
+        self.assertEqual(faces_of("kept.obj"), faces)
+        self.assert_close(self.read_points("legacy.obj"), [points[vertex] for vertex in order], 1e-6)
+        self.assertEqual([[order[vertex] for vertex in face] for face in faces_of("legacy.obj")], faces)
+
 
 if __name__ == "__main__":
     program.ESPALIER = sys.argv.pop(1)

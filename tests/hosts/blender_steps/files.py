@@ -320,3 +320,15 @@ def caches():
         scene.frame_set(i)
         difference = np.abs(evaluated(object) - turned[i]).max()
         check(difference < 2e-6, f"glb, frame {i}: {difference}")
+
+
+def legacy_obj():
+    """The older importer of Blender 3 numbers the vertices in the order in which the faces use them, unless it is told to
+    keep their order."""
+    def import_and_export(name, **settings):
+        clear()
+        bpy.ops.import_scene.obj(filepath=str(FOLDER / "editor.obj"), **settings)
+        bpy.ops.wm.obj_export(filepath=str(FOLDER / name), export_selected_objects=True)
+
+    import_and_export("legacy.obj")
+    import_and_export("kept.obj", split_mode="OFF")
