@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import binding, evaluation
+from . import binding, evaluation, lattice_object
 from .lattice_object import LatticeError, NotEvaluated
 
 _is_updating = False
@@ -27,6 +27,7 @@ def update(object, depsgraph):
         return False
     key = binding.following_key(object)
     try:
+        lattice_object.check_local(object)
         if key is None:
             raise LatticeError(f"{object.name}: its shape key {object.espalier.key or binding.KEY} is gone; rebind")
         group = object.espalier.vertex_group

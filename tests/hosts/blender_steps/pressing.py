@@ -255,6 +255,7 @@ def press(name, function, where):
 def press_all():
     """Presses each button in each state, and lets the handlers run."""
     enable()
+    from espalier_lattice import following
     scene()
     select(bpy.data.objects["lattice"])
     bpy.ops.espalier.export_lattice(filepath=str(FOLDER / "press.vtu"))
@@ -275,6 +276,9 @@ def press_all():
                 wrong.append(f"{where}, {name}: the mode is {bpy.context.mode}")
             bpy.context.scene.frame_set(2)
             bpy.context.view_layer.update()
+            if where == "linked: both":
+                told = following.problem_of(bpy.data.objects["model"])
+                check("is linked from" in told and "Make Local" in told, told)
     check(not wrong, "\n".join(wrong))
     (FOLDER / "reports.txt").write_text("\n".join(sorted(reports)))
 
