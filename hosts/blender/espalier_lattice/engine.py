@@ -19,6 +19,6 @@ def load():
         version = f"{sys.version_info.major}.{sys.version_info.minor}"
         raise ImportError(
             f"Espalier's Python module cannot be loaded ({error}). This Blender runs Python {version}: make "
-            f"the zip of the add-on with the module for that version (hosts/blender/make_zip.py), or install "
-            f"the module for Blender's Python") from error
+            f"the zip of the add-on with the module for that version (scripts/blender --python PROGRAM), or "
+            f"install the module for Blender's Python") from error
     return espalier
