@@ -129,11 +129,12 @@ class BlenderAddOn(CliTest):
 
     def test_renders_by_cycles_show_the_viewport(self):
         self.blender("rendered", "CYCLES")
-        self.blender("motion_blur")
+        self.blender("motion_blur", "CYCLES")
 
     @unittest.skipUnless(DISPLAY, "xvfb-run is not installed")
     def test_renders_by_eevee_show_the_viewport(self):
         self.blender("rendered", "BLENDER_EEVEE", before=DISPLAY)
+        self.blender("motion_blur", "BLENDER_EEVEE", before=DISPLAY)
 
     def test_files_of_this_and_of_earlier_versions_are_rendered(self):
         self.blender("save_scene")

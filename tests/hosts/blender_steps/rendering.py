@@ -163,13 +163,13 @@ def rendered():
 
 
 def motion_blur():
-    """Blurred pictures of an object that follows, and of the same object baked."""
+    """Blurred pictures of an object that follows, and of the same object baked, by one engine."""
     enable()
-    model = scene_of("shape_keys", "CYCLES")
+    model = scene_of("shape_keys", ARGUMENTS[2])
     scene = bpy.context.scene
     sharp = still(12)
-    scene.render.use_motion_blur = True
-    scene.render.motion_blur_shutter = 4
+    scene.render.use_motion_blur = scene.eevee.use_motion_blur = True
+    scene.render.motion_blur_shutter = scene.eevee.motion_blur_shutter = 4
     shown = evaluated(model)
     blurred = still(12)
     check(np.array_equal(evaluated(model), shown), "the viewport is as before the render")
