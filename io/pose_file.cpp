@@ -79,6 +79,23 @@ void checkPointCount(const Path& path, const std::string& name, std::size_t got,
                       "merging or splitting vertices"));
 }
 
+/// Returns true if a mesh has the faces of the lattice in their order, and its vertices are
+/// numbered in the order in which the faces use them: what the importer of Blender 2 and 3 that is
+/// called "legacy" makes of an OBJ.
+bool isNumberedByFirstUse(const ModelFaces& mesh, const ModelFaces& lattice) {
+    if (mesh.ends != lattice.ends) return false;
+    std::vector<Index> numbers;  // in the mesh, of the vertices of the lattice; or -1
+    Index count = 0;
+    for (std::size_t corner = 0; corner < lattice.corners.size(); ++corner) {
+        const Index vertex = lattice.corners[corner];
+        if (vertex >= std::ssize(numbers)) numbers.resize(Offset{vertex} + 1, -1);
+        Index& number = numbers[vertex];
+        if (number < 0) number = count++;
+        if (mesh.corners[corner] != number) return false;
+    }
+    return true;
+}
+
 /// Throws unless each face of an editor mesh is a face of the lattice.
 void checkFaces(const Path& path, const std::string& name, const ModelFaces& mesh,
                 const ModelFaces& lattice) {
@@ -103,6 +120,13 @@ void checkFaces(const Path& path, const std::string& name, const ModelFaces& mes
                        concat(what, "is a part of face ", whole, " of the lattice, of vertices ",
                               verticesOf(lattice[whole]),
                               ". Export the mesh without splitting faces into triangles"));
+        if (isNumberedByFirstUse(mesh, lattice))
+            refuse(path, name,
+                   what +
+                       "is not a face of the lattice, since the vertices are numbered in the order "
+                       "in which the faces use them. Blender's legacy importer of OBJ does so: "
+                       "import the mesh by File, Import, Wavefront (.obj), or choose Keep Vert "
+                       "Order in the legacy importer");
         refuse(path, name,
                what +
                    "is not a face of the lattice. The vertices may have another order: begin "

@@ -103,6 +103,31 @@ TEST(PoseFile, FacesThatTheLatticeDoesNotHaveAreRefused) {
     EXPECT_THAT(refusalOfMesh(meshWith("f 1 3 2 4\n")), HasSubstr("0, 2, 1, 3," + message));
 }
 
+// Blender's legacy importer numbers the vertices in the order in which the faces use them.
+TEST(PoseFile, VerticesInTheOrderOfTheirFirstUseAreRecognised) {
+    const Lattice lattice = cube();
+    const io::ModelFaces faces = io::facesOf(lattice.complex);
+    std::vector<int> numbers(8, 0);  // counted from 1
+    std::string points, text;
+    int count = 0;
+    for (std::size_t face = 0; face < faces.count(); ++face) {
+        text += "f";
+        for (const Index vertex : faces[face]) {
+            if (numbers[vertex] == 0) {
+                numbers[vertex] = ++count;
+                const auto& [x, y, z] = lattice.positions[vertex];
+                points += concat("v ", x, " ", y, " ", z, "\n");
+            }
+            text += concat(" ", numbers[vertex]);
+        }
+        text += "\n";
+    }
+    EXPECT_THAT(refusalOfMesh(points + text), HasSubstr("or choose Keep Vert Order"));
+    // Without a face it is no such mesh.
+    EXPECT_THAT(refusalOfMesh(points + text.substr(0, text.rfind("f "))),
+                HasSubstr("The vertices may have another order"));
+}
+
 TEST(PoseFile, FacesWithoutVerticesAreNamedAsSuch) {
     const std::string head =
         "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
