@@ -2,16 +2,17 @@
 // Everything that a button or a key does. Buttons name a command by data-command; the help sheet lists
 // the commands with keys.
 
+import { Vector3 } from "three";
 import { kEmptyDocument, withPoseAdded, withPoseReplaced } from "./document.ts";
 import { kWeldTolerance, type Editor } from "./editor.ts";
 import { kExamples } from "./examples.ts";
 import type { Gizmo, Mode } from "./gizmo.ts";
 import { neighbourTowards, type Pick, type Pointer } from "./pointer.ts";
-import { commandsOf, deformedName, fileName } from "./program.ts";
+import { commandsOf, deformedName, fileName, fileWord } from "./program.ts";
 import type { BoundaryFace, Product } from "./protocol.ts";
 import * as selecting from "./selection.ts";
 import type { Timeline } from "./timeline.ts";
-import { centerOf, kAxes, mirrored } from "./transforms.ts";
+import { centerOf, kAxes, middleOf, mirrored } from "./transforms.ts";
 import type { Point } from "../library/espalier.ts";
 
 /** The parts of the page that commands work on. */
@@ -34,7 +35,8 @@ export interface Page {
 export interface Command {
   /** what it does, for the help sheet */
   title: string;
-  /** the key, as KeyboardEvent.key gives it; before it "Ctrl+" or "Shift+" */
+  /** The key, as KeyboardEvent.key gives it; before it "Ctrl+" or "Shift+". A key of the number pad is
+   * its KeyboardEvent.code. */
   key?: string;
   /** what must be there */
   needs?: "model" | "lattice" | "selection" | "binding" | "pose" | "rest faces" | "undo" | "redo";
@@ -43,9 +45,29 @@ export interface Command {
   run(): void | Promise<void>;
 }
 
-const kModels = ".obj,.ply,.stl,.vtu,.vtp,.vtk";
+const kModels = ".obj,.ply,.stl,.glb,.gltf,.vtu,.vtp,.vtk";
 const kCellFiles = ".vtu,.ovm,.vtk";
 const kLattices = `${kCellFiles},.obj,.ply`;
+
+/** The sides of the scene, with the keys of Blender's number pad. */
+const kSides = [
+  ["front", "Numpad1"],
+  ["back", "Ctrl+Numpad1"],
+  ["right", "Numpad3"],
+  ["left", "Ctrl+Numpad3"],
+  ["top", "Numpad7"],
+  ["bottom", "Ctrl+Numpad7"],
+] as const;
+
+/** The direction of a side, where y points up and z to the front, or z points up and y to the back. */
+function directionOf(side: (typeof kSides)[number][0], up: "y" | "z"): Vector3 {
+  const isY = up === "y";
+  const top = new Vector3(0, isY ? 1 : 0, isY ? 0 : 1);
+  const front = new Vector3(0, isY ? 0 : -1, isY ? 1 : 0);
+  const right = new Vector3(1, 0, 0);
+  const axis = { front, back: front, right, left: right, top, bottom: top }[side];
+  return side === "back" || side === "left" || side === "bottom" ? axis.negate() : axis;
+}
 
 export function commandsFor(page: Page): Record<string, Command> {
   const { editor, gizmo, pointer, timeline } = page;
@@ -144,6 +166,33 @@ export function commandsFor(page: Page): Record<string, Command> {
     ]),
   );
 
+  const onAxes = Object.fromEntries(
+    kAxes.map((axis) => [
+      `only ${axis}`,
+      {
+        title: `Handles along ${axis} only, or along all axes again`,
+        key: axis,
+        needs: "selection",
+        isChosen: () => gizmo.axis === axis,
+        run() {
+          gizmo.axis = gizmo.axis === axis ? null : axis;
+          page.refresh();
+        },
+      } satisfies Command,
+    ]),
+  );
+
+  const views = Object.fromEntries(
+    kSides.map(([side, key]) => [
+      `view ${side}`,
+      {
+        title: `Look from the ${side}`,
+        key,
+        run: () => editor.view.look(directionOf(side, editor.view.up)),
+      } satisfies Command,
+    ]),
+  );
+
   const mirrors = Object.fromEntries(
     kAxes.map((axis) => [
       `mirror ${axis}`,
@@ -175,14 +224,31 @@ export function commandsFor(page: Page): Record<string, Command> {
       needs: "lattice",
       run: () => page.chooseFiles(kCellFiles, (file) => editor.joinLattice(file)),
     },
-    example: { title: "Open an example", key: "e", run: () => openExample(editor, "dog") },
+    example: { title: "Open a model in a lattice, with a pose", run: () => openBentExample(editor) },
     new: { title: "Begin anew", run: () => editor.change(kEmptyDocument) },
     undo: { title: "Undo", key: "Ctrl+z", needs: "undo", run: () => editor.undo() },
     redo: { title: "Redo", key: "Ctrl+y", needs: "redo", run: () => editor.redo() },
 
-    translate: handles("translate", "m", "Move by handles"),
+    translate: handles("translate", "g", "Move by handles"),
     rotate: handles("rotate", "r", "Rotate by handles"),
     scale: handles("scale", "s", "Scale by handles"),
+    ...onAxes,
+    snap: {
+      title: "Let the handles move in steps: round lengths, 15 degrees, tenths",
+      isChosen: () => gizmo.isSnapping,
+      run() {
+        gizmo.isSnapping = !gizmo.isSnapping;
+        page.refresh();
+      },
+    },
+    "pivot here": {
+      title: "Turn, scale and bend about the middle of this selection from now on",
+      needs: "selection",
+      run() {
+        editor.pivot = middleOf(editor.positions, selection());
+        page.refresh();
+      },
+    },
     pull: {
       title: "Pull a point of the model",
       key: "p",
@@ -199,6 +265,38 @@ export function commandsFor(page: Page): Record<string, Command> {
     "pick faces": picks("faces", "2", "Click selects a face"),
     "pick cells": picks("cells", "3", "Click selects a cell"),
     "pick box": picks("box", "4", "Drag selects by a box"),
+    "pick lasso": picks("lasso", "5", "Drag selects by a lasso"),
+    add: {
+      title: "Clicks, boxes and lassos add to the selection, as with Shift",
+      key: "+",
+      isChosen: () => pointer.adds,
+      run() {
+        pointer.adds = !pointer.adds;
+        page.refresh();
+      },
+    },
+    front: {
+      title: "Boxes and lassos select only what the lattice does not hide",
+      isChosen: () => pointer.onlyFront,
+      run() {
+        pointer.onlyFront = !pointer.onlyFront;
+        page.refresh();
+      },
+    },
+    isolate: {
+      title: "Hide what is not selected, or show all again",
+      key: "h",
+      needs: "lattice",
+      isChosen: () => editor.view.hidesVertices,
+      run() {
+        const { view } = editor;
+        if (!view.hidesVertices && selection().length === 0)
+          throw new Error("select the vertices that shall stay in sight");
+        const count = shape().positions.length / 3;
+        view.hide(view.hidesVertices ? [] : selecting.inverted(selection(), count));
+        page.refresh();
+      },
+    },
 
     all: {
       title: "Select all",
@@ -378,6 +476,31 @@ export function commandsFor(page: Page): Record<string, Command> {
     },
 
     frame: { title: "Show everything", key: "f", run: () => editor.view.look() },
+    "frame home": { title: "Show everything", key: "Home", run: () => editor.view.look() },
+    ...views,
+    parallel: {
+      title: "Draw parallel lines as parallel, or farther things smaller",
+      key: "Numpad5",
+      isChosen: () => editor.view.isParallel,
+      run() {
+        editor.view.setParallel(!editor.view.isParallel);
+        page.refresh();
+      },
+    },
+    "z up": {
+      title: "Let z point up, or y again",
+      isChosen: () => editor.view.up === "z",
+      run() {
+        editor.view.up = editor.view.up === "z" ? "y" : "z";
+        page.refresh();
+      },
+    },
+    extrude: {
+      title: "Extrude the selected faces",
+      key: "e",
+      needs: "rest faces",
+      run: () => document.querySelector<HTMLFormElement>('[data-form="extrude"]')!.requestSubmit(),
+    },
     theme: { title: "Light or dark", key: "d", run: () => page.switchTheme() },
     help: {
       title: "Show this sheet",
@@ -390,6 +513,26 @@ export function commandsFor(page: Page): Record<string, Command> {
 
 export async function openExample(editor: Editor, name: string): Promise<void> {
   await editor.openModel(kExamples[name].make());
+}
+
+/** Opens an example in a lattice that a pose bends, and selects the end that a person may move on. */
+async function openBentExample(editor: Editor): Promise<void> {
+  await openExample(editor, "dog");
+  const options = { cellsAlongLongest: 4, margin: 0.05 };
+  const name = fileWord(editor.document.model!.name);
+  const command = `espalier shape around ${name} --cells 4 --margin 0.05 -o rest.vtu`;
+  await editor.makeLattice({ kind: "around", options }, command);
+  const count = editor.shape!.positions.length / 3;
+  await editor.select(Array(count).keys());
+  await editor.transform({ kind: "twist", axis: "y", degrees: 40 });
+  const high = Math.max(...editor.positions.filter((_, i) => i % 3 === 1));
+  const near = 1e-6 * editor.view.size;
+  const isHigh = (v: number) => editor.positions[3 * v + 1] > high - near;
+  await editor.select([...Array(count).keys()].filter(isHigh));
+  editor.onMessage(
+    "Drag the handles: the dog follows its lattice. Click a vertex to choose another.",
+    false,
+  );
 }
 
 /** The middle of faces, their mean normal, and their mean edge. */

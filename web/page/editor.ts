@@ -27,8 +27,10 @@ import type {
   Recipe,
   Transform,
 } from "./protocol.ts";
-import { sorted } from "./selection.ts";
-import { optionsOf, softWeights, type Weights } from "./transforms.ts";
+import { comment } from "./program.ts";
+import { neighboursOf, sorted } from "./selection.ts";
+import { borderOf, middleOf, optionsOf, softWeights, type Weights } from "./transforms.ts";
+import type { Point } from "../library/espalier.ts";
 import type { Shown, View } from "./view.ts";
 
 /** Vertices within this part of the diagonal of the lattice become one. */
@@ -67,6 +69,8 @@ export class Editor {
   binding: BindResult | null = null;
   folded: number[] = [];
   radius = 0;
+  /** What rotations, scales and bends are about: the middle of the selection, its border, or a point. */
+  pivot: "middle" | "border" | Point = "middle";
 
   private history = new History(kEmptyDocument);
   private open: Open = kNothing;
@@ -164,13 +168,13 @@ export class Editor {
       try {
         await this.bring(document);
       } catch (error) {
-        if (!(error instanceof Cancelled)) this.fail(error);
         // The document cannot be shown, or a person did not want to wait for it.
         if (this.document === document && this.history.canUndo) {
           this.history.drop();
           this.isStale = true;
           this.onChange();
         }
+        if (!(error instanceof Cancelled)) this.fail(error);
       }
     }
   }
@@ -326,7 +330,7 @@ export class Editor {
   async openLattice(file: NamedFile): Promise<void> {
     const lattice = await this.engine.run("readLattice", file);
     await this.edit(
-      withLattice(this.document, { ...lattice, command: `# ${file.name} is rest.vtu` }),
+      withLattice(this.document, { ...lattice, command: comment(`${file.name} is rest.vtu`) }),
     );
   }
 
@@ -370,11 +374,23 @@ export class Editor {
     return softWeights(lattice?.positions ?? new Float64Array(0), selection, this.radius);
   }
 
-  /** Moves the selected vertices by operations, one after the other. */
-  async transform(...transforms: Transform[]): Promise<void> {
+  /** The point that the pivot stands for. */
+  get pivotPoint(): Point {
+    const { document, pivot, positions, shape } = this;
+    if (pivot === "middle") return middleOf(positions, document.selection);
+    if (pivot === "border") return borderOf(positions, document.selection, neighboursOf(shape!));
+    return pivot;
+  }
+
+  /** Moves the selected vertices by operations, one after the other, about the pivot. */
+  async transform(...given: Transform[]): Promise<void> {
     const weights = this.weights();
     if (weights.selection.length === 0) throw new Error("select vertices first");
     const { positions } = this;
+    const center = this.pivot === "middle" ? undefined : this.pivotPoint;
+    const transforms = given.map((each) =>
+      each.kind === "move" || each.center ? each : { ...each, center },
+    );
     const moved = await this.engine.run("transform", positions, weights.values, transforms);
     await this.setPositions(moved, optionsOf(weights, transforms));
   }

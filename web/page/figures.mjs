@@ -7,7 +7,7 @@ import { openBrowser, openPage, settled } from "../../tests/web/page/browser.mjs
 const folder = process.argv[2] ?? fileURLToPath(new URL("../../docs/figures", import.meta.url));
 const browser = await openBrowser();
 const page = await openPage(browser, { viewport: { width: 1280, height: 800 } });
-await page.click('[data-command="example"]');
+await page.selectOption('[data-choice="example"]', "dog");
 await page.waitForFunction(() => globalThis.espalier.editor.model);
 await page.click('[data-form="cage"] button');
 await page.waitForFunction(() => globalThis.espalier.editor.binding, null, { timeout: 60_000 });

@@ -6,8 +6,8 @@ import * as THREE from "three";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
 import type { Point } from "../library/espalier.ts";
 import type { Editor } from "./editor.ts";
-import type { Transform } from "./protocol.ts";
-import { centerOf, kAxes, optionsOf, type Weights } from "./transforms.ts";
+import type { Axis, Transform } from "./protocol.ts";
+import { kAxes, optionsOf, type Weights } from "./transforms.ts";
 
 export type Mode = "translate" | "rotate" | "scale";
 
@@ -15,6 +15,9 @@ export class Gizmo {
   mode: Mode = "translate";
   /** the point of the model that is pulled instead of vertices */
   pulled: number | null = null;
+
+  /** the only axis of the handles; null for all three */
+  axis: Axis | null = null;
 
   private readonly controls: TransformControls;
   private readonly handle = new THREE.Object3D();
@@ -33,6 +36,24 @@ export class Gizmo {
       else this.end();
     });
     this.controls.addEventListener("objectChange", () => this.drag());
+  }
+
+  /** Lets the handles move in steps: lengths of a power of ten near a fiftieth of the lattice, 15 degrees, and
+   * tenths. */
+  set isSnapping(isSnapping: boolean) {
+    const step = 10 ** Math.round(Math.log10(this.editor.view.size / 50));
+    this.controls.setTranslationSnap(isSnapping ? step : null);
+    this.controls.setRotationSnap(isSnapping ? THREE.MathUtils.degToRad(15) : null);
+    this.controls.setScaleSnap(isSnapping ? 0.1 : null);
+  }
+
+  get isSnapping(): boolean {
+    return this.controls.rotationSnap !== null;
+  }
+
+  /** Whether a drag on a handle moves the selection. */
+  set isEnabled(isEnabled: boolean) {
+    this.controls.enabled = isEnabled && this.start === null;
   }
 
   /** Whether the pointer is on a handle, or drags it. */
@@ -54,12 +75,15 @@ export class Gizmo {
     const center =
       this.pulled !== null
         ? [...view.points.subarray(3 * this.pulled, 3 * this.pulled + 3)]
-        : centerOf(this.editor.positions, this.editor.weights().values);
+        : this.editor.pivotPoint;
     this.handle.position.fromArray(center);
     this.handle.rotation.set(0, 0, 0);
     this.handle.scale.set(1, 1, 1);
     this.handle.updateMatrixWorld();
     this.controls.setMode(this.pulled !== null ? "translate" : this.mode);
+    this.controls.camera = view.camera;
+    for (const axis of kAxes)
+      this.controls[`show${axis.toUpperCase() as "X" | "Y" | "Z"}`] = [null, axis].includes(this.axis);
     this.controls.attach(this.handle);
     view.ask();
   }
@@ -109,12 +133,13 @@ export class Gizmo {
 
   /** The operations of the program that do what the handles have done. */
   private transforms(): Transform[] {
-    const { scale } = this.handle;
+    const { handle } = this;
+    const { scale } = handle;
     switch (this.mode) {
       case "translate":
         return [{ kind: "move", offset: this.offset() }];
       case "scale":
-        return [{ kind: "scale", factors: scale.toArray() }];
+        return [{ kind: "scale", factors: scale.toArray(), center: handle.position.toArray() }];
       case "rotate": {
         // About x, then y, then z. The first turn moves the middle of the selection, so all name it.
         const center = this.handle.position.toArray();

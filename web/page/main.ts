@@ -2,6 +2,7 @@
 // Starts the page: makes its parts, connects the controls of index.html with them, and opens the files
 // inside the page, or the work of last time.
 
+import { Vector3 } from "three";
 import { saveSoon, savedDocument } from "./autosave.ts";
 import { commandsFor, frameOf, openExample, type Command, type Page } from "./commands.ts";
 import { isEmpty } from "./document.ts";
@@ -11,10 +12,11 @@ import { kExamples } from "./examples.ts";
 import { Gizmo } from "./gizmo.ts";
 import { onDrop, Pointer } from "./pointer.ts";
 import type { Axis, NamedFile, Rules, Transform } from "./protocol.ts";
+import { fileWord } from "./program.ts";
 import * as selecting from "./selection.ts";
 import { kShapes, shapeCommand, type Sizes } from "./shapes.ts";
 import { Timeline } from "./timeline.ts";
-import { centerOf } from "./transforms.ts";
+import { kAxes, middleOf } from "./transforms.ts";
 import { View, type Shown } from "./view.ts";
 import type { Point } from "../library/espalier.ts";
 
@@ -27,7 +29,7 @@ const findAll = <Type extends Element = HTMLElement>(selector: string) => [
 const view = new View(find("#view"));
 const editor = new Editor(new Engine(libraryInPage()), view);
 const gizmo = new Gizmo(editor);
-const pointer = new Pointer(editor, gizmo, find("#band"));
+const pointer = new Pointer(editor, gizmo, find<SVGPolygonElement>("#band polygon"));
 const timeline = new Timeline(
   editor,
   find("#poses"),
@@ -126,10 +128,9 @@ function keyOf(event: KeyboardEvent): string {
   const isLetter = event.key.length === 1;
   const shift = event.shiftKey && (!isLetter || /\p{Lu}/u.test(event.key)) ? "Shift+" : "";
   const control = event.ctrlKey || event.metaKey;
+  const key = /^Numpad\d$/.test(event.code) ? event.code : event.key;
   return (
-    (control ? "Ctrl+" : "") +
-    shift +
-    (control ? event.key.replace(/^\w$/, (c) => c.toLowerCase()) : event.key)
+    (control ? "Ctrl+" : "") + shift + (control ? key.replace(/^\w$/, (c) => c.toLowerCase()) : key)
   );
 }
 
@@ -159,16 +160,18 @@ find("#help dl").innerHTML = Object.values(commands)
 // ---- Forms and settings ------------------------------------------------------------------------------------
 
 type Values = Record<string, string>;
+const modelWord = () => fileWord(editor.document.model!.name);
 const pointOf = ({ x, y, z }: Values) => [Number(x), Number(y), Number(z)] as Point;
 
 const forms: Record<string, (values: Values) => Promise<void>> = {
   around({ cells, margin }) {
-    const command = `espalier shape around ${editor.document.model?.name} --cells ${cells} --margin ${margin} -o rest.vtu`;
+    const sizes = `--cells ${cells} --margin ${margin}`;
+    const command = `espalier shape around ${modelWord()} ${sizes} -o rest.vtu`;
     const options = { cellsAlongLongest: Number(cells), margin: Number(margin) };
     return editor.makeLattice({ kind: "around", options }, command);
   },
   cage({ vertices }) {
-    const command = `espalier shape cage ${editor.document.model?.name} --vertices ${vertices} -o rest.vtu`;
+    const command = `espalier shape cage ${modelWord()} --vertices ${vertices} -o rest.vtu`;
     return editor.makeLattice({ kind: "cage", vertices: Number(vertices) }, command);
   },
   shape({ kind, ...values }) {
@@ -178,8 +181,11 @@ const forms: Record<string, (values: Values) => Promise<void>> = {
     return editor.makeLattice({ kind: "shape", name: kind, sizes }, shapeCommand(kind, sizes));
   },
   place(values) {
-    const center = centerOf(editor.positions, editor.weights().values);
-    const offset = pointOf(values).map((x, i) => x - center[i]) as Point;
+    const center = middleOf(editor.positions, editor.document.selection);
+    // A field that shows the rounded centre leaves it where it is.
+    const offset = pointOf(values).map((x, i) =>
+      values[kAxes[i]] === shownNumber(center[i]) ? 0 : x - center[i],
+    ) as Point;
     return editor.transform({ kind: "move", offset });
   },
   move: (values) => editor.transform({ kind: "move", offset: pointOf(values) }),
@@ -191,12 +197,18 @@ const forms: Record<string, (values: Values) => Promise<void>> = {
         : { kind, axis, degrees: Number(amount) };
     return editor.transform(transform as Transform & { axis: Axis });
   },
-  extrude({ distance }) {
+  async extrude({ distance }) {
     const faces = selecting.facesOf(editor.shape!, editor.document.selection);
     if (faces.length === 0) throw new Error("no face is selected with all its vertices");
-    const { normal } = frameOf(editor.shape!.positions, faces);
+    const before = editor.shape!.positions;
+    const { normal } = frameOf(before, faces);
     const offset = normal.map((x) => x * Number(distance)) as Point;
-    return editor.editLattice({ kind: "extrude", faces: faces.map(({ face }) => face), offset });
+    const places = [...new Set(faces.flatMap(({ vertices }) => vertices))].map((v) =>
+      offset.map((x, c) => before[3 * v + c] + x),
+    );
+    await editor.editLattice({ kind: "extrude", faces: faces.map(({ face }) => face), offset });
+    // The new faces, so that they can be moved or extruded on.
+    await editor.select(selecting.nearest(editor.shape!.positions, places));
   },
 };
 
@@ -209,6 +221,7 @@ function showSizes(): void {
       label.append(size.title);
       const control = document.createElement(size.kind === "word" ? "select" : "input");
       control.name = key;
+      control.title = `${size.title} of the shape`;
       if (control instanceof HTMLInputElement) {
         control.type = "number";
         control.required = true;
@@ -259,6 +272,11 @@ for (const rule of findAll<HTMLSelectElement>("[data-rule]"))
 const radius = find<HTMLInputElement>('[data-choice="radius"]');
 radius.addEventListener("input", () => {
   editor.setRadius(Number((Number(radius.value) * 0.6 * view.size).toPrecision(3)));
+});
+
+find<HTMLSelectElement>('[data-choice="pivot"]').addEventListener("change", ({ target }) => {
+  editor.pivot = (target as HTMLSelectElement).value as "middle" | "border";
+  refresh();
 });
 
 const examples = find<HTMLSelectElement>('[data-choice="example"]');
@@ -339,7 +357,13 @@ function refresh(): void {
       name in needsOf ? canRun({ needs: needsOf[name] } as Command) : canRun(commands.none);
     for (const control of form.elements) (control as HTMLInputElement).disabled = !usable;
   }
+  const { pivot } = editor;
+  const pivots = find<HTMLSelectElement>('[data-choice="pivot"]');
+  pivots.options[2].hidden = typeof pivot === "string";
+  pivots.value = typeof pivot === "string" ? pivot : "point";
+  put("radius", editor.radius > 0 ? shownNumber(editor.radius) : "");
   refreshPlace();
+  refreshDistance();
   timeline.refresh();
   gizmo.place();
 }
@@ -347,26 +371,48 @@ function refresh(): void {
 function refreshPlace(): void {
   const form = find<HTMLFormElement>('[data-form="place"]');
   if (!canRun(commands.none) || form.contains(document.activeElement)) return;
-  const center = centerOf(editor.positions, editor.weights().values);
-  for (const [i, name] of ["x", "y", "z"].entries())
-    (form.elements.namedItem(name) as HTMLInputElement).value = String(
-      Number(center[i].toFixed(6)),
-    );
+  const center = middleOf(editor.positions, editor.document.selection);
+  for (const [i, axis] of kAxes.entries()) {
+    const field = form.elements.namedItem(axis) as HTMLInputElement;
+    field.value = shownNumber(center[i]);
+    field.title = `The middle of the selected vertices along ${axis}: ${center[i]}`;
+  }
 }
 
+/** A number with as many digits as a field has room for. */
+const shownNumber = (x: number) =>
+  String(Math.abs(x) < 1e-5 * view.size ? 0 : Number(x.toPrecision(5)));
+
+/** Offers the mean edge of the selected faces as the distance of an extrusion, until a person has
+ * chosen another. */
+function refreshDistance(): void {
+  const field = find<HTMLInputElement>('[data-form="extrude"] [name="distance"]');
+  if (!editor.shape || field.dataset.isChosen) return;
+  const faces = selecting.facesOf(editor.shape, editor.document.selection);
+  const size = faces.length > 0 ? frameOf(editor.shape.positions, faces).size : view.size / 10;
+  field.value = String(Number(size.toPrecision(2)));
+}
+find('[data-form="extrude"] [name="distance"]').addEventListener("input", ({ target }) => {
+  (target as HTMLInputElement).dataset.isChosen = "yes";
+});
+
+const message = find("#message");
+/** The document that the message is about. */
+let messageDocument = editor.document;
 editor.onChange = () => {
   refresh();
+  if (editor.document !== messageDocument) message.hidden = true;
   saveSoon(editor.document);
 };
 
-const message = find("#message");
 let messageTimer: ReturnType<typeof setTimeout> | undefined;
 editor.onMessage = (text, isError) => {
+  messageDocument = editor.document;
   message.hidden = false;
   message.classList.toggle("error", isError);
   message.querySelector("span")!.textContent = text;
   clearTimeout(messageTimer);
-  if (!isError) messageTimer = setTimeout(() => (message.hidden = true), 6000);
+  if (!isError) messageTimer = setTimeout(() => (message.hidden = true), 10_000);
 };
 message.querySelector("button")!.addEventListener("click", () => (message.hidden = true));
 
@@ -388,6 +434,31 @@ editor.engine.onBusy = (job) => {
 };
 editor.engine.onProgress = (_, done) => {
   busy.querySelector("progress")!.value = done;
+};
+
+// ---- The axis cross -----------------------------------------------------------------------------------------------
+
+const ends = kAxes.flatMap((axis, i) =>
+  [1, -1].map((sign) => {
+    const button = document.createElement("button");
+    button.title = `Look from ${sign > 0 ? "+" : "−"}${axis}`;
+    button.setAttribute("aria-label", button.title);
+    button.textContent = sign > 0 ? axis : "";
+    button.dataset.axis = axis;
+    const direction = new Vector3().setComponent(i, sign);
+    button.addEventListener("click", () => view.look(direction));
+    find("#axes").append(button);
+    return { button, direction };
+  }),
+);
+view.onTurn = () => {
+  const toScreen = view.camera.quaternion.clone().invert();
+  for (const { button, direction } of ends) {
+    const { x, y, z } = direction.clone().applyQuaternion(toScreen);
+    button.style.translate = `${28 * x}px ${-28 * y}px`;
+    button.style.zIndex = String(Math.round(10 * z));
+    button.style.opacity = String(0.75 + 0.25 * z);
+  }
 };
 
 // ---- Light and dark --------------------------------------------------------------------------------------------

@@ -1,21 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// Selects vertices by clicks, by boxes and by the arrow keys, and takes files that are dropped.
+// Selects vertices by clicks, by areas and by the arrow keys, and takes files that are dropped.
 
 import type { Editor } from "./editor.ts";
 import type { Gizmo } from "./gizmo.ts";
-import { neighboursOf, toggled } from "./selection.ts";
+import { isInside, neighboursOf, toggled } from "./selection.ts";
 
-/** What a click selects the vertices of; box: a drag selects by a box. */
-export type Pick = "vertices" | "faces" | "cells" | "box";
+/** What a click selects the vertices of; box, lasso: a drag selects by an area. */
+export type Pick = "vertices" | "faces" | "cells" | "box" | "lasso";
+
+/** A press of the pointer that has not ended. */
+interface Press {
+  /** the places of the pointer, in pixels of the canvas: x and y */
+  path: [number, number][];
+  area: "box" | "lasso" | null;
+  /** A handle of the selection is under the pointer, so a drag moves the selection. */
+  isOnHandle: boolean;
+}
 
 export class Pointer {
   pick: Pick = "vertices";
-  private from: { x: number; y: number; isBox: boolean } | null = null;
+  /** Clicks and areas add to the selection, as with Shift. */
+  adds = false;
+  /** Areas select only vertices in front of the lattice. */
+  onlyFront = false;
+  private press: Press | null = null;
 
   constructor(
     private readonly editor: Editor,
     private readonly gizmo: Gizmo,
-    private readonly band: HTMLElement,
+    private readonly band: SVGPolygonElement,
   ) {
     const { canvas } = editor.view;
     // Before the handles and the camera get the event.
@@ -26,48 +39,57 @@ export class Pointer {
   }
 
   private down(event: PointerEvent): void {
-    if (event.button !== 0 || !event.isPrimary || this.gizmo.isUsed) return this.stop();
-    const isBox = (event.shiftKey || this.pick === "box") && this.editor.shape !== null;
-    this.from = { x: event.offsetX, y: event.offsetY, isBox };
-    if (isBox) this.editor.view.controls.enabled = false;
+    if (event.button !== 0 || !event.isPrimary) return this.stop();
+    const isOnHandle = this.gizmo.isUsed && !event.shiftKey;
+    const areas = this.pick === "box" || this.pick === "lasso" ? this.pick : null;
+    const area = isOnHandle || !this.editor.shape ? null : event.shiftKey ? (areas ?? "box") : areas;
+    this.press = { path: [[event.offsetX, event.offsetY]], area, isOnHandle };
+    if (!area) return;
+    this.letOthersDrag(false);
+    this.editor.view.canvas.setPointerCapture(event.pointerId);
+  }
+
+  /** Lets the camera and the handles follow the pointer, or not. */
+  private letOthersDrag(mayDrag: boolean): void {
+    this.editor.view.controls.enabled = mayDrag;
+    this.gizmo.isEnabled = mayDrag;
   }
 
   private hasMoved({ offsetX, offsetY }: PointerEvent): boolean {
-    return Math.hypot(offsetX - this.from!.x, offsetY - this.from!.y) > 5;
+    return this.press!.path.some(([x, y]) => Math.hypot(offsetX - x, offsetY - y) > 5);
   }
 
   private move(event: PointerEvent): void {
-    if (!this.from?.isBox || !this.hasMoved(event)) return;
-    const { x, y } = this.from;
-    this.band.hidden = false;
-    Object.assign(this.band.style, {
-      left: `${Math.min(x, event.offsetX)}px`,
-      top: `${Math.min(y, event.offsetY)}px`,
-      width: `${Math.abs(event.offsetX - x)}px`,
-      height: `${Math.abs(event.offsetY - y)}px`,
-    });
+    const { press } = this;
+    if (!press?.area || !this.hasMoved(event)) return;
+    const [[x, y]] = press.path;
+    const [u, v] = [event.offsetX, event.offsetY];
+    if (press.area === "lasso") press.path.push([u, v]);
+    else press.path = [[x, y], [u, y], [u, v], [x, v]]; // prettier-ignore
+    this.band.setAttribute("points", press.path.join(" "));
   }
 
   private stop(): void {
-    if (this.from?.isBox) this.editor.view.controls.enabled = true;
-    this.from = null;
-    this.band.hidden = true;
+    if (this.press?.area) this.letOthersDrag(true);
+    this.press = null;
+    this.band.removeAttribute("points");
   }
 
   private up(event: PointerEvent): void {
-    const { from } = this;
-    if (!from) return;
+    const { press } = this;
+    if (!press) return;
     const moved = this.hasMoved(event);
     this.stop();
-    if (!moved) void this.editor.attempt(() => this.click(event));
-    else if (from.isBox) {
-      const inside = this.editor.view.verticesInBox(from.x, from.y, event.offsetX, event.offsetY);
-      const before = event.shiftKey ? this.editor.document.selection : [];
+    if (!moved) void this.editor.attempt(() => this.click(event, press.isOnHandle));
+    else if (press.area) {
+      const { view, document } = this.editor;
+      const inside = view.verticesIn((x, y) => isInside(press.path, x, y), this.onlyFront);
+      const before = event.shiftKey || this.adds ? document.selection : [];
       void this.editor.select([...before, ...inside]);
     }
   }
 
-  private async click(event: PointerEvent): Promise<void> {
+  private async click(event: PointerEvent, isOnHandle: boolean): Promise<void> {
     const { editor, gizmo } = this;
     if (gizmo.pulled !== null) {
       const point = editor.view.pointAt(event.offsetX, event.offsetY);
@@ -77,7 +99,10 @@ export class Pointer {
     }
     if (!editor.shape) return;
     const vertices = this.verticesAt(event);
-    if (event.shiftKey) await editor.select(toggled(editor.document.selection, vertices));
+    // A click on a handle, with nothing behind it, is no wish to select nothing.
+    if (isOnHandle && vertices.length === 0) return;
+    if (event.shiftKey || this.adds)
+      await editor.select(toggled(editor.document.selection, vertices));
     else await editor.select(vertices);
   }
 

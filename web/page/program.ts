@@ -13,8 +13,14 @@ export function deformedName(document: Document): string {
 }
 
 /** A word as a shell needs it. */
-const word = (text: string) =>
+export const word = (text: string) =>
   /^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+
+/** The name of a file as a shell needs it. A name that begins with a hyphen would be an option. */
+export const fileWord = (name: string) => word(name.startsWith("-") ? `./${name}` : name);
+
+/** A comment, which ends with its line: control characters become spaces. */
+export const comment = (text: string) => `# ${text.replace(/[\p{Cc}\u2028\u2029]+/gu, " ")}`;
 
 function bindingOptions({ settings, rules }: Document): string {
   const how = settings.limit ? "--limit" : `--level ${settings.level}`;
@@ -35,19 +41,20 @@ export function commandsOf(document: Document, pose: Pose, hasDirections: boolea
   else if (pose.steps) {
     const steps = pose.steps.length > 0 ? pose.steps : ["--move 0 0 0"];
     lines.push(
-      ["espalier pose rest.vtu", ...steps, `-o ${word(fileName(pose))}`].join(" \\\n    "),
+      ["espalier pose rest.vtu", ...steps, `-o ${fileWord(fileName(pose))}`].join(" \\\n    "),
     );
-  } else lines.push(`# ${fileName(pose)}: Take home, Pose .vtu`);
+  } else lines.push(comment(`${fileName(pose)}: Take home, Pose .vtu`));
   if (model) {
     const turns = hasDirections && document.settings.normals !== "keep";
     const keep = hasDirections && !turns ? " --keep-normals" : "";
     const options = `--rest rest.vtu ${bindingOptions(document)}${keep}`;
     // With gradients, points are placed more exactly: D is then the matrix of the deformed file.
     const gradients = document.settings.limit && turns ? " --gradients" : "";
-    const to = pose.name === "rest" ? "rest-as-pose.vtu" : word(fileName(pose));
+    const to = pose.name === "rest" ? "rest-as-pose.vtu" : fileWord(fileName(pose));
+    const [from, result] = [model.name, deformedName(document)].map(fileWord);
     lines.push(
-      `espalier deform ${word(model.name)} ${options} \\\n    --to ${to} -o ${word(deformedName(document))}`,
-      `espalier stencils rest.vtu --points ${word(model.name)} ${bindingOptions(document)}${gradients} -o D.npz`,
+      `espalier deform ${from} ${options} \\\n    --to ${to} -o ${result}`,
+      `espalier stencils rest.vtu --points ${from} ${bindingOptions(document)}${gradients} -o D.npz`,
     );
   }
   return lines.join("\n");

@@ -126,10 +126,9 @@ export type Axis = "x" | "y" | "z";
 /** An operation of `espalier pose` on the vertices. */
 export type Transform =
   | { kind: "move"; offset: Point }
-  | { kind: "scale"; factors: Point }
-  | { kind: "rotate"; axis: Axis; degrees: number; center?: Point }
-  | { kind: "twist" | "bend"; axis: Axis; degrees: number }
-  | { kind: "taper"; axis: Axis; factor: number };
+  | { kind: "scale"; factors: Point; center?: Point }
+  | { kind: "rotate" | "twist" | "bend"; axis: Axis; degrees: number; center?: Point }
+  | { kind: "taper"; axis: Axis; factor: number; center?: Point };
 
 /** A file to take home. */
 export type Product =

@@ -32,6 +32,7 @@ export class Timeline {
     names.forEach((name, i) => {
       const chip = this.list.children[i] ?? this.list.appendChild(newChip());
       chip.textContent = name;
+      (chip as HTMLElement).title = i === 0 ? "The lattice at rest" : `Show the pose ${name}`;
       chip.setAttribute("aria-selected", String(document.time === i));
     });
     this.slider.max = String(Math.max(1, document.poses.length));

@@ -70,20 +70,38 @@ export function optionsOf(weights: Weights, transforms: readonly Transform[]): s
 }
 
 function operation(transform: Transform): string {
+  if (transform.kind === "move") return `--move ${transform.offset.join(" ")}`;
+  const about = transform.center ? `--center ${transform.center.join(" ")} ` : "";
   switch (transform.kind) {
-    case "move":
-      return `--move ${transform.offset.join(" ")}`;
     case "scale":
-      return `--scale ${transform.factors.join(" ")}`;
+      return `${about}--scale ${transform.factors.join(" ")}`;
     case "taper":
-      return `--taper ${transform.axis} ${transform.factor}`;
-    case "rotate": {
-      const { axis, degrees, center } = transform;
-      return `${center ? `--center ${center.join(" ")} ` : ""}--rotate ${axis} ${degrees}`;
-    }
+      return `${about}--taper ${transform.axis} ${transform.factor}`;
     default:
-      return `--${transform.kind} ${transform.axis} ${transform.degrees}`;
+      return `${about}--${transform.kind} ${transform.axis} ${transform.degrees}`;
   }
+}
+
+/** The mean of the selected vertices that have neighbours outside the selection: the elbow of an arm. The
+ * middle of the selection, if there are none. */
+export function borderOf(
+  positions: Float64Array,
+  selection: readonly number[],
+  neighbours: readonly (readonly number[])[],
+): Point {
+  const selected = new Set(selection);
+  const border = selection.filter((v) => neighbours[v].some((each) => !selected.has(each)));
+  if (border.length === 0) return middleOf(positions, selection);
+  return [0, 1, 2].map(
+    (c) => border.reduce((sum, v) => sum + positions[3 * v + c], 0) / border.length,
+  ) as Point;
+}
+
+/** The middle of the box around selected vertices. */
+export function middleOf(positions: Float64Array, selection: readonly number[]): Point {
+  const weights = new Float64Array(positions.length / 3);
+  for (const v of selection) weights[v] = 1;
+  return centerOf(positions, weights);
 }
 
 /** Gives selected vertices the mirror images of the vertices on the other side of the middle plane of

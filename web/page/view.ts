@@ -114,12 +114,17 @@ function setNormals(geometry: THREE.BufferGeometry, triangles: Uint32Array): voi
 }
 
 export class View {
-  readonly camera = new THREE.PerspectiveCamera(35, 1, 0.01, 1000);
+  camera: THREE.PerspectiveCamera | THREE.OrthographicCamera;
   readonly scene = new THREE.Scene();
-  readonly controls: OrbitControls;
+  controls: OrbitControls;
+  /** Called after the camera has turned. */
+  onTurn: () => void = () => {};
   readonly canvas: HTMLCanvasElement;
   shown: Shown = { model: true, lattice: true, cells: false, cut: "", cutAt: 0.5 };
 
+  private readonly perspective = new THREE.PerspectiveCamera(35, 1, 0.01, 1000);
+  private readonly parallel = new THREE.OrthographicCamera();
+  private readonly lights = new THREE.Group();
   private readonly renderer: THREE.WebGLRenderer;
   private readonly colours: Record<string, THREE.Color> = {};
   private frameIsAsked = false;
@@ -135,6 +140,8 @@ export class View {
   private selected = new Set<number>();
   private weights: Float64Array = new Float64Array(0);
   private folded = new Set<number>();
+  /** the vertices that are not drawn, and cannot be picked */
+  private hidden: ReadonlySet<number> = new Set();
   private lines: LineSegments2[] = [];
   private corners: THREE.Points<THREE.BufferGeometry, THREE.ShaderMaterial>[] = [];
   private readonly faces: THREE.Mesh;
@@ -148,8 +155,8 @@ export class View {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.canvas = this.renderer.domElement;
     container.append(this.canvas);
-    this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.addEventListener("change", () => this.ask());
+    this.camera = this.perspective;
+    this.controls = this.newControls();
     this.addLights();
 
     const clay = new THREE.MeshStandardMaterial({
@@ -204,24 +211,33 @@ export class View {
     this.readColours();
   }
 
+  private newControls(): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    controls.zoomToCursor = true;
+    controls.addEventListener("change", () => this.ask());
+    return controls;
+  }
+
   private addLights(): void {
     const light = (intensity: number, x: number, y: number, z: number) => {
       const result = new THREE.DirectionalLight(0xffffff, intensity);
       result.position.set(x, y, z);
-      this.camera.add(result, result.target);
+      this.lights.add(result, result.target);
     };
     light(1.9, -2, 3, 4);
     light(0.55, 4, 0.5, 2);
     light(0.7, 1, 2, -4);
-    this.scene.add(this.camera, new THREE.HemisphereLight(0xffffff, 0x8d8f99, 1.25));
+    this.camera.add(this.lights);
+    this.scene.add(this.perspective, this.parallel, new THREE.HemisphereLight(0xffffff, 0x8d8f99, 1.25));
   }
 
   private resize(container: HTMLElement): void {
     const { clientWidth: width, clientHeight: height } = container;
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.perspective.aspect = width / height;
+    this.perspective.updateProjectionMatrix();
+    this.widenParallel();
     for (const line of this.lines) line.material.resolution.set(width, height);
     this.ask();
   }
@@ -317,6 +333,7 @@ export class View {
     this.corners = [];
     this.shape = shape;
     this.folded.clear();
+    this.hidden = new Set();
     this.setSurface(null);
     if (!shape) return;
     const vertexCount = shape.positions.length / 3;
@@ -372,12 +389,27 @@ export class View {
     const ends = this.lines[0].geometry.getAttribute(
       "instanceStart",
     ) as THREE.InterleavedBufferAttribute;
-    this.shape.edges.forEach((v, i) => {
-      ends.data.array.set(single.subarray(3 * v, 3 * v + 3), 3 * i);
+    const { edges } = this.shape;
+    edges.forEach((v, i) => {
+      // An edge with a hidden end gets the length 0.
+      const isHidden = this.hidden.has(v) || this.hidden.has(edges[i ^ 1]);
+      const end = isHidden ? edges[i & ~1] : v;
+      ends.data.array.set(single.subarray(3 * end, 3 * end + 3), 3 * i);
     });
     ends.data.needsUpdate = true;
     if (this.shown.cut) this.rebuildCells();
     this.ask();
+  }
+
+  get hidesVertices(): boolean {
+    return this.hidden.size > 0;
+  }
+
+  /** Hides some vertices, and the edges at them; all others are shown. */
+  hide(vertices: Iterable<number>): void {
+    this.hidden = new Set(vertices);
+    this.setPose(this.pose);
+    this.colourLattice();
   }
 
   setSelection(selection: readonly number[], weights: Float64Array): void {
@@ -401,7 +433,8 @@ export class View {
     const sizes = geometry.getAttribute("size");
     vertexStrata.forEach((stratum, v) => {
       shade(stratum, this.weights[v] ?? 0).toArray(colours.array, 3 * v);
-      sizes.array[v] = this.selected.has(v) ? kCornerSize + 4 : stratum === 3 ? 7 : kCornerSize;
+      const size = this.selected.has(v) ? kCornerSize + 4 : stratum === 3 ? 7 : kCornerSize;
+      sizes.array[v] = this.hidden.has(v) ? 0 : size;
     });
     colours.needsUpdate = sizes.needsUpdate = true;
 
@@ -495,6 +528,63 @@ export class View {
 
   // ---- Camera and drawing ------------------------------------------------------------------------------
 
+  get isParallel(): boolean {
+    return this.camera === this.parallel;
+  }
+
+  /** Draws parallel lines as parallel, or farther things smaller. */
+  setParallel(isParallel: boolean): void {
+    if (isParallel === this.isParallel) return;
+    const { position, quaternion, up } = this.camera;
+    const { target } = this.controls;
+    const other = isParallel ? this.parallel : this.perspective;
+    if (!isParallel) {
+      // As near as a perspective must be to show as much.
+      const from = position.clone().sub(target);
+      position.copy(target).addScaledVector(from, 1 / this.parallel.zoom);
+    }
+    other.position.copy(position);
+    other.quaternion.copy(quaternion);
+    other.up.copy(up);
+    this.camera = other;
+    other.add(this.lights);
+    this.parallel.zoom = 1;
+    this.replaceControls(target);
+    this.widenParallel();
+  }
+
+  /** The axis that points up on the screen. */
+  get up(): "y" | "z" {
+    return this.camera.up.z === 1 ? "z" : "y";
+  }
+
+  set up(axis: "y" | "z") {
+    this.camera.up.set(0, axis === "y" ? 1 : 0, axis === "z" ? 1 : 0);
+    this.replaceControls(this.controls.target);
+    this.look();
+  }
+
+  /** Controls read which axis is up, and which camera they turn, when they are made. */
+  private replaceControls(target: THREE.Vector3): void {
+    this.controls.dispose();
+    this.controls = this.newControls();
+    this.controls.target.copy(target);
+    this.controls.update();
+    this.ask();
+  }
+
+  /** Gives the parallel camera the height that the perspective has at the target. */
+  private widenParallel(): void {
+    if (!this.isParallel) return;
+    const { aspect, fov } = this.perspective;
+    const distance = this.parallel.position.distanceTo(this.controls.target);
+    const half = distance * Math.tan((fov * Math.PI) / 360);
+    const { parallel } = this;
+    [parallel.left, parallel.right] = [-half * aspect, half * aspect];
+    [parallel.top, parallel.bottom] = [half, -half];
+    parallel.updateProjectionMatrix();
+  }
+
   /** The box around the lattice at rest, or around the model without a lattice. */
   private bounds(): THREE.Box3 {
     const box = new THREE.Box3();
@@ -508,22 +598,41 @@ export class View {
     return this.bounds().getSize(new THREE.Vector3()).length() || 1;
   }
 
-  /** Looks at everything from a direction. */
-  look(from: THREE.Vector3 = new THREE.Vector3(0.75, 0.42, 1)): void {
+  /** A sphere around all that is shown. */
+  private sphere(): THREE.Sphere {
     const box = this.bounds();
-    if (this.points.length > 0)
-      box.union(new THREE.Box3().setFromArray(this.points as unknown as number[]));
-    const sphere = box.getBoundingSphere(new THREE.Sphere());
-    const angle = (this.camera.fov * Math.PI) / 360;
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = (0.96 * Math.max(sphere.radius, 1e-9)) / (Math.sin(angle) * narrow);
-    this.camera.near = distance / 200;
-    this.camera.far = distance * 20;
-    this.camera.position.copy(sphere.center).addScaledVector(from.clone().normalize(), distance);
-    this.camera.updateProjectionMatrix();
-    this.controls.target.copy(sphere.center);
+    for (const shown of [this.points, this.pose])
+      if (shown.length > 0)
+        box.union(new THREE.Box3().setFromArray(shown as unknown as number[]));
+    return box.getBoundingSphere(new THREE.Sphere());
+  }
+
+  /** Looks at everything from a direction: by default from the front, the right and above. */
+  look(from?: THREE.Vector3): void {
+    const standard = this.up === "y" ? [0.75, 0.42, 1] : [0.75, -1, 0.42];
+    const direction = from?.clone() ?? new THREE.Vector3().fromArray(standard);
+    const { center, radius } = this.sphere();
+    const angle = (this.perspective.fov * Math.PI) / 360;
+    const narrow = Math.min(1, this.perspective.aspect);
+    const distance = (1.04 * Math.max(radius, 1e-9)) / (Math.sin(angle) * narrow);
+    this.camera.position.copy(center).addScaledVector(direction.normalize(), distance);
+    this.parallel.zoom = 1;
+    this.controls.target.copy(center);
+    this.widenParallel();
     this.controls.update();
     this.ask();
+  }
+
+  /** Puts the near and the far plane of the camera around all that is shown. */
+  private placePlanes(): void {
+    const { center, radius } = this.sphere();
+    const distance = this.camera.position.distanceTo(center);
+    const reach = 1.5 * Math.max(radius, 1e-9);
+    this.camera.far = distance + reach;
+    this.camera.near = this.isParallel
+      ? distance - reach
+      : Math.max(distance - reach, (distance + reach) / 5000);
+    this.camera.updateProjectionMatrix();
   }
 
   /** Draws soon: once, however often it is asked. */
@@ -546,7 +655,9 @@ export class View {
     this.cells.material.depthWrite = shown.cut !== "";
     this.cells.material.transparent = !shown.cut;
     this.foldedFaces.visible = this.folded.size > 0;
+    this.placePlanes();
     this.renderer.render(this.scene, this.camera);
+    this.onTurn();
   }
 
   /** The picture on the screen, as a .png file. */
@@ -576,7 +687,7 @@ export class View {
     for (let v = 0; v < this.pose.length / 3; ++v) {
       const at = this.screenOf(v);
       const gap = Math.hypot(at.x - x, at.y - y);
-      if (gap > within || Math.abs(at.depth) > 1) continue;
+      if (gap > within || Math.abs(at.depth) > 1 || this.hidden.has(v)) continue;
       // A pixel farther away counts as much as a thousandth of the depth.
       const cost = gap + 1000 * at.depth;
       if (cost < least) [best, least] = [v, cost];
@@ -584,40 +695,52 @@ export class View {
     return best;
   }
 
-  verticesInBox(x0: number, y0: number, x1: number, y1: number): number[] {
+  /** The vertices in an area of the screen; all of them, or those that no face of the lattice hides. */
+  verticesIn(isInside: (x: number, y: number) => boolean, onlyFront: boolean): number[] {
     const result: number[] = [];
     for (let v = 0; v < this.pose.length / 3; ++v) {
-      const { x, y } = this.screenOf(v);
-      if (x >= Math.min(x0, x1) && x <= Math.max(x0, x1))
-        if (y >= Math.min(y0, y1) && y <= Math.max(y0, y1)) result.push(v);
+      const { x, y, depth } = this.screenOf(v);
+      if (this.hidden.has(v) || Math.abs(depth) > 1 || !isInside(x, y)) continue;
+      if (!onlyFront || !this.isBehindFace(v, x, y)) result.push(v);
     }
     return result;
   }
 
-  private hit(x: number, y: number, object: THREE.Mesh): THREE.Intersection | undefined {
+  private isBehindFace(vertex: number, x: number, y: number): boolean {
+    const [hit] = this.hits(x, y, this.faces);
+    if (!hit) return false;
+    const at = new THREE.Vector3().fromArray(this.pose, 3 * vertex);
+    // The faces at the vertex meet the ray there, up to the rounding of floats.
+    const forward = this.camera.getWorldDirection(new THREE.Vector3());
+    return hit.point.clone().sub(at).dot(forward) < -1e-3 * this.size;
+  }
+
+  /** Where a ray through a place on the screen meets an object, from front to back. */
+  private hits(x: number, y: number, object: THREE.Mesh): THREE.Intersection[] {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
     const hits: THREE.Intersection[] = [];
     object.raycast(ray, hits);
-    return hits.sort((a, b) => a.distance - b.distance)[0];
+    return hits.sort((a, b) => a.distance - b.distance);
   }
 
   faceAt(x: number, y: number): BoundaryFace | null {
     if (!this.shape) return null;
-    const found = this.hit(x, y, this.faces);
-    if (found?.faceIndex == null) return null;
-    let triangle = found.faceIndex;
-    for (const face of this.shape.boundary) {
-      triangle -= face.vertices.length - 2;
-      if (triangle < 0) return face;
+    for (const { faceIndex } of this.hits(x, y, this.faces)) {
+      let triangle = faceIndex!;
+      const face = this.shape.boundary.find(({ vertices }) => {
+        triangle -= vertices.length - 2;
+        return triangle < 0;
+      });
+      if (face && !face.vertices.some((v) => this.hidden.has(v))) return face;
     }
     return null;
   }
 
   /** The point of the model that is nearest to the place where the pointer meets it. */
   pointAt(x: number, y: number): number | null {
-    const found = this.triangles.length > 0 ? this.hit(x, y, this.model) : undefined;
+    const [found] = this.triangles.length > 0 ? this.hits(x, y, this.model) : [];
     if (!found?.face) return null;
     const { a, b, c } = found.face;
     const gap = (point: number) =>

@@ -302,16 +302,14 @@ const radians = (degrees: number) => (degrees * Math.PI) / 180;
 
 function transformed(positions: Float64Array, weights: Float64Array, to: Transform): Float64Array {
   const { poses } = library;
-  const options = { weights };
+  const options = { weights, center: to.kind === "move" ? undefined : to.center };
   switch (to.kind) {
     case "move":
       return poses.move(positions, to.offset, options);
     case "scale":
       return poses.scale(positions, to.factors, options);
-    case "rotate": {
-      const { center } = to;
-      return poses.rotate(positions, kDirections[to.axis], radians(to.degrees), { weights, center });
-    }
+    case "rotate":
+      return poses.rotate(positions, kDirections[to.axis], radians(to.degrees), options);
     case "twist":
       return poses.twist(positions, kDirections[to.axis], radians(to.degrees), options);
     case "bend": {

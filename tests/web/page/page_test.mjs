@@ -112,8 +112,7 @@ describe("the page", () => {
 
   test("everything works by keys alone", () =>
     withPage(async (page) => {
-      await page.keyboard.press("e");
-      await until(page, () => globalThis.espalier.editor.model !== null);
+      await openExample(page);
       // Tab reaches the fields and buttons of the panels.
       const reach = async (selector) => {
         for (let i = 0; i < 80; ++i) {

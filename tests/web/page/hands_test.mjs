@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+// What hands do in the page: clicks through the handles, areas, the pivot, steps, the camera, keys, the first minute, and
+// the commands that are pasted into a shell.
+import assert from "node:assert/strict";
+import { readdirSync, writeFileSync } from "node:fs";
+import { describe, test } from "node:test";
+import { settled } from "./browser.mjs";
+import {
+  choose,
+  clickVertex,
+  commandsShown,
+  documentNow,
+  dragHandles,
+  file,
+  folder,
+  makeBox,
+  openExample,
+  plyText,
+  runLine,
+  until,
+  withPage,
+} from "./person.mjs";
+
+const kLargeWindow = { viewport: { width: 1100, height: 700 } };
+const selected = async (page) => (await documentNow(page)).selection;
+const press = async (page, key) => {
+  await page.keyboard.press(key);
+  await settled(page);
+};
+const clickCommand = async (page, name) => {
+  await page.evaluate((each) => document.querySelector(`[data-command="${each}"]`).click(), name);
+  await settled(page);
+};
+const select = async (page, vertices) => {
+  await page.evaluate((each) => globalThis.espalier.editor.select(each), vertices);
+  await settled(page);
+};
+const positions = async (page) => page.evaluate(() => [...globalThis.espalier.editor.positions]);
+const at = (all, v) => all.slice(3 * v, 3 * v + 3);
+
+/** A box of 3 × 3 × 3 cells from -1 to 1: vertex (i, j, k) is i + 4 (j + 4 k). */
+async function makeShape(page) {
+  await page.click('[data-form="shape"] button');
+  await until(page, () => globalThis.espalier.editor.shape !== null);
+}
+
+/** Drags the pointer along places of the view, given as parts of its size. */
+async function drag(page, ...places) {
+  const box = await page.locator("#view canvas").boundingBox();
+  const [from, ...to] = places.map(([x, y]) => [box.x + x * box.width, box.y + y * box.height]);
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  for (const place of to) await page.mouse.move(...place, { steps: 3 });
+  await page.mouse.up();
+  await settled(page);
+}
+
+describe("hands in the page", () => {
+  test("clicks select through the handles, and Add adds", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await clickVertex(page, 63);
+      assert.deepEqual(await selected(page), [63]);
+      // The handles are at the vertex now: a click there, without a drag, reaches the vertex.
+      await clickVertex(page, 63);
+      assert.deepEqual(await selected(page), [63]);
+      // The handles in the middle of all vertices are in front of some: a vertex below them is selected.
+      await press(page, "a");
+      const below = await page.evaluate(() => {
+        const { view } = globalThis.espalier.editor;
+        const { x, y } = view.screenOf(63);
+        const [left, top] = [view.canvas.clientWidth / 2, view.canvas.clientHeight / 2];
+        return { x: x - left, y: y - top };
+      });
+      assert.ok(Math.hypot(below.x, below.y) > 20);
+      await clickVertex(page, 63, { modifiers: ["Shift"] });
+      assert.equal((await selected(page)).length, 63);
+      await select(page, [63]);
+      await clickVertex(page, 63, { modifiers: ["Shift"] });
+      assert.deepEqual(await selected(page), []);
+      await clickCommand(page, "add");
+      for (const v of [60, 63, 15]) await clickVertex(page, v);
+      assert.deepEqual(await selected(page), [15, 60, 63]);
+      // A drag on a handle still moves.
+      await clickCommand(page, "add");
+      await clickVertex(page, 63);
+      const before = await positions(page);
+      await dragHandles(page, 40, -30);
+      assert.notDeepEqual(at(await positions(page), 63), at(before, 63));
+    }, kLargeWindow));
+
+  test("a click on a handle with no vertex behind it keeps the selection", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await select(page, [63]);
+      const arrow = await page.evaluate(() => {
+        const { view } = globalThis.espalier.editor;
+        const { x, y } = view.screenOf(63);
+        return { x, y: y - 45 };
+      });
+      await page.mouse.move(0, 0);
+      await page.locator("#view canvas").hover({ position: arrow });
+      assert.ok(await page.evaluate(() => globalThis.espalier.gizmo.isUsed));
+      await page.locator("#view canvas").click({ position: arrow });
+      await settled(page);
+      assert.deepEqual(await selected(page), [63]);
+    }, kLargeWindow));
+
+  test("a lasso selects what is inside it, all or only in front", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await press(page, "5");
+      await drag(page, [0.004, 0.004], [0.996, 0.004], [0.996, 0.996], [0.004, 0.996]);
+      assert.equal((await selected(page)).length, 64);
+      await clickCommand(page, "front");
+      await press(page, "Escape");
+      await drag(page, [0.004, 0.004], [0.996, 0.004], [0.996, 0.996], [0.004, 0.996]);
+      const front = await selected(page);
+      // Three faces of a box are in front: 64 vertices less the 27 that they hide.
+      assert.equal(front.length, 37);
+      // A triangle is no box: its corner does not select what a box would.
+      await clickCommand(page, "front");
+      await press(page, "Escape");
+      await drag(page, [0.02, 0.02], [0.98, 0.02], [0.02, 0.98]);
+      const part = await selected(page);
+      assert.ok(part.length > 0 && part.length < 64, String(part.length));
+    }, kLargeWindow));
+
+  test("what is not selected can be hidden, and is not picked then", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await select(page, [60, 61, 62, 63]);
+      await press(page, "h");
+      await clickVertex(page, 15);
+      assert.deepEqual(await selected(page), []);
+      await clickVertex(page, 63);
+      assert.deepEqual(await selected(page), [63]);
+      await press(page, "h");
+      await clickVertex(page, 15);
+      assert.deepEqual(await selected(page), [15]);
+    }, kLargeWindow));
+
+  test("turns and scales go about the pivot, as in the program", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      const end = Array.from({ length: 64 }, (_, v) => v).filter((v) => v % 4 >= 2);
+      await select(page, end);
+      await page.selectOption('[data-choice="pivot"]', "border");
+      await page.evaluate(() =>
+        globalThis.espalier.editor.transform({ kind: "rotate", axis: "z", degrees: 90 }),
+      );
+      // The border is at x = 1/3: its middle (1/3, 0, 0) stays. Vertex 3 was at (1, -1, -1).
+      const [x, y, z] = at(await positions(page), 3);
+      assert.ok(Math.hypot(x - 4 / 3, y - 2 / 3, z + 1) < 1e-12, [x, y, z].join());
+      const text = await commandsShown(page);
+      assert.match(text, /--center 0\.333333333333\d* \S+ \S+ --rotate z 90 /);
+      // Set here: the middle of one selection is the pivot of another.
+      await press(page, "Control+z");
+      await select(page, [0]);
+      await clickCommand(page, "pivot here");
+      await select(page, [63]);
+      await page.evaluate(() =>
+        globalThis.espalier.editor.transform({ kind: "scale", factors: [0.5, 0.5, 0.5] }),
+      );
+      assert.deepEqual(at(await positions(page), 63), [0, 0, 0]);
+      await page.selectOption('[data-choice="pivot"]', "middle");
+      // The handles are at the selection, also if its neighbours move in part.
+      await page.evaluate(() => globalThis.espalier.editor.setRadius(1));
+      const handle = await page.evaluate(() => globalThis.espalier.gizmo.handle.position.toArray());
+      assert.deepEqual(handle, [0, 0, 0]);
+    }, kLargeWindow));
+
+  test("the handles move along one axis, and in steps", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await select(page, [63]);
+      await press(page, "x");
+      const shown = await page.evaluate(() => {
+        const { showX, showY, showZ } = globalThis.espalier.gizmo.controls;
+        return [showX, showY, showZ];
+      });
+      assert.deepEqual(shown, [true, false, false]);
+      await press(page, "x");
+      await clickCommand(page, "snap");
+      await dragHandles(page, 37, -23);
+      const moved = at(await positions(page), 63);
+      const step = await page.evaluate(() => globalThis.espalier.gizmo.controls.translationSnap);
+      assert.ok(step > 0);
+      for (const x of moved) assert.ok(Math.abs(x / step - Math.round(x / step)) < 1e-6, String(x));
+      assert.notDeepEqual(moved, [1, 1, 1]);
+      await press(page, "g");
+      assert.equal(await page.evaluate(() => globalThis.espalier.gizmo.mode), "translate");
+    }, kLargeWindow));
+
+  test("extruded faces are selected, at a distance of the size of the lattice", () =>
+    withPage(async (page) => {
+      await makeShape(page);
+      await press(page, "ArrowUp");
+      const top = Array.from({ length: 64 }, (_, v) => v).filter((v) => (v >> 2) % 4 === 3);
+      await select(page, top);
+      await press(page, "e");
+      await until(page, () => globalThis.espalier.editor.shape.positions.length === 3 * 80);
+      const now = await selected(page);
+      assert.equal(now.length, 16);
+      const all = await positions(page);
+      // The cells are 2/3 wide, which two digits show as 0.67.
+      for (const v of now) assert.ok(Math.abs(all[3 * v + 1] - 1.67) < 1e-12);
+      // A chosen distance stays.
+      await page.evaluate(() => (document.querySelector('[data-form="extrude"]').closest("details").open = true));
+      await page.fill('[name="distance"]', "0.1");
+      await select(page, now.slice(0, 4));
+      assert.equal(await page.inputValue('[name="distance"]'), "0.1");
+    }, kLargeWindow));
+
+  test("the camera looks from the axes, in parallel, with z up, and clips nothing", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await makeBox(page);
+      const eye = () =>
+        page.evaluate(() => {
+          const { camera, controls } = globalThis.espalier.editor.view;
+          return camera.position.clone().sub(controls.target).normalize().toArray();
+        });
+      const isAlong = (found, expected) =>
+        assert.ok(Math.hypot(...found.map((x, i) => x - expected[i])) < 1e-3, found.join());
+      for (const [code, expected] of [
+        ["Numpad1", [0, 0, 1]],
+        ["Numpad3", [1, 0, 0]],
+        ["Numpad7", [0, 1, 0]],
+      ]) {
+        await press(page, code);
+        isAlong(await eye(), expected);
+      }
+      await page.click('#axes [aria-label="Look from −z"]');
+      await settled(page);
+      isAlong(await eye(), [0, 0, -1]);
+      const corners = () =>
+        page.evaluate(() => {
+          const { view, shape } = globalThis.espalier.editor;
+          const { clientWidth: width, clientHeight: height } = view.canvas;
+          return [...shape.vertexStrata.keys()].every((v) => {
+            const { x, y, depth } = view.screenOf(v);
+            return x >= 0 && x <= width && y >= 0 && y <= height && Math.abs(depth) <= 1;
+          });
+        });
+      assert.ok(await corners());
+      await clickCommand(page, "parallel");
+      assert.ok(await page.evaluate(() => globalThis.espalier.editor.view.camera.isOrthographicCamera));
+      assert.ok(await corners());
+      // Picking works in the parallel view, too.
+      await press(page, "f");
+      const box = await page.evaluate(() => globalThis.espalier.editor.shape.vertexStrata.length - 1);
+      await clickVertex(page, box);
+      assert.deepEqual(await selected(page), [box]);
+      await clickCommand(page, "z up");
+      await press(page, "Numpad1");
+      isAlong(await eye(), [0, -1, 0]);
+      assert.ok(await corners());
+      await clickCommand(page, "z up");
+      await clickCommand(page, "parallel");
+      // After a pose that goes far, everything is in sight.
+      await press(page, "a");
+      await page.evaluate(() =>
+        globalThis.espalier.editor.transform({ kind: "move", offset: [40, 0, 0] }),
+      );
+      await press(page, "Home");
+      assert.ok(await corners());
+    }, kLargeWindow));
+
+  test("no key replaces the work, and messages go with what they are about", () =>
+    withPage(async (page) => {
+      await openExample(page);
+      await makeBox(page);
+      const before = await documentNow(page);
+      for (const key of "bcdefghijklmnopqrstuvwyz0123456789") {
+        if (key === "o" || key === "l" || key === "c") continue; // These open a dialog.
+        await press(page, key);
+      }
+      await press(page, "Escape");
+      const { model, lattice } = await documentNow(page);
+      assert.deepEqual([model, lattice], [before.model, before.lattice]);
+      await page.evaluate(() => globalThis.espalier.editor.onMessage("about this", true));
+      assert.ok(await page.isVisible("#message"));
+      await select(page, [5]);
+      assert.ok(!(await page.isVisible("#message")));
+    }));
+
+  test("every control says what it does", () =>
+    withPage(async (page) => {
+      const silent = await page.evaluate(() =>
+        [...document.querySelectorAll("button, input, select")]
+          .filter((control) => control.type !== "file")
+          .filter((control) => !control.title && !control.closest("label[title]"))
+          .map((control) => control.outerHTML),
+      );
+      assert.deepEqual(silent, []);
+    }));
+
+  test("an example is bent after one click, and can be taken home from any place", () =>
+    withPage(async (page) => {
+      await page.click('#start [data-command="example"]');
+      await until(page, () => {
+        const { document, binding } = globalThis.espalier.editor;
+        return binding !== null && document.poses[0]?.steps?.length > 0 && document.selection.length > 0;
+      });
+      const { model, points } = await page.evaluate(() => {
+        const { editor } = globalThis.espalier;
+        return { model: [...editor.model.points], points: [...editor.view.points] };
+      });
+      const moved = model.filter((x, i) => Math.abs(x - points[i]) > 1e-3).length;
+      assert.ok(moved > model.length / 4, String(moved));
+      assert.ok(await page.isVisible('header [data-command="save model"]'));
+    }));
+
+  test("the commands quote every name of a file", () =>
+    withPage(async (page) => {
+      for (const name of [
+        "my model;touch PWNED;.ply",
+        "-o.ply",
+        "it's $(touch PWNED) `touch PWNED`.ply",
+        "# new\ntouch PWNED\n.ply",
+      ]) {
+        writeFileSync(file(name), plyText());
+        await page.evaluate(
+          ([name, text]) => {
+            const data = new DataTransfer();
+            data.items.add(new File([text], name));
+            document.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
+          },
+          [name, plyText()],
+        );
+        await page.waitForFunction(
+          (name) => globalThis.espalier.editor.document.model?.name === name,
+          name,
+        );
+        await settled(page);
+        await makeBox(page, 2);
+        await clickCommand(page, "all");
+        await page.evaluate(() =>
+          globalThis.espalier.editor.transform({ kind: "move", offset: [1, 0, 0] }),
+        );
+        runLine(await commandsShown(page));
+        const files = readdirSync(folder);
+        assert.ok(!files.includes("PWNED"), name);
+        assert.ok(files.includes(`${name.slice(0, -4)}-deformed.ply`), files.join());
+      }
+      // A lattice whose name breaks a line stays a comment.
+      runLine("espalier shape box -o plain.vtu --quiet");
+      await choose(page, "open lattice", file("plain.vtu"));
+      await settled(page);
+      await page.evaluate(async () => {
+        const { editor } = globalThis.espalier;
+        const { bytes } = editor.document.lattice;
+        await editor.openLattice({ name: "x\ntouch PWNED\n.vtu", bytes });
+      });
+      assert.match(await commandsShown(page), /^# x touch PWNED \.vtu is rest\.vtu$/m);
+    }));
+});
