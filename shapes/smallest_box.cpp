@@ -68,7 +68,7 @@ Point2 smallestRectangle(const std::vector<Point2>& hull, double padding) {
     for (std::size_t i = 0; i < count; ++i) {
         const Point2& from = hull[i];
         const Point2& to = hull[(i + 1) % count];
-        const double length = std::hypot(to[0] - from[0], to[1] - from[1]);
+        const double length = espalier::length({to[0] - from[0], to[1] - from[1], 0});
         if (!(length > 0)) continue;
         const Point2 side = {(to[0] - from[0]) / length, (to[1] - from[1]) / length};
         const auto along = [&](std::size_t k, const Point2& direction) {

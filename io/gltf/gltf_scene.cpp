@@ -46,8 +46,8 @@ Affine affineOf(const double* columns) {
 }
 
 DeformationGradient rotationOf(const std::array<double, 4>& quaternion) {
-    const double norm = std::hypot(std::hypot(quaternion[0], quaternion[1]),
-                                   std::hypot(quaternion[2], quaternion[3]));
+    const double norm =
+        length({length({quaternion[0], quaternion[1], quaternion[2]}), quaternion[3], 0});
     if (!(norm > 0)) return kIdentity;
     const double x = quaternion[0] / norm, y = quaternion[1] / norm, z = quaternion[2] / norm,
                  w = quaternion[3] / norm;

@@ -235,7 +235,7 @@ Columns nearestRotation(Columns matrix) {
 /// Carries the logarithms s and the quaternion q of a splat.
 /// \param f F / 2^exponent
 void carryAxes(const Columns& f, int exponent, std::span<double> s, std::span<double> q) {
-    const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+    const double norm = length({length({q[0], q[1], q[2]}), q[3], 0});
     const Quaternion unit = {q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
     const Columns r = matrixOf(unit);
     // Fourth powers of lengths between e^-150 and 1 are in range.
