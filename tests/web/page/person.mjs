@@ -210,6 +210,33 @@ export const plyText = () =>
     ...kCorners.map((p) => p.join(" ")),
     ...kFaces.map((f) => `3 ${f.join(" ")}`),
   ].join("\n") + "\n";
+/** In glTF a node turns the tetrahedron, by a quaternion that no library may round in its own way. */
+export function gltfText() {
+  const data = Buffer.from(Float32Array.from(kCorners.flat()).buffer);
+  const indices = Buffer.from(Uint16Array.from(kFaces.flat()).buffer);
+  const bytes = Buffer.concat([data, indices]);
+  return JSON.stringify({
+    asset: { version: "2.0" },
+    buffers: [
+      {
+        byteLength: bytes.length,
+        uri: `data:application/octet-stream;base64,${bytes.toString("base64")}`,
+      },
+    ],
+    bufferViews: [
+      { buffer: 0, byteLength: data.length },
+      { buffer: 0, byteOffset: data.length, byteLength: indices.length },
+    ],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [0, 0, 0], max: [1, 1, 1] },
+      { bufferView: 1, componentType: 5123, count: 12, type: "SCALAR" },
+    ],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    nodes: [{ mesh: 0, rotation: [0.1, 0.2, 0.3, 0.92736184954957] }],
+    scenes: [{ nodes: [0] }],
+    scene: 0,
+  });
+}
 export const stlText = () =>
   "solid t\n" +
   kFaces

@@ -15,6 +15,7 @@ import {
   download,
   dragHandles,
   file,
+  gltfText,
   kCorners,
   kFaces,
   makeBox,
@@ -161,8 +162,9 @@ describe("against the program", () => {
 
   test("other formats are written as the program writes them", () =>
     withPage(async (page) => {
-      for (const name of ["model.ply", "model.stl"]) {
-        writeFileSync(file(name), name.endsWith("ply") ? plyText() : stlText());
+      const texts = { "model.ply": plyText(), "model.stl": stlText(), "model.gltf": gltfText() };
+      for (const [name, text] of Object.entries(texts)) {
+        writeFileSync(file(name), text);
         await choose(page, "open", file(name));
         await page.waitForFunction(
           (expected) => globalThis.espalier.editor.document.model?.name === expected,
