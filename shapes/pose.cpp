@@ -99,13 +99,16 @@ AxisInterval along(const Weighted& moved, const Point3& axis, const Options& opt
     const BoundingBox bounds = moved.bounds(axesAlong(direction));
     result.low = bounds.min[2];
     result.high = bounds.max[2];
+    if (options.startsAtCenter && options.center) result.low = dot(result.center, direction);
     // Less is the rounding of equal coordinates.
     constexpr double kRounding = 1e-12;
     const double size = std::max(std::abs(result.low), std::abs(result.high));
     if (!(result.high - result.low > kRounding * size))
         throw ArgumentError(
             moved.operation, "range", "none",
-            "two numbers, since the selected positions are all at one place along the axis");
+            options.startsAtCenter && options.center
+                ? "two numbers, since no selected position lies beyond the centre along the axis"
+                : "two numbers, since the selected positions are all at one place along the axis");
     return result;
 }
 

@@ -42,6 +42,10 @@ struct Options {
     /// The interval [a, b] of e·p along the axis, b above a. By default, the interval of the
     /// positions whose weight is above 0.
     std::optional<std::array<double, 2>> range = {};
+
+    /// The default of the range begins at the centre, if there is a centre: a limb then bends from
+    /// its joint on, and the parts before the joint stay.
+    bool startsAtCenter = false;
 };
 
 /// Adds w · offset.

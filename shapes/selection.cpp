@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/bounding_box.h>
 #include <espalier/base/error.h>
-#include <espalier/base/progress.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/selection.h>
 
@@ -11,9 +9,9 @@
 #include <string>
 
 #include "checks.h"
+#include "distance_weights.h"
 
 namespace espalier::shapes {
-namespace {
 
 double weightAt(double distance, const Falloff& falloff) {
     if (distance <= 0) return 1;
@@ -22,30 +20,14 @@ double weightAt(double distance, const Falloff& falloff) {
     return falloff.profile == Falloff::Profile::Linear ? 1 - u : 1 - u * u * (3 - 2 * u);
 }
 
+namespace {
+
 /// Returns the weights, given a function that returns the distance of a position from the region.
 template <class Distance>
 std::vector<double> weightsFor(const std::string& function, std::span<const Point3> positions,
                                const Falloff& falloff, const Distance& distance) {
-    if (!(falloff.radius >= 0) || !std::isfinite(falloff.radius))
-        throw ArgumentError(function, "falloff.radius", textOf(falloff.radius),
-                            "a finite number of 0 or more");
-    std::vector<double> weights;
-    if (positions.empty()) return weights;
-    requireFinite("positions", positions);
-    constexpr double kRounding = 1e-9;
-    const double tolerance = kRounding * BoundingBox(positions).diagonal();
-    if (!std::isfinite(tolerance))
-        throw Error("the positions are so far apart that their distance is infinite");
-    weights.reserve(positions.size());
-    for (const Point3& position : positions) {
-        checkCancelledEvery(weights.size(), 14);
-        const double outside = distance(position);
-        if (std::isnan(outside))
-            throw Error(concat("positions[", weights.size(), "] is ", textOf(position),
-                               ", so far away that its distance is not a number"));
-        weights.push_back(weightAt(outside <= tolerance ? 0 : outside, falloff));
-    }
-    return weights;
+    return weightsOfDistances(function, positions, falloff,
+                              [&](std::size_t i) { return distance(positions[i]); });
 }
 
 }  // namespace

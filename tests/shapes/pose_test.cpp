@@ -301,5 +301,20 @@ TEST(Pose, RefusesResultsThatAreNotFinite) {
                    move(std::vector<Point3>{{1e308, 0, 0}}, {1e308, 0, 0}));
 }
 
+// A limb bends from its joint on: what is before the centre along the axis stays.
+TEST(Pose, TheRangeMayBeginAtTheCentre) {
+    const auto points = cloud();
+    const Point3 center = {0.2, 0.1, 0.7};
+    const Options begins{.center = center, .startsAtCenter = true},
+        explicitly{.center = center, .range = {{0.7, 2}}};
+    expectNear(bend(points, kZ, 1.1, kX, begins), bend(points, kZ, 1.1, kX, explicitly), 0);
+    expectNear(twist(points, kZ, 1.1, begins), twist(points, kZ, 1.1, explicitly), 0);
+    expectNear(taper(points, kZ, 0.5, begins), taper(points, kZ, 0.5, explicitly), 0);
+    EXPECT_EQ(twist(points, kZ, 1.1, {.startsAtCenter = true}), twist(points, kZ, 1.1));
+    const Options beyond{.center = Point3{0, 0, 3}, .startsAtCenter = true};
+    EXPECT_REFUSED(Error, "no selected position lies beyond the centre along the axis",
+                   bend(points, kZ, 1, kX, beyond));
+}
+
 }  // namespace
 }  // namespace espalier::shapes::pose
