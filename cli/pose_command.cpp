@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/shapes/cell_selection.h>
+#include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
 #include <espalier/shapes/selection.h>
 #include <fmt/format.h>
@@ -22,13 +24,14 @@
 #include "files.h"
 #include "job.h"
 #include "options.h"
+#include "pose_selection.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
 
 namespace pose = shapes::pose;
 
-constexpr const char* kSelect = "--select";
 constexpr const char* kSelectAll = "--select-all";
 
 class Posing;
@@ -38,7 +41,38 @@ class Posing;
 struct Step {
     std::string option;
     std::function<void(Posing&)> run;
+    bool changesSelection = false;  ///< a --select that starts from the selection before
 };
+
+/// The point that --about names.
+struct Pivot {
+    enum class Kind { Point, Vertex, Border, Joint };
+    Kind kind = Kind::Border;
+    Point3 point = {0, 0, 0};  ///< for Point, and the point on the model for Joint
+    Index vertex = 0;
+};
+
+/// Returns the pivot that the words of an --about name.
+/// \throws CLI::ValidationError with the words that were expected
+Pivot pivotOf(const std::vector<std::string>& words) {
+    using Kind = Pivot::Kind;
+    const std::string first = words.empty() ? "" : words[0];
+    const std::size_t from = first == "vertex" || first == "border" || first == "joint" ? 1 : 0;
+    std::vector<double> numbers;
+    for (std::size_t i = from; i < words.size(); ++i)
+        if (const auto number = numberOf(words[i])) numbers.push_back(*number);
+    const std::size_t expected = first == "vertex" ? 1 : first == "border" ? 0 : 3;
+    const bool isVertex = first == "vertex" && numbers.size() == 1 && numbers[0] >= 0 &&
+                          numbers[0] < kMaxIndex && numbers[0] == std::floor(numbers[0]);
+    if (numbers.size() != expected || words.size() != from + expected ||
+        (first == "vertex" && !isVertex))
+        throw CLI::ValidationError(
+            "--about", fmt::format("expected vertex NUMBER; border; joint X Y Z; X Y Z; got {}",
+                                   shown(printable(fmt::format("{}", fmt::join(words, " "))))));
+    if (first == "vertex") return {Kind::Vertex, {}, static_cast<Index>(numbers[0])};
+    if (first == "border") return {};
+    return {from == 1 ? Kind::Joint : Kind::Point, {numbers[0], numbers[1], numbers[2]}, 0};
+}
 
 struct PoseOptions {
     CommonOptions common;
@@ -46,19 +80,6 @@ struct PoseOptions {
     std::string output;
     std::vector<Step> steps;
 };
-
-/// Returns the direction that a word names: x, +y, -z.
-std::optional<Point3> directionOf(std::string_view word) {
-    double sign = 1;
-    if (!word.empty() && (word[0] == '+' || word[0] == '-')) {
-        sign = word[0] == '-' ? -1 : 1;
-        word.remove_prefix(1);
-    }
-    if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') return std::nullopt;
-    Point3 direction = {0, 0, 0};
-    direction[word[0] - 'x'] = sign;
-    return direction;
-}
 
 /// Returns a check that a word names a direction.
 CLI::Validator isDirection() {
@@ -78,116 +99,16 @@ std::optional<shapes::Falloff::Profile> falloffOf(std::string_view word) {
     return known->choice;
 }
 
-/// A set of vertices that --select names.
-struct Selection {
-    std::string text;  ///< the words
-    std::function<std::vector<double>(const Lattice&, const shapes::Falloff&)> weights;
-    bool takesFalloff = true;
-};
-
-/// Returns the weights that an attribute holds.
-/// \throws CLI::ValidationError if there is no such attribute, or a value is not a weight
-std::vector<double> weightsIn(const Lattice& lattice, const std::string& name) {
-    const auto hasName = [&](const auto& attribute) { return attribute.name == name; };
-    const auto real = std::ranges::find_if(lattice.attributes, hasName);
-    const auto whole = std::ranges::find_if(lattice.integers, hasName);
-    std::vector<double> weights;
-    if (real != lattice.attributes.end() && real->components == 1) {
-        weights = real->values;
-    } else if (whole != lattice.integers.end() && whole->components == 1) {
-        weights.assign(whole->values.begin(), whole->values.end());
-    } else {
-        std::vector<std::string> names;
-        for (const auto& attribute : lattice.attributes) names.push_back(printable(attribute.name));
-        for (const auto& attribute : lattice.integers) names.push_back(printable(attribute.name));
-        throw CLI::ValidationError(
-            kSelect,
-            fmt::format("the lattice has no attribute {} with one value for each vertex; its "
-                        "attributes: {}",
-                        printable(name),
-                        names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
-    }
-    for (std::size_t v = 0; v < weights.size(); ++v)
-        if (!(weights[v] >= 0 && weights[v] <= 1))
-            throw CLI::ValidationError(
-                kSelect, fmt::format("attribute {} is {} at vertex {}; expected 0 to 1",
-                                     printable(name), weights[v], v));
-    return weights;
-}
-
-/// The kinds of selections, and the words that follow their names.
-constexpr std::pair<std::string_view, std::string_view> kSelectionKinds[] = {
-    {"box", "X0 Y0 Z0 X1 Y1 Z1"},     {"ball", "X Y Z RADIUS"},
-    {"half-space", "X Y Z NX NY NZ"}, {"end", "AXIS with a sign, such as +z"},
-    {"vertices", "NUMBER..."},        {"attribute", "NAME"}};
-
-/// Returns the selection that the words of a --select name.
-/// \throws CLI::ValidationError with the words that were expected
-Selection selectionOf(const std::vector<std::string>& words) {
-    const std::string kind = words.empty() ? "" : words[0];
-    const auto known = std::ranges::find(kSelectionKinds, kind,
-                                         &std::pair<std::string_view, std::string_view>::first);
-    const auto refuse = [](const std::string& got, const std::string& expected) {
-        throw CLI::ValidationError(kSelect, printable(got) + ": expected " + expected);
-    };
-    if (known == std::end(kSelectionKinds)) {
-        std::vector<std::string> forms;
-        for (const auto& [name, rest] : kSelectionKinds)
-            forms.push_back(fmt::format("{} {}", name, rest));
-        refuse(kind, fmt::format("{}", fmt::join(forms, "; ")));
-    }
-    const std::string text = fmt::format("{}", fmt::join(words, " "));
-    const std::string form = fmt::format("{} {}", known->first, known->second);
-    const auto numbers = [&](std::size_t count) {
-        std::vector<double> values;
-        for (const std::string& word : std::span(words).subspan(1))
-            if (const auto number = numberOf(word)) values.push_back(*number);
-        if (values.size() != words.size() - 1 || values.size() != count) refuse(text, form);
-        return values;
-    };
-    Selection result{text, {}};
-    if (kind == "box") {
-        result.weights = [n = numbers(6)](const Lattice& lattice, const shapes::Falloff& falloff) {
-            return shapes::selectBox(lattice.positions, {n[0], n[1], n[2]}, {n[3], n[4], n[5]},
-                                     falloff);
-        };
-    } else if (kind == "ball") {
-        result.weights = [n = numbers(4)](const Lattice& lattice, const shapes::Falloff& falloff) {
-            return shapes::selectBall(lattice.positions, {n[0], n[1], n[2]}, n[3], falloff);
-        };
-    } else if (kind == "half-space") {
-        result.weights = [n = numbers(6)](const Lattice& lattice, const shapes::Falloff& falloff) {
-            return shapes::selectHalfSpace(lattice.positions, {n[0], n[1], n[2]},
-                                           {n[3], n[4], n[5]}, falloff);
-        };
-    } else if (kind == "end") {
-        const auto direction = words.size() == 2 ? directionOf(words[1]) : std::nullopt;
-        if (!direction) refuse(text, form);
-        result.weights = [d = *direction](const Lattice& lattice, const shapes::Falloff& falloff) {
-            return shapes::selectEnd(lattice.positions, d, falloff);
-        };
-    } else if (kind == "vertices") {
-        if (words.size() < 2) refuse(text, form);
-        result.weights = [n = numbers(words.size() - 1), refuse, text](
-                             const Lattice& lattice, const shapes::Falloff& falloff) {
-            std::vector<Index> vertices;
-            for (const double number : n) {
-                if (!(number >= 0 && number < static_cast<double>(lattice.positions.size())) ||
-                    number != std::floor(number))
-                    refuse(text, fmt::format("numbers of vertices, 0 to {}",
-                                             lattice.positions.size() - 1));
-                vertices.push_back(static_cast<Index>(number));
-            }
-            return shapes::selectNumbers(lattice.positions, vertices, falloff);
-        };
-    } else {
-        if (words.size() != 2) refuse(text, form);
-        result.takesFalloff = false;
-        result.weights = [name = words[1]](const Lattice& lattice, const shapes::Falloff&) {
-            return weightsIn(lattice, name);
-        };
-    }
-    return result;
+/// Returns a check that a word is a length.
+/// \param words all words of the option, for the message
+CLI::Validator isLengthOf(const std::string& words) {
+    return CLI::Validator(
+        [words](std::string& text) {
+            return lengthOf(text) ? std::string()
+                                  : "expected " + words + ", with spaces or commas between, got " +
+                                        shown(text);
+        },
+        "");
 }
 
 /// Applies the steps to a lattice, one after the other.
@@ -197,21 +118,32 @@ public:
 
     const std::vector<Point3>& positions() const { return positions_; }
 
-    /// Selects the vertices of `selection`; all vertices without one. Clears falloff, centre, range
-    /// and direction.
-    /// \throws CLI::ValidationError if no vertex is selected
+    /// Selects the vertices of `selection`; all vertices without one. Clears falloff, centre,
+    /// pivot, range and direction. \throws CLI::ValidationError if no vertex is selected
     void select(std::optional<Selection> selection) {
+        if (selection && selection->part) {
+            const shapes::Limb limb = selection->part(lattice_);
+            const auto& [x, y, z] = limb.section.center;
+            found_.push_back(fmt::format(
+                "{}: {} of {} vertices, beyond a section of area {:.4g} at {:.4g} {:.4g} {:.4g}",
+                printable(selection->text), limb.vertices.size(), lattice_.positions.size(),
+                limb.section.area, x, y, z));
+            selectVertices(*selection, limb.vertices);
+        } else if (selection && selection->change) {
+            if (!selection_)
+                throw CLI::ValidationError(
+                    kSelect,
+                    printable(selection->text) +
+                        ": the whole lattice is selected; give another --select before it");
+            selectVertices(*selection, selection->change(lattice_, selectedVertices()));
+        }
         selection_ = std::move(selection);
         falloff_ = {};
         center.reset();
+        pivot.reset();
         range.reset();
         toward.reset();
-        if (!selection_) return;
-        const auto selected = weights();
-        if (std::ranges::none_of(selected, [](double weight) { return weight > 0; }))
-            throw CLI::ValidationError(
-                kSelect, printable(selection_->text) +
-                             ": expected at least one vertex there; the lattice has none");
+        if (selection_) checkCount();
     }
 
     void setFalloff(const shapes::Falloff& falloff) {
@@ -232,14 +164,88 @@ public:
     template <class Operate>
     void operate(const Operate& operate) {
         const std::vector<double> selected = weights();
-        positions_ =
-            operate(std::span<const Point3>(positions_), pose::Options{selected, center, range});
+        pose::Options options{selected, center, range};
+        if (pivot) {
+            options.center = pivotPoint();
+            options.startsAtCenter = !range;
+        }
+        positions_ = operate(std::span<const Point3>(positions_), options);
     }
 
+    const Lattice& lattice() const { return lattice_; }
+
+    /// The lines that tell which parts of the lattice the selections found.
+    const std::vector<std::string>& found() const { return found_; }
+
+    /// The notes on selections of few vertices.
+    const std::vector<std::string>& notes() const { return notes_; }
+
     std::optional<Point3> center, toward;
+    std::optional<Pivot> pivot;
     std::optional<std::array<double, 2>> range;
 
 private:
+    /// Lets a selection select some vertices, with a falloff along the cells.
+    static void selectVertices(Selection& selection, std::vector<Index> vertices) {
+        selection.weights = [vertices = std::move(vertices)](const Lattice& lattice,
+                                                             const shapes::Falloff& falloff) {
+            return shapes::selectAlongCells(lattice.complex, lattice.positions, vertices, falloff);
+        };
+    }
+
+    /// Returns the vertices that are selected without the falloff.
+    std::vector<Index> selectedVertices() const {
+        std::vector<Index> vertices;
+        const auto selected = selection_->weights(lattice_, {});
+        for (std::size_t v = 0; v < selected.size(); ++v)
+            if (selected[v] > 0) vertices.push_back(static_cast<Index>(v));
+        return vertices;
+    }
+
+    /// Refuses a selection without vertices, and notes one with few.
+    void checkCount() {
+        const auto count = selectedVertices().size();
+        if (count == 0)
+            throw CLI::ValidationError(
+                kSelect,
+                fmt::format("{}: expected at least one vertex there; the lattice has none. {}",
+                            printable(selection_->text),
+                            selection_->change ? "Give fewer steps"
+                                               : "Give a larger region, such as a radius of 10%, "
+                                                 "or grow another selection"));
+        constexpr std::size_t kFew = 2;
+        if (count <= kFew && !selection_->isExplicit)
+            notes_.push_back(
+                fmt::format("note: --select {} selects {} of {} vertices; a larger region, or "
+                            "--select grow 1 after it, selects more",
+                            printable(selection_->text), count == 1 ? "one" : "two",
+                            lattice_.positions.size()));
+    }
+
+    /// Returns the place of the pivot in the pose so far.
+    Point3 pivotPoint() const {
+        if (pivot->kind == Pivot::Kind::Point) return pivot->point;
+        if (pivot->kind == Pivot::Kind::Vertex) {
+            if (pivot->vertex >= std::ssize(positions_))
+                throw CLI::ValidationError("--about",
+                                           fmt::format("vertex {}: expected 0 to {}", pivot->vertex,
+                                                       positions_.size() - 1));
+            return positions_[pivot->vertex];
+        }
+        if (pivot->kind == Pivot::Kind::Joint) {
+            const Index face =
+                shapes::nearestInnerFace(lattice_.complex, lattice_.positions, pivot->point);
+            const auto part =
+                shapes::selectBeyond(lattice_.complex, lattice_.positions, face).vertices;
+            return shapes::selectionBorder(lattice_.complex, positions_, part).center;
+        }
+        if (!selection_)
+            throw CLI::ValidationError("--about",
+                                       "border: the whole lattice is selected, and has no border; "
+                                       "give --select before it");
+        return shapes::selectionBorder(lattice_.complex, positions_, selectedVertices()).center;
+    }
+
     /// Returns the weight of each vertex; no weights if all vertices are selected. Selections use
     /// the positions in the file: operations before them do not matter.
     std::vector<double> weights() const {
@@ -250,6 +256,7 @@ private:
     std::vector<Point3> positions_;
     std::optional<Selection> selection_;  ///< none: all vertices
     shapes::Falloff falloff_;
+    std::vector<std::string> found_, notes_;
 };
 
 /// The options that change an operation after them, and the operations that use them. All
@@ -259,6 +266,7 @@ constexpr std::pair<std::string_view, std::string_view> kModifiers[] = {
     {kSelectAll, ""},
     {"--falloff", ""},
     {"--center", "--rotate, --scale, --twist, --bend or --taper"},
+    {"--about", "--rotate, --scale, --twist, --bend or --taper"},
     {"--range", "--twist, --bend or --taper"},
     {"--toward", "--bend"}};
 
@@ -284,8 +292,13 @@ void checkModifiers(std::span<const Step> steps) {
             continue;
         }
         const bool isSelection = step.option.starts_with(kSelect);
+        if (step.changesSelection)
+            std::erase_if(unused, [](const Modifier* other) { return other->first == kSelect; });
+        const auto isPlace = [](const Modifier& each) {
+            return each.first == "--center" || each.first == "--about";
+        };
         for (const Modifier* other : unused)
-            if (isSelection || other == modifier)
+            if (isSelection || other == modifier || (isPlace(*other) && isPlace(*modifier)))
                 refuse(*other, fmt::format(": the {} after it replaces it", step.option));
         unused.push_back(modifier);
     }
@@ -317,6 +330,9 @@ void runPose(const PoseOptions& options) {
         moved += posing.positions()[v] != lattice.positions[v];
     lattice.positions = posing.positions();
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    for (const std::string& note : posing.notes()) printError(note.c_str());
+    if (!options.common.quiet)
+        for (const std::string& line : posing.found()) fmt::print("{}\n", line);
     if (!options.common.quiet)
         fmt::print("{}: {} of {} vertices moved\n", printable(options.output), moved,
                    lattice.positions.size());
@@ -361,13 +377,20 @@ double radians(double degrees) {
 }
 
 void addOperations(CLI::App& command, std::vector<Step>& steps) {
-    takeNumbers(addStep<Point3>(command, steps, "--move", "Move by a vector",
-                                [](Posing& posing, const Point3& offset) {
-                                    posing.operate([&](const auto& positions, const auto& options) {
-                                        return pose::move(positions, offset, options.weights);
-                                    });
-                                }),
-                "X Y Z");
+    using Lengths = std::array<std::string, 3>;
+    addStep<Lengths>(command, steps, "--move", "Move by a vector",
+                     [](Posing& posing, const Lengths& words) {
+                         Point3 offset;
+                         for (std::size_t c = 0; c < 3; ++c)
+                             offset[c] = lengthOf(words[c])->in(posing.lattice());
+                         posing.operate([&](const auto& positions, const auto& options) {
+                             return pose::move(positions, offset, options.weights);
+                         });
+                     })
+        ->delimiter(',')
+        ->check(isLengthOf("the numbers X Y Z"))
+        ->type_name("X Y Z")
+        ->allow_extra_args();
     addAlongAxis(
         command, steps, "--rotate", "DEGREES",
         "Rotate about an axis (x, y or z) through the centre, anticlockwise seen from its "
@@ -416,14 +439,18 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
             [&steps](std::vector<std::string> words) {
                 std::erase(words,
                            "");  // CLI11 marks an incomplete group of words by an empty word.
-                steps.push_back({kSelect, [selection = selectionOf(words)](Posing& posing) {
-                                     posing.select(selection);
-                                 }});
+                const Selection selection = selectionOf(words);
+                steps.push_back({kSelect, [selection](Posing& posing) { posing.select(selection); },
+                                 static_cast<bool>(selection.change)});
             },
             "Vertices for the operations that follow: box X0 Y0 Z0 X1 Y1 Z1; ball X Y Z RADIUS; "
-            "half-space X Y Z NX NY NZ, a point of its plane and the normal into it; end +z, the "
-            "last layer in a direction; vertices NUMBER...; attribute NAME, whose values from 0 to "
-            "1 are the parts of the operation that the vertices get. Clears the four options below")
+            "near X Y Z RADIUS, a ball along the cells; half-space X Y Z NX NY NZ, a point of its "
+            "plane and the normal into it; end +z, the last layer in a direction; limb X Y Z, the "
+            "arm, leg or ear at a point, up to its narrowest section; beyond FACE, or the face "
+            "nearest to X Y Z, the part of the lattice beyond it; vertices NUMBER...; attribute "
+            "NAME, whose values from 0 to 1 are the parts of the operation that the vertices get; "
+            "grow N or shrink N, the vertices selected before and N edges more or fewer. A radius "
+            "may be a percentage of the lattice's diagonal, 10%. Clears the five options below")
         // Two words at least, so that the second one may begin with a minus. All words that follow
         // them are numbers, so endNumbers() ends them.
         ->type_size(2, kMany)
@@ -447,15 +474,18 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
                                    : "expected linear or smooth, got " + shown(word);
         },
         "");
-    addStep<WordAndNumber>(command, steps, "--falloff",
-                           "Vertices outside the selection, up to this distance, move in part",
-                           [](Posing& posing, const WordAndNumber& values) {
-                               const auto& [word, radius] = values;
-                               posing.setFalloff({*falloffOf(word), *numberOf(radius)});
-                           })
+    addStep<WordAndNumber>(
+        command, steps, "--falloff",
+        "Vertices outside the selection, up to this distance, move in part. The "
+        "distance is in space; after near, limb, beyond, grow and shrink it is "
+        "along the cells",
+        [](Posing& posing, const WordAndNumber& values) {
+            const auto& [word, radius] = values;
+            posing.setFalloff({*falloffOf(word), lengthOf(radius)->in(posing.lattice())});
+        })
         ->delimiter(',')
         ->check(CLI::Validator(isProfile).application_index(0))
-        ->check(isNumberOf("linear|smooth RADIUS").application_index(1))
+        ->check(isLengthOf("linear|smooth RADIUS").application_index(1))
         ->type_name("linear|smooth RADIUS");
     takeNumbers(
         addStep<Point3>(command, steps, "--center",
@@ -463,6 +493,25 @@ void addSelections(CLI::App& command, std::vector<Step>& steps) {
                         "middle of the selected vertices",
                         [](Posing& posing, const Point3& point) { posing.center = point; }),
         "X Y Z");
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--about",
+            [&steps](std::vector<std::string> words) {
+                std::erase(words, "");
+                steps.push_back({"--about", [pivot = pivotOf(words)](Posing& posing) {
+                                     posing.pivot = pivot;
+                                 }});
+            },
+            "The pivot of the operations that follow: vertex NUMBER; border, the middle of the "
+            "section between the selected vertices and the rest; joint X Y Z, the middle of the "
+            "section through the face nearest to a point, such as an elbow; X Y Z. Twist, bend and "
+            "taper begin there")
+        ->type_size(1, kMany)
+        ->expected(1)
+        ->allow_extra_args()
+        ->type_name("PIVOT ...")
+        ->delimiter(',')
+        ->trigger_on_parse();
     using Range = std::array<double, 2>;
     takeNumbers(
         addStep<Range>(command, steps, "--range",

@@ -108,11 +108,15 @@ std::size_t lastRequired(const CLI::Option& option, std::span<const std::string>
     return at;
 }
 
-/// Returns whether a word is numbers with a delimiter between: "1,2,3", or "--cells=1,2,3".
+/// Returns whether a word is numbers or percentages with a delimiter between: "1,2,3", "10%", or
+/// "--cells=1,2,3".
 bool isNumbers(const std::string& word, char delimiter) {
     const std::string numbers =
         isOption(word) && !isNumber(word) ? word.substr(word.find('=') + 1) : word;
-    return std::ranges::all_of(CLI::detail::split(numbers, delimiter), isNumber);
+    return std::ranges::all_of(CLI::detail::split(numbers, delimiter), [](std::string part) {
+        if (part.ends_with('%')) part.pop_back();
+        return isNumber(part);
+    });
 }
 
 /// Refuses values that the parser would not take for values: -inf and -nan are groups of options to
@@ -151,8 +155,12 @@ void endNumbers(const CLI::App& command, std::vector<std::string>& words) {
         for (std::size_t k = first + 1; k <= i; ++k) refuseNoValue(option, words[k]);
         const char delimiter = option.get_delimiter();
         if (delimiter == '\0' || !option.get_allow_extra_args()) continue;
-        while (i + 1 < words.size() && (words[i + 1].empty() || isNumbers(words[i + 1], delimiter)))
+        while (i + 1 < words.size() &&
+               (words[i + 1].empty() || isNumbers(words[i + 1], delimiter))) {
             refuseNoValue(option, words[++i]);
+            // The parser takes -.5 for an option.
+            if (words[i].starts_with("-.")) words[i].insert(1, "0");
+        }
         if (i + 1 < words.size() && !isOption(words[i + 1]))
             words.insert(words.begin() + static_cast<std::ptrdiff_t>(++i), "--");
     }

@@ -95,6 +95,95 @@ class Pose(CliTest):
         for (x, y, z), after in zip(self.rest, moved):
             self.assertEqual(after, (x + 1, y, z - 10 if z == 4 else z - 1 if z == 0 else z))
 
+    def test_limbs(self):
+        # The shell of a box with one more row of cubes: a body of 3 x 3 x 3 cubes, and an arm of one
+        # cube's width along x.
+        self.run_program("shape", "box", "--cells", 3, 3, 3, "--min", 0, 0, 0, "--max", 3, 3, 3, "-o", "body.ovm")
+        self.run_program("shape", "box", "--cells", 4, 1, 1, "--min", 3, 1, 1, "--max", 7, 2, 2, "-o", "arm.ovm")
+        self.run_program("shape", "merge", "body.ovm", "arm.ovm", "-o", "figure.ovm")
+        rest = self.read_ovm_positions("figure.ovm")
+
+        def moved(*options):
+            pose = self.pose(*options, lattice="figure.ovm")
+            return {rest[i] for i, p in enumerate(pose) if p != rest[i]}
+
+        def beyond(x):
+            return {p for p in rest if p[0] >= x and (p[0] > 3 or {p[1], p[2]} <= {1, 2})}
+        move = ["--move", 0, 0, 1]
+        self.assertEqual(moved("--select", "limb", 7, 1.5, 1.5, *move), beyond(3))
+        self.assertEqual(moved("--select", "limb", "7,1.5,1.5", "--select", "shrink", 1, *move), beyond(4))
+        self.assertEqual(moved("--select", "end", "+x", "--select", "grow", 2, *move), beyond(5))
+        self.assertEqual(moved("--select", "beyond", 5.1, 1.5, 2, *move), beyond(5))
+        self.assertEqual(moved("--select", "near", 7.5, 1.5, 1.5, 1.2, *move), beyond(7))
+        out = self.run_program("pose", "figure.ovm", "--select", "limb", 7, 1.5, 1.5, *move, "-o", "x.ovm").stdout
+        self.assertEqual(out, "limb 7 1.5 1.5: 20 of 80 vertices, beyond a section of area 1 at 3 1.5 1.5\n"
+                              "x.ovm: 20 of 80 vertices moved\n")
+        # The falloff is measured along the cells: from the section, one edge into the body.
+        pose = self.pose("--select", "limb", 7, 1.5, 1.5, "--falloff", "linear", 2, *move, lattice="figure.ovm")
+        self.assertEqual({after[2] - p[2] for p, after in zip(rest, pose) if p[0] == 2 and {p[1], p[2]} <= {1, 2}},
+                         {0.5})
+        for options, message in [
+                (["limb", 0, 0, 0], "--select: the lattice has no limb at (0, 0, 0): no section between there "
+                                    "and the rest is narrow"),
+                (["limb", 0, 0], "--select: limb 0 0: expected limb X Y Z"),
+                (["grow", 1], "--select: grow 1: the whole lattice is selected; give another --select before it"),
+                (["end", "+x", "--select", "shrink", 1], "--select: shrink 1: expected at least one vertex there; "
+                                                         "the lattice has none. Give fewer steps"),
+                (["beyond", 100000], "--select: face: expected 0 to "),
+                (["beyond", 1, 2], "--select: beyond 1 2: expected beyond FACE or X Y Z"),
+                (["grow", 0.5], "--select: grow 0.5: expected grow N, a whole number")]:
+            with self.subTest(options):
+                self.assertIn(message, self.error_of("pose", "figure.ovm", "--select", *options, *move, "-o",
+                                                     "y.ovm", code=2))
+        # Few vertices are noted, unless they are named one by one.
+        result = self.run_program("pose", "figure.ovm", "--select", "ball", 0, 0, 0, 0.1, *move, "-o", "x.ovm")
+        self.assertEqual(result.stderr, "espalier: note: --select ball 0 0 0 0.1 selects one of 80 vertices; a "
+                                        "larger region, or --select grow 1 after it, selects more\n")
+        result = self.run_program("pose", "figure.ovm", "--select", "vertices", 0, *move, "-o", "x.ovm")
+        self.assertEqual(result.stderr, "")
+
+    def test_pivots(self):
+        # Rotations about the middle of the top, (0, 0, 4); about vertex 0; about the section at z = 2.
+        top = ["--select", "end", "+z"]
+        for pivot, center in [(["border"], (0, 0, 4)), (["vertex", 0], self.rest[0]), ([-1, 2, -.5], (-1, 2, -0.5)),
+                              (["joint", 1, 0.3, 2.1], (0, 0, 2))]:
+            for operation in [["--rotate", "x", 40], ["--scale", 2]]:
+                with self.subTest((pivot, operation)):
+                    expected = self.pose(*top, "--center", *center, *operation)
+                    for point, wanted in zip(self.pose(*top, "--about", *pivot, *operation), expected):
+                        for a, b in zip(point, wanted):
+                            self.assertAlmostEqual(a, b, delta=1e-14)
+        # Pivots follow the operations before; twist begins at the pivot.
+        moved = self.pose("--move", 1, 0, 0, *top, "--about", "border", "--scale", 2)
+        self.assertEqual({p for p in moved if p[2] == 4},
+                         {(1 + 2 * x, 2 * y, 4) for x, y, z in self.rest if z == 4})
+        self.assert_moved(["--about", 0, 0, 1, "--twist", "z", 90],
+                          lambda *p: rotated(p, 90 * max(p[2] - 1, 0) / 3))
+        self.assert_moved(["--about", 0, 0, 1, "--range", 0, 4, "--twist", "z", 90],
+                          lambda *p: rotated(p, 90 * p[2] / 4))
+        place = "--rotate, --scale, --twist, --bend or --taper"
+        for options, message in [
+                (["--about", "knee"], "--about: expected vertex NUMBER; border; joint X Y Z; X Y Z; got knee"),
+                (["--about", "vertex", -1], "--about: expected vertex NUMBER; border; joint X Y Z; X Y Z; got vertex -1"),
+                (["--about", "vertex", 45], "--about: vertex 45: expected 0 to 44"),
+                (["--about", "border"], "--about: border: the whole lattice is selected, and has no border"),
+                (["--center", 0, 0, 0, "--about", 0, 0, 0],
+                 "--center: has no effect: the --about after it replaces it; put it before " + place)]:
+            with self.subTest(options):
+                self.assertIn(message, self.error_of("pose", "rest.ovm", *options, "--rotate", "z", 90, "-o",
+                                                     "x.ovm", code=2))
+
+    def test_lengths_may_be_percentages_of_the_diagonal(self):
+        # The box is 2 x 2 x 4, with the diagonal √24.
+        half = 24 ** 0.5 / 2
+        self.assert_moved(["--move", "50%", "-50%", 0], lambda x, y, z: (x + half, y - half, z))
+        self.assertEqual(self.pose("--select", "ball", 0, 0, 5, "40%", "--move", 1, 0, 0),
+                         self.pose("--select", "ball", 0, 0, 5, 0.8 * half, "--move", 1, 0, 0))
+        self.run_program("pose", "--select", "end", "+z", "--falloff", "linear", "50%", "--move", 1, 0, 0, "rest.ovm",
+                         "-o", "pose.ovm")
+        for (x, y, z), after in zip(self.rest, self.read_ovm_positions("pose.ovm")):
+            self.assertAlmostEqual(after[0], x + max(0, 1 - max(0, 4 - z - 0.04) / half), delta=1e-14)
+
     def test_falloff(self):
         moved = self.pose("--select", "box", -1, -1, 4, 1, 1, 4, "--falloff", "linear", 4,
                           "--move", 1, 0, 0)
