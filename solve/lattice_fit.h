@@ -17,10 +17,10 @@
 // In: D and targets of points, or a pose. Out: displacements of the lattice, or volume ratios of
 // its cells.
 //
-// Types: FitOptions and fitLattice() (this header), DesignVariables, SectionVariables,
+// Types: FitOptions and fitLattice() (this header), RigidPull, DesignVariables, SectionVariables,
 // ValidityCheck. bernstein.h has the proofs for ValidityCheck.
 //
-// Read this header, design_variables.h, section_variables.h, validity.h.
+// Read this header, rigid_pull.h, design_variables.h, section_variables.h, validity.h.
 namespace espalier::solve {
 
 /// The regularisation of a fit: a second goal for the displacements, besides the targets.

@@ -5,7 +5,7 @@
 #include <espalier/shapes/limb.h>
 #include <espalier/shapes/pose.h>
 
-#include "lattices_with_limbs.h"
+#include "support/lattices_with_limbs.h"
 #include "support/test.h"
 
 namespace espalier::shapes {

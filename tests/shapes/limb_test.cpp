@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "lattices_with_limbs.h"
+#include "support/lattices_with_limbs.h"
 #include "support/test.h"
 
 namespace espalier::shapes {
