@@ -11,6 +11,7 @@
 #include <espalier/io/targets.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/solve/lattice_fit.h>
+#include <espalier/solve/rigid_pull.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,11 +50,22 @@ struct HeldPart {
 struct FitCommandOptions : BindOptions {
     std::string targets;
     std::vector<std::array<double, 6>> pulls;  ///< a place and a displacement each
+    std::vector<Point3> pins;                  ///< places
+    bool isStiff = false;
+    std::vector<const CLI::Option*> ofLeastMovement;  ///< options of solve::fitLattice() alone
+    std::optional<double> reach;
     HoldOptions hold;
     std::optional<solve::Smoothing> smoothing;
     solve::FitOptions fit;
     std::string output;
     ReportFormat report = ReportFormat::Text;
+
+    /// True if the cells stay rigid (solve::RigidPull), false for the least movement of vertices
+    /// (solve::fitLattice()).
+    bool bends() const {
+        return !pulls.empty() && targets.empty() && !isStiff &&
+               std::ranges::all_of(ofLeastMovement, &CLI::Option::empty);
+    }
 };
 
 bool isIn(const std::array<double, 6>& box, const Point3& point) {
@@ -158,6 +170,7 @@ struct PointTargets {
     std::vector<Point3> points;
     std::vector<Point3> misses;       ///< target minus point
     std::vector<io::Target> targets;  ///< the targets; each has its line in the file, for messages
+    std::vector<Index> pins = {};     ///< numbers of the targets of --pin; ascending
 
     void add(const Point3& point, const io::Target& target) {
         points.push_back(point);
@@ -171,42 +184,53 @@ struct PointTargets {
         for (const Index row : rows) {
             selected.points.push_back(points[row]);
             selected.misses.push_back(misses[row]);
+            if (std::ranges::binary_search(pins, row))
+                selected.pins.push_back(static_cast<Index>(selected.targets.size()));
             selected.targets.push_back(targets[row]);
         }
         return selected;
     }
 };
 
-/// Adds a target for each --pull: the point nearest to its place moves by its displacement.
+/// Adds a target for a --pull or a --pin: the point nearest to its place moves by a displacement.
 /// \throws Error naming a point that has a target already
+void addPull(const FitCommandOptions& options, const char* option, const Point3& place,
+             const Point3& by, std::span<const Point3> points, PointTargets& pointTargets) {
+    const auto distance = [&](const Point3& point) { return length(difference(point, place)); };
+    const auto nearest = std::ranges::min_element(points, {}, distance);
+    const auto number = static_cast<Index>(nearest - points.begin());
+    const auto& [x, y, z] = place;
+    // From farther away, rounding makes all points equally near. If all points are at one
+    // place, they are equally near from anywhere, and the first is pulled.
+    constexpr double kFarthest = 1e8;
+    if (const double size = BoundingBox(points).diagonal();
+        size > 0 && distance(*nearest) > kFarthest * size)
+        throw Error(
+            fmt::format("{} {} {} {}: the place is more than 1e8 times the size of the "
+                        "model ({:.4g}) away from it, so that all points are equally near; "
+                        "give a place near the point to pull",
+                        option, x, y, z, size));
+    for (const io::Target& target : pointTargets.targets)
+        if (target.point == number)
+            throw Error(
+                fmt::format("{} {} {} {}: the nearest point is {}, which has a target "
+                            "already",
+                            option, x, y, z, number));
+    pointTargets.add(*nearest, {number, sum(*nearest, by), 0});
+    if (!options.common.quiet && options.report == ReportFormat::Text)
+        fmt::print("{:<22}point {} at {:.6g} {:.6g} {:.6g}\n",
+                   std::string_view(option) == "--pin" ? "pinned" : "pulled", number, (*nearest)[0],
+                   (*nearest)[1], (*nearest)[2]);
+}
+
+/// Adds the targets of all --pull and --pin.
 void addPulls(const FitCommandOptions& options, std::span<const Point3> points,
               PointTargets& pointTargets) {
-    for (const auto& [x, y, z, dx, dy, dz] : options.pulls) {
-        const Point3 place = {x, y, z};
-        const auto distance = [&](const Point3& point) { return length(difference(point, place)); };
-        const auto nearest = std::ranges::min_element(points, {}, distance);
-        const auto number = static_cast<Index>(nearest - points.begin());
-        // From farther away, rounding makes all points equally near. If all points are at one
-        // place, they are equally near from anywhere, and the first is pulled.
-        constexpr double kFarthest = 1e8;
-        if (const double size = BoundingBox(points).diagonal();
-            size > 0 && distance(*nearest) > kFarthest * size)
-            throw Error(fmt::format(
-                "--pull {} {} {}: the place is more than 1e8 times the size of the "
-                "model ({:.4g}) away from it, so that all points are equally near; give "
-                "a place near the point to pull",
-                x, y, z, size));
-        for (const io::Target& target : pointTargets.targets)
-            if (target.point == number)
-                throw Error(
-                    fmt::format("--pull {} {} {}: the nearest point is {}, which has a "
-                                "target already",
-                                x, y, z, number));
-        pointTargets.add(*nearest,
-                         {number, {(*nearest)[0] + dx, (*nearest)[1] + dy, (*nearest)[2] + dz}, 0});
-        if (!options.common.quiet && options.report == ReportFormat::Text)
-            fmt::print("pulled                point {} at {:.6g} {:.6g} {:.6g}\n", number,
-                       (*nearest)[0], (*nearest)[1], (*nearest)[2]);
+    for (const auto& [x, y, z, dx, dy, dz] : options.pulls)
+        addPull(options, "--pull", {x, y, z}, {dx, dy, dz}, points, pointTargets);
+    for (const Point3& place : options.pins) {
+        pointTargets.pins.push_back(static_cast<Index>(pointTargets.targets.size()));
+        addPull(options, "--pin", place, {0, 0, 0}, points, pointTargets);
     }
 }
 
@@ -289,12 +313,30 @@ std::vector<Index> carriedTargets(const FitCommandOptions& options, const bind::
     return carried;
 }
 
+/// The result of a fit, of one of the two kinds.
+struct FitResult {
+    solve::LatticeFit fit;
+    Index fixedCount = 0;           ///< the vertices that a pull that bends keeps in place
+    std::optional<int> iterations;  ///< of a pull that bends
+};
+
 /// Fits the lattice. An error in a target names its point, and the file and line of the target.
-solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRows& rows,
-                                   const PointTargets& pointTargets, const Lattice& lattice,
-                                   const solve::FitOptions& fitOptions) {
+FitResult fitNamingTargets(const FitCommandOptions& options, const FitRows& rows,
+                           const PointTargets& pointTargets, const Lattice& lattice,
+                           const solve::FitOptions& fitOptions) {
     try {
-        return solve::fitLattice(rows.ofTargets, pointTargets.misses, lattice.complex, fitOptions);
+        if (!options.bends())
+            return {
+                solve::fitLattice(rows.ofTargets, pointTargets.misses, lattice.complex, fitOptions),
+                0,
+                {}};
+        solve::RigidPullOptions pull{.frozen = fitOptions.frozen, .pins = pointTargets.pins};
+        if (options.reach) pull.reach = *options.reach;
+        const solve::RigidPull rigid(lattice.complex, lattice.positions, rows.ofTargets, pull);
+        const auto pose = rigid.solve(pointTargets.misses);
+        return {{pose.displacements, pose.largestMiss, pose.rmsMiss, 1},
+                static_cast<Index>(rigid.fixedVertices().size()),
+                pose.iterations};
     } catch (const solve::TargetError& error) {
         const io::Target& target = pointTargets.targets[error.row()];
         throwOfTarget(options, target.line,
@@ -365,12 +407,13 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
 
 /// \param leftOut number of targets that carriedTargets() leaves out
 void printFit(const FitCommandOptions& options, const PointTargets& pointTargets,
-              std::size_t leftOut, std::size_t heldCount, const solve::LatticeFit& fit) {
+              std::size_t leftOut, std::size_t heldCount, const FitResult& result) {
+    const solve::LatticeFit& fit = result.fit;
     double largest = 0;
     for (const Point3& displacement : fit.displacements)
         largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
     if (options.report == ReportFormat::Json) {
-        const OrderedJson json = {
+        OrderedJson json = {
             {"targets", pointTargets.targets.size()},
             {"left_out", leftOut},
             {"held_vertices", heldCount},
@@ -379,6 +422,11 @@ void printFit(const FitCommandOptions& options, const PointTargets& pointTargets
             {"largest_displacement", largest},
             // JSON has no infinity.
             {"condition", std::isinf(fit.condition) ? OrderedJson() : OrderedJson(fit.condition)}};
+        if (result.iterations) {
+            json.erase("condition");
+            json["fixed_vertices"] = result.fixedCount;
+            json["iterations"] = *result.iterations;
+        }
         fmt::print("{}\n", json.dump(2));
         return;
     }
@@ -390,7 +438,12 @@ void printFit(const FitCommandOptions& options, const PointTargets& pointTargets
     fmt::print("largest distance      {:.3g} from a target\n", fit.largestMiss);
     fmt::print("root mean square      {:.3g} of these distances\n", fit.rmsMiss);
     fmt::print("largest displacement  {:.3g} of a lattice vertex\n", largest);
-    if (std::isinf(fit.condition))
+    if (result.iterations)
+        fmt::print(
+            "rigid cells           {} iterations; {} of {} vertices stay; --reach keeps more or "
+            "fewer\n",
+            *result.iterations, result.fixedCount, fit.displacements.size());
+    else if (std::isinf(fit.condition))
         fmt::print(
             "undetermined          the targets leave vertices free, which move as little as "
             "possible; --smoothing chooses otherwise\n");
@@ -423,14 +476,16 @@ void runFit(const FitCommandOptions& options) {
     fitOptions.frozen = frozenVertices(options, held, lattice);
     fitOptions.smoothing = options.smoothing.value_or(
         options.pulls.empty() ? solve::Smoothing::None : solve::Smoothing::Tikhonov);
-    const auto fit = stages.run("solving", [&] {
+    const auto result = stages.run("solving", [&] {
         return fitNamingTargets(options, rows, pointTargets, lattice, fitOptions);
     });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];
+        for (std::size_t c = 0; c < 3; ++c)
+            lattice.positions[v][c] += result.fit.displacements[v][c];
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
     if (!options.common.quiet)
-        printFit(options, pointTargets, readCount - pointTargets.targets.size(), held.size(), fit);
+        printFit(options, pointTargets, readCount - pointTargets.targets.size(), held.size(),
+                 result);
     warnOfPointsOutside(rows.binding, options.common);
 }
 
@@ -451,19 +506,49 @@ void addFitCommand(CLI::App& program) {
             [&pulls = options.pulls](const std::vector<double>& numbers) {
                 std::ranges::copy(numbers, pulls.emplace_back().begin());
             },
-            "Pull the point of the model that is nearest to X Y Z by DX DY DZ. May be given "
-            "several times")
+            "Pull the point of the model that is nearest to X Y Z by DX DY DZ. The cells of the "
+            "lattice stay as rigid as they can: a pulled hand bends its arm. May be given several "
+            "times")
         ->type_size(6)
         ->expected(1)
         ->delimiter(',')
         ->check(isNumberOf("the numbers X Y Z DX DY DZ"))
         ->type_name("X Y Z DX DY DZ")
         ->trigger_on_parse();
+    command
+        .add_option_function<std::vector<double>>(
+            "--pin",
+            [&pins = options.pins](const std::vector<double>& numbers) {
+                std::ranges::copy(numbers, pins.emplace_back().begin());
+            },
+            "Keep the point of the model that is nearest to X Y Z in place. May be given several "
+            "times")
+        ->type_size(3)
+        ->expected(1)
+        ->delimiter(',')
+        ->check(isNumberOf("the numbers X Y Z"))
+        ->type_name("X Y Z")
+        ->trigger_on_parse();
+    CLI::Option* const reach =
+        command
+            .add_option("--reach", options.reach,
+                        "How far a pull reaches: vertices farther from all pulls along the cells "
+                        "than this part of the farthest one's distance stay. At 1, all may move")
+            ->check(inRange(0, 1))
+            ->default_str("0.5");
+    CLI::Option* const stiff =
+        command.add_flag("--stiff", options.isStiff,
+                         "Pull stiffly: without bending. The vertices move as little as possible, "
+                         "each for itself, as with --smoothing tikhonov");
+    stiff->needs(command.get_option("--pull"));
+    reach->needs(command.get_option("--pull"))->excludes(stiff);
+    reach->excludes(command.get_option("--targets"));
     addBindingOptions(command, options);
     addChoice<solve::Smoothing>(command, "--smoothing", options.smoothing, solve::kSmoothingWords,
                                 "The second aim of the fit, for the displacements of the lattice. "
-                                "tikhonov: small ones; laplacian: like the neighbours' ones",
-                                "none, but tikhonov with --pull");
+                                "tikhonov: small ones; laplacian: like the neighbours' ones. Pulls "
+                                "then move vertices each for itself, as with --stiff",
+                                "none, but tikhonov with --stiff");
     command
         .add_option("--strength", options.fit.strength,
                     "Weight of the smoothing against the targets")
@@ -478,6 +563,10 @@ void addFitCommand(CLI::App& program) {
         command, "--undetermined", options.fit.undetermined, solve::kUndeterminedWords,
         "If the targets do not determine all vertices. smallest: take the "
         "smallest displacements; refuse: that is an error");
+    for (const char* name : {"--smoothing", "--strength", "--undetermined"}) {
+        reach->excludes(command.get_option(name));
+        options.ofLeastMovement.push_back(command.get_option(name));
+    }
     addOutputOption(command, options.output, "The pose: " + filesToWrite(io::FileContent::Lattice))
         ->required();
     addStrictOption(command, options.common);

@@ -23,9 +23,10 @@ class Fit(CliTest):
                          "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
 
     def fit(self, targets, *options, out="pose.ovm"):
-        return json.loads(self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets",
-                                           targets, *options, "-n", 2, "--report", "json",
-                                           "-o", out).stdout)
+        """Returns the report of a fit to targets, or by pulls if there are none."""
+        some = [] if targets is None else ["--targets", targets]
+        return json.loads(self.run_program("fit", "model.obj", "--rest", "rest.ovm", *some, *options, "-n", 2,
+                                           "--report", "json", "-o", out).stdout)
 
     def error_of_fit(self, targets, *options, code=1):
         text = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", targets,
@@ -52,11 +53,22 @@ class Fit(CliTest):
         out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--pull", 0.9, 0.5, 0.5,
                                0.1, -0.2, 0, "-n", 2, "-o", "pose.ovm").stdout
         self.assertRegex(out, rf"^pulled +point {nearest} at ")
+        self.assertRegex(out, r"rigid cells +\d+ iterations; \d+ of \d+ vertices stay")
+        self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
+        moved = self.read_points("moved.obj")
+        x, y, z = self.points[nearest]
+        self.assert_close([moved[nearest]], [(x + 0.1, y - 0.2, z)], 1e-6)
+        # The least movement of vertices, as the fit of targets with tikhonov.
+        out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--pull", 0.9, 0.5, 0.5,
+                               0.1, -0.2, 0, "--stiff", "-n", 2, "-o", "pose.ovm").stdout
         # The smoothing determines all vertices.
         self.assertRegex(out, r"condition number +[0-9.]+(e\+\d+)?\n")
         self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
-        x, y, z = self.points[nearest]
+        stiff = (self.path / "pose.ovm").read_bytes()
+        self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--pull", 0.9, 0.5, 0.5, 0.1, -0.2, 0,
+                         "--smoothing", "tikhonov", "-n", 2, "-o", "pose.ovm")
+        self.assertEqual((self.path / "pose.ovm").read_bytes(), stiff)
         # The weight of the smoothing is 1e-6 of the targets' and more where a row is small.
         self.assert_close([moved[nearest]], [(x + 0.1, y - 0.2, z)], 1e-4)
         # With commas, and with targets for other points.
@@ -64,6 +76,34 @@ class Fit(CliTest):
         report = self.fit("t.txt", "--pull=0.9,0.5,0.5,0.1,-0.2,0")
         self.assertEqual(report["targets"], 2)
         self.assertIsNotNone(report["condition"])
+
+    def test_pulls_and_pins_keep_cells_rigid(self):
+        # One point carries the lattice along if all vertices may move.
+        report = self.fit(None, "--pull", 0.9, 0.5, 0.5, 0.1, -0.2, 0.3, "--reach", 1)
+        self.assertEqual(report["fixed_vertices"], 0)
+        self.assertNotIn("condition", report)
+        self.assert_close(self.read_ovm_positions("pose.ovm"),
+                          [(x + 0.1, y - 0.2, z + 0.3) for x, y, z in self.read_ovm_positions("rest.ovm")], 1e-9)
+        # Pinned points stay, and frozen vertices do.
+        near = min(range(400), key=lambda i: math.dist(self.points[i], (0.1, 0.5, 0.5)))
+        report = self.fit(None, "--pull", 0.9, 0.5, 0.5, 0.1, -0.2, 0, "--pin", 0.1, 0.5, 0.5, "--reach", 1,
+                          "--freeze", 0)
+        self.assertEqual((report["targets"], report["fixed_vertices"]), (2, 1))
+        self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
+        self.assert_close([self.read_points("moved.obj")[near]], [self.points[near]], 1e-6)
+        self.assertEqual(self.read_ovm_positions("pose.ovm")[0], self.read_ovm_positions("rest.ovm")[0])
+        pull = ["--pull", 0.9, 0.5, 0.5, 0.1, 0, 0]
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
+        for options, message in [
+                ([*pull, "--reach", 2], "--reach"), ([*pull, "--reach", 0.5, "--stiff"], "--reach"),
+                (["--targets", "t.txt", "--stiff"], "--stiff"), (["--targets", "t.txt", "--reach", 1], "--reach"),
+                ([*pull, "--reach", 1, "--smoothing", "laplacian"], "--reach"),
+                ([*pull, "--pin", 1, 2], "--pin: expected the numbers X Y Z")]:
+            with self.subTest(options):
+                self.assertIn(message, self.error_of("fit", "model.obj", "--rest", "rest.ovm", *options, "-o",
+                                                     "p.ovm", code=2))
+        self.assertRegex(self.error_of("fit", "model.obj", "--rest", "rest.ovm", *pull, "--pin", 0.9, 0.5, 0.5, "-o",
+                                       "p.ovm"), r"--pin 0.9 0.5 0.5: the nearest point is \d+, which has a target")
 
     def test_a_pull_from_far_away_is_refused(self):
         # From 1e16 sizes away, the distances of all points are equal: the difference is rounded away.
