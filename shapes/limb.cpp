@@ -17,6 +17,9 @@
 namespace espalier::shapes {
 namespace {
 
+/// Rounding of distances and of sums of volumes in a lattice of size 1.
+constexpr double kEqual = 1e-9;
+
 /// Returns the positions in a box of size 1 or less, so that volumes do not vanish or overflow.
 std::vector<Point3> nearOne(std::span<const Point3> positions) {
     const BoundingBox box(positions);
@@ -65,8 +68,6 @@ struct Part {
 /// Returns the parts that end between cells of different distances. The last one has all cells.
 std::vector<Part> partsOf(const far::CellComplex& complex, std::span<const Point3> positions,
                           std::span<const Reached> reached) {
-    // Rounding of the distances in a lattice of size 1.
-    constexpr double kEqual = 1e-9;
     std::vector<char> isInside(complex.count(3), 0);
     std::vector<Part> parts;
     double area = 0, volume = 0;
@@ -94,8 +95,8 @@ std::vector<Part> partsOf(const far::CellComplex& complex, std::span<const Point
 const Part* widestOpening(std::span<const Part> parts, double part) {
     const Part* best = nullptr;
     for (const Part& each : parts)
-        if (each.volume <= part * parts.back().volume && each.count < parts.back().count &&
-            (best == nullptr || each.opening > best->opening))
+        if (each.volume <= part * (1 + kEqual) * parts.back().volume &&
+            each.count < parts.back().count && (best == nullptr || each.opening > best->opening))
             best = &each;
     return best;
 }
@@ -159,23 +160,26 @@ Limb selectLimb(const far::CellComplex& complex, std::span<const Point3> positio
     const Point3 place = scaled(difference(point, box.min), diagonal > 0 ? 1 / diagonal : 1);
     const auto reached = cellsInOrder(complex, all, place);
     auto parts = partsOf(complex, all, reached);
-    for (std::size_t k = 0; k < parts.size(); ++k) {
+    const double half = parts.empty() ? 0 : 0.5 * (1 + kEqual) * parts.back().volume;
+    for (Part& part : parts) {
         checkCancelled();
-        for (std::size_t j = k + 1; j < parts.size() && parts[j].width >= parts[k].width; ++j)
-            if (parts[k].width > 0)
-                parts[k].opening = std::max(parts[k].opening, parts[j].width / parts[k].width);
+        for (const Part& later : std::span(parts).subspan(&part - parts.data())) {
+            if (later.width < part.width && later.volume <= half) break;
+            if (part.width > 0) part.opening = std::max(part.opening, later.width / part.width);
+        }
     }
-    constexpr double kOpens = 1.5;
-    const Part* chosen = nullptr;
-    for (const double part : {1.0 / 3, 0.5})
-        if (chosen == nullptr || !(chosen->opening >= kOpens)) chosen = widestOpening(parts, part);
-    if (chosen == nullptr || !(chosen->opening >= kOpens))
-        throw Error(
-            concat("the lattice has no limb at ", textOf(point),
-                   ": no section between there and the rest is narrow (the widest opening is ",
-                   chosen == nullptr ? 1.0 : std::round(100 * chosen->opening) / 100,
-                   "; expected 1.5 or more); select a ball, the vertices near the point, or those "
-                   "beyond a face"));
+    const Part *chosen = nullptr, *widest = nullptr;
+    for (const auto& [part, opens] : {std::pair(1.0 / 3, 1.5), std::pair(0.5, 2.0)}) {
+        widest = widestOpening(parts, part);
+        if (chosen == nullptr && widest != nullptr && widest->opening >= opens) chosen = widest;
+    }
+    if (chosen == nullptr)
+        throw Error(concat(
+            "the lattice has no limb at ", textOf(point),
+            ": no section between there and the rest is narrow (the widest opening is ",
+            widest == nullptr ? 1.0 : std::round(100 * widest->opening) / 100,
+            "; expected 1.5 or more in a third of the lattice, or 2 in a half); select a ball, the "
+            "vertices near the point, or those beyond a face"));
     std::vector<Index> cells;
     for (std::size_t i = 0; i < chosen->count; ++i) cells.push_back(reached[i].cell);
     return limbOf(complex, positions, std::move(cells), chosen->opening);
@@ -193,8 +197,6 @@ Limb selectBeyond(const far::CellComplex& complex, std::span<const Point3> posit
     const auto all = nearOne(positions);
     const auto [low, high] = std::minmax(cells[0], cells[1]);
     Side first = sideOf(complex, all, face, low), second = sideOf(complex, all, face, high);
-    // Rounding of sums of volumes.
-    constexpr double kEqual = 1e-9;
     const bool isSecond = second.volume < first.volume * (1 - kEqual);
     return limbOf(complex, positions, std::move(isSecond ? second.cells : first.cells), 1);
 }

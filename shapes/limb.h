@@ -42,13 +42,15 @@ struct Limb {
 /// The width of the section of k is A(k) / V(k)^(2/3). It falls along a limb, because the volume
 /// grows and the area does not; it stays about the same for a ball that grows in a body; it rises
 /// where a limb opens into a body. The *opening* of the section of k is the largest ratio of the
-/// width of a later section to its own, among the sections before the next narrower one. The limb
-/// is the part with the largest opening among the parts of at most a third of the volume; of at
-/// most a half, if no opening of the former is 1.5. So a foot selects the leg, not all up to the
-/// waist. Of equal openings, the smaller part counts.
+/// width of a later section to its own, among the sections before the next narrower one with at
+/// most half of the volume. The limb
+/// is the part with the largest opening among the parts of at most a third of the volume, if this
+/// opening is 1.5 or more: so a foot selects the leg, not all up to the waist. Otherwise it is the
+/// part with the largest opening among those of at most a half, if this opening is 2 or more. Of
+/// equal openings, the smaller part counts.
 ///
 /// \param point in the coordinates of the positions; finite; inside or outside the lattice
-/// \throws Error also if no section opens by 1.5: boxes, balls, rods and tubes have no limbs
+/// \throws Error also if no section opens so far: boxes, balls, rods and tubes have no limbs
 /// \cost O(faces + n log n) for n = Σ (vertices of a cell)², and O(cells²) for the openings
 ESPALIER_API Limb selectLimb(const far::CellComplex& complex, std::span<const Point3> positions,
                              const Point3& point);

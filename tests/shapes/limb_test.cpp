@@ -87,16 +87,19 @@ std::vector<Index> slowLimb(const Lattice& lattice, const Point3& point) {
         double best = 0;
         std::vector<Index> cells;
         for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-            if (cuts[k].volume > part * cuts.back().volume) continue;
+            if (cuts[k].volume > part * cuts.back().volume * 1.000001) continue;
             double widest = cuts[k].width;
-            for (std::size_t j = k; j < cuts.size() && cuts[j].width >= cuts[k].width; ++j)
+            for (std::size_t j = k; j < cuts.size(); ++j) {
+                if (cuts[j].width < cuts[k].width && cuts[j].volume < cuts.back().volume * 0.500001)
+                    break;
                 widest = std::max(widest, cuts[j].width);
+            }
             if (widest / cuts[k].width > best) {
                 best = widest / cuts[k].width;
                 cells.assign(cuts[k].cells.begin(), cuts[k].cells.end());
             }
         }
-        if (best >= 1.5) return cells;
+        if (best >= (part < 0.4 ? 1.5 : 2)) return cells;
     }
     return {};
 }
@@ -151,9 +154,18 @@ TEST(Limb, ConvexLatticesHaveNone) {
             EXPECT_REFUSED(Error, "the lattice has no limb at", limbOf(lattice, position));
     EXPECT_MESSAGE(
         "the lattice has no limb at (0, 0, 0): no section between there and the rest is narrow "
-        "(the widest opening is 1; expected 1.5 or more); select a ball, the vertices near the "
-        "point, or those beyond a face",
+        "(the widest opening is 1; expected 1.5 or more in a third of the lattice, or 2 in a "
+        "half); "
+        "select a ball, the vertices near the point, or those beyond a face",
         limbOf(box(), {0, 0, 0}));
+}
+
+// Beyond the middle of the bar, the part would have more than half of the volume.
+TEST(Limb, IsHalfABarbell) {
+    const Lattice lattice = cubes(
+        {10, 3, 3}, [](int x, int y, int z) { return x < 3 || x >= 7 || (y == 1 && z == 1); });
+    EXPECT_EQ(limbOf(lattice, {0, 1.5, 1.5}).cells, cellsIn(lattice, {0, 0, 0}, {5, 3, 3}));
+    EXPECT_EQ(limbOf(lattice, {10, 1.5, 1.5}).cells, cellsIn(lattice, {5, 0, 0}, {10, 3, 3}));
 }
 
 // Cells that are not joined to the limb do not matter.
@@ -186,6 +198,8 @@ TEST(Limb, RefusesBadInput) {
     const auto& [complex, positions] = std::tie(lattice.complex, lattice.positions);
     EXPECT_REFUSED(Error, "selectLimb: point: expected finite numbers, got (nan, 0, 0)",
                    selectLimb(complex, positions, {kNan, 0, 0}));
+    EXPECT_REFUSED(Error, "the lattice has no limb at (0, 0, 0)",
+                   selectLimb(complex, std::vector<Point3>(positions.size()), {0, 0, 0}));
     EXPECT_REFUSED(Error, "selectLimb: got 2 positions for",
                    selectLimb(complex, std::vector<Point3>(2), {0, 0, 0}));
     EXPECT_REFUSED(Error, "selectBeyond: face: expected 0 to ",
